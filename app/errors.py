@@ -7,7 +7,8 @@ import asyncio
 from typing import ClassVar
 
 from catseye.app.exitcode import ExitCode
-from catseye.calibration.errors import BudgetError, CalibrationError, MapRangeError, OutOfReachError
+from catseye.calibration.core.errors import BudgetError, CalibrationError
+from catseye.calibration.scara.errors import MapRangeError, OutOfReachError
 from catseye.drivers.roles.errors import AlarmError, DeviceError, NotArrivedError, NotReadyError, ProfileError
 from catseye.procedures.kit.errors import PlanError, PlanLimitError, ProcedureError
 from catseye.simulators.errors import EmulatorError

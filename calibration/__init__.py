@@ -8,31 +8,29 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from catseye.calibration.comparison import Comparison, compare
-    from catseye.calibration.compensation import Compensation, compensate
-    from catseye.calibration.design.criteria import Criterion
-    from catseye.calibration.design.exchange import Pool, exchange, greedy_start
-    from catseye.calibration.design.information import Study
-    from catseye.calibration.design.sight import Rules, Way, sight_of
-    from catseye.calibration.diagnostics.diagnosis import Diagnosis, diagnose
-    from catseye.calibration.diagnostics.problem import Problem
-    from catseye.calibration.diagnostics.rejection import reject
-    from catseye.calibration.diagnostics.robust import robust_fit
-    from catseye.calibration.error_map import BidirectionalMap
-    from catseye.calibration.errors import CalibrationError
-    from catseye.calibration.extension import Term, crosstalk, j4_map, periodic, thermal_drift
-    from catseye.calibration.identification import Identification, IdentifiedArm, identify
-    from catseye.calibration.kinematics import forward, inverse
-    from catseye.calibration.points import Commands, Points
-    from catseye.calibration.prediction import Prediction, predict
-    from catseye.calibration.scans.scan_identification import identify_scan
-    from catseye.calibration.scans.source import SlicedPoints
+    from catseye.calibration.core.coverage import coverage_factor, shortest_interval, symmetric_interval
+    from catseye.calibration.core.design.exchange import Pool, exchange, greedy_start
+    from catseye.calibration.core.errors import CalibrationError
+    from catseye.calibration.scara.budget import Budget, Contributor
+    from catseye.calibration.scara.comparison import Comparison, compare
+    from catseye.calibration.scara.compensation import Compensation, compensate
+    from catseye.calibration.scara.design.criterion import Criterion
+    from catseye.calibration.scara.design.sight import Rules, Way, sight_of
+    from catseye.calibration.scara.design.study import Study
+    from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
+    from catseye.calibration.scara.diagnostics.problem import Problem
+    from catseye.calibration.scara.diagnostics.rejection import reject
+    from catseye.calibration.scara.diagnostics.robust import robust_fit
+    from catseye.calibration.scara.error_map import BidirectionalMap
+    from catseye.calibration.scara.extension import Term, crosstalk, j4_map, periodic, thermal_drift
+    from catseye.calibration.scara.identification import Identification, IdentifiedArm, identify
+    from catseye.calibration.scara.planar import forward, inverse
+    from catseye.calibration.scara.points import Commands, Points
+    from catseye.calibration.scara.prediction import Prediction, predict
+    from catseye.calibration.scara.scans.scan_identification import identify_scan
+    from catseye.calibration.scara.scans.source import SlicedPoints
+    from catseye.calibration.scara.uncertainty import contributions, draw_estimates
     from catseye.calibration.standards.iso230_2 import positioning, systematic_of_map
-    from catseye.calibration.uncertainty.arm_draws import draw_estimates
-    from catseye.calibration.uncertainty.budget import Budget, Contributor
-    from catseye.calibration.uncertainty.contributions import contributions
-    from catseye.calibration.uncertainty.coverage import shortest_interval, symmetric_interval
-    from catseye.calibration.uncertainty.gum import coverage_factor
 
 __all__ = [
     "BidirectionalMap",
@@ -82,50 +80,50 @@ __all__ = [
 ]
 
 _HOMES = {
-    "BidirectionalMap": "error_map",
-    "Budget": "uncertainty.budget",
-    "CalibrationError": "errors",
-    "Commands": "points",
-    "Comparison": "comparison",
-    "Compensation": "compensation",
-    "Contributor": "uncertainty.budget",
-    "Criterion": "design.criteria",
-    "Diagnosis": "diagnostics.diagnosis",
-    "Identification": "identification",
-    "IdentifiedArm": "identification",
-    "Points": "points",
-    "Pool": "design.exchange",
-    "Prediction": "prediction",
-    "Problem": "diagnostics.problem",
-    "Rules": "design.sight",
-    "SlicedPoints": "scans.source",
-    "Study": "design.information",
-    "Term": "extension",
-    "Way": "design.sight",
-    "compare": "comparison",
-    "compensate": "compensation",
-    "contributions": "uncertainty.contributions",
-    "coverage_factor": "uncertainty.gum",
-    "crosstalk": "extension",
-    "diagnose": "diagnostics.diagnosis",
-    "draw_estimates": "uncertainty.arm_draws",
-    "exchange": "design.exchange",
-    "forward": "kinematics",
-    "greedy_start": "design.exchange",
-    "identify": "identification",
-    "identify_scan": "scans.scan_identification",
-    "inverse": "kinematics",
-    "j4_map": "extension",
-    "periodic": "extension",
+    "BidirectionalMap": "scara.error_map",
+    "Budget": "scara.budget",
+    "CalibrationError": "core.errors",
+    "Commands": "scara.points",
+    "Comparison": "scara.comparison",
+    "Compensation": "scara.compensation",
+    "Contributor": "scara.budget",
+    "Criterion": "scara.design.criterion",
+    "Diagnosis": "scara.diagnostics.diagnosis",
+    "Identification": "scara.identification",
+    "IdentifiedArm": "scara.identification",
+    "Points": "scara.points",
+    "Pool": "core.design.exchange",
+    "Prediction": "scara.prediction",
+    "Problem": "scara.diagnostics.problem",
+    "Rules": "scara.design.sight",
+    "SlicedPoints": "scara.scans.source",
+    "Study": "scara.design.study",
+    "Term": "scara.extension",
+    "Way": "scara.design.sight",
+    "compare": "scara.comparison",
+    "compensate": "scara.compensation",
+    "contributions": "scara.uncertainty",
+    "coverage_factor": "core.coverage",
+    "crosstalk": "scara.extension",
+    "diagnose": "scara.diagnostics.diagnosis",
+    "draw_estimates": "scara.uncertainty",
+    "exchange": "core.design.exchange",
+    "forward": "scara.planar",
+    "greedy_start": "core.design.exchange",
+    "identify": "scara.identification",
+    "identify_scan": "scara.scans.scan_identification",
+    "inverse": "scara.planar",
+    "j4_map": "scara.extension",
+    "periodic": "scara.extension",
     "positioning": "standards.iso230_2",
-    "predict": "prediction",
-    "reject": "diagnostics.rejection",
-    "robust_fit": "diagnostics.robust",
-    "shortest_interval": "uncertainty.coverage",
-    "sight_of": "design.sight",
-    "symmetric_interval": "uncertainty.coverage",
+    "predict": "scara.prediction",
+    "reject": "scara.diagnostics.rejection",
+    "robust_fit": "scara.diagnostics.robust",
+    "shortest_interval": "core.coverage",
+    "sight_of": "scara.design.sight",
+    "symmetric_interval": "core.coverage",
     "systematic_of_map": "standards.iso230_2",
-    "thermal_drift": "extension",
+    "thermal_drift": "scara.extension",
 }
 """Module of each public name."""
 

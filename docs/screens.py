@@ -9,7 +9,8 @@ from typing import Any, Final
 
 from textual.pilot import Pilot
 
-from catseye.app.emulation import emulator_process
+from catseye.app.protocol.requests import Start
+from catseye.app.service.emulation import emulator_process
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.link import EngineLink
 from catseye.app.tui.session import Session
@@ -41,9 +42,9 @@ async def _visit(folder: Path, cell: Path) -> None:
     link = EngineLink(root, cell, clock)
     app = CatseyeApp(Session(link, Commands(), root, cell, clock.monotonic_s, _SPEED))
     async with app.run_test(size=_SIZE) as pilot:
-        picture = link.picture
-        await _until(pilot, lambda: bool(picture.bench and picture.bench.get("robot")))
-        await _run(app, pilot, "reflector-search", lambda: picture.run is not None and not picture.running)
+        engine = link.engine
+        await _until(pilot, lambda: engine.robot is not None)
+        await _run(app, pilot, "reflector-search", lambda: engine.run is not None and not engine.running)
         await pilot.pause(_STRIP_S)
         await _take(app, pilot, "bench", "bench")
         app.action_go("procedures")
@@ -52,7 +53,7 @@ async def _visit(folder: Path, cell: Path) -> None:
         await _run(app, pilot, "open-loop", lambda: _share(app) > 0.5)
         await _take(app, pilot, "run", "run")
         await _take(app, pilot, "terminal", "terminal")
-        await _until(pilot, lambda: not picture.running)
+        await _until(pilot, lambda: not engine.running)
         await _take(app, pilot, "runs", "runs")
         await _jog(app, pilot)
         await _results(app, pilot, folder)
@@ -61,19 +62,19 @@ async def _visit(folder: Path, cell: Path) -> None:
 
 
 async def _jog(app: CatseyeApp, pilot: Pilot[Any]) -> None:
-    picture = app.session.link.picture
+    engine = app.session.link.engine
     app.action_go("jog")
     await pilot.pause(2.0)
     await pilot.press("f8")
-    await _until(pilot, lambda: picture.jogging)
+    await _until(pilot, lambda: engine.jogging)
     await pilot.pause(_STRIP_S)
     await _take(app, pilot, "jog", "jog")
     await pilot.press("escape")
-    await _until(pilot, lambda: not picture.jogging)
+    await _until(pilot, lambda: not engine.jogging)
 
 
 async def _results(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> None:
-    run = app.session.link.picture.run
+    run = app.session.link.engine.run
     if run is None:
         raise RuntimeError("no run was seen")
     root = app.session.root
@@ -97,18 +98,18 @@ async def _wizard(app: CatseyeApp, pilot: Pilot[Any]) -> None:
 
 async def _run(app: CatseyeApp, pilot: Pilot[Any], procedure: str, ready: Callable[[], bool]) -> None:
     link = app.session.link
-    before = link.picture.run
-    await link.request("control", take=True)
-    await link.request("start", procedure=procedure, speed=_SPEED)
-    await _until(pilot, lambda: link.picture.run is not before and ready())
+    before = link.engine.run
+    await app.session.take_free_control()
+    await link.request(Start(procedure=procedure, speed=_SPEED))
+    await _until(pilot, lambda: link.engine.run is not before and ready())
 
 
 def _share(app: CatseyeApp) -> float:
     """Return how much of the run under way is done."""
-    run = app.session.link.picture.run
+    run = app.session.link.engine.run
     if run is None or run.progress is None:
         return 0.0
-    return float(run.progress["done"]) / float(run.progress["total"])
+    return run.progress.share
 
 
 async def _take(app: CatseyeApp, pilot: Pilot[Any], place: str, name: str) -> None:

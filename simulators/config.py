@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-Joints = tuple[float, float, float, float]
-"""J1 deg, J2 deg, J3 mm, J4 deg."""
+Joints = tuple[float, ...]
+"""One value a joint of the arm: deg for a rotary joint, mm for a linear one."""
 
 Range = tuple[float, float]
 """Lowest and highest permitted value."""
@@ -19,7 +19,7 @@ class ReflectorPlace:
         name: its name.
         x_mm: rough place in the robot's frame, mm.
         y_mm: rough place in the robot's frame, mm.
-        facing_deg: world direction of the axis of its field; None: towards the J1 axis.
+        facing_deg: world direction of the axis of its field; None: towards the first axis of the arm.
     """
 
     name: str
@@ -36,10 +36,9 @@ class ErrorBudget:
     motions, wavelength, correction, environment); the others are assumptions of this emulation.
 
     Attributes:
-        repeatability_um: robot repeatability, standard deviation of x and of y at each arrival of J1 or J2.
-        radial_j1_um: radial error motion of J1, rms of x and of y.
-        radial_j2_um: the same for J2, in the frame of link 1.
-        radial_j4_um: the same for J4, in the frame of link 2.
+        repeatability_um: robot repeatability, standard deviation of x and of y at each arrival.
+        radial_um: radial error motion of each rotary axis from the base outwards, rms of x and of y in the frame of
+            the link that carries the axis.
         wavelength_um: accuracy of the wavelength, as an error at 0.7 m; acts as a scale.
         correction_um: accuracy of the air's correction, as an error at 0.7 m; acts as a scale.
         environment_um: rms of the slow drift of the reading with bench time.
@@ -54,9 +53,7 @@ class ErrorBudget:
     """
 
     repeatability_um: float = 10.0
-    radial_j1_um: float = 5.0
-    radial_j2_um: float = 5.0
-    radial_j4_um: float = 10.0
+    radial_um: tuple[float, ...] = (5.0, 5.0, 10.0)
     wavelength_um: float = 0.04
     correction_um: float = 0.19
     environment_um: float = 0.09
@@ -72,7 +69,7 @@ class ErrorBudget:
     @classmethod
     def none(cls) -> "ErrorBudget":
         """Return a bench without any error but those of the arm's links, maps and play."""
-        return cls(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, thermal_k=0.0, vibration_um=0.0)
+        return cls(0.0, (0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, thermal_k=0.0, vibration_um=0.0)
 
 
 @dataclass(frozen=True)
@@ -80,19 +77,32 @@ class ArmDynamics:
     """How fast the arm moves; none of these figures is confirmed by a catalogue.
 
     Attributes:
-        max_speed: largest speed at 100 % override: deg/s, deg/s, mm/s, deg/s (melfa sheet, section 5.1,
-            marked unverified there).
-        max_acceleration: deg/s², deg/s², mm/s², deg/s²; an assumption; the override does not lower it.
+        max_speed: largest speed of each joint at 100 % override, deg/s or mm/s (melfa sheet, section 5.1, marked
+            unverified there).
+        max_acceleration: of each joint, deg/s² or mm/s²; an assumption; the override does not lower it.
         reversal_travel_deg: smallest command travel over which a joint changes from one flank to the other.
-        j4_backlash_mdeg: width of J4's play; an assumption within its repeatability of 4 mdeg.
         servo_delay_s: bench time from "servo on" until the drives hold.
     """
 
     max_speed: Joints = (420.0, 720.0, 1100.0, 3000.0)
     max_acceleration: Joints = (2000.0, 4000.0, 8000.0, 15000.0)
     reversal_travel_deg: float = 0.05
-    j4_backlash_mdeg: float = 3.0
     servo_delay_s: float = 1.0
+
+
+@dataclass(frozen=True)
+class Scara:
+    """A SCARA as its catalogue has it.
+
+    Attributes:
+        link1_mm: nominal length of link 1, mm.
+        link2_mm: nominal length of link 2, mm.
+        j4_backlash_mdeg: width of J4's play; an assumption within its repeatability of 4 mdeg.
+    """
+
+    link1_mm: float = 325.0
+    link2_mm: float = 225.0
+    j4_backlash_mdeg: float = 3.0
 
 
 @dataclass(frozen=True)
@@ -102,7 +112,7 @@ class Screws:
     Attributes:
         stage_mm_per_turn: how far a turn moves the beam to its left; negative: to its right.
         level_mrad_per_turn: how far a turn tilts the beam upwards; negative: downwards.
-        level_lever_mm: distance of the tilt's pivot behind the J4 axis: a tilted beam is a little higher there.
+        level_lever_mm: distance of the tilt's pivot behind the last axis: a tilted beam is a little higher there.
         setting_turns: standard deviation with which a hand sets a turn.
         play_turns: what is lost when the sense of turning changes.
     """
@@ -155,7 +165,7 @@ class EmulatedDevice:
 
     Attributes:
         name: of the device; a device with several endpoints, like the robot, stands here several times.
-        protocol: what it speaks, a name of `catseye.simulators.protocols.PROTOCOLS`.
+        protocol: what it speaks, a name of `catseye.simulators.registry.PROTOCOLS`.
         endpoint: where it listens: `tcp://host:port` or `udp://host:port` (port 0 takes a free one), or
             `serial:///path?baud=…` (a pseudo-terminal under that path; /dev/ptmx takes a free one).
         options: of the protocol.
@@ -194,19 +204,15 @@ class EmulationConfig:
 
     Attributes:
         reflectors: cat's eyes at their rough places; the true ones differ by some millimetres.
-        link1_mm: nominal length of link 1, mm.
-        link2_mm: nominal length of link 2, mm.
-        j1_deg: limits of J1.
-        j2_deg: limits of J2.
-        j3_mm: limits of J3.
-        j4_deg: limits of J4.
+        scara: the arm.
+        limits: of each joint.
         start_joints: joints at bench time 0.
-        beam_height_j3_mm: J3 at which the beam, beside the J4 axis, lies in the plane of the reflectors; None: that
-            of start_joints.
+        beam_height_mm: height of the arm at which the beam, where it starts, lies in the plane of the reflectors;
+            None: that at start_joints.
         acceptance_mm: largest beam miss from which a reflector returns the beam.
         field_half_angle_deg: half angle of the cat's eye's field.
-        column_radius_mm: radius of the base column around the J1 axis.
-        beam_offset_mm: lateral offset of the beam from the J4 axis, positive to the left of the beam; None: drawn.
+        column_radius_mm: radius of the base column around the first axis.
+        beam_offset_mm: lateral offset of the beam from the last axis, positive to the left of the beam; None: drawn.
         beam_pitch_mrad: angle of the beam above the XY plane; None: drawn.
         unaligned: offset, pitch and height are drawn as of a beam that nobody has aligned yet.
         screws: what moves the beam on its mount.
@@ -226,14 +232,10 @@ class EmulationConfig:
     """
 
     reflectors: tuple[ReflectorPlace, ...]
-    link1_mm: float = 325.0
-    link2_mm: float = 225.0
-    j1_deg: Range = (-170.0, 170.0)
-    j2_deg: Range = (-145.0, 145.0)
-    j3_mm: Range = (0.0, 150.0)
-    j4_deg: Range = (-360.0, 360.0)
+    scara: Scara = field(default_factory=Scara)
+    limits: tuple[Range, ...] = ((-170.0, 170.0), (-145.0, 145.0), (0.0, 150.0), (-360.0, 360.0))
     start_joints: Joints = (0.0, 0.0, 0.0, 0.0)
-    beam_height_j3_mm: float | None = None
+    beam_height_mm: float | None = None
     acceptance_mm: float = 1.0
     field_half_angle_deg: float = 80.0
     column_radius_mm: float = 110.0
@@ -254,8 +256,3 @@ class EmulationConfig:
     air: AirState = field(default_factory=AirState)
     axis_pattern: int = 4
     answer_suffix: str = ""
-
-    @property
-    def limits(self) -> tuple[Range, Range, Range, Range]:
-        """Limits of J1 deg, J2 deg, J3 mm, J4 deg."""
-        return (self.j1_deg, self.j2_deg, self.j3_mm, self.j4_deg)

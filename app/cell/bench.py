@@ -1,14 +1,14 @@
 """The cell file as procedures and emulators need it."""
 
 import math
+from typing import cast
 
 from catseye.app.cell.bodies import workspace_of
 from catseye.app.cell.model import Cell
-from catseye.app.engine.compensation import AirRule
-from catseye.app.engine.conditions import AirLimits
 from catseye.app.errors import ConfigError
-from catseye.drivers.roles.registry import load_driver
-from catseye.procedures.kit.bench import Alignment, Arm, Bench, Following, Noise, Optics, Reflector, Timing
+from catseye.drivers.roles.registry import driver_names, load_driver
+from catseye.drivers.roles.robot import RobotClass
+from catseye.procedures.kit.bench import Alignment, Arm, Bench, Noise, Optics, Reflector, Timing
 
 
 def bench_of(cell: Cell) -> Bench:
@@ -37,17 +37,6 @@ def bench_of(cell: Cell) -> Bench:
     )
 
 
-def air_rule(cell: Cell) -> AirRule:
-    """Return how the program corrects lengths for the air where the interferometer does not."""
-    return AirRule(**cell.air.model_dump())
-
-
-def air_limits(cell: Cell) -> AirLimits:
-    """Return the air in which a measurement goes on."""
-    given = cell.conditions.model_dump(exclude_none=True)
-    return AirLimits({name: (low, high) for name, (low, high) in given.items()})
-
-
 def facing_deg(x_mm: float, y_mm: float, given_deg: float | None) -> float:
     """Return the direction of a reflector's axis, deg: as given, else towards the J1 axis."""
     return math.degrees(math.atan2(y_mm, x_mm)) + 180.0 if given_deg is None else given_deg
@@ -73,23 +62,22 @@ def _arm(cell: Cell) -> Arm:
         j3_speed_mm_s=robot.j3_speed_mm_s,
         acceleration_deg_s2=_triple(robot.acceleration_deg_s2),
         override_percent=robot.override_cap_percent,
-        following=following_of(robot.driver),
+        following=robot_driver(robot.driver).abilities.following,
         follow_speed_deg_s=robot.follow_speed_deg_s,
         follow_acceleration_deg_s2=robot.follow_acceleration_deg_s2,
     )
 
 
-def following_of(driver: str) -> Following:
-    """Return how a robot's driver follows a reflector; one that does not say so stops at every target.
+def robot_driver(driver: str) -> type[RobotClass]:
+    """Return the class of a robot's driver.
 
     Raises:
-        ConfigError: no such driver is installed.
+        ConfigError: no such driver is installed, or it is none of a robot.
     """
     try:
-        following: Following = getattr(load_driver(driver), "following", "stops")
+        return cast("type[RobotClass]", load_driver(driver, "robot"))
     except LookupError as error:
         raise ConfigError(f"[robot] driver: {error.args[0]}") from error
-    return following
 
 
 def _triple(values: list[float]) -> tuple[float, float, float]:
@@ -99,4 +87,4 @@ def _triple(values: list[float]) -> tuple[float, float, float]:
 
 def may_move_an_arm(device: str, driver: str) -> bool:
     """Return whether bytes that are sent to a device of a cell file may move an arm."""
-    return device == "robot" or driver.startswith("melfa-")
+    return device == "robot" or (driver in driver_names() and load_driver(driver).role == "robot")

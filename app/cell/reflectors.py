@@ -1,13 +1,10 @@
 """A cell file with other reflectors; everything else, comments included, stays as it is."""
 
-import re
 from pathlib import Path
 
+from catseye.app.cell.rewriting import CommentsLostError, rewritten
 from catseye.app.errors import ConfigError
-from catseye.app.files.documents import read_text
-
-_HEADER = re.compile(r"\s*\[")
-_REFLECTOR = re.compile(r"\s*\[\[\s*reflector\s*\]\]")
+from catseye.app.files.documents import parse_toml, read_text
 
 
 def with_reflector_tables(path: Path, reflectors: list[tuple[str, float, float, float]]) -> str:
@@ -18,38 +15,11 @@ def with_reflector_tables(path: Path, reflectors: list[tuple[str, float, float, 
         reflectors: name, x and y in mm, direction of the axis in deg.
 
     Raises:
-        ConfigError: its reflectors do not stand in tables [[reflector]].
+        ConfigError: the file cannot be changed in place.
     """
-    lines = read_text(path).splitlines()
-    starts = [i for i, line in enumerate(lines) if _REFLECTOR.match(line)]
-    if not starts:
-        raise ConfigError(f"{path}: write its reflectors as tables [[reflector]]; only these can be replaced")
-    kept = [True] * len(lines)
-    for start in starts:
-        for i in range(start, _end(lines, start)):
-            kept[i] = False
-    before = [line for line, keep in zip(lines[: starts[0]], kept, strict=False) if keep]
-    after = [line for line, keep in zip(lines[starts[0] :], kept[starts[0] :], strict=True) if keep]
-    tables = [line for reflector in reflectors for line in _table(*reflector)]
-    # The first header keeps what is said beside it.
-    return "\n".join([*before, lines[starts[0]], *tables[1:], *after, ""])
-
-
-def _table(name: str, x_mm: float, y_mm: float, facing_deg: float) -> tuple[str, ...]:
-    return (
-        "[[reflector]]",
-        f'name = "{name}"',
-        f"x_mm = {x_mm}",
-        f"y_mm = {y_mm}",
-        f"facing_deg = {facing_deg}",
-        "",
-    )
-
-
-def _end(lines: list[str], start: int) -> int:
-    """Return the line after a table; comments right above the next header belong to that."""
-    end = next((i for i in range(start + 1, len(lines)) if _HEADER.match(lines[i])), len(lines))
-    if end < len(lines):
-        while end > start + 1 and lines[end - 1].lstrip().startswith("#"):
-            end -= 1
-    return end
+    text = read_text(path)
+    tables = [dict(zip(("name", "x_mm", "y_mm", "facing_deg"), values, strict=True)) for values in reflectors]
+    try:
+        return rewritten(text, {**parse_toml(text, str(path)), "reflector": tables})
+    except CommentsLostError as error:
+        raise ConfigError(f"{path}: {error}; write each of its tables in one piece") from error

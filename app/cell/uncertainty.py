@@ -6,7 +6,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, StringConstraints, model_validator
 
 from catseye.app.cell.section import NotNegative, Section
-from catseye.calibration.uncertainty.budget import Budget, Contributor, Correlation, Distribution, Kind
+from catseye.calibration.core.budget import Distribution
+from catseye.calibration.scara.budget import Budget, Contributor, Correlation, Kind
 
 _UNITS: dict[str, tuple[str, float]] = {
     "length": ("value_um", 1e-3),

@@ -8,7 +8,7 @@ from importlib import metadata
 from typing import TypeVar
 
 from catseye.app.cluster.errors import WorkerLostError
-from catseye.app.cluster.sharing import name_item
+from catseye.app.cluster.share import name_item
 from catseye.app.errors import ConfigError
 
 try:

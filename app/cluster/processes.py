@@ -13,7 +13,7 @@ from multiprocessing.connection import Connection
 from typing import TypeVar
 
 from catseye.app.cluster.errors import WorkerLostError
-from catseye.app.cluster.sharing import name_item
+from catseye.app.cluster.share import name_item
 
 A = TypeVar("A")
 B = TypeVar("B")

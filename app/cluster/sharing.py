@@ -1,58 +1,11 @@
-"""Independent items of work, shared over processes or machines, with the same results however many there are."""
+"""The choice of who carries out shared work: this process, processes of this machine, or other machines."""
 
 import os
-import reprlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Protocol, TypeVar
 
+from catseye.app.cluster.share import InThisProcess, Share
 from catseye.app.cluster.trust import require_trusted
-
-A = TypeVar("A")
-B = TypeVar("B")
-
-
-class Share(Protocol):
-    """Whoever carries out items of work."""
-
-    def map(
-        self, function: Callable[[A], B], items: Sequence[A], done: Callable[[int], None] | None = None
-    ) -> list[B]:
-        """Carry out a function on each item.
-
-        Args:
-            function: of a module, not of another function: other processes look it up by its name. It has to depend
-                on its item alone; whatever is random in it comes from a seed in the item.
-            items: what it is called with; they and the results travel as pickles.
-            done: is told how many items are finished, each time one is.
-
-        Returns:
-            Results in the order of the items.
-
-        Raises:
-            WorkerLostError: a worker ended before its item was finished.
-            Exception: what the function raised, with a note that names the item; the other items are given up.
-        """
-        ...
-
-
-class InThisProcess:
-    """Carries out item after item here."""
-
-    def map(
-        self, function: Callable[[A], B], items: Sequence[A], done: Callable[[int], None] | None = None
-    ) -> list[B]:
-        """Carry out a function on each item; see Share."""
-        results = []
-        for number, item in enumerate(items, 1):
-            try:
-                results.append(function(item))
-            except Exception as error:
-                name_item(error, number, items)
-                raise
-            if done is not None:
-                done(number)
-        return results
 
 
 @contextmanager
@@ -89,8 +42,3 @@ def sharing(workers: int, dask: str | None, *, insecure: bool = False) -> Iterat
 def cores() -> int:
     """Return how many cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def name_item(error: BaseException, number: int, items: Sequence[object]) -> None:
-    """Add to an error which item it comes from."""
-    error.add_note(f"in item {number} of {len(items)}: {reprlib.repr(items[number - 1])}")

@@ -1,27 +1,12 @@
-"""Telling front ends what happens: the events of a headless run."""
+"""Publishing what happens in a run, stamped with its time and name."""
 
 from collections.abc import Callable
-from typing import Literal
 
+from catseye.app.protocol.events import RunEvent
 from catseye.drivers.roles.clock import Clock
-from catseye.procedures.kit.context import Json
 
-Publish = Callable[[dict[str, Json]], None]
+Publish = Callable[[RunEvent], None]
 """Takes one event; must not block. An OSError means that the front end is gone."""
-
-Kind = Literal[
-    "run-started",
-    "state",
-    "step-started",
-    "step-done",
-    "point",
-    "prompt",
-    "answer",
-    "warning",
-    "error",
-    "progress",
-    "run-ended",
-]  # fmt: skip - one line of the file format a line
 
 
 class Announcer:
@@ -42,11 +27,10 @@ class Announcer:
         self._on_lost = on_lost
         self._lost = False
 
-    def say(self, kind: Kind, /, **fields: Json) -> None:
+    def publish(self, event: RunEvent) -> None:
         """Publish an event with the time and the run's name."""
-        event: dict[str, Json] = {"t": self._clock.now_utc().isoformat(), "event": kind, "run": self._run}
         try:
-            self._publish({**event, **fields})
+            self._publish(event.stamped(self._clock.now_utc().isoformat(), self._run))
         except OSError:
             if not self._lost:
                 self._lost = True

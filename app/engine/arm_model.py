@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Arm, Bench, Reflector
 
 Floats = NDArray[np.float64]
@@ -66,7 +66,7 @@ class ArmModel:
     def __init__(self, bench: Bench) -> None:
         self._bench = bench
 
-    def hit(self, pose: Joints) -> Hit | None:
+    def hit(self, pose: Pose) -> Hit | None:
         """Return the nearest reflector that returns the beam at a pose."""
         poses = np.array([pose], dtype=np.float64)
         hits = [
@@ -76,7 +76,7 @@ class ArmModel:
         ]
         return min(hits, key=lambda hit: hit.length_mm, default=None)
 
-    def sampled(self, start: Joints, way: Sequence[Joints]) -> Floats:
+    def sampled(self, start: Pose, way: Sequence[Pose]) -> Floats:
         """Return poses along straight joint moves through targets, start and targets included, shape (n, 4)."""
         stops = np.array([start, *way], dtype=np.float64)
         steps = np.diff(stops, axis=0)
@@ -107,7 +107,7 @@ class ArmModel:
         hit = self.miss_mm(poses, reflector) <= optics.acceptance_mm
         return np.asarray(hit & free & (off_deg <= optics.field_half_angle_deg), dtype=np.bool_)
 
-    def speeds(self, start: Joints, way: Sequence[Joints]) -> Speeds:
+    def speeds(self, start: Pose, way: Sequence[Pose]) -> Speeds:
         """Return the fastest that a way is driven."""
         legs = np.array([start, *way], dtype=np.float64)
         travel = np.abs(np.diff(legs, axis=0))[:, [0, 1, 3]]
@@ -120,7 +120,7 @@ class ArmModel:
         dx, dy, world = self._sight(poses, reflector)
         return float(dx[0] * np.cos(world[0]) + dy[0] * np.sin(world[0]))
 
-    def _tool_mm_s(self, start: Joints, way: Sequence[Joints], rate: Floats) -> float:
+    def _tool_mm_s(self, start: Pose, way: Sequence[Pose], rate: Floats) -> float:
         poses = self.sampled(start, way)
         chords = np.hypot(*np.diff(np.stack(self._xy(poses)), axis=1)).reshape(len(way), -1)
         return float((chords * chords.shape[1] * rate[:, None]).max())

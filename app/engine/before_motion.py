@@ -1,29 +1,18 @@
 """What is looked at before anything moves: the controller's own limits, dimensions that nobody has confirmed."""
 
 from collections.abc import Sequence
-from typing import Protocol, runtime_checkable
 
 from catseye.app.engine.gate import JointLimits
 from catseye.app.errors import LimitError
 from catseye.drivers.roles.errors import ProtocolError, RefusedError
-from catseye.drivers.roles.protocols import Robot
+from catseye.drivers.roles.pose import Range
+from catseye.drivers.roles.robot import Robot
 
 _SAME = 0.01
 """Controllers tell their limits with two decimals, deg or mm."""
 
-OwnLimits = tuple[tuple[float, float], ...]
 
-
-@runtime_checkable
-class LimitedRobot(Protocol):
-    """A robot whose controller reports its own limits."""
-
-    async def joint_limits(self) -> OwnLimits:
-        """Return lowest and highest of J1 … J4, deg or mm."""
-        ...
-
-
-def beyond(limits: JointLimits, own: OwnLimits) -> list[str]:
+def beyond(limits: JointLimits, own: Sequence[Range]) -> list[str]:
     """Return which of the cell's ranges go beyond the controller's, and the remedy.
 
     Args:
@@ -52,17 +41,13 @@ async def require_within_controller(robot: Robot, limits: JointLimits) -> str:
         LimitError: a range goes beyond the controller's.
         DeviceError: the link is lost.
     """
-    # What observes a robot shows its driver, which alone knows what it can do beyond the usual.
-    driver = getattr(robot, "driver", robot)
-    if not isinstance(driver, LimitedRobot):
-        return ""
     try:
-        own = await driver.joint_limits()
+        own = await robot.joint_limits()
     except (RefusedError, ProtocolError) as error:
         return (
             f"the controller does not tell its joint limits (MEJAR), so the cell's were not compared: {error}"
         )
-    if troubles := beyond(limits, own):
+    if own is not None and (troubles := beyond(limits, own)):
         raise LimitError(f"{'; '.join(troubles)}: nothing was moved")
     return ""
 

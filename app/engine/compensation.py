@@ -3,38 +3,16 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from catseye.app.cell.air import AirRule
 from catseye.app.errors import MeasurementRejectedError
-from catseye.calibration.counted_length import compensated_mm
-from catseye.calibration.refractive_index import (
-    HE_NE_VACUUM_NM,
-    Formula,
-    outside_nist_range,
-    refractive_index,
-)
-from catseye.drivers.roles.protocols import Air
+from catseye.calibration.air import Formula, compensated_mm, outside_nist_range, refractive_index
+from catseye.drivers.roles.air import AirSample
 from catseye.procedures.kit.context import Json
 
 CompensatedBy = Literal["none", "instrument"]
 """Who corrects before the program sees a length: nobody, or the instrument."""
 
 _NAMES: dict[Formula, str] = {"ciddor": "Ciddor", "edlen": "modified Edlén"}
-
-
-@dataclass(frozen=True)
-class AirRule:
-    """How the program corrects for the air where the instrument does not.
-
-    Attributes:
-        formula: of the refractive index.
-        co2_ppm: carbon dioxide, ppm.
-        vacuum_wavelength_nm: of the laser, nm.
-        max_age_s: how old a sample of the air may be, s of the clock.
-    """
-
-    formula: Formula = "ciddor"
-    co2_ppm: float = 450.0
-    vacuum_wavelength_nm: float = HE_NE_VACUUM_NM
-    max_age_s: float = 2.0
 
 
 @dataclass(frozen=True)
@@ -106,7 +84,7 @@ class Compensation:
         by = "program" if self.by_program else "instrument"
         return {"by": by, "sentence": self.sentence, **(known if self.by_program else {})}
 
-    def zeroed(self, air: Air, dead_path_mm: float) -> Zero | None:
+    def zeroed(self, air: AirSample, dead_path_mm: float) -> Zero | None:
         """Remember the air and the beam's length at a zero; None when the instrument corrects.
 
         Raises:
@@ -115,7 +93,7 @@ class Compensation:
         self._zero = Zero(self._index(air), dead_path_mm) if self.by_program else None
         return self._zero
 
-    def correct(self, raw_mm: float, air: Air) -> Correction:
+    def correct(self, raw_mm: float, air: AirSample) -> Correction:
         """Return a length corrected for the air, once.
 
         Args:
@@ -133,7 +111,7 @@ class Compensation:
         corrected_mm = compensated_mm(raw_mm, index, zero.index, zero.dead_path_mm)
         return Correction(corrected_mm, index, zero, self._rule.formula)
 
-    def doubt(self, air: Air) -> str | None:
+    def doubt(self, air: AirSample) -> str | None:
         """Return what an operator should know about a sample of the air, None when all is well."""
         missing = missing_quantities(air)
         if missing:
@@ -146,7 +124,7 @@ class Compensation:
         left = outside_nist_range(self._rule.vacuum_wavelength_nm, air.temperature_c, air.pressure_hpa)
         return left and f"{left}, for which the uncertainty of the refractive index is stated"
 
-    def _index(self, air: Air) -> float:
+    def _index(self, air: AirSample) -> float:
         missing = missing_quantities(air)
         if missing or air.temperature_c is None or air.pressure_hpa is None or air.humidity_percent is None:
             raise MeasurementRejectedError(
@@ -162,7 +140,7 @@ class Compensation:
             raise MeasurementRejectedError(f"the air cannot be corrected for: {error}") from error
 
 
-def missing_quantities(air: Air) -> list[str]:
+def missing_quantities(air: AirSample) -> list[str]:
     """Return the quantities that a sample of the air lacks."""
     values = {
         "temperature": air.temperature_c,

@@ -1,17 +1,18 @@
 """What has to hold around the robot while it moves and comes back by itself, the air; and who looks at the bench."""
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
+from catseye.app.cell.air import AirLimits
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.measuring import AirCache
-from catseye.app.engine.states import RUNNING, State
 from catseye.app.errors import InterruptionError, SafetyError
+from catseye.app.protocol.state import RUNNING, ControlState
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError
-from catseye.drivers.roles.protocols import ControllerStatus, Robot
+from catseye.drivers.roles.robot import Robot, RobotStatus
+from catseye.procedures.kit.live import in_band
 
 _log = logging.getLogger(__name__)
 
@@ -35,17 +36,6 @@ class Condition(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class AirLimits:
-    """Ranges of the air in which a measurement goes on.
-
-    Attributes:
-        ranges: smallest and largest value by the name of the quantity in an air sample.
-    """
-
-    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-
-
 class AirInRange:
     """The air is as the cell demands; a quantity that the sensor does not give is not judged here.
 
@@ -63,7 +53,7 @@ class AirInRange:
         sample = await self._air.get()
         for name, (low, high) in self._limits.ranges.items():
             value: float | None = getattr(sample, name)
-            if value is not None and not low <= value <= high:
+            if value is not None and not in_band(value, low, high):
                 quantity, unit = name.rpartition("_")[0], _UNITS[name]
                 return (
                     f"the air's {quantity} is {value:.2f} {unit}, outside {low:g} … {high:g} {unit} of [conditions]: "
@@ -92,7 +82,7 @@ class Watchman:
         control: RunControl,
         robot: Robot,
         conditions: Sequence[Condition],
-        ready: Callable[[ControllerStatus], None],
+        ready: Callable[[RobotStatus], None],
         clock: Clock,
         poll_s: float,
     ) -> None:
@@ -128,7 +118,7 @@ class Watchman:
     @property
     def _may_judge(self) -> bool:
         """The run goes on, and the robot is not just being brought to rest: that is looked at by itself."""
-        return self._control.state in RUNNING - {State.SUSPENDING}
+        return self._control.state in RUNNING - {ControlState.SUSPENDING}
 
     async def _look(self) -> None:
         status = await self._robot.status()
@@ -146,12 +136,12 @@ class Watchman:
 
     async def _look_around(self) -> None:
         troubles, unseen = await self._troubles()
-        if troubles and self._control.state == State.EXECUTE:
+        if troubles and self._control.state == ControlState.EXECUTE:
             self._suspended_for = troubles[0]
             self._control.suspend(troubles[0])
         elif not troubles and unseen is None and self._suspended_for is not None:
             reason, self._suspended_for = self._suspended_for, None
-            if self._control.state == State.SUSPENDED:
+            if self._control.state == ControlState.SUSPENDED:
                 self._control.condition_back(f"over: {reason}")
         if unseen is not None:
             raise unseen

@@ -5,11 +5,11 @@ from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
+from catseye.app.cell.air import AirRule
 from catseye.app.engine.acknowledging import Acknowledging
 from catseye.app.engine.announcer import Announcer
-from catseye.app.engine.compensation import AirRule, Compensation, missing_quantities
+from catseye.app.engine.compensation import Compensation, missing_quantities
 from catseye.app.engine.control import RunControl
-from catseye.app.engine.crash_points import crash_point
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.measuring import AirCache, measure, unless_dark
@@ -19,21 +19,33 @@ from catseye.app.engine.timekeeping import Progress, StepTime
 from catseye.app.engine.waiting import cancel, uncancelled
 from catseye.app.errors import ConfigError, UnwalkedError, UsageError
 from catseye.app.files.measured_csv import read_typed_csv
+from catseye.app.protocol.events import (
+    FirstMotionData,
+    FirstMotionShown,
+    Happened,
+    LiveData,
+    LiveShown,
+    PointMeasured,
+    Progressed,
+    PromptAnswered,
+    PromptAsked,
+    StepDone,
+    StepStarted,
+    WarningData,
+    WarningTold,
+)
+from catseye.app.protocol.prompts import MotionAfter
+from catseye.app.store.crash_points import crash_point
 from catseye.app.store.rows import encode
 from catseye.app.store.run_store import RunStore
+from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.protocols import Air, BeamStatus, Joints, Tracker, WayRobot
-from catseye.procedures.kit.context import (
-    Json,
-    Live,
-    Location,
-    MeasuredPoint,
-    Measurement,
-    Prompt,
-    Row,
-    Table,
-)
+from catseye.drivers.roles.interferometer import BeamStatus
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.tracker import Position, Tracker
+from catseye.procedures.kit.context import Json, MeasuredPoint, Measurement, Prompt, Row, Table
 from catseye.procedures.kit.errors import MeasuredFileError
+from catseye.procedures.kit.live import Live
 
 _DEFAULT_AIR = AirRule()
 
@@ -66,7 +78,7 @@ class RunContext:
         clock: of the run.
         gate: passes motions.
         operator: answers prompts.
-        announcer: tells front ends.
+        announcer: publishes to front ends.
         air: how the program corrects for the air where the instrument does not.
         poll_s: between two looks at a condition that is missing, s of the clock.
         speed_deg_s: fastest J1, J2, J4 at 100 % override, as questions before a motion tell them; None for unknown.
@@ -99,7 +111,7 @@ class RunContext:
         self._air = AirCache(devices.environment, clock, air.max_age_s)
         self._material = devices.material and AirCache(devices.material, clock, _MATERIAL_MAX_AGE_S)
         self._compensation = Compensation(devices.interferometer.compensated, air)
-        self._doubts_told: set[str] = set()
+        self._doubts: set[str] = set()
         self._progress = Progress(clock)
         self._asked_s = 0.0
         self._poll_s = poll_s
@@ -137,7 +149,7 @@ class RunContext:
         await self._control.checkpoint()
         stored = self._store.stored_result(step_id)
         if stored is not None:
-            self._announcer.say("step-done", step=step_id, title=title, stored=True)
+            self._announcer.publish(StepDone(step=step_id, title=title, stored=True))
             return stored
         self._step = self._begin(step_id, title)
         try:
@@ -169,7 +181,7 @@ class RunContext:
         else:
             await self._control.checkpoint()
 
-    async def move(self, target: Joints) -> None:
+    async def move(self, target: Pose) -> None:
         """Move through the gate and wait for standstill.
 
         Raises:
@@ -179,7 +191,7 @@ class RunContext:
         """
         await self._mover.drive((target,))
 
-    async def follow(self, way: Sequence[Joints]) -> None:
+    async def follow(self, way: Sequence[Pose]) -> None:
         """Move through targets; a robot that cannot pass them stands still at each.
 
         Raises:
@@ -187,13 +199,13 @@ class RunContext:
             SafetyError: the controller may not move.
             ArmMovedError: the arm was moved while the run was held or suspended.
         """
-        if isinstance(self._devices.robot, WayRobot):
+        if self._devices.robot.abilities.following != "stops":
             await self._mover.drive(way)
             return
         for target in way:
             await self.move(target)
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         """Return the reported joints."""
         await self.checkpoint()
         waits = self._control.waits
@@ -201,7 +213,7 @@ class RunContext:
         self._mover.stands(here, waits)
         return here
 
-    def stands(self, here: Joints) -> None:
+    def stands(self, here: Pose) -> None:
         """Take note of where the arm stands before its first motion."""
         self._mover.stands(here, self._control.waits)
 
@@ -233,7 +245,7 @@ class RunContext:
         crash_point("zeroed")
         await self.event("zero", number=number, dead_path_mm=dead_path_mm)
 
-    async def locate(self, settle_time_s: float) -> Location:
+    async def locate(self, settle_time_s: float) -> Position:
         """Return where the independent instrument sees the J4 axis after settling.
 
         Raises:
@@ -288,16 +300,7 @@ class RunContext:
 
     def show(self, live: Live) -> None:
         """Publish a value with its acceptance band; it is not stored."""
-        data: dict[str, Json] = {
-            "name": live.name,
-            "value": live.value,
-            "unit": live.unit,
-            "low": live.low,
-            "high": live.high,
-            "accepted": live.accepted,
-            "text": live.text,
-        }
-        self._announcer.say("state", state=self._control.state, kind="live", data=data)
+        self._announcer.publish(LiveShown(state=self._control.state, data=LiveData.of(live)))
 
     async def wait_until(self, reason: str, back: Callable[[], Awaitable[bool]]) -> None:
         """Suspend the run until a condition is back."""
@@ -306,35 +309,32 @@ class RunContext:
     async def event(self, kind: str, **data: Json) -> None:
         """Store and publish something that happened; possible in every state."""
         await self._store.event(kind, data)
-        self._announcer.say("state", state=self._control.state, kind=kind, data=data)
+        self._announcer.publish(Happened(state=self._control.state, kind=kind, data=data))
 
     async def warn(self, text: str, **data: Json) -> None:
         """Store and publish a warning; possible in every state."""
         await self._store.event("warning", {"text": text, **data})
-        self._announcer.say("warning", text=text, data=data)
+        self._announcer.publish(WarningTold(text=text, data=WarningData.model_validate(data)))
 
     def progress(self, done: float, total: float, text: str = "") -> None:
         """Publish how far the run is, with elapsed and remaining time."""
         waited_s = self._control.waited_s + self._asked_s
         elapsed_s, remaining_s = self._progress.estimate(done, total, waited_s)
-        self._announcer.say(
-            "progress", done=done, total=total, text=text, elapsed_s=elapsed_s, remaining_s=remaining_s
+        self._announcer.publish(
+            Progressed(done=done, total=total, text=text, elapsed_s=elapsed_s, remaining_s=remaining_s)
         )
 
-    def _motion_after(self, prompt: Prompt) -> dict[str, Json]:
-        """Return when the arm moves and where to, at which override, and how fast its joints can be then."""
-        percent = self._gate.override_percent
-        speeds = self._speed_deg_s
-        return {
-            "rests_after": list(prompt.resting_answers),
-            "target": None if prompt.target is None else list(prompt.target),
-            "override_percent": percent,
-            "speed_deg_s": None if speeds is None else [speed * percent / 100.0 for speed in speeds],
-        }
+    def _motion_after(self) -> MotionAfter:
+        """Return at which override the arm would move now, and how fast its joints can be."""
+        percent, speeds = self._gate.override_percent, self._speed_deg_s
+        return MotionAfter(
+            override_percent=percent,
+            speed_deg_s=None if speeds is None else tuple(speed * percent / 100.0 for speed in speeds),
+        )
 
     def _begin(self, step_id: str, title: str) -> _OpenStep:
         attempt = self._store.next_attempt(step_id)
-        self._announcer.say("step-started", step=step_id, title=title, attempt=attempt)
+        self._announcer.publish(StepStarted(step=step_id, title=title, attempt=attempt))
         time = StepTime(step_id, self._clock.monotonic_s())
         return _OpenStep(step_id, title, attempt, self._clock.now_utc().isoformat(), time)
 
@@ -352,8 +352,8 @@ class RunContext:
         self._account(step)
         for table, row in step.rows:
             if table == "points":
-                self._announcer.say("point", step=step.step_id, point=dict(row))
-        self._announcer.say("step-done", step=step.step_id, title=step.title, stored=False)
+                self._announcer.publish(PointMeasured(step=step.step_id, point=dict(row)))
+        self._announcer.publish(StepDone(step=step.step_id, title=step.title, stored=False))
         return result
 
     async def _drop(self, step: _OpenStep, error: BaseException) -> None:
@@ -389,10 +389,11 @@ class RunContext:
     async def _waive(self, error: UnwalkedError) -> None:
         await self._gate.waive(error, self, self._store)
 
-    async def _first_motion(self, here: Joints | None, way: Sequence[Joints]) -> None:
+    async def _first_motion(self, here: Pose | None, way: Sequence[Pose]) -> None:
         """Show where the arm is led from where it stands, before it moves."""
-        stands: Json = None if here is None else list(here)
-        await self.event("first-motion", stands=stands, way=[list(target) for target in way])
+        data = FirstMotionData(stands=here, way=tuple(way))
+        await self._store.event("first-motion", data.json_object())
+        self._announcer.publish(FirstMotionShown(state=self._control.state, data=data))
 
     async def _acknowledge(self) -> None:
         """Ask whether the arm may move again; whoever was in the cell may have touched what the count rests on."""
@@ -417,9 +418,10 @@ class RunContext:
             readings,
             self._waited,
         )
-        await self._tell_doubt(measured.air)
+        await self._warn_of_doubt(measured.air)
         material_c = (await self._material.get()).temperature_c if self._material else None
-        return replace(measured, beam_ok=measured.beam_ok and self._zeroed, material_c=material_c)
+        beam = replace(measured.beam, beam_lost=measured.beam.beam_lost or not self._zeroed)
+        return replace(measured, beam=beam, material_c=material_c)
 
     async def _zero(self, dead_path_mm: float) -> int:
         counter = self._devices.interferometer
@@ -427,18 +429,18 @@ class RunContext:
         self._compensation.zeroed(await self._air.get(), dead_path_mm)
         return number
 
-    async def _tell_doubt(self, air: Air) -> None:
+    async def _warn_of_doubt(self, air: AirSample) -> None:
         """Warn once of each thing that is wrong with the samples of the air."""
         kind = ", ".join(missing_quantities(air)) or "range"
-        doubt = None if kind in self._doubts_told else self._compensation.doubt(air)
+        doubt = None if kind in self._doubts else self._compensation.doubt(air)
         if doubt is not None:
-            self._doubts_told.add(kind)
+            self._doubts.add(kind)
             await self.warn(doubt)
 
-    async def _locate(self, tracker: Tracker, settle_time_s: float) -> Location:
+    async def _locate(self, tracker: Tracker, settle_time_s: float) -> Position:
         await self._sleep(settle_time_s)
         found = await tracker.locate()
-        return Location(found.x_mm, found.y_mm, found.u_mm)
+        return Position(found.x_mm, found.y_mm, found.u_mm)
 
     async def _sleep(self, duration_s: float) -> None:
         start_s = self._clock.monotonic_s()
@@ -456,19 +458,7 @@ class RunContext:
         asked_utc = self._clock.now_utc().isoformat()
         # The table of prompts takes answered ones; a question that a process dies over is known by this.
         await self._store.event("asked", {"id": prompt.id, "text": prompt.text, "asked_utc": asked_utc})
-        self._announcer.say(
-            "prompt",
-            id=prompt.id,
-            kind=prompt.kind,
-            text=prompt.text,
-            choices=list(prompt.choices),
-            unit=prompt.unit,
-            timeout_s=prompt.timeout_s,
-            task=None if prompt.task is None else dict(prompt.task),
-            safe_answer=prompt.safe_answer,
-            motion=prompt.motion,
-            **(self._motion_after(prompt) if prompt.motion else {}),
-        )
+        self._announcer.publish(PromptAsked.of(prompt, self._motion_after()))
         crash_point("prompt-open")
         asking = self._operator.answer(prompt) if watch is None else self._watched(prompt, watch)
         try:
@@ -482,5 +472,5 @@ class RunContext:
         await self._store.prompt(prompt.id, prompt.kind, prompt.text, asked_utc, answer.text, answer.who)
         if answer.done is not None:
             await self.event("hands", prompt=prompt.id, **answer.done)
-        self._announcer.say("answer", id=prompt.id, answer=answer.text, who=answer.who)
+        self._announcer.publish(PromptAnswered(id=prompt.id, answer=answer.text, who=answer.who))
         return answer

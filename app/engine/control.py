@@ -3,11 +3,11 @@
 import asyncio
 import logging
 import signal
-from collections.abc import Awaitable, Callable, Coroutine, Mapping
+from collections.abc import Awaitable, Callable, Coroutine
 from typing import Any, Final, TypeVar
 
 from catseye.app.engine.halt import HaltLimits, HaltReport, halt
-from catseye.app.engine.states import ENDED, INTERRUPTED, Effect, Event, State, transition
+from catseye.app.engine.states import Effect, Trigger, transition
 from catseye.app.engine.waiting import cancel, uncancelled
 from catseye.app.errors import (
     CatseyeError,
@@ -15,34 +15,24 @@ from catseye.app.errors import (
     SafetyError,
     TerminatedRunError,
 )
+from catseye.app.protocol.ladder import Rung, rung_of, top_text
+from catseye.app.protocol.state import BEFORE_MOTION, ENDED, HELD, INTERRUPTED, ControlState
 from catseye.drivers.links.guarding import GuardError
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import AlarmError, NotArrivedError, NotReadyError, RefusedError
-from catseye.drivers.roles.protocols import Robot
+from catseye.drivers.roles.robot import Robot
 
 T = TypeVar("T")
 
 _log = logging.getLogger(__name__)
 
-INTERRUPT_LADDER: Final[Mapping[State, Event]] = {
-    State.EXECUTE: Event.HOLD,
-    State.STARTING: Event.STOP,
-    State.HOLDING: Event.STOP,
-    State.HELD: Event.STOP,
-    State.UNHOLDING: Event.STOP,
-    State.SUSPENDED: Event.STOP,
-    State.SUSPENDING: Event.STOP,
-    State.UNSUSPENDING: Event.STOP,
-    State.STOPPING: Event.ABORT,
-}
-"""What a Ctrl-C means in each state: the first holds, the second stops, the third aborts."""
-
 SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
 """Signals that `RunControl.on_signal` understands."""
 
-_WAITING = frozenset({State.HOLDING, State.HELD, State.SUSPENDED}) | INTERRUPTED
-_IDLE = frozenset({State.HELD, State.SUSPENDED}) | INTERRUPTED
-_BEFORE_MOTION = frozenset({State.IDLE, State.STARTING})
+_WAITING = HELD | {ControlState.SUSPENDED} | INTERRUPTED
+_IDLE = frozenset({ControlState.HELD, ControlState.SUSPENDED}) | INTERRUPTED
+
+_HELD_BY_SIGNAL = "SIGINT: press Ctrl-C again to stop, send SIGUSR1 to go on"
 
 _MOST_REASONS = 5
 """So many are listed in the question whether the arm may move again."""
@@ -53,7 +43,7 @@ class RunControl:
 
     Args:
         clock: of the run.
-        on_change: is told each new state and its reason.
+        on_change: called with each new state and its reason.
         limits: how long a halt may take.
 
     Attributes:
@@ -72,9 +62,9 @@ class RunControl:
     """
 
     def __init__(
-        self, clock: Clock, on_change: Callable[[State, str], None], limits: HaltLimits | None = None
+        self, clock: Clock, on_change: Callable[[ControlState, str], None], limits: HaltLimits | None = None
     ) -> None:
-        self.state = State.IDLE
+        self.state = ControlState.IDLE
         self.ending: CatseyeError | None = None
         self.reports: list[HaltReport] = []
         self._clock = clock
@@ -87,7 +77,7 @@ class RunControl:
         self._changed = asyncio.Event()
         self._motion_permitted = False
         self._motion: asyncio.Timeout | None = None
-        self._hold_first: str | None = None
+        self._holds_first: list[str] = []
         self._hold_reason = ""
         self.moving = False
         self.interruption = ""
@@ -114,31 +104,36 @@ class RunControl:
         """Hold at the next checkpoint; the move under way ends by itself. An interruption comes first."""
         self._hold_reason = reason
         if self.state in INTERRUPTED:
-            self._hold_first = reason
+            self._holds_first = [reason]
             self._on_change(self.state, f"held as soon as the interruption is acknowledged: {reason}")
             return
-        self._apply(Event.HOLD, reason)
+        self._apply(Trigger.HOLD, reason)
 
     def hold_before_motion(self, reason: str) -> None:
         """Hold; a run whose devices are not ready yet is held when they are, before anything moves."""
-        if self.state in _BEFORE_MOTION:
-            self._hold_first = reason
+        if self.state in BEFORE_MOTION:
+            self._holds_first.append(reason)
         else:
             self.hold(reason)
+
+    def withdraw_hold(self, reason: str) -> None:
+        """Withdraw what `hold_before_motion` was called with, as long as the devices are not ready."""
+        if self.state in BEFORE_MOTION and reason in self._holds_first:
+            self._holds_first.remove(reason)
 
     def unhold(self, reason: str) -> None:
         """Go on after a hold."""
         if self.state in INTERRUPTED:
-            self._hold_first = None
-        self._apply(Event.UNHOLD, reason)
+            self._holds_first.clear()
+        self._apply(Trigger.UNHOLD, reason)
 
     def suspend(self, reason: str) -> None:
         """Begin no new motion until a condition is back."""
-        self._apply(Event.SUSPEND, reason)
+        self._apply(Trigger.SUSPEND, reason)
 
     def condition_back(self, reason: str) -> None:
         """End a suspension."""
-        self._apply(Event.CONDITION_BACK, reason)
+        self._apply(Trigger.CONDITION_BACK, reason)
 
     def interrupt(self, reason: str, *, anew: bool = False) -> None:
         """Stop the robot now; the run goes on when somebody has acknowledged that, held if it was held.
@@ -152,65 +147,84 @@ class RunControl:
                 self._count_interruption(reason)
                 self._on_change(self.state, reason)
             return
-        if self.state in _BEFORE_MOTION and anew:
+        if self.state in BEFORE_MOTION and anew:
             self._interrupt_first = reason
             return
-        if transition(self.state, Event.INTERRUPT).state == self.state:
+        if transition(self.state, Trigger.INTERRUPT).state == self.state:
             return
-        if self.state in {State.HOLDING, State.HELD}:
-            self._hold_first = self._hold_reason
+        if self.state in HELD:
+            self._holds_first = [self._hold_reason]
         self._reasons.clear()
         self._count_interruption(reason)
-        self._apply(Event.INTERRUPT, reason)
+        self._apply(Trigger.INTERRUPT, reason)
 
     def acknowledge(self, reason: str) -> None:
         """Permit motion again after an interruption."""
-        if self.state == State.UNSUSPENDING:
+        if self.state == ControlState.UNSUSPENDING:
             self.unacknowledged = ""
-        self._apply(Event.ACKNOWLEDGE, reason)
+        self._apply(Trigger.ACKNOWLEDGE, reason)
         self._hold_if_asked()
 
     def stop(self, reason: str) -> None:
         """Stop the robot now and end the run."""
-        self._end(Event.STOP, InterruptedRunError(reason))
+        self._end(Trigger.STOP, InterruptedRunError(reason))
 
     def abort(self, error: CatseyeError) -> None:
         """Stop the robot now and end the run without teardown."""
-        self._end(Event.ABORT, error)
+        self._end(Trigger.ABORT, error)
 
     def fault(self, error: CatseyeError) -> None:
         """Stop the robot now since something failed."""
-        self._end(Event.FAULT, error)
+        self._end(Trigger.FAULT, error)
+
+    def climb(self, who: str = "") -> Rung | None:
+        """Take the next rung of the stop ladder; return it, None when none is left.
+
+        Args:
+            who: asks for it; empty for a signal.
+        """
+        rung = rung_of(self.state)
+        match rung:
+            case Rung.HOLD:
+                self.hold(f"{who} holds the run" if who else _HELD_BY_SIGNAL)
+            case Rung.STOP:
+                self.stop(f"{who or 'the operator'} stopped the run (Ctrl-C)")
+            case Rung.ABORT:
+                self.abort(InterruptedRunError(f"{who or 'the operator'} aborted the run (third Ctrl-C)"))
+            case None:
+                pass
+        return rung
 
     def on_signal(self, number: int) -> None:
-        """Take a step of the ladder; SIGUSR1 ends a hold."""
+        """Climb the stop ladder at SIGINT, abort at SIGTERM and SIGHUP; SIGUSR1 ends a hold."""
         name = signal.Signals(number).name
         if number == signal.SIGUSR1:
             self.unhold(name)
         elif number == signal.SIGINT:
-            self._interrupt()
+            if self.climb() is None:
+                self._on_change(self.state, top_text(self.state))
         else:
             self.abort(TerminatedRunError(f"the run was aborted by {name}; the robot was stopped"))
 
     def starting(self) -> None:
         """The devices are being connected."""
-        self._apply(Event.START, "devices are being connected")
+        self._apply(Trigger.START, "devices are being connected")
 
     def started(self) -> None:
         """The devices are ready."""
-        self._apply(Event.STARTED, "devices are ready")
+        self._apply(Trigger.STARTED, "devices are ready")
         if self._interrupt_first is not None:
             self.interrupt(self._interrupt_first)
         self._hold_if_asked()
 
     def done(self) -> None:
         """The procedure has come to its end."""
-        self._apply(Event.DONE, "the procedure has come to its end")
+        self._apply(Trigger.DONE, "the procedure has come to its end")
 
     def clear(self, reason: str) -> None:
         """Leave ABORTED; only an operator decides that."""
-        self._apply(Event.CLEAR, reason)
-        self._apply(Event.CLEARED, reason)
+        self._apply(Trigger.CLEAR, reason)
+        self._apply(Trigger.CLEARED, reason)
 
     async def checkpoint(self) -> None:
         """Wait while the run is held, suspended or interrupted.
@@ -220,17 +234,17 @@ class RunControl:
         """
         self.raise_ending()
         while self.state in _WAITING:
-            if self.state == State.HOLDING:
-                self._apply(Event.HELD, f"at a checkpoint: {self._hold_reason}")
+            if self.state == ControlState.HOLDING:
+                self._apply(Trigger.HELD, f"at a checkpoint: {self._hold_reason}")
             self.waits += 1
-            if self.state == State.UNSUSPENDING and self.on_interrupted is not None:
+            if self.state == ControlState.UNSUSPENDING and self.on_interrupted is not None:
                 await self.on_interrupted()
             else:
                 self._changed.clear()
                 await self._changed.wait()
             self.raise_ending()
-        if self.state == State.UNHOLDING:
-            self._apply(Event.RESUMED, "the operator goes on")
+        if self.state == ControlState.UNHOLDING:
+            self._apply(Trigger.RESUMED, "the operator goes on")
 
     async def suspended(self, reason: str, back: Callable[[], Awaitable[bool]], poll_s: float) -> None:
         """Begin no motion until a condition is back; a hold meanwhile outlasts it.
@@ -249,13 +263,13 @@ class RunControl:
         while not await back():
             self.raise_ending()
             await self._clock.sleep(poll_s)
-            if self.state in _WAITING - {State.SUSPENDED}:
+            if self.state in _WAITING - {ControlState.SUSPENDED}:
                 await self.checkpoint()
             self.raise_ending()
-            if self.state == State.EXECUTE:
+            if self.state == ControlState.EXECUTE:
                 self.suspend(reason)
         self.raise_ending()
-        if self.state == State.SUSPENDED:
+        if self.state == ControlState.SUSPENDED:
             self.condition_back(f"over: {reason}")
         await self.checkpoint()
 
@@ -339,37 +353,31 @@ class RunControl:
         while self._halts:
             await asyncio.wait(set(self._halts))
 
-    def _interrupt(self) -> None:
-        event = INTERRUPT_LADDER.get(self.state)
-        if event == Event.HOLD:
-            self.hold("SIGINT: press Ctrl-C again to stop, send SIGUSR1 to go on")
-        elif event == Event.ABORT:
-            self.abort(InterruptedRunError("the operator aborted the run (third Ctrl-C)"))
-        else:
-            self.stop("the operator stopped the run (Ctrl-C)")
-
-    def _end(self, event: Event, error: CatseyeError) -> None:
-        changes = transition(self.state, event).state != self.state
+    def _end(self, trigger: Trigger, error: CatseyeError) -> None:
+        changes = transition(self.state, trigger).state != self.state
         if changes:
             self.ending = error
-        before_start = self.state == State.IDLE
-        self._apply(event, str(error))
+        before_start = self.state == ControlState.IDLE
+        self._apply(trigger, str(error))
         if before_start:
             # Nothing has moved: there is no halt that would drop what is under way.
             self._drop_command()
 
-    def _apply(self, event: Event, reason: str) -> None:
-        result = transition(self.state, event)
+    def _apply(self, trigger: Trigger, reason: str) -> None:
+        result = transition(self.state, trigger)
         self.state = result.state
-        for effect in result.effects:
-            self._do(effect, event, reason)
-        self._count_waiting()
-        self._changed.set()
+        try:
+            for effect in result.effects:
+                self._do(effect, trigger, reason)
+        finally:
+            # Publishing comes last, and what fails in it keeps nobody waiting at a checkpoint.
+            self._count_waiting()
+            self._changed.set()
 
     def _hold_if_asked(self) -> None:
-        reason, self._hold_first = self._hold_first, None
-        if reason is not None:
-            self.hold(reason)
+        reasons, self._holds_first = self._holds_first, []
+        if reasons:
+            self.hold("; ".join(reasons))
 
     def _count_interruption(self, reason: str) -> None:
         if reason not in self._reasons:
@@ -385,7 +393,7 @@ class RunControl:
         elif self._waits_since_s is None:
             self._waits_since_s = self._clock.monotonic_s()
 
-    def _do(self, effect: Effect, event: Event, reason: str) -> None:
+    def _do(self, effect: Effect, trigger: Trigger, reason: str) -> None:
         match effect:
             case Effect.PERMIT_MOTION:
                 self._motion_permitted = True
@@ -398,7 +406,7 @@ class RunControl:
             case Effect.PUBLISH:
                 self._on_change(self.state, reason)
             case Effect.REPORT_IGNORED:
-                self._on_change(self.state, f"{event} means nothing in state {self.state} ({reason})")
+                self._on_change(self.state, f"{trigger} means nothing in state {self.state} ({reason})")
 
     def _begin(self, halting: Coroutine[Any, Any, None]) -> None:
         task = asyncio.create_task(halting)
@@ -412,8 +420,8 @@ class RunControl:
             if not report.standstill:
                 self.reports.append(report)
                 self.abort(SafetyError(f"{self.interruption}; {report.text}"))
-        if self.state == State.SUSPENDING:
-            self._apply(Event.INTERRUPTED, f"the arm stands: {self.interruption}")
+        if self.state == ControlState.SUSPENDING:
+            self._apply(Trigger.INTERRUPTED, f"the arm stands: {self.interruption}")
 
     async def _halt(self) -> None:
         self._halting += 1
@@ -428,7 +436,7 @@ class RunControl:
         if self._halting == 0 and self.state not in ENDED:
             unconfirmed = [report.text for report in self.reports if not report.standstill]
             reason = unconfirmed[-1] if unconfirmed else "the robot stands"
-            self._apply(Event.ABORTED if self.state == State.ABORTING else Event.STOPPED, reason)
+            self._apply(Trigger.ABORTED if self.state == ControlState.ABORTING else Trigger.STOPPED, reason)
 
     async def _halted(self, robot: Robot, drop: Callable[[], None]) -> HaltReport:
         try:

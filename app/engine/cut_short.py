@@ -4,14 +4,14 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 
 _BESIDE = 0.5
 """An arm that is stopped, or passes a corner of its way, stays nearer to it than this, deg or mm; whoever moves it by
 hand seldom does."""
 
 
-def rest_of_way(start: Joints, way: Sequence[Joints], here: Joints) -> tuple[Joints, ...] | None:
+def rest_of_way(start: Pose, way: Sequence[Pose], here: Pose) -> tuple[Pose, ...] | None:
     """Return the targets that are still ahead, so that what is driven is a part of the way that was checked.
 
     Args:
@@ -27,7 +27,7 @@ def rest_of_way(start: Joints, way: Sequence[Joints], here: Joints) -> tuple[Joi
     return tuple(way[nearest:]) if beside[nearest] <= _BESIDE else None
 
 
-def _beside(a: Joints, b: Joints, here: Joints) -> float:
+def _beside(a: Pose, b: Pose, here: Pose) -> float:
     """Return how far a place is beside a leg: the largest difference of a joint to the leg's nearest place."""
     along = [to - at for at, to in zip(a, b, strict=True)]
     length2 = math.fsum(step * step for step in along)

@@ -5,12 +5,16 @@ from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from typing import Any
 
-from catseye.app.engine.interlock import RemoteIo
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import LinkFailedError, SafetyError, UsageError
 from catseye.app.guard.client import ArmGuard
+from catseye.drivers.roles.air import AirSensor
+from catseye.drivers.roles.device import Device, Identity
 from catseye.drivers.roles.errors import DeviceError
-from catseye.drivers.roles.protocols import DeviceIdentity, Environment, Interferometer, Robot, Tracker
+from catseye.drivers.roles.interferometer import Interferometer
+from catseye.drivers.roles.io import Io
+from catseye.drivers.roles.robot import Robot
+from catseye.drivers.roles.tracker import Tracker
 from catseye.procedures.kit.context import Json
 
 WireRecorder = Callable[[str, str, bytes], None]
@@ -18,9 +22,6 @@ WireRecorder = Callable[[str, str, bytes], None]
 
 DeviceBuilder = Callable[[WireRecorder], "Devices"]
 """Makes the devices of a run, unconnected; their transports record into the run's transcript."""
-
-
-Device = Robot | Interferometer | Environment | RemoteIo | Tracker
 
 
 @dataclass(frozen=True)
@@ -39,10 +40,10 @@ class Devices:
 
     robot: Robot
     interferometer: Interferometer
-    environment: Environment
+    environment: AirSensor
     tracker: Tracker | None = None
-    io: RemoteIo | None = None
-    material: Environment | None = None
+    io: Io | None = None
+    material: AirSensor | None = None
     guard: ArmGuard | None = None
 
     def named(self) -> dict[str, Device]:
@@ -58,7 +59,7 @@ class Devices:
         return {name: device for name, device in fixed.items() if device is not None}
 
 
-async def connect_all(devices: Devices) -> dict[str, DeviceIdentity]:
+async def connect_all(devices: Devices) -> dict[str, Identity]:
     """Connect all instruments at the same time and return who answered.
 
     Raises:
@@ -66,7 +67,7 @@ async def connect_all(devices: Devices) -> dict[str, DeviceIdentity]:
     """
     named = devices.named()
     answers = await _at_once([device.connect() for device in named.values()])
-    identities: dict[str, DeviceIdentity] = {}
+    identities: dict[str, Identity] = {}
     failures: dict[str, DeviceError] = {}
     for name, answer in zip(named, answers, strict=True):
         if isinstance(answer, DeviceError):
@@ -88,7 +89,7 @@ async def close_all(devices: Devices) -> dict[str, str]:
     return {name: str(answer) for name, answer in zip(named, answers, strict=True) if answer is not None}
 
 
-def require_permission(identities: dict[str, DeviceIdentity], cell: str, arm: str | None) -> bool:
+def require_permission(identities: dict[str, Identity], cell: str, arm: str | None) -> bool:
     """Check that these devices may be used together and moved; return whether they are emulated.
 
     Raises:
@@ -112,7 +113,7 @@ def require_permission(identities: dict[str, DeviceIdentity], cell: str, arm: st
     return False
 
 
-def identities_as_json(identities: dict[str, DeviceIdentity]) -> dict[str, Json]:
+def identities_as_json(identities: dict[str, Identity]) -> dict[str, Json]:
     """Return identities as a run stores them."""
     return {
         name: {

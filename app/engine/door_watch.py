@@ -5,10 +5,10 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import Final
 
-from catseye.app.engine.interlock import RemoteIo
 from catseye.app.engine.waiting import cancel
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError
+from catseye.drivers.roles.io import Io
 
 TICK_S: Final = 0.06
 """Between two questions, real s."""
@@ -39,9 +39,7 @@ class DoorWatch:
         just_opened: it forbids motion since the latest look, and permitted it before.
     """
 
-    def __init__(
-        self, io: RemoteIo, clock: Clock, on_trouble: Callable[[str], None], speed: float = 1.0
-    ) -> None:
+    def __init__(self, io: Io, clock: Clock, on_trouble: Callable[[str], None], speed: float = 1.0) -> None:
         self.trouble: str | None = _UNSEEN
         self.just_opened = False
         self._io = io

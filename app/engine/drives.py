@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from catseye.app.engine.halt import FAILURES
 from catseye.app.engine.waiting import within
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.protocols import Robot
+from catseye.drivers.roles.robot import Robot
 
 
 @dataclass(frozen=True)

@@ -10,21 +10,16 @@ from catseye.app.engine.arm_model import AT_REST, ArmModel, Hit, Speeds
 from catseye.app.engine.gate import JointLimits
 from catseye.app.engine.measuring import dwell_interval_s
 from catseye.app.engine.operator import fault_of
+from catseye.app.engine.walked.tube import Leg, legs_through
 from catseye.app.errors import LimitError, MeasurementRejectedError
 from catseye.app.store.rows import encode
-from catseye.app.walk.tube import Leg, legs_through
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.air import AirSample
+from catseye.drivers.roles.interferometer import BeamStatus
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import (
-    Json,
-    Live,
-    Location,
-    MeasuredPoint,
-    Measurement,
-    Prompt,
-    Row,
-    Table,
-)
+from catseye.procedures.kit.context import Json, MeasuredPoint, Measurement, Prompt, Row, Table
+from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import legs_refusal
 from catseye.procedures.kit.motion.motion_time import way_time_s
 
@@ -34,24 +29,8 @@ _MOST_QUESTIONS = 50
 """So many questions with nothing done between them are a loop that no answer ends."""
 
 
-@dataclass(frozen=True)
-class DryAir:
-    """Reference conditions of length metrology."""
-
-    temperature_c: float | None = 20.0
-    pressure_hpa: float | None = 1013.25
-    humidity_percent: float | None = 50.0
-
-
-@dataclass(frozen=True)
-class DryBeam:
-    """State of an ideal beam."""
-
-    beam_ok: bool
-    beam_lost: bool
-    signal: float
-    overspeed: bool = False
-    laser_ready: bool = True
+_AIR = AirSample(20.0, 1013.25, 50.0)
+"""Reference conditions of length metrology."""
 
 
 @dataclass
@@ -75,7 +54,7 @@ class DryStep:
     moves: int
     measurements: int
     duration_s: float
-    end: Joints
+    end: Pose
     speeds: Speeds
     beam_mm: float | None
     miss_mm: float | None
@@ -110,7 +89,7 @@ class DryRunContext:
 
     limits: JointLimits
     bench: Bench
-    pose: Joints = (0.0, 0.0, 0.0, 0.0)
+    pose: Pose = (0.0, 0.0, 0.0, 0.0)
     steps: list[DryStep] = field(default_factory=list)
     prompts: list[Prompt] = field(default_factory=list)
     notes: list[tuple[str, dict[str, Json]]] = field(default_factory=list)
@@ -123,8 +102,8 @@ class DryRunContext:
     _zeroed: Hit | None = None
     _way_miss_mm: float | None = None
     _questions: int = 0
-    _start: Joints | None = None
-    _driven: list[tuple[Joints, ...]] = field(default_factory=list)
+    _start: Pose | None = None
+    _driven: list[tuple[Pose, ...]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         """Make the ideal arm."""
@@ -187,7 +166,7 @@ class DryRunContext:
     async def checkpoint(self) -> None:
         """Return at once: nobody holds a dry run."""
 
-    async def move(self, target: Joints) -> None:
+    async def move(self, target: Pose) -> None:
         """Check the limits and account for the time; the beam may break on the way.
 
         Raises:
@@ -195,7 +174,7 @@ class DryRunContext:
         """
         await self.follow((target,))
 
-    async def follow(self, way: Sequence[Joints]) -> None:
+    async def follow(self, way: Sequence[Pose]) -> None:
         """Account for every target of a way.
 
         Raises:
@@ -228,7 +207,7 @@ class DryRunContext:
         if (blocked := legs_refusal(self._start, self._driven, self.bench)) is not None:
             raise LimitError(blocked)
 
-    def _watch_beam(self, way: Sequence[Joints]) -> None:
+    def _watch_beam(self, way: Sequence[Pose]) -> None:
         """Note by how much the beam misses on a way the reflector that it was zeroed on."""
         if self._zeroed is None:
             self._lost = True
@@ -241,7 +220,7 @@ class DryRunContext:
         miss_mm = float(self._model.miss_mm(poses, self._zeroed.reflector).max())
         self._way_miss_mm = max(self._way_miss_mm or 0.0, miss_mm)
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         """Return the pose."""
         return self.pose
 
@@ -253,26 +232,26 @@ class DryRunContext:
         self._account.measurements += 1
         self._questions = 0
         self._claim_way()
-        beam = await self.beam()
         seen = self._model.hit(self.pose)
         zero_mm = 0.0 if self._zeroed is None else self._zeroed.length_mm
         return Measurement(
             displacement_mm=0.0 if seen is None else seen.length_mm - zero_mm,
             spread_mm=0.0,
             readings=readings,
-            signal=beam.signal,
-            beam_ok=beam.beam_ok and not beam.beam_lost,
+            beam=await self.beam(),
             reported=self.pose,
-            air=DryAir(),
+            air=_AIR,
             time_utc=time_utc,
             duration_s=dwell_s,
             clock_s=clock_s,
         )
 
-    async def beam(self) -> DryBeam:
+    async def beam(self) -> BeamStatus:
         """Return the state of the ideal beam."""
         hit = self._model.hit(self.pose) is not None
-        return DryBeam(beam_ok=hit, beam_lost=self._lost, signal=1.0 if hit else 0.0)
+        return BeamStatus(
+            beam_ok=hit, beam_lost=self._lost, overspeed=False, laser_ready=True, signal=1.0 if hit else 0.0
+        )
 
     async def zero(self, dead_path_mm: float) -> None:
         """Begin a new dead path; an ideal distance needs no correction for it."""
@@ -282,11 +261,11 @@ class DryRunContext:
         # Nobody needed the beam on the way here.
         self._way_miss_mm = None
 
-    async def locate(self, settle_time_s: float) -> Location:
+    async def locate(self, settle_time_s: float) -> Position:
         """Account for settling; a dry run does not know the independent instrument's frame."""
         self._account.time_s += settle_time_s
         self._account.measurements += 1
-        return Location(0.0, 0.0, 0.0)
+        return Position(0.0, 0.0, 0.0)
 
     async def pause(self, duration_s: float) -> None:
         """Account for the time."""

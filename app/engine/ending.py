@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 from catseye.app.engine.control import RunControl
-from catseye.app.engine.states import State
 from catseye.app.errors import (
     CatseyeError,
     LimitError,
@@ -14,6 +13,7 @@ from catseye.app.errors import (
     text_of,
 )
 from catseye.app.exitcode import ExitCode
+from catseye.app.protocol.state import ControlState
 from catseye.drivers.roles.errors import AlarmError, NotArrivedError, NotReadyError
 
 _WHERE = "app.log of the run shows where"
@@ -73,7 +73,7 @@ def ending_of(control: RunControl, error: BaseException) -> Ending:
         # Where the link broke, the trouble with the stop quotes what ended the run.
         first = [] if any(text in trouble for trouble in troubles) else [text]
         return Ending("aborted", ExitCode.SAFETY, "; ".join([warning, *first, *troubles]))
-    if control.state == State.ABORTED:
+    if control.state == ControlState.ABORTED:
         return Ending("aborted", code, text)
     stopped = code == ExitCode.INTERRUPTED or isinstance(cause, NotAcknowledgedError)
     return Ending("stopped" if stopped else "failed", code, text)

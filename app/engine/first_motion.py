@@ -5,7 +5,8 @@ from typing import Final
 
 from catseye.app.errors import SafetyError
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.protocols import ControllerStatus, Joints, Robot
+from catseye.drivers.roles.pose import Pose, is_at
+from catseye.drivers.roles.robot import Robot, RobotStatus
 
 REST_S: Final = 0.3
 """For so long the joints have to stay the same, real s."""
@@ -20,7 +21,7 @@ _SAME_PLACE = 0.01
 
 async def require_rest(
     robot: Robot, clock: Clock, speed: float, tell: Callable[[str], Awaitable[None]]
-) -> Joints:
+) -> Pose:
     """Wait until the arm stands and no program but our own runs; return where it stands.
 
     Args:
@@ -42,7 +43,7 @@ async def require_rest(
         # An answer that takes long, or is asked for again, tells nothing of the time that it took.
         asked_s = clock.monotonic_s()
         here = await robot.joints()
-        if not _same(here, place):
+        if not is_at(here, place, _SAME_PLACE):
             place, since_s = here, clock.monotonic_s()
             if not told:
                 told = True
@@ -56,12 +57,11 @@ async def require_rest(
     )
 
 
-def _require_no_program(robot: Robot, status: ControllerStatus) -> None:
+def _require_no_program(robot: Robot, status: RobotStatus) -> None:
     """Check that nothing runs on the controller but what the driver itself has running there."""
     if not status.running:
         return
-    # What observes a robot shows its driver, which alone knows its own program.
-    own: str | None = getattr(getattr(robot, "driver", robot), "own_program", None)
+    own = robot.own_program
     name = status.program.upper().partition(".")[0]
     # A driver whose program is started by the operator does not know its name, and a controller may tell none.
     if own is None or (own and name and name != own):
@@ -69,7 +69,3 @@ def _require_no_program(robot: Robot, status: ControllerStatus) -> None:
             f"the program {name or '(without a name)'} runs on the controller and may move the arm at any time: "
             "nothing was moved; stop it at the controller, then start again"
         )
-
-
-def _same(first: Joints, second: Joints) -> bool:
-    return all(abs(a - b) <= _SAME_PLACE for a, b in zip(first, second, strict=True))

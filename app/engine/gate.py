@@ -6,15 +6,16 @@ from dataclasses import dataclass
 
 from catseye.app.engine.conditions import Condition
 from catseye.app.engine.door_watch import DoorWatch
+from catseye.app.engine.walked.rule import Desk, WalkRule
 from catseye.app.errors import ConditionLostError, InterruptionError, LimitError, SafetyError, UnwalkedError
 from catseye.app.store.run_store import RunStore
-from catseye.app.walk.rule import Desk, WalkRule
-from catseye.drivers.roles.protocols import ControllerStatus, Joints, Robot
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import Robot, RobotStatus
 
 # Rounding of a controller that keeps the override as a whole number or as text.
 _OVERRIDE_TOLERANCE_PERCENT = 0.01
 
-WayCheck = Callable[[Sequence[Joints]], str | None]
+WayCheck = Callable[[Sequence[Pose]], str | None]
 """Returns why bodies come too near on a way, which begins where the arm stands; None when they do not."""
 
 WHOLE_PERCENT = 1.0
@@ -40,7 +41,7 @@ class JointLimits:
     j4_deg: tuple[float, float]
     j3_mm: tuple[float, float] | None = None
 
-    def require(self, target: Joints) -> None:
+    def require(self, target: Pose) -> None:
         """Check a target.
 
         Raises:
@@ -134,7 +135,7 @@ class MotionGate:
         self._read_percent = percent
         return percent
 
-    async def require(self, *targets: Joints, here: Joints | None = None) -> None:
+    async def require(self, *targets: Pose, here: Pose | None = None) -> None:
         """Check that a motion through targets may begin; the controller is looked at afresh for every one.
 
         Args:
@@ -173,7 +174,7 @@ class MotionGate:
             raise error
         await self.walk_rule.waive(str(error), desk, store)
 
-    def _require_clear(self, way: Sequence[Joints]) -> None:
+    def _require_clear(self, way: Sequence[Pose]) -> None:
         if (blocked := self._blocked(way)) is not None:
             raise LimitError(f"{blocked}; the robot was not moved")
 
@@ -231,7 +232,7 @@ class MotionGate:
         return await self._robot.set_override(percent)
 
 
-def require_ready(status: ControllerStatus) -> None:
+def require_ready(status: RobotStatus) -> None:
     """Check that a controller may move.
 
     Raises:
@@ -247,7 +248,7 @@ def require_ready(status: ControllerStatus) -> None:
         raise SafetyError("the drives are off: find out why before switching them on again")
 
 
-def require_right(status: ControllerStatus) -> None:
+def require_right(status: RobotStatus) -> None:
     """Check that the connection on which motions are sent holds the operation right now.
 
     Raises:

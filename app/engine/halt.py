@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from catseye.app.engine.waiting import cancel, within
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError
-from catseye.drivers.roles.protocols import Joints, Robot
+from catseye.drivers.roles.pose import Pose, is_at
+from catseye.drivers.roles.robot import Robot
 
 FAILURES = (DeviceError, OSError, TimeoutError)
 """What a device may raise on the way to a standstill; none of it ends the way."""
@@ -90,7 +91,7 @@ async def _bounded(clock: Clock, limits: HaltLimits, robot: Robot) -> bool:
 async def _stands_still(robot: Robot, clock: Clock, limits: HaltLimits) -> bool:
     # At least a few looks are made: bench time may run so fast that the limit passes during one answer.
     deadline_s = clock.monotonic_s() + limits.standstill_s
-    before: Joints | None = None
+    before: Pose | None = None
     polls = failed = 0
     while clock.monotonic_s() < deadline_s or (polls < _FEWEST_POLLS and failed < _MOST_FAILURES):
         try:
@@ -99,7 +100,7 @@ async def _stands_still(robot: Robot, clock: Clock, limits: HaltLimits) -> bool:
             # A link that was cut off in the middle of a command heals with the next question.
             now = None
             failed += 1
-        if now is not None and before is not None and _same(before, now):
+        if now is not None and before is not None and is_at(before, now, _SAME_PLACE):
             return True
         before = now
         polls += 1
@@ -107,16 +108,12 @@ async def _stands_still(robot: Robot, clock: Clock, limits: HaltLimits) -> bool:
     return False
 
 
-async def _place_at_rest(robot: Robot) -> Joints | None:
+async def _place_at_rest(robot: Robot) -> Pose | None:
     if (await robot.status()).running:
         # A motion command that was on its way when the stop overtook it is stopped here.
         await robot.stop()
         return None
     return await robot.joints()
-
-
-def _same(first: Joints, second: Joints) -> bool:
-    return all(abs(a - b) <= _SAME_PLACE for a, b in zip(first, second, strict=True))
 
 
 async def _switch_off(robot: Robot, clock: Clock, limits: HaltLimits, trouble: str) -> HaltReport:

@@ -13,7 +13,6 @@ from catseye.app.engine.compensation import Compensation
 from catseye.app.engine.conditions import AirInRange, Condition
 from catseye.app.engine.context import RunContext
 from catseye.app.engine.control import RunControl
-from catseye.app.engine.crash_points import arm, crash_point
 from catseye.app.engine.devices import (
     DeviceBuilder,
     Devices,
@@ -35,11 +34,24 @@ from catseye.app.engine.operator import Operator
 from catseye.app.engine.reentry import Reentry
 from catseye.app.engine.request import RunOutcome, RunRequest
 from catseye.app.engine.signals import SignalInstaller, loop_signals
-from catseye.app.engine.states import State
 from catseye.app.engine.waiting import uncancelled, within
 from catseye.app.engine.watches import POLL_S, Watches
 from catseye.app.errors import SafetyError, StorageError, TerminatedRunError, UsageError
 from catseye.app.guard.client import ArmGuard
+from catseye.app.protocol import events
+from catseye.app.protocol.events import (
+    ErrorTold,
+    Happened,
+    RunEnded,
+    RunEvent,
+    RunStarted,
+    StateChanged,
+    WarningData,
+    WarningTold,
+)
+from catseye.app.protocol.loss import after_loss
+from catseye.app.protocol.state import ControlState
+from catseye.app.store.crash_points import arm, crash_point
 from catseye.app.store.lines import LogHandler
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.run_store import RunStore
@@ -102,7 +114,7 @@ class _Run:
         )
         self._light: StackLight | None = None
         self._publish = publish
-        self._announcer = Announcer(store.path.name, clock, self._tell, self._front_end_lost)
+        self._announcer = Announcer(store.path.name, clock, self._pass_on, self._front_end_lost)
         self._context: RunContext | None = None
         self._torn_down = False
         self._watches: Watches | None = None
@@ -124,7 +136,7 @@ class _Run:
 
     async def _conduct(self, build_devices: DeviceBuilder, install_signals: SignalInstaller) -> RunOutcome:
         procedure = self._request.procedure
-        self._announcer.say("run-started", procedure=procedure.name, title=procedure.title)
+        self._announcer.publish(RunStarted(procedure=procedure.name, title=procedure.title))
         with install_signals(self._control.on_signal):
             devices = build_devices(self._store.wire.record)
             try:
@@ -187,7 +199,7 @@ class _Run:
             await gate.walk_rule.begin(identities["robot"], here, context, self._store)
         await self._control.command(self._ready(devices, gate, context))
         self._handle.gate = gate
-        await self._tell_notes(devices, context)
+        await self._publish_notes(devices, context)
         self._context = context
         self._control.started()
         watches.watch_controller(gate, conditions)
@@ -263,10 +275,10 @@ class _Run:
                 "one: its points would not belong together; set [air] and the instrument as they were, or start anew"
             )
 
-    async def _tell_notes(self, devices: Devices, context: RunContext) -> None:
-        """Tell what the drivers know about their connections, and that no door is watched."""
+    async def _publish_notes(self, devices: Devices, context: RunContext) -> None:
+        """Publish what the drivers know about their connections, and that no door is watched."""
         for name, device in devices.named().items():
-            for note in getattr(device, "notes", ()):
+            for note in device.notes:
                 await context.warn(f"{name}: {note}", device=name)
         if devices.io is None and not self._handle.simulated:
             await context.warn(NO_DOOR)
@@ -283,8 +295,8 @@ class _Run:
         await self._store.event("devices", facts)
         if simulated:
             text = "SIMULATED: every device is an emulator; these data say nothing about a real robot"
-            await self._store.event("warning", {"text": text})
-            self._announcer.say("warning", text=text, data={"simulated": True})
+            await self._store.event("warning", {"text": text, "simulated": True})
+            self._announcer.publish(WarningTold(text=text, data=WarningData(simulated=True)))
 
     async def _ready(self, devices: Devices, gate: MotionGate, context: RunContext) -> None:
         await gate.require_surroundings()
@@ -312,7 +324,7 @@ class _Run:
         await self._control.halted()
         ending = ending_of(self._control, cause)
         self._report(ending, error)
-        if self._context is not None and self._control.state == State.STOPPED and not self._torn_down:
+        if self._context is not None and self._control.state == ControlState.STOPPED and not self._torn_down:
             ending = await self._teardown(self._context, ending)
         return ending
 
@@ -350,13 +362,14 @@ class _Run:
         except StorageError as error:
             ending = Ending("failed", error.exit_code, str(error))
             self._report(ending, error)
-        self._announcer.say(
-            "run-ended",
-            status=ending.status,
-            exit_code=int(ending.exit_code),
-            text=ending.text,
-            path=str(self._store.path),
-            drives_on=left is not None and left.on,
+        self._announcer.publish(
+            RunEnded(
+                status=ending.status,
+                exit_code=int(ending.exit_code),
+                text=ending.text,
+                path=str(self._store.path),
+                drives_on=left is not None and left.on,
+            )
         )
         times = self._context.step_times if self._context else []
         return RunOutcome(
@@ -379,8 +392,8 @@ class _Run:
             return None
         keep = self._request.keep_drives and ending.status != "aborted"
         left = await leave_drives(devices.robot, self._clock, self._closing_bound_s, keep=keep)
-        data: dict[str, Json] = {"on": left.on, "text": left.text}
-        self._announcer.say("state", state=self._control.state, kind="drives", data=data)
+        data = events.DrivesLeftData(on=left.on, text=left.text)
+        self._announcer.publish(events.DrivesLeft(state=self._control.state, data=data))
         return left
 
     async def _let_go(self, devices: Devices) -> dict[str, str]:
@@ -399,7 +412,7 @@ class _Run:
             await devices.guard.let_go()
         return troubles
 
-    def _tell(self, event: dict[str, Json]) -> None:
+    def _pass_on(self, event: RunEvent) -> None:
         if self._light is not None:
             self._light.take(event)
         self._publish(event)
@@ -411,25 +424,29 @@ class _Run:
 
     def _override_lowered(self, percent: float) -> None:
         self._note("override", {"percent": percent})
-        self._announcer.say("state", state=self._control.state, kind="override", data={"percent": percent})
+        self._announcer.publish(
+            Happened(state=self._control.state, kind="override", data={"percent": percent})
+        )
 
     def _warn(self, text: str) -> None:
         self._note("warning", {"text": text})
-        self._announcer.say("warning", text=text, data={})
+        self._announcer.publish(WarningTold(text=text))
 
     def _report(self, ending: Ending, error: BaseException) -> None:
         # The traceback is for the log of the run; people are told the text.
         _log.error(ending.text, exc_info=error)
         self._store.post("error", {"text": ending.text, "type": type(error).__name__})
-        self._announcer.say("error", text=ending.text, exit_code=int(ending.exit_code))
+        self._announcer.publish(ErrorTold(text=ending.text, exit_code=int(ending.exit_code)))
 
-    def _state_changed(self, state: State, reason: str) -> None:
+    def _state_changed(self, state: ControlState, reason: str) -> None:
         # Ctrl-C while the record is being sealed changes nothing and finds no record to write into.
         if not self._sealed:
             self._store.post("state", {"state": state, "reason": reason})
-        self._announcer.say("state", state=state, reason=reason)
+        self._announcer.publish(StateChanged(state=state, reason=reason))
 
     def _front_end_lost(self) -> None:
-        self._control.hold_before_motion(
-            "the front end is gone; send SIGUSR1 to go on without it, SIGTERM to end"
-        )
+        # It is no client with control, and no cell file says anything of it: a script that died lets nothing go on.
+        if after_loss("hold", self._control.state) == "hold":
+            self._control.hold_before_motion(
+                "the front end is gone; send SIGUSR1 to go on without it, SIGTERM to end"
+            )

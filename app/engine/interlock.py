@@ -2,29 +2,27 @@
 
 import asyncio
 from collections.abc import Callable
-from typing import Final, Literal, Protocol, runtime_checkable
+from typing import Final
 
-from catseye.app.engine.states import State
 from catseye.app.engine.waiting import cancel
+from catseye.app.protocol.events import PromptAnswered, PromptAsked, RunEvent, StateChanged
+from catseye.app.protocol.state import ControlState
 from catseye.drivers.roles.errors import DeviceError
-from catseye.drivers.roles.protocols import DeviceIdentity
-from catseye.procedures.kit.context import Json
+from catseye.drivers.roles.io import Io, Light
 
-Light = Literal["green", "amber", "red", "off"]
-
-_LIGHTS: dict[str, Light] = {
-    State.EXECUTE: "green",
-    State.UNHOLDING: "green",
-    State.HOLDING: "amber",
-    State.HELD: "amber",
-    State.SUSPENDED: "amber",
-    State.SUSPENDING: "amber",
-    State.UNSUSPENDING: "amber",
-    State.STOPPING: "red",
-    State.ABORTING: "red",
-    State.ABORTED: "red",
-    State.CLEARING: "red",
-    State.STOPPED: "red",
+_LIGHTS: dict[ControlState, Light] = {
+    ControlState.EXECUTE: "green",
+    ControlState.UNHOLDING: "green",
+    ControlState.HOLDING: "amber",
+    ControlState.HELD: "amber",
+    ControlState.SUSPENDED: "amber",
+    ControlState.SUSPENDING: "amber",
+    ControlState.UNSUSPENDING: "amber",
+    ControlState.STOPPING: "red",
+    ControlState.ABORTING: "red",
+    ControlState.ABORTED: "red",
+    ControlState.CLEARING: "red",
+    ControlState.STOPPED: "red",
 }
 """States that do not stand here show nothing."""
 
@@ -35,36 +33,15 @@ NO_DOOR: Final = (
 )
 
 
-@runtime_checkable
-class RemoteIo(Protocol):
-    """A block of inputs and outputs."""
-
-    async def connect(self) -> DeviceIdentity:
-        """Open the link and check who answers."""
-        ...
-
-    async def close(self) -> None:
-        """Disconnect; may be called any number of times."""
-        ...
-
-    async def door_closed(self) -> bool:
-        """Return whether the door is closed now."""
-        ...
-
-    async def show(self, light: Light) -> None:
-        """Light one lamp and put the others out."""
-        ...
-
-
 class StackLight:
     """Shows a run's state; always behind it, never in its way.
 
     Args:
         io: the block with the lamps.
-        on_trouble: is told once when the block stops taking orders.
+        on_trouble: called once when the block stops taking orders.
     """
 
-    def __init__(self, io: RemoteIo, on_trouble: Callable[[str], None]) -> None:
+    def __init__(self, io: Io, on_trouble: Callable[[str], None]) -> None:
         self._io = io
         self._on_trouble = on_trouble
         self._state: Light = "off"
@@ -74,14 +51,14 @@ class StackLight:
         self._ending = False
         self._task = asyncio.get_running_loop().create_task(self._follow())
 
-    def take(self, event: dict[str, Json]) -> None:
+    def take(self, event: RunEvent) -> None:
         """Take note of an event of the run."""
-        match event["event"]:
-            case "state" if "kind" not in event:
-                self._state = _LIGHTS.get(str(event["state"]), "off")
-            case "prompt":
+        match event:
+            case StateChanged(state=state):
+                self._state = _LIGHTS.get(state, "off")
+            case PromptAsked():
                 self._asking = True
-            case "answer":
+            case PromptAnswered():
                 self._asking = False
             case _:
                 return

@@ -8,16 +8,11 @@ from typing import Any, TypeVar
 from catseye.app.engine.compensation import Compensation
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.waiting import together
+from catseye.drivers.roles.air import AirSample, AirSensor
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import RefusedError
-from catseye.drivers.roles.protocols import (
-    Air,
-    BeamStatus,
-    Environment,
-    Interferometer,
-    Joints,
-    LengthReading,
-)
+from catseye.drivers.roles.interferometer import BeamStatus, Interferometer, LengthReading
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import AirCorrection, Measurement
 from catseye.procedures.kit.errors import NoBeamError
 
@@ -33,14 +28,14 @@ class AirCache:
         max_age_s: how old a sample may be, s of the clock.
     """
 
-    def __init__(self, sensor: Environment, clock: Clock, max_age_s: float) -> None:
+    def __init__(self, sensor: AirSensor, clock: Clock, max_age_s: float) -> None:
         self._sensor = sensor
         self._clock = clock
         self._max_age_s = max_age_s
-        self._sample: Air | None = None
+        self._sample: AirSample | None = None
         self._time_s = 0.0
 
-    async def get(self) -> Air:
+    async def get(self) -> AirSample:
         """Return a sample that is young enough."""
         if self._sample is None or self._clock.monotonic_s() - self._time_s > self._max_age_s:
             self._sample = await self._sensor.sample()
@@ -63,7 +58,7 @@ async def unless_dark(counter: Interferometer, question: Coroutine[Any, Any, T])
         return await question
     except RefusedError as error:
         status = await counter.status()
-        if status.beam_ok and not status.beam_lost:
+        if not status.interrupted:
             raise
         raise NoBeamError(str(error)) from error
 
@@ -98,8 +93,8 @@ async def measure(
         raise ValueError(f"readings = {readings}; a measurement needs at least 1")
     time_utc, clock_s = clock.now_utc().isoformat(), clock.monotonic_s()
     taken: list[LengthReading] = []
-    reported: list[Joints] = []
-    samples: list[Air] = []
+    reported: list[Pose] = []
+    samples: list[AirSample] = []
 
     async def read() -> None:
         start_s = clock.monotonic_s()
@@ -125,8 +120,8 @@ async def measure(
 def _average(
     taken: list[LengthReading],
     beam: BeamStatus,
-    reported: Joints,
-    air: Air,
+    reported: Pose,
+    air: AirSample,
     time_utc: str,
     compensation: Compensation,
 ) -> Measurement:
@@ -138,11 +133,7 @@ def _average(
         displacement_mm=corrected.displacement_mm,
         spread_mm=statistics.stdev(values) if len(values) > 1 else 0.0,
         readings=len(values),
-        signal=beam.signal,
-        # A counter that overran has lost counts just as one that lost its beam, or whose laser is not locked.
-        beam_ok=beam.beam_ok and not beam.beam_lost and not beam.overspeed and beam.laser_ready,
-        overspeed=beam.overspeed,
-        laser_ready=beam.laser_ready,
+        beam=beam,
         reported=reported,
         air=air,
         time_utc=time_utc,

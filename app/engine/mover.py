@@ -3,13 +3,13 @@
 from collections.abc import Awaitable, Callable, Sequence
 
 from catseye.app.engine.control import RunControl
-from catseye.app.engine.crash_points import crash_point
 from catseye.app.engine.cut_short import rest_of_way
 from catseye.app.engine.gate import MotionGate
 from catseye.app.errors import ConditionLostError, InterruptionError, UnwalkedError
-from catseye.drivers.roles.protocols import Joints, Robot, WayRobot
+from catseye.app.store.crash_points import crash_point
+from catseye.drivers.roles.pose import Pose, is_at
+from catseye.drivers.roles.robot import Robot
 from catseye.procedures.kit.errors import ArmMovedError
-from catseye.procedures.scara.motion.entry import stands_at
 
 
 class Mover:
@@ -36,7 +36,7 @@ class Mover:
         wait_until: Callable[[str, Callable[[], Awaitable[bool]]], Awaitable[None]],
         timed: Callable[[Awaitable[None]], Awaitable[None]],
         waive: Callable[[UnwalkedError], Awaitable[None]],
-        first: Callable[[Joints | None, Sequence[Joints]], Awaitable[None]],
+        first: Callable[[Pose | None, Sequence[Pose]], Awaitable[None]],
     ) -> None:
         self._robot = robot
         self._control = control
@@ -46,10 +46,10 @@ class Mover:
         self._waive = waive
         self._first = first
         self._begun = False
-        self._stood: Joints | None = None
+        self._stood: Pose | None = None
         self._waits_then = 0
 
-    def stands(self, here: Joints, waits: int) -> None:
+    def stands(self, here: Pose, waits: int) -> None:
         """Take note of where the procedure knows the arm to stand.
 
         Args:
@@ -58,7 +58,7 @@ class Mover:
         """
         self._stood, self._waits_then = here, waits
 
-    async def drive(self, way: Sequence[Joints]) -> None:
+    async def drive(self, way: Sequence[Pose]) -> None:
         """Drive a way; while a condition is missing the run is suspended and the gate asked again.
 
         Raises:
@@ -98,7 +98,7 @@ class Mover:
         """Move along what is left of a way."""
         motion.start, self._stood = self._stood, None
         ahead, robot = motion.ahead, self._robot
-        if len(ahead) > 1 and isinstance(robot, WayRobot):
+        if len(ahead) > 1:
             await self._timed(robot.follow(ahead))
         else:
             await self._timed(robot.move_joints(ahead[0]))
@@ -108,9 +108,9 @@ class Mover:
 class _Motion:
     """One motion that may be cut short and gone on with."""
 
-    def __init__(self, mover: Mover, way: Sequence[Joints]) -> None:
+    def __init__(self, mover: Mover, way: Sequence[Pose]) -> None:
         self.ahead = tuple(way)
-        self.start: Joints | None = None
+        self.start: Pose | None = None
         self._mover = mover
 
     async def look(self) -> None:
@@ -120,7 +120,7 @@ class _Motion:
         await self._mover.move(self)
 
 
-def _rest(start: Joints, way: Sequence[Joints], here: Joints) -> tuple[Joints, ...]:
+def _rest(start: Pose, way: Sequence[Pose], here: Pose) -> tuple[Pose, ...]:
     rest = rest_of_way(start, way, here)
     if rest is None:
         raise ArmMovedError(
@@ -131,9 +131,9 @@ def _rest(start: Joints, way: Sequence[Joints], here: Joints) -> tuple[Joints, .
     return rest
 
 
-def _require_place(here: Joints, stood: Joints) -> None:
+def _require_place(here: Pose, stood: Pose) -> None:
     """Refuse to drive on from where nobody planned to be."""
-    if not stands_at(here, stood):
+    if not is_at(here, stood):
         raise ArmMovedError(
             "the arm was moved while the run was held or suspended or a question was open: its joints are "
             f"{_listed(here)} and were {_listed(stood)} when it was left (J1 deg, J2 deg, J3 mm, J4 deg); the rest "
@@ -141,5 +141,5 @@ def _require_place(here: Joints, stood: Joints) -> None:
         )
 
 
-def _listed(joints: Joints) -> str:
+def _listed(joints: Pose) -> str:
     return ", ".join(f"{value:.2f}" for value in joints)

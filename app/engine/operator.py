@@ -4,7 +4,7 @@ import math
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, replace
 
-from catseye.app.engine.hands import Hands
+from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.engine.waiting import within
 from catseye.app.errors import ConfigError, PromptUnansweredError
 from catseye.drivers.roles.clock import Clock
@@ -77,7 +77,7 @@ class Operator:
         answerer: Answerer | None,
         *,
         simulated: bool,
-        hands: Hands | None = None,
+        hands: SimulatedOperator | None = None,
     ) -> None:
         self._hands = hands
         self._clock = clock

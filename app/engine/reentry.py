@@ -3,8 +3,9 @@
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final
 
-from catseye.app.engine.states import Event, State, transition
+from catseye.app.engine.states import Trigger, transition
 from catseye.app.errors import MeasurementRejectedError, SafetyError, UsageError
+from catseye.app.protocol.state import ControlState
 from catseye.app.store.reader import RunReader, StoredEvent
 from catseye.app.store.resumable import MOVED
 from catseye.procedures.kit.context import Json, Prompt
@@ -58,20 +59,20 @@ class Reentry:
             changes = _changes(self._devices.get(name) or {}, facts)
             if changes and name in _OF_THE_POINTS and not changes.keys().isdisjoint(_IDENTIFYING):
                 raise UsageError(
-                    f"{self._name}: the {name} is another one ({_told(changes)}): its points and new ones would not "
-                    "belong together, nothing was moved; connect the former one, or start a new run; the points so "
-                    "far stay usable"
+                    f"{self._name}: the {name} is another one ({_changes_text(changes)}): its points and new ones "
+                    "would not belong together, nothing was moved; connect the former one, or start a new run; "
+                    "the points so far stay usable"
                 )
             if changes:
-                notes.append(f"the {name} is not as it was before the interruption: {_told(changes)}")
+                notes.append(f"the {name} is not as it was before the interruption: {_changes_text(changes)}")
         return notes
 
-    async def clear(self, ask: Ask, tell: Callable[[State, str], None]) -> None:
+    async def clear(self, ask: Ask, publish: Callable[[ControlState, str], None]) -> None:
         """Lead the run out of ABORTED, which only its operator can.
 
         Args:
             ask: puts a question to the operator.
-            tell: publishes and stores a state and its reason.
+            publish: publishes and stores a state and its reason.
 
         Raises:
             SafetyError: the operator does not clear.
@@ -87,9 +88,9 @@ class Reentry:
                 f"{self._name} stays aborted: find and remove the cause (‘{self.abort_cause}’), then go on with: "
                 f"catseye resume {self._name}"
             )
-        clearing = transition(State.ABORTED, Event.CLEAR).state
-        tell(clearing, "the operator has found and removed the cause of the abort")
-        tell(transition(clearing, Event.CLEARED).state, "cleared; the run goes on")
+        clearing = transition(ControlState.ABORTED, Trigger.CLEAR).state
+        publish(clearing, "the operator has found and removed the cause of the abort")
+        publish(transition(clearing, Trigger.CLEARED).state, "cleared; the run goes on")
 
     async def ask_for_reflectors(self, ask: Ask, note: Note) -> None:
         """Ask whether the bench is still the one of the points.
@@ -126,9 +127,9 @@ def _uncleared_abort(events: list[StoredEvent]) -> str | None:
     cause: str | None = None
     for event in events:
         match event.kind, event.data:
-            case "state", {"state": State.ABORTING, "reason": str(reason)}:
+            case "state", {"state": ControlState.ABORTING, "reason": str(reason)}:
                 cause = cause or reason
-            case "state", {"state": State.CLEARING}:
+            case "state", {"state": ControlState.CLEARING}:
                 cause = None
             case "run-ended", {"status": "aborted", **rest}:
                 cause = cause or str(rest.get("text") or "unknown: the record does not tell")
@@ -143,7 +144,7 @@ def _changes(before: Mapping[str, Json], now: Any) -> dict[str, tuple[Json, Json
     }
 
 
-def _told(changes: Mapping[str, tuple[Json, Json]]) -> str:
+def _changes_text(changes: Mapping[str, tuple[Json, Json]]) -> str:
     return ", ".join(f"{key} {now}, was {before}" for key, (before, now) in changes.items())
 
 

@@ -5,18 +5,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
-from catseye.app.engine.compensation import AirRule
-from catseye.app.engine.conditions import AirLimits
+from catseye.app.cell.air import AirLimits, AirRule
 from catseye.app.engine.ending import EndStatus
 from catseye.app.engine.gate import JointLimits, WayCheck
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.handle import OnOpen
-from catseye.app.engine.hands import Hands
 from catseye.app.engine.operator import Answerer
+from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.engine.timekeeping import StepTime
+from catseye.app.engine.walked.rule import WalkRule
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.run_store import DEFAULT_RESERVE_BYTES
-from catseye.app.walk.rule import WalkRule
 from catseye.procedures.kit.context import Context, Json
 
 
@@ -86,7 +85,7 @@ class RunRequest:
     arm: str | None = None
     answers: Mapping[str, str] = field(default_factory=dict)
     answerer: Answerer | None = None
-    hands: Hands | None = None
+    hands: SimulatedOperator | None = None
     resume: Path | None = None
     air: AirRule = field(default_factory=AirRule)
     air_limits: AirLimits = field(default_factory=AirLimits)

@@ -6,28 +6,10 @@ A transition names what has to be done about it; somebody else does it.
 from dataclasses import dataclass
 from enum import StrEnum
 
-
-class State(StrEnum):
-    """Where a run stands."""
-
-    IDLE = "IDLE"
-    STARTING = "STARTING"
-    EXECUTE = "EXECUTE"
-    HOLDING = "HOLDING"
-    HELD = "HELD"
-    UNHOLDING = "UNHOLDING"
-    SUSPENDED = "SUSPENDED"
-    SUSPENDING = "SUSPENDING"
-    UNSUSPENDING = "UNSUSPENDING"
-    STOPPING = "STOPPING"
-    STOPPED = "STOPPED"
-    ABORTING = "ABORTING"
-    ABORTED = "ABORTED"
-    CLEARING = "CLEARING"
-    COMPLETE = "COMPLETE"
+from catseye.app.protocol.state import INTERRUPTED, RUNNING, ControlState
 
 
-class Event(StrEnum):
+class Trigger(StrEnum):
     """What can happen to a run: requests, and reports that something requested is over."""
 
     START = "start"
@@ -55,7 +37,7 @@ class Effect(StrEnum):
     """What a transition asks for."""
 
     PUBLISH = "publish"
-    """Tell front ends and the store the new state."""
+    """Publish the new state to front ends and store."""
 
     PERMIT_MOTION = "permit_motion"
     """New motion may begin."""
@@ -70,19 +52,19 @@ class Effect(StrEnum):
     """Stop the robot now, past everything else; the run itself goes on."""
 
     REPORT_IGNORED = "report_ignored"
-    """Say that the event means nothing here."""
+    """Say that the trigger means nothing here."""
 
 
 @dataclass(frozen=True)
 class Transition:
-    """What an event leads to.
+    """What a trigger leads to.
 
     Attributes:
         state: the new state.
         effects: what has to be done, in this order.
     """
 
-    state: State
+    state: ControlState
     effects: tuple[Effect, ...]
 
 
@@ -90,71 +72,51 @@ _HALT = (Effect.FORBID_MOTION, Effect.STOP_ROBOT, Effect.PUBLISH)
 _INTERRUPT = (Effect.FORBID_MOTION, Effect.STOP_MOTION, Effect.PUBLISH)
 _FORBID = (Effect.FORBID_MOTION, Effect.PUBLISH)
 _PERMIT = (Effect.PERMIT_MOTION, Effect.PUBLISH)
-_TELL = (Effect.PUBLISH,)
+_PUBLISH = (Effect.PUBLISH,)
 
-RUNNING = frozenset(
-    {
-        State.STARTING,
-        State.EXECUTE,
-        State.HOLDING,
-        State.HELD,
-        State.UNHOLDING,
-        State.SUSPENDED,
-        State.SUSPENDING,
-        State.UNSUSPENDING,
-    }
-)
-"""States of a run that goes on, now or later."""
-
-INTERRUPTED = frozenset({State.SUSPENDING, State.UNSUSPENDING})
-"""The surroundings stopped the robot: being brought to rest, then waiting until somebody acknowledges that."""
-
-ENDED = frozenset({State.STOPPED, State.ABORTED, State.COMPLETE})
-"""States in which a run stays."""
-
-_TABLE: dict[tuple[State, Event], tuple[State, tuple[Effect, ...]]] = {
-    (State.IDLE, Event.START): (State.STARTING, _TELL),
-    (State.STARTING, Event.STARTED): (State.EXECUTE, _PERMIT),
-    (State.EXECUTE, Event.HOLD): (State.HOLDING, _FORBID),
-    (State.HOLDING, Event.HELD): (State.HELD, _TELL),
+_TABLE: dict[tuple[ControlState, Trigger], tuple[ControlState, tuple[Effect, ...]]] = {
+    (ControlState.IDLE, Trigger.START): (ControlState.STARTING, _PUBLISH),
+    (ControlState.STARTING, Trigger.STARTED): (ControlState.EXECUTE, _PERMIT),
+    (ControlState.EXECUTE, Trigger.HOLD): (ControlState.HOLDING, _FORBID),
+    (ControlState.HOLDING, Trigger.HELD): (ControlState.HELD, _PUBLISH),
     # A hold that has not taken effect is simply withdrawn.
-    (State.HOLDING, Event.UNHOLD): (State.EXECUTE, _PERMIT),
-    (State.HELD, Event.UNHOLD): (State.UNHOLDING, _TELL),
-    (State.UNHOLDING, Event.RESUMED): (State.EXECUTE, _PERMIT),
-    (State.UNHOLDING, Event.HOLD): (State.HELD, _TELL),
-    (State.EXECUTE, Event.SUSPEND): (State.SUSPENDED, _FORBID),
-    (State.SUSPENDED, Event.CONDITION_BACK): (State.EXECUTE, _PERMIT),
+    (ControlState.HOLDING, Trigger.UNHOLD): (ControlState.EXECUTE, _PERMIT),
+    (ControlState.HELD, Trigger.UNHOLD): (ControlState.UNHOLDING, _PUBLISH),
+    (ControlState.UNHOLDING, Trigger.RESUMED): (ControlState.EXECUTE, _PERMIT),
+    (ControlState.UNHOLDING, Trigger.HOLD): (ControlState.HELD, _PUBLISH),
+    (ControlState.EXECUTE, Trigger.SUSPEND): (ControlState.SUSPENDED, _FORBID),
+    (ControlState.SUSPENDED, Trigger.CONDITION_BACK): (ControlState.EXECUTE, _PERMIT),
     # The operator's hold outlasts the condition: only the operator ends it. It takes effect at a checkpoint, since a
     # move may have been under way when the run was suspended.
-    (State.SUSPENDED, Event.HOLD): (State.HOLDING, _TELL),
-    (State.SUSPENDING, Event.INTERRUPTED): (State.UNSUSPENDING, _TELL),
+    (ControlState.SUSPENDED, Trigger.HOLD): (ControlState.HOLDING, _PUBLISH),
+    (ControlState.SUSPENDING, Trigger.INTERRUPTED): (ControlState.UNSUSPENDING, _PUBLISH),
     # No condition that comes back by itself leads here: only an acknowledgement permits motion again.
-    (State.UNSUSPENDING, Event.ACKNOWLEDGE): (State.EXECUTE, _PERMIT),
-    (State.EXECUTE, Event.DONE): (State.COMPLETE, _FORBID),
+    (ControlState.UNSUSPENDING, Trigger.ACKNOWLEDGE): (ControlState.EXECUTE, _PERMIT),
+    (ControlState.EXECUTE, Trigger.DONE): (ControlState.COMPLETE, _FORBID),
     # The procedure may end before it meets another checkpoint.
-    (State.HOLDING, Event.DONE): (State.COMPLETE, _TELL),
-    (State.UNHOLDING, Event.DONE): (State.COMPLETE, _FORBID),
-    (State.SUSPENDED, Event.DONE): (State.COMPLETE, _TELL),
-    (State.UNSUSPENDING, Event.DONE): (State.COMPLETE, _TELL),
-    (State.IDLE, Event.STOP): (State.STOPPED, _FORBID),
-    (State.IDLE, Event.ABORT): (State.ABORTED, _FORBID),
-    (State.STOPPING, Event.STOPPED): (State.STOPPED, _TELL),
-    (State.STOPPING, Event.ABORT): (State.ABORTING, _HALT),
-    (State.ABORTING, Event.ABORTED): (State.ABORTED, _TELL),
-    (State.ABORTED, Event.CLEAR): (State.CLEARING, _TELL),
-    (State.CLEARING, Event.CLEARED): (State.STOPPED, _TELL),
-    (State.CLEARING, Event.ABORT): (State.ABORTING, _HALT),
+    (ControlState.HOLDING, Trigger.DONE): (ControlState.COMPLETE, _PUBLISH),
+    (ControlState.UNHOLDING, Trigger.DONE): (ControlState.COMPLETE, _FORBID),
+    (ControlState.SUSPENDED, Trigger.DONE): (ControlState.COMPLETE, _PUBLISH),
+    (ControlState.UNSUSPENDING, Trigger.DONE): (ControlState.COMPLETE, _PUBLISH),
+    (ControlState.IDLE, Trigger.STOP): (ControlState.STOPPED, _FORBID),
+    (ControlState.IDLE, Trigger.ABORT): (ControlState.ABORTED, _FORBID),
+    (ControlState.STOPPING, Trigger.STOPPED): (ControlState.STOPPED, _PUBLISH),
+    (ControlState.STOPPING, Trigger.ABORT): (ControlState.ABORTING, _HALT),
+    (ControlState.ABORTING, Trigger.ABORTED): (ControlState.ABORTED, _PUBLISH),
+    (ControlState.ABORTED, Trigger.CLEAR): (ControlState.CLEARING, _PUBLISH),
+    (ControlState.CLEARING, Trigger.CLEARED): (ControlState.STOPPED, _PUBLISH),
+    (ControlState.CLEARING, Trigger.ABORT): (ControlState.ABORTING, _HALT),
 }
 _TABLE |= {
-    (state, Event.INTERRUPT): (State.SUSPENDING, _INTERRUPT)
-    for state in RUNNING - INTERRUPTED - {State.STARTING}
+    (state, Trigger.INTERRUPT): (ControlState.SUSPENDING, _INTERRUPT)
+    for state in RUNNING - INTERRUPTED - {ControlState.STARTING}
 }
-_TABLE |= {(state, Event.STOP): (State.STOPPING, _HALT) for state in RUNNING}
-_TABLE |= {(state, Event.FAULT): (State.STOPPING, _HALT) for state in RUNNING}
-_TABLE |= {(state, Event.ABORT): (State.ABORTING, _HALT) for state in RUNNING}
+_TABLE |= {(state, Trigger.STOP): (ControlState.STOPPING, _HALT) for state in RUNNING}
+_TABLE |= {(state, Trigger.FAULT): (ControlState.STOPPING, _HALT) for state in RUNNING}
+_TABLE |= {(state, Trigger.ABORT): (ControlState.ABORTING, _HALT) for state in RUNNING}
 
 
-def transition(state: State, event: Event) -> Transition:
-    """Return where an event leads; one that means nothing leaves the state and says so."""
-    found = _TABLE.get((state, event))
+def transition(state: ControlState, trigger: Trigger) -> Transition:
+    """Return where a trigger leads; one that means nothing leaves the state and says so."""
+    found = _TABLE.get((state, trigger))
     return Transition(*found) if found else Transition(state, (Effect.REPORT_IGNORED,))

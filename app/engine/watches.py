@@ -11,7 +11,7 @@ from catseye.app.engine.ending import DeviceFaultError
 from catseye.app.engine.gate import MotionGate, require_ready
 from catseye.app.engine.waiting import cancel
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.protocols import ControllerStatus
+from catseye.drivers.roles.robot import RobotStatus
 
 POLL_S = 0.5
 """Real seconds between two looks at what is missing, or may be."""
@@ -48,7 +48,7 @@ class Watches:
     def watch_controller(self, gate: MotionGate, conditions: Sequence[Condition]) -> None:
         """From now on the controller is looked at, and the air."""
 
-        def ready(status: ControllerStatus) -> None:
+        def ready(status: RobotStatus) -> None:
             require_ready(status)
             gate.require_override(status.override_percent)
 

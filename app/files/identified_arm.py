@@ -6,10 +6,10 @@ import numpy as np
 
 from catseye.app.errors import UsageError
 from catseye.app.files.result_json import Covariance, Result, term_unit
-from catseye.calibration.extension import Term
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.layout import Layout
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.extension import Term
+from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.layout import Layout
 
 CATALOGUE_MM = (325.0, 225.0)
 """Links of an RH-3FRH5515, the robot that the program is made for."""

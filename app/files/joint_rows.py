@@ -4,8 +4,11 @@ from functools import partial
 from pathlib import Path
 
 from catseye.app.errors import UsageError
-from catseye.app.files.compensated_path import JOINT_ROWS
 from catseye.app.files.csv_table import csv_rows
+from catseye.app.files.path_csv import DIRECTIONS, JOINTS, PLACE
+
+JOINT_ROWS = (*PLACE, *JOINTS, *DIRECTIONS)
+"""Columns that tell how to drive a row; take-ups follow from them."""
 
 
 def read_joint_rows(path: Path) -> list[list[float]]:

@@ -10,10 +10,10 @@ import numpy as np
 
 from catseye.app.errors import UsageError
 from catseye.app.files.csv_table import CsvRow, csv_rows, misnamed
-from catseye.calibration.errors import OutOfReachError
-from catseye.calibration.kinematics import Hand, forward, inverse
-from catseye.calibration.points import Commands
-from catseye.calibration.types import Floats, Ints
+from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.scara.errors import OutOfReachError
+from catseye.calibration.scara.planar import Hand, forward, inverse
+from catseye.calibration.scara.points import Commands
 
 JOINTS = ("theta1_deg", "theta2_deg")
 DIRECTIONS = ("direction1", "direction2")

@@ -20,7 +20,7 @@ from catseye.app.files.csv_table import (
 )
 from catseye.app.files.point_columns import PointColumns, columns_of
 from catseye.app.files.points_csv import COLUMNS, LARGEST_SEGMENT, point_row, require_columns
-from catseye.calibration.types import Floats, Ints
+from catseye.calibration.core.types import Floats, Ints
 
 _CHUNK_BYTES = 4_000_000
 """Some 50 000 lines."""

@@ -10,7 +10,7 @@ import numpy as np
 from catseye.app.errors import UsageError
 from catseye.app.files.csv_table import CsvRow, csv_rows, misnamed
 from catseye.app.files.csv_text import csv_text
-from catseye.calibration.points import Commands, Points
+from catseye.calibration.scara.points import Commands, Points
 
 COLUMNS = (
     "reflector",

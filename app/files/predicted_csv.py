@@ -7,8 +7,8 @@ import numpy as np
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.csv_text import csv_text
 from catseye.app.files.path_csv import CommandPath
-from catseye.calibration.prediction import Prediction
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.prediction import Prediction
 
 ADDED = ("x_pred_mm", "y_pred_mm", "ex_um", "ey_um", "u_ex_um", "u_ey_um")
 

@@ -14,10 +14,10 @@ from catseye.app.files.atomic import write_atomically
 from catseye.app.files.documents import LARGEST_RESULT_BYTES
 from catseye.app.files.scan_part import ScanPart
 from catseye.app.files.uncertainty_part import UncertaintyPart
-from catseye.calibration.extension import Part, Source, Target, Term
-from catseye.calibration.fit_statistics import FitStatistics, RobustLoss
-from catseye.calibration.identification import Identification
-from catseye.calibration.layout import GAUGE
+from catseye.calibration.core.fit_statistics import FitStatistics, RobustLoss
+from catseye.calibration.scara.extension import Part, Source, Target, Term
+from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.layout import GAUGE
 from catseye.drivers.roles.user_file import read_regular
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]

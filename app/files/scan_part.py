@@ -2,7 +2,7 @@
 
 from pydantic import BaseModel, ConfigDict
 
-from catseye.calibration.scans.residual_sums import ResidualSums
+from catseye.calibration.core.blockwise.residual_sums import ResidualSums
 
 
 class ScanSegments(BaseModel):

@@ -16,8 +16,8 @@ import numpy as np
 from catseye.app.errors import UsageError
 from catseye.app.files.point_columns import PointColumns
 from catseye.app.files.points_blocks import points_blocks
-from catseye.calibration.points import Commands, Points
-from catseye.calibration.types import Ints
+from catseye.calibration.core.types import Ints
+from catseye.calibration.scara.points import Commands, Points
 
 _BLOCK_ROWS = 50_000
 

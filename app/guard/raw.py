@@ -7,8 +7,8 @@ from pathlib import Path
 from catseye.app.guard.client import ArmGuard
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import GuardedTransport
-from catseye.drivers.links.record import Sink
 from catseye.drivers.links.transport import Transport
+from catseye.drivers.roles.device import Sink
 
 
 class _Permitted(GuardedTransport):

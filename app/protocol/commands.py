@@ -1,15 +1,13 @@
 """What a command of catseye says to the program that started it, on a descriptor of its own: a line of JSON each.
 
-stderr is for people and is never parsed. `CATSEYE_EVENTS_FD` names the descriptor; without it nothing is written.
+stderr is for people and is never parsed. `channel.EVENTS_FD` names the descriptor; without it nothing is written.
 """
 
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, TypeAdapter, ValidationError
 
 from catseye.app.protocol.message import Message, MessageError, faults_of
-
-EVENTS_FD: Final = "CATSEYE_EVENTS_FD"
 
 
 class CommandProgress(Message):

@@ -3,12 +3,13 @@
 from collections.abc import Mapping
 from typing import Any, Final, Literal, Self
 
-from pydantic import Field, JsonValue, ValidationError
+from pydantic import Field, ValidationError
 
 from catseye.app.protocol.bench import BenchStatus, Samples, WireLine
 from catseye.app.protocol.loss import LossPolicy
 from catseye.app.protocol.message import (
     VERSION,
+    JsonData,
     Message,
     MessageError,
     absent,
@@ -17,7 +18,7 @@ from catseye.app.protocol.message import (
 )
 from catseye.app.protocol.prompts import PromptFields
 from catseye.app.protocol.state import ControlState
-from catseye.procedures.kit.context import Live
+from catseye.procedures.kit.live import Live
 
 
 class Event(Message):
@@ -150,7 +151,7 @@ class Happened(Event):
     event: Literal["state"] = "state"
     state: ControlState
     kind: str
-    data: dict[str, JsonValue]
+    data: JsonData
 
 
 class StepStarted(Event):
@@ -193,7 +194,7 @@ class PointMeasured(Event):
 
     event: Literal["point"] = "point"
     step: str
-    point: dict[str, JsonValue]
+    point: JsonData
 
 
 class PromptAsked(PromptFields, Event):
@@ -318,6 +319,9 @@ class Client(Message):
         return f"{self.who} ({self.client})"
 
 
+LeaseChange = Literal["taken", "taken by force", "handed over", "released", "left", "lost"]
+
+
 class ControlChanged(Event):
     """Another client, or none, holds control.
 
@@ -329,7 +333,7 @@ class ControlChanged(Event):
     """
 
     event: Literal["control"] = "control"
-    what: Literal["taken", "taken by force", "handed over", "released", "left", "lost"]
+    what: LeaseChange
     by: str | None
     before: str | None
     holder: Client | None
@@ -367,13 +371,17 @@ class EngineIdle(Event):
 
 
 class Dropped(Event):
-    """This client read too slowly.
+    """This client read too slowly. The message is made where it is sent, without time and run.
 
     Attributes:
+        t: not used.
+        run: not used.
         count: points and steps that it missed; the run has them all the same.
     """
 
+    t: str = Field(default="", exclude_if=lambda t: not t)
     event: Literal["dropped"] = "dropped"
+    run: str | None = Field(default=None, exclude_if=absent)
     count: int
 
 

@@ -1,11 +1,12 @@
-"""The stop ladder: what a press of Ctrl-C or of the STOP key asks for, in every front end.
+"""The stop ladder: what a press of Ctrl-C asks for, in every front end.
 
 A press asks for the next rung above what the run obeys already. A run that moves, or is about to, is held: a stop in
 the middle of a motion loses the segment. One that waits, for whatever, is stopped: another hold would change nothing.
 One that is being stopped is aborted. Above an abort there is only the emergency stop.
 
 The engine applies the table, to the state that it is in: a client's view is a message old, and two quick presses
-would both hold. A client sends `ladder`; see `ctrl_c_of_client` for when it does not.
+would both hold. A client sends `ladder`; see `ctrl_c_of_client` for when it does not. The STOP key is no part of it:
+it always asks for `stop`, and may be pressed again and again.
 """
 
 from collections.abc import Mapping
@@ -21,13 +22,6 @@ class Rung(StrEnum):
     HOLD = "hold"
     STOP = "stop"
     ABORT = "abort"
-
-
-class Press(StrEnum):
-    """What a person has pressed."""
-
-    CTRL_C = "ctrl-c"
-    STOP_KEY = "stop-key"
 
 
 _CTRL_C: Final[Mapping[ControlState, Rung | None]] = {
@@ -51,18 +45,24 @@ _CTRL_C: Final[Mapping[ControlState, Rung | None]] = {
 }
 
 
-def rung_of(state: ControlState, press: Press) -> Rung | None:
-    """Return what a press asks of a run; None where nothing is left to ask.
-
-    The STOP key never holds and never aborts: it may be pressed again and again.
+def rung_of(state: ControlState) -> Rung | None:
+    """Return what a press of Ctrl-C asks of a run; None where nothing is left to ask.
 
     Args:
         state: of the run, as its own engine knows it.
-        press: what was pressed.
     """
-    if press is Press.STOP_KEY:
-        return None if _CTRL_C[state] is None else Rung.STOP
     return _CTRL_C[state]
+
+
+def top_text(state: ControlState) -> str:
+    """Return why no rung is left, for people.
+
+    Args:
+        state: one that has none.
+    """
+    if state is ControlState.ABORTING:
+        return "the run is being aborted: use the emergency stop if the arm moves"
+    return f"the run has ended: it is in state {state}"
 
 
 Way = Literal["ladder", "stop-by-every-way", "nothing"]

@@ -2,12 +2,12 @@
 
 from typing import Literal
 
-from catseye.app.protocol.state import BEFORE_MOTION, ENDED, ENDING, HELD, ControlState
+from catseye.app.protocol.state import ENDED, ENDING, HELD, ControlState
 
 LossPolicy = Literal["continue", "hold", "stop"]
 """`[engine] on_client_lost`; for a lost reader of the headless events "hold": no cell file says anything of it."""
 
-Consequence = Literal["nothing", "warn", "hold", "hold-before-motion", "stop"]
+Consequence = Literal["nothing", "warn", "hold", "stop"]
 
 
 def after_loss(policy: LossPolicy, state: ControlState) -> Consequence:
@@ -24,7 +24,5 @@ def after_loss(policy: LossPolicy, state: ControlState) -> Consequence:
             return "warn"
         case "stop":
             return "stop"
-        case "hold" if state in BEFORE_MOTION:
-            return "hold-before-motion"
         case "hold":
             return "nothing" if state in HELD else "hold"

@@ -1,9 +1,9 @@
 """Lines of the socket: JSON, one object a line, version 1."""
 
 import json
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
-from pydantic import BaseModel, ConfigDict, JsonValue, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, JsonValue, ValidationError
 
 VERSION: Final = 1
 
@@ -13,6 +13,17 @@ MAX_LINE_BYTES: Final = 64 * 1024
 JsonObject = dict[str, JsonValue]
 
 RequestId = int | str
+
+
+def _as_lists(value: object) -> object:
+    """Return a value with lists in place of tuples, as `json.dumps` would write it."""
+    if isinstance(value, dict):
+        return {name: _as_lists(part) for name, part in value.items()}
+    return [_as_lists(part) for part in value] if isinstance(value, list | tuple) else value
+
+
+JsonData = Annotated[JsonObject, BeforeValidator(_as_lists)]
+"""What a procedure stores and publishes; a third party's may hold tuples, which the store takes too."""
 
 
 class MessageError(ValueError):

@@ -94,7 +94,7 @@ class PromptFields(Message):
             task=self.task,
             motion=self.motion,
             rests_after=self.rests_after,
-            target=self.target,  # type: ignore[arg-type]  # a pose of n joints, once the kit has one
+            target=self.target,
         )
 
     @model_serializer(mode="wrap")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 if TYPE_CHECKING:
     # The first screen and the help are shown before numpy is imported.
-    from catseye.calibration.types import Floats
+    from catseye.calibration.core.types import Floats
 
 Point: TypeAlias = tuple[float, float]
 Dash: TypeAlias = Literal["solid", "dashed", "dotted", "dash-dotted"]

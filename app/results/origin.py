@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 
 from catseye.app.results.model import Origin
-from catseye.app.version import SOFTWARE
+from catseye.app.store.software import SOFTWARE
 
 
 def now_utc() -> str:

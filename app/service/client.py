@@ -9,11 +9,22 @@ from typing import Any
 
 from catseye.app.engine.waiting import cancel
 from catseye.app.exitcode import ExitCode
-from catseye.app.service.errors import BadMessageError, RefusedError, ServiceError
+from catseye.app.protocol.answers import Found, Stepped, Welcome, answer_as
+from catseye.app.protocol.events import AnyEvent, event_of
+from catseye.app.protocol.message import JsonObject, MessageError, decode_object, require_version
+from catseye.app.protocol.requests import (
+    AnyRequest,
+    Control,
+    Hello,
+    JogStep,
+    Plain,
+    Reply,
+    encode_request,
+)
+from catseye.app.protocol.snapshot import Snapshot
+from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.service.mailbox import Mailbox, MailboxFullError
-from catseye.app.service.messages import VERSION, Message, decode_message, encode
 from catseye.drivers.roles.clock import Clock, SystemClock
-from catseye.procedures.kit.context import Json
 
 _LONGEST_BYTES = 16 * 1024 * 1024
 """A snapshot or event is long when a run's title or a prompt is."""
@@ -41,21 +52,20 @@ class EngineClient:
         closed: why the connection is closed; None while it is open.
         inbox: events that wait to be read.
         snapshot: what the engine said at the beginning.
-        name: by which the engine knows this client.
     """
 
+    snapshot: Snapshot
+
     def __init__(self, streams: tuple[asyncio.StreamReader, asyncio.StreamWriter], clock: Clock) -> None:
-        self.snapshot: dict[str, Any] = {}
-        self.name = ""
         self._reader, self._writer = streams
         self._clock = clock
         self.inbox = Mailbox()
-        self._waiting: dict[int, asyncio.Future[Message]] = {}
+        self._waiting: dict[int, asyncio.Future[JsonObject]] = {}
         self._count = 0
         self.closed: str | None = None
 
-    async def request(self, op: str, **fields: Json) -> Message:
-        """Put a request and return what the answer carries.
+    async def request(self, request: AnyRequest) -> JsonObject:
+        """Put a request and return its answer.
 
         Raises:
             RefusedError: the engine does not do it; the text says why.
@@ -65,10 +75,10 @@ class EngineClient:
             raise ServiceError(self.closed)
         self._count += 1
         number = self._count
-        future: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
+        future: asyncio.Future[JsonObject] = asyncio.get_running_loop().create_future()
         self._waiting[number] = future
         try:
-            self._writer.write(encode({"v": VERSION, "id": number, "op": op, **fields}))
+            self._writer.write(encode_request(number, request))
             await self._writer.drain()
             answer = await future
         except OSError as error:
@@ -82,14 +92,31 @@ class EngineClient:
             )
         return answer
 
-    async def events(self) -> AsyncIterator[Message]:
+    async def ask(self, request: AnyRequest, kind: type[Found]) -> Found:
+        """Put a request and return what its answer carries.
+
+        Args:
+            request: what is asked.
+            kind: that it is answered with.
+
+        Raises:
+            RefusedError: the engine does not do it; the text says why.
+            ServiceError: the connection is closed, or the engine answers something else.
+        """
+        try:
+            return answer_as(kind, await self.request(request))
+        except MessageError as error:
+            raise ServiceError(f"the engine answers otherwise than this program: {error}") from error
+
+    async def events(self) -> AsyncIterator[AnyEvent]:
         """Yield what happens, until the connection is closed."""
         while True:
             try:
                 event = await self.inbox.take()
             except EOFError:
                 return
-            yield event
+            if not isinstance(event, bytes):
+                yield event
 
     async def take_control(self, *, force: bool = False) -> None:
         """Take control.
@@ -97,11 +124,11 @@ class EngineClient:
         Raises:
             RefusedError: somebody else has it.
         """
-        await self.request("control", take=True, force=force)
+        await self.request(Control(take=True, force=force))
 
     async def release(self) -> None:
         """Give control back; the run goes on as it is."""
-        await self.request("release")
+        await self.request(Plain(op="release"))
 
     async def answer(self, prompt: str, text: str) -> None:
         """Answer a prompt.
@@ -109,10 +136,10 @@ class EngineClient:
         Raises:
             RefusedError: it is not open, or this is no answer to it.
         """
-        await self.request("answer", prompt=prompt, text=text)
+        await self.request(Reply(prompt=prompt, text=text))
 
-    async def jog_step(self, **fields: Json) -> Message:
-        """Move by a step, with signs of life until the arm stands; return what the answer carries.
+    async def jog_step(self, step: JogStep) -> Stepped:
+        """Move by a step, with signs of life until the arm stands.
 
         Raises:
             RefusedError: the step is not made, or was stopped; the text says why.
@@ -120,29 +147,23 @@ class EngineClient:
         """
         alive = asyncio.create_task(self.keep_alive(STEP_PING_S))
         try:
-            return await self.request("jog-step", **fields)
+            return await self.ask(step, Stepped)
         finally:
             await cancel(alive)
-
-    async def introduce(self, program: str, who: str) -> None:
-        """Say hello; events come from now on.
-
-        Raises:
-            RefusedError: the engine speaks another version.
-        """
-        answer = await self.request("hello", client=program, who=who)
-        snapshot = answer["snapshot"]
-        self.snapshot = snapshot if isinstance(snapshot, dict) else {}
-        self.name = str(self.snapshot.get("you"))
 
     async def listen(self) -> None:
         """Take in what the engine sends, until the connection is closed."""
         try:
             while line := await self._reader.readline():
-                self._take(decode_message(line))
+                self._take(decode_object(line))
             self._close("the engine closed the connection")
-        except (OSError, ValueError, BadMessageError, MailboxFullError) as error:
+        except (OSError, ValueError, MailboxFullError) as error:
             self._close(f"the connection to the engine ended: {error}")
+
+    @property
+    def name(self) -> str:
+        """By which the engine knows this client."""
+        return self.snapshot.you or ""
 
     async def keep_alive(self, period_s: float = PING_S) -> None:
         """Give signs of life.
@@ -155,14 +176,15 @@ class EngineClient:
             for _ in range(_READING_TURNS):
                 await asyncio.sleep(0)
             try:
-                await self.request("ping")
+                await self.request(Plain(op="ping"))
             except (RefusedError, ServiceError):
                 return
 
-    def _take(self, message: Message) -> None:
+    def _take(self, message: dict[str, Any]) -> None:
+        require_version(message)
         number = message.get("re")
         if "event" in message:
-            self.inbox.put(message)
+            self.inbox.put(event_of(message))
         elif isinstance(number, int) and number in self._waiting and not self._waiting[number].done():
             self._waiting[number].set_result(message)
         elif number is None:
@@ -213,7 +235,7 @@ async def over(
     client = EngineClient(streams, clock)
     tasks = [asyncio.create_task(client.listen())]
     try:
-        await client.introduce(program, who)
+        client.snapshot = (await client.ask(Hello(client=program, who=who), Welcome)).snapshot
         tasks.append(asyncio.create_task(client.keep_alive()))
         yield client
     finally:

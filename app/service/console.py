@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 
-from catseye.app.errors import InterruptedRunError
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.hub import Hub
 from catseye.app.service.questions import answer_of
+from catseye.app.service.steering import Steering
 
 KEYS = "h hold · g go on · s stop · a abort"
 SLASH = "/"
@@ -30,19 +30,20 @@ class Console:
     """Takes typed lines for the run under way.
 
     Args:
-        hub: of the run.
+        registry: of the run.
         who: the person at the terminal.
         say: writes a line of talk.
     """
 
-    def __init__(self, hub: Hub, who: str, say: Callable[[str], None]) -> None:
-        self._hub = hub
+    def __init__(self, registry: ClientRegistry, who: str, say: Callable[[str], None]) -> None:
+        self._registry = registry
+        self._steering = Steering(registry)
         self._who = who
         self._say = say
 
     def take(self, line: str) -> None:
         """Take a typed line: the answer to the open question, or a command."""
-        prompt = self._hub.desk.open
+        prompt = self._registry.broker.open
         command = command_of(line, asked=prompt is not None)
         try:
             if command:
@@ -51,26 +52,24 @@ class Console:
                 text, fault = answer_of(prompt, line)
                 if fault:
                     raise RefusedError(f"{fault} ({SLASH}h holds, {SLASH}s stops)")
-                self._hub.desk.answer(prompt.id, text, self._who)
+                self._registry.broker.answer(prompt.id, text, self._who)
         except RefusedError as error:
             self._say(str(error))
 
     def end(self) -> None:
         """Nobody types any more; a question that is open waits for a client."""
-        self._hub.console = None
+        self._registry.lease.console = None
 
     def _command(self, letter: str) -> None:
-        run, who = self._hub.run, f"{self._who} at the terminal"
-        if run is None:
-            raise RefusedError("no run is under way")
+        who = f"{self._who} at the terminal"
         match letter:
             case "h":
-                run.control.hold(f"{who} holds the run")
+                self._steering.hold(who)
             case "g":
-                run.control.unhold(f"{who} lets the run go on")
+                self._steering.unhold(who)
             case "s":
-                run.control.stop(f"{who} stopped the run")
+                self._steering.stop(who)
             case "a":
-                run.control.abort(InterruptedRunError(f"{who} aborted the run"))
+                self._steering.abort(who)
             case _:
                 raise RefusedError(f"type {KEYS}, each with Enter; Ctrl-C holds, stops, aborts")

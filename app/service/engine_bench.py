@@ -3,51 +3,51 @@
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 
-from catseye.app.aim import find_aim
-from catseye.app.bench.cell_devices import cell_devices
-from catseye.app.bench.facts import BenchFacts, facts_of
-from catseye.app.bench.idle import CellDevices, IdleBench
-from catseye.app.bench.lending import HandBench
-from catseye.app.bench.telemetry import Telemetry
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.engine.devices import DeviceBuilder
-from catseye.app.engine.interlock import RemoteIo
 from catseye.app.errors import CatseyeError, StorageError, UsageError
-from catseye.app.running import PlannedRun
+from catseye.app.protocol.events import AnyEvent, JogChanged, WarningTold
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.hub import Hub
+from catseye.app.service.manual.device_loan import ManualBench
+from catseye.app.service.running import PlannedRun
+from catseye.app.service.watching.bench_facts import BenchFacts, facts_of
+from catseye.app.service.watching.cell_devices import cell_devices
+from catseye.app.service.watching.device_pool import CellDevices, DevicePool
+from catseye.app.service.watching.telemetry import Telemetry
+from catseye.app.store.aim import find_aim
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.protocols import DeviceIdentity
-from catseye.procedures.kit.context import Json
+from catseye.drivers.roles.device import Identity
+from catseye.drivers.roles.io import Io
 
 
 class EngineBench:
     """Knows the cell file of an engine.
 
     Args:
-        hub: of the clients.
+        registry: of the clients.
         clock: real time.
         cell: cell file of the bench; read anew whenever its devices are made.
         root: folder of all runs.
 
     Attributes:
-        telemetry: tells the clients that watch.
+        telemetry: for the clients that watch.
         idle: the devices between runs.
     """
 
-    def __init__(self, hub: Hub, clock: Clock, cell: Path, root: Path) -> None:
-        self.telemetry = Telemetry(hub, clock, root)
+    def __init__(self, registry: ClientRegistry, clock: Clock, cell: Path, root: Path) -> None:
+        self.telemetry = Telemetry(registry, clock, root)
         self.telemetry.prepare = self._prepare
-        self.idle = IdleBench(
-            self._make, self.telemetry.gauges, clock, lambda text: hub.say("warning", text=text, data={})
+        self.idle = DevicePool(
+            self._make, self.telemetry.latest, clock, lambda text: registry.announce(WarningTold(text=text))
         )
         self.telemetry.on_watched = self.idle.watched
-        self._hub = hub
-        hub.facts["jog"] = None
+        self._registry = registry
         self._clock = clock
         self._cell = cell
         self._root = root
@@ -64,14 +64,14 @@ class EngineBench:
         """Return a builder of a run's devices that are seen by those who watch."""
         return self.telemetry.observe(facts_of(planned.loaded.cell, planned.bench), build)
 
-    def for_hands(self) -> HandBench:
+    def for_hands(self) -> ManualBench:
         """Return the bench for whoever works on it by hand between runs."""
-        return HandBench(
+        return ManualBench(
             self.idle,
             self._find_facts,
             self._identities,
             self.telemetry.traffic.record,
-            self._tell_hands,
+            self._announce,
             self._clock,
             self._root,
             self._door,
@@ -93,13 +93,13 @@ class EngineBench:
         simulated = identity is not None and identity.simulated
         try:
             for text in await guard.hold("its drives go off", self._root, simulated=simulated):
-                self._hub.say("warning", text=text, data={})
+                self._registry.announce(WarningTold(text=text))
             yield
         finally:
             await guard.let_go()
 
     async def end(self) -> None:
-        """Tell no more, and let every link go."""
+        """Publish no more, and let every link go."""
         await self.telemetry.end()
         await self.idle.end()
 
@@ -120,31 +120,31 @@ class EngineBench:
             )
         return facts
 
-    def _door(self) -> RemoteIo | None:
+    def _door(self) -> Io | None:
         """Return the block with the door's interlock, while the devices are made."""
         devices = self.idle.devices()
         return None if devices is None else devices.io
 
-    def _identities(self) -> dict[str, DeviceIdentity]:
+    def _identities(self) -> dict[str, Identity]:
         """Return who answers now: of a link that is not held nothing is known."""
         if self.idle.devices() is None:
             return {}
-        links = self.telemetry.gauges.links.items()
+        links = self.telemetry.latest.links.items()
         return {name: link.identity for name, link in links if link.identity and link.state == "ok"}
 
-    def _tell_hands(self, event: str, **fields: Json) -> None:
-        """Tell every client, and those that come later, what is done by hand."""
-        if event == "jog":
-            self._hub.facts["jog"] = fields if fields["on"] else None
-        self._hub.say(event, **fields)
+    def _announce(self, event: AnyEvent) -> None:
+        """Send every client what is done by hand; a jog stands in snapshots too."""
+        if isinstance(event, JogChanged):
+            self._registry.facts = replace(self._registry.facts, jog=event if event.on else None)
+        self._registry.announce(event)
 
     def _prepare(self) -> None:
-        """See to it that a client that begins to watch is told what the cell file says.
+        """See to it that a client that begins to watch learns what the cell file says.
 
         Raises:
             RefusedError: the cell file is wrong.
         """
-        in_use = self._hub.run is not None or self._hub.beginning or self.idle.devices() is not None
+        in_use = self._registry.run is not None or self._registry.beginning or self.idle.devices() is not None
         if in_use and self.telemetry.facts is not None:
             return
         try:
@@ -161,7 +161,7 @@ class EngineBench:
         """
         cell = await asyncio.to_thread(lambda: load_cell(self._cell).cell)
         self.telemetry.describe(await asyncio.to_thread(self._aimed, cell))
-        return cell_devices(cell, self.telemetry.gauges, self._clock, self.telemetry.traffic.record)
+        return cell_devices(cell, self.telemetry.latest, self._clock, self.telemetry.traffic.record)
 
     def _aimed(self, cell: Cell) -> BenchFacts:
         """Return the facts of a cell with the places that the last search found, if they still hold."""

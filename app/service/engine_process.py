@@ -6,33 +6,37 @@ import logging
 import signal
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from catseye.app.bench.by_hand import ByHand
-from catseye.app.bench.drives import RestingDrives
 from catseye.app.cell.load import load_cell
+from catseye.app.engine.announcer import Publish
 from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.heap import settled_heap
 from catseye.app.engine.request import RunOutcome
 from catseye.app.engine.signals import loop_signals
-from catseye.app.engine.states import Event, State, transition
+from catseye.app.engine.states import Trigger, transition
 from catseye.app.engine.waiting import uncancelled
 from catseye.app.errors import InterruptedRunError, exit_code_of, text_of
 from catseye.app.exitcode import ExitCode
-from catseye.app.procedure_list import load_procedure, parse_params
-from catseye.app.resuming import plan_resume
-from catseye.app.running import PlannedRun, carry_out, plan_run
+from catseye.app.protocol.answers import Answer, Opened
+from catseye.app.protocol.events import AnyEvent, EngineIdle, ErrorTold, RunEvent, StateChanged
+from catseye.app.protocol.procedures import load_procedure, parse_params
+from catseye.app.protocol.requests import Resume, Start
+from catseye.app.protocol.state import ControlState
 from catseye.app.service.address import socket_folder
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError, refusal_of
-from catseye.app.service.hub import Hub
-from catseye.app.service.messages import Message, Resume, Start
+from catseye.app.service.manual.drives import RestingDrives
+from catseye.app.service.manual.manual_control import ManualControl
+from catseye.app.service.planned_walk import as_walk
+from catseye.app.service.resumption import plan_resume
+from catseye.app.service.running import PlannedRun, carry_out, plan_run
 from catseye.app.service.server import Server
 from catseye.app.service.sparse_log import SparseLog
-from catseye.app.walk.planning import as_walk
 from catseye.drivers.roles.clock import SystemClock
-from catseye.procedures.kit.context import Json
 
 _log = logging.getLogger(__name__)
 
@@ -47,24 +51,24 @@ class EngineProcess:
         root: folder of all runs.
 
     Attributes:
-        hub: of its clients.
+        registry: of its clients.
         by_hand: what they do by hand between runs.
     """
 
     def __init__(self, cell: Path, root: Path) -> None:
         self._clock = SystemClock()
         self._errors = SparseLog(_log, self._clock)
-        self.hub = Hub(self._clock, waits=True)
-        self._bench = EngineBench(self.hub, self._clock, cell, root)
-        self.by_hand = ByHand(self.hub, self._bench.for_hands(), self._require_idle, self._abort)
+        self.registry = ClientRegistry(self._clock, waits=True)
+        self._bench = EngineBench(self.registry, self._clock, cell, root)
+        self.by_hand = ManualControl(self.registry, self._bench.for_hands(), self._require_idle, self._abort)
         self._drives = RestingDrives(
             self._bench.idle,
             self._clock,
-            self._tell_drives,
+            self._announce_drives,
             self.by_hand,
             self._bench.owned,
         )
-        self._server = Server(self.hub, self._clock, self, telemetry=self._bench.telemetry)
+        self._server = Server(self.registry, self._clock, self, telemetry=self._bench.telemetry)
         self._cell = cell
         self._root = root
         self._job: asyncio.Task[RunOutcome | None] | None = None
@@ -113,9 +117,9 @@ class EngineProcess:
         socket_folder()
         self._once = asyncio.current_task()
 
-        def publish(event: Message) -> None:
-            self.hub.publish(event)
-            if event["event"] == "state" and event.get("state") == State.EXECUTE and "kind" not in event:
+        def publish(event: RunEvent) -> None:
+            self.registry.publish(event)
+            if isinstance(event, StateChanged) and event.state is ControlState.EXECUTE:
                 ready()
 
         with loop_signals(self._deliver):
@@ -129,7 +133,7 @@ class EngineProcess:
                 await uncancelled(self._bench.end())
                 await uncancelled(self._server.end())
 
-    def start(self, request: Start) -> "asyncio.Future[Message]":
+    def start(self, request: Start) -> "asyncio.Future[Answer]":
         """Begin a run; the result is there when its record is open.
 
         Raises:
@@ -137,7 +141,7 @@ class EngineProcess:
         """
         return self._begin(request)
 
-    def resume(self, request: Resume) -> "asyncio.Future[Message]":
+    def resume(self, request: Resume) -> "asyncio.Future[Answer]":
         """Go on with a run; the result is there when its record is open.
 
         Raises:
@@ -145,12 +149,20 @@ class EngineProcess:
         """
         return self._begin(request)
 
-    def drop(self, reason: str) -> bool:
+    def stop(self, reason: str) -> bool:
+        """Stop the arm that is moved by hand, keep a run from beginning; return whether there was either."""
+        return self.by_hand.stop(reason) or self._drop(reason)
+
+    def abort(self, reason: str) -> bool:
+        """The same; what was moved by hand has to be cleared before anything begins."""
+        return self.by_hand.abort(reason) or self._drop(reason)
+
+    def _drop(self, reason: str) -> bool:
         """Keep a run from beginning; return whether there was one that was about to.
 
         One whose record is being made ends as stopped when it is there: half a record would look like a death.
         """
-        if self._job is None or not self.hub.beginning:
+        if self._job is None or not self.registry.beginning:
             return False
         self._dropped = self._dropped or reason
         if self._planning:
@@ -166,12 +178,14 @@ class EngineProcess:
         """
         if self._job is not None:
             raise RefusedError("a run is under way; clear is for after an abort")
-        if self.hub.idle_state != State.ABORTED:
-            raise RefusedError(f"there is nothing to clear: the engine is in state {self.hub.idle_state}")
+        if self.registry.idle_state != ControlState.ABORTED:
+            raise RefusedError(
+                f"there is nothing to clear: the engine is in state {self.registry.idle_state}"
+            )
         self._aborted = ""
-        for event in (Event.CLEAR, Event.CLEARED):
-            self.hub.idle_state = transition(self.hub.idle_state, event).state
-            self.hub.say("state", state=self.hub.idle_state, reason=f"{who} cleared the abort")
+        for event in (Trigger.CLEAR, Trigger.CLEARED):
+            self.registry.idle_state = transition(self.registry.idle_state, event).state
+            self._announce_state(f"{who} cleared the abort")
         self._facts()
 
     def shut_down(self, who: str) -> None:
@@ -189,12 +203,12 @@ class EngineProcess:
         if self._job is not None and self._planning:
             self._job.cancel()
 
-    def _begin(self, request: Start | Resume) -> "asyncio.Future[Message]":
+    def _begin(self, request: Start | Resume) -> "asyncio.Future[Answer]":
         self._require_idle()
         if (occupied := self.by_hand.occupied) is not None:
             raise RefusedError(occupied)
-        opened: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
-        self.hub.beginning, self._planning, self._dropped = True, True, ""
+        opened: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
+        self.registry.beginning, self._planning, self._dropped = True, True, ""
         self._job = asyncio.create_task(self._run(request, opened))
         return opened
 
@@ -217,14 +231,14 @@ class EngineProcess:
 
     def _abort(self, why: str) -> None:
         """Let nothing begin before an operator has cleared it: what was done by hand was aborted."""
-        self.hub.idle_state, self._aborted = State.ABORTED, why
+        self.registry.idle_state, self._aborted = ControlState.ABORTED, why
         self._facts()
-        self.hub.say("state", state=self.hub.idle_state, reason=why)
+        self._announce_state(why)
 
-    async def _run(self, request: Start | Resume, opened: "asyncio.Future[Message]") -> RunOutcome | None:
-        def tell(path: Path) -> None:
+    async def _run(self, request: Start | Resume, opened: "asyncio.Future[Answer]") -> RunOutcome | None:
+        def opened_at(path: Path) -> None:
             if not opened.done():
-                opened.set_result({"run": path.name, "path": str(path.resolve())})
+                opened.set_result(Opened(run=path.name, path=str(path.resolve())))
 
         outcome: RunOutcome | None = None
         try:
@@ -233,7 +247,9 @@ class EngineProcess:
             self._facts()
             await self._bench.idle.release()
             self._planning = False
-            outcome = await self._carry_out(request, planned, tell, self.hub.publish, keep_drives=True)
+            outcome = await self._carry_out(
+                request, planned, opened_at, self.registry.publish, keep_drives=True
+            )
         except asyncio.CancelledError:
             if not self._dropped:
                 raise
@@ -244,7 +260,7 @@ class EngineProcess:
             return None
         finally:
             opened.cancel()
-            self.hub.beginning = False
+            self.registry.beginning = False
             self._job = None
             self._bench.idle.take_up()
             if outcome is None or outcome.drives_on is None:
@@ -254,19 +270,21 @@ class EngineProcess:
         if outcome.drives_on and not request.keep_drives:
             self._drives.begin(planned.loaded.cell.robot.drives_off_after_s)
         if outcome.status == "aborted":
-            self.hub.idle_state, self._aborted = State.ABORTED, outcome.text
+            self.registry.idle_state, self._aborted = ControlState.ABORTED, outcome.text
         elif outcome.unacknowledged:
             self._abort(outcome.unacknowledged)
         else:
-            self.hub.idle_state = State.COMPLETE if outcome.status == "complete" else State.STOPPED
+            self.registry.idle_state = (
+                ControlState.COMPLETE if outcome.status == "complete" else ControlState.STOPPED
+            )
         self._facts()
-        self.hub.say("idle", state=self.hub.idle_state)
+        self.registry.announce(EngineIdle(state=self.registry.idle_state))
         return outcome
 
-    def _failed(self, error: Exception, opened: "asyncio.Future[Message]") -> None:
+    def _failed(self, error: Exception, opened: "asyncio.Future[Answer]") -> None:
         self._errors.error("a run could not be made", error)
         if opened.done():
-            self.hub.say("error", text=text_of(error), exit_code=int(exit_code_of(error)))
+            self.registry.announce(ErrorTold(text=text_of(error), exit_code=int(exit_code_of(error))))
         else:
             opened.set_exception(refusal_of(error))
 
@@ -285,11 +303,11 @@ class EngineProcess:
         request: Start | Resume,
         planned: PlannedRun,
         opened: Callable[[Path], None],
-        publish: Callable[[Message], None],
+        publish: Publish,
         *,
         keep_drives: bool,
     ) -> RunOutcome:
-        self.hub.policy = planned.on_client_lost
+        self.registry.policy = planned.on_client_lost
         with settled_heap():
             return await carry_out(
                 planned,
@@ -300,7 +318,7 @@ class EngineProcess:
                 answers=Path(request.answers) if request.answers else None,
                 install_signals=self._to_run,
                 keep_drives=keep_drives,
-                answerer=self.hub.desk,
+                answerer=self.registry.broker,
                 on_open=partial(self._serve_run, opened),
                 observe=partial(self._bench.observe, planned),
                 waive_walk=request.waive_walk,
@@ -315,17 +333,21 @@ class EngineProcess:
             yield
 
     def _facts(self) -> None:
-        self.hub.facts |= {
-            "cell": str(self._cell.resolve()),
-            "runs": str(self._root.resolve()),
-            "aborted": self._aborted or None,
-            "drives": self._drives.facts,
-        }
+        self.registry.facts = replace(
+            self.registry.facts,
+            cell=str(self._cell.resolve()),
+            runs=str(self._root.resolve()),
+            aborted=self._aborted or None,
+            drives=self._drives.facts,
+        )
 
-    def _tell_drives(self, event: str, **fields: Json) -> None:
-        """Tell every client, and those that come later, when the drives go off."""
-        self.hub.facts["drives"] = self._drives.facts
-        self.hub.say(event, **fields)
+    def _announce_state(self, reason: str) -> None:
+        self.registry.announce(StateChanged(state=self.registry.idle_state, reason=reason))
+
+    def _announce_drives(self, event: AnyEvent) -> None:
+        """Send every client, and say in snapshots, when the drives go off."""
+        self._facts()
+        self.registry.announce(event)
 
     def _deliver(self, number: int) -> None:
         """Take a signal; the engine outlives its terminal, so SIGHUP means nothing to it."""
@@ -352,7 +374,7 @@ class EngineProcess:
         alone_since_s = self._clock.monotonic_s()
         while limit_s is not None:
             await self._clock.sleep(_WAIT_POLL_S)
-            if self.hub.members or self._job is not None:
+            if self.registry.members or self._job is not None:
                 alone_since_s = self._clock.monotonic_s()
             elif self._clock.monotonic_s() - alone_since_s >= limit_s:
                 self._ended(ExitCode.TIMEOUT)

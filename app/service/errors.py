@@ -19,19 +19,6 @@ class RefusedError(CatseyeError):
         self.code = code
 
 
-class BadMessageError(RefusedError):
-    """A line is no message of this protocol.
-
-    Args:
-        text: what is wrong with it.
-        re: id of the request, as far as it could be read.
-    """
-
-    def __init__(self, text: str, re: int | str | None = None) -> None:
-        super().__init__(text)
-        self.re = re
-
-
 class ServiceError(CatseyeError):
     """A socket cannot be made or reached, or nobody answers at it."""
 
@@ -39,5 +26,5 @@ class ServiceError(CatseyeError):
 
 
 def refusal_of(error: BaseException) -> RefusedError:
-    """Return an error as a client is told it."""
+    """Return an error as a client is answered."""
     return error if isinstance(error, RefusedError) else RefusedError(text_of(error), exit_code_of(error))

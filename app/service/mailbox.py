@@ -4,16 +4,20 @@ import asyncio
 from collections import deque
 from dataclasses import dataclass
 
-from catseye.app.service.merging import MERGED, merged
-from catseye.app.service.messages import VERSION, Message
-from catseye.procedures.kit.context import Json
-
-_DROPPABLE = frozenset({"point", "step-started", "step-done"})
-
-_NEWEST = frozenset({"progress", "clients"})
-
-_KEPT = frozenset({"clients"})
-"""Of these the newest is never dropped: nobody tells it again."""
+from catseye.app.protocol.events import (
+    AnyEvent,
+    BenchSeen,
+    ClientsChanged,
+    Dropped,
+    LiveShown,
+    PointMeasured,
+    Progressed,
+    SamplesTaken,
+    StepDone,
+    StepStarted,
+    WirePassed,
+)
+from catseye.app.service.merging import merged
 
 CAPACITY = 512
 """Messages that wait for a slow client."""
@@ -25,8 +29,8 @@ class MailboxFullError(Exception):
 
 @dataclass
 class _Waiting:
-    message: Message
-    kind: str | None
+    message: AnyEvent | bytes
+    slot: str | None
     droppable: bool
 
 
@@ -47,22 +51,22 @@ class Mailbox:
     def __len__(self) -> int:
         return len(self._waiting)
 
-    def put(self, message: Message) -> None:
-        """Add a message.
+    def put(self, message: AnyEvent | bytes) -> None:
+        """Add an event, or an encoded answer.
 
         Raises:
             MailboxFullError: it may not be dropped, and the mailbox is full of such.
         """
-        kind = _replaced_kind(message)
-        droppable = (kind is not None and kind not in _KEPT) or message.get("event") in _DROPPABLE
-        if kind is not None:
-            for waiting in self._waiting:
-                if waiting.kind == kind:
+        slot, droppable = None, False
+        if not isinstance(message, bytes):
+            slot, droppable = _slot(message), _droppable(message)
+            for waiting in self._waiting if slot is not None else ():
+                if waiting.slot == slot and not isinstance(waiting.message, bytes):
                     waiting.message = merged(waiting.message, message)
                     return
         if len(self._waiting) >= self._capacity and not self._make_room(droppable):
             return
-        self._waiting.append(_Waiting(message, kind, droppable))
+        self._waiting.append(_Waiting(message, slot, droppable))
         self._filled.set()
 
     def close(self) -> None:
@@ -70,7 +74,7 @@ class Mailbox:
         self._closed = True
         self._filled.set()
 
-    async def take(self) -> Message:
+    async def take(self) -> AnyEvent | bytes:
         """Wait for the next message; a count of dropped ones comes before it.
 
         Raises:
@@ -83,7 +87,7 @@ class Mailbox:
             await self._filled.wait()
         if self._dropped:
             count, self._dropped = self._dropped, 0
-            return {"v": VERSION, "event": "dropped", "count": count}
+            return Dropped(count=count)
         return self._waiting.popleft().message
 
     def _make_room(self, droppable: bool) -> bool:
@@ -100,12 +104,18 @@ class Mailbox:
         raise MailboxFullError(f"{len(self._waiting)} messages wait that may not be dropped")
 
 
-def _replaced_kind(message: Message) -> str | None:
-    """Return the name under which only the newest message counts."""
-    event = message.get("event")
-    if event in _NEWEST or event in MERGED:
-        return str(event)
-    if event == "state" and message.get("kind") == "live":
-        data: Json = message.get("data")
-        return f"live {data['name'] if isinstance(data, dict) and 'name' in data else ''}"
+def _slot(event: AnyEvent) -> str | None:
+    """Return the name under which only the newest event counts; None where each one does."""
+    match event:
+        case LiveShown():
+            return f"live {event.data.name}"
+        case Progressed() | ClientsChanged() | BenchSeen() | SamplesTaken() | WirePassed():
+            return event.event
     return None
+
+
+def _droppable(event: AnyEvent) -> bool:
+    """Return whether a client can do without an event; the list of clients comes once only."""
+    if isinstance(event, ClientsChanged):
+        return False
+    return _slot(event) is not None or isinstance(event, PointMeasured | StepStarted | StepDone)

@@ -1,54 +1,26 @@
-"""What becomes of a message about the bench that was not sent before the next one of its kind came."""
+"""What becomes of an event about the bench that was not sent before the next one of its kind came."""
 
-from collections.abc import Callable
-from typing import Any
-
-from catseye.app.bench.columns import MOST_COLUMNS
-from catseye.app.bench.traffic import MOST_LINES
-from catseye.app.service.messages import Message
-
-_COLUMN_LISTS = ("low", "high", "count")
+from catseye.app.protocol.events import AnyEvent, BenchSeen, SamplesTaken, WirePassed
+from catseye.app.service.watching.columns import MOST_COLUMNS
+from catseye.app.service.watching.traffic import MOST_LINES
 
 
-def merged(older: Message, newer: Message) -> Message:
-    """Return the message that is sent in place of two of the same kind; neither is changed."""
-    merge = MERGED.get(str(newer.get("event")))
-    return newer if merge is None else merge(older, newer)
-
-
-def _benches(older: Message, newer: Message) -> Message:
-    """Return the newer bench; the older one is counted."""
-    return {**newer, "missed": _missed(older) + 1 + _missed(newer)}
-
-
-def _samples(older: Message, newer: Message) -> Message:
-    """Return the columns of both; the oldest ones are left out and counted when they are too many."""
-    lists = {name: [*_list(older, name), *_list(newer, name)] for name in _COLUMN_LISTS}
-    surplus = max(0, len(lists["count"]) - MOST_COLUMNS)
-    kept = {name: values[surplus:] for name, values in lists.items()}
-    return {**newer, **kept, "missed": _missed(older) + _missed(newer) + surplus}
-
-
-def _lines(older: Message, newer: Message) -> Message:
-    """Return the lines of both; the oldest ones are left out and counted when they are too many."""
-    lines = [*_list(older, "lines"), *_list(newer, "lines")]
-    surplus = max(0, len(lines) - MOST_LINES)
-    return {**newer, "lines": lines[surplus:], "missed": _missed(older) + _missed(newer) + surplus}
-
-
-def _list(message: Message, name: str) -> list[Any]:
-    values = message.get(name)
-    return values if isinstance(values, list) else []
-
-
-def _missed(message: Message) -> int:
-    missed = message.get("missed")
-    return missed if isinstance(missed, int) else 0
-
-
-MERGED: dict[str, Callable[[Message, Message], Message]] = {
-    "bench": _benches,
-    "samples": _samples,
-    "wire": _lines,
-}
-"""How two messages of a kind become one, by their event."""
+def merged(older: AnyEvent, newer: AnyEvent) -> AnyEvent:
+    """Return the event that is sent in place of two of the same kind; what is left out is counted."""
+    match older, newer:
+        case BenchSeen(), BenchSeen():
+            return newer.model_copy(update={"missed": older.missed + 1 + newer.missed})
+        case SamplesTaken(), SamplesTaken():
+            surplus = max(0, len(older.count) + len(newer.count) - MOST_COLUMNS)
+            columns = {
+                "low": (older.low + newer.low)[surplus:],
+                "high": (older.high + newer.high)[surplus:],
+                "count": (older.count + newer.count)[surplus:],
+            }
+            return newer.model_copy(update={**columns, "missed": older.missed + newer.missed + surplus})
+        case WirePassed(), WirePassed():
+            lines = older.lines + newer.lines
+            surplus = max(0, len(lines) - MOST_LINES)
+            missed = older.missed + newer.missed + surplus
+            return newer.model_copy(update={"lines": lines[surplus:], "missed": missed})
+    return newer

@@ -4,11 +4,12 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
-from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.waiting import uncancelled
-from catseye.app.service.hub import Hub, Policy
+from catseye.app.protocol.loss import LossPolicy
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.server import Server
+from catseye.app.service.watching.telemetry import Telemetry
 from catseye.drivers.roles.clock import SystemClock
 
 
@@ -21,17 +22,17 @@ class RunService:
         root: folder of all runs.
 
     Attributes:
-        hub: of its clients.
+        registry: of its clients.
         telemetry: of the bench.
     """
 
-    def __init__(self, policy: Policy, console: str | None, root: Path) -> None:
+    def __init__(self, policy: LossPolicy, console: str | None, root: Path) -> None:
         clock = SystemClock()
-        self.hub = Hub(clock)
-        self.hub.policy = policy
-        self.hub.console = console
-        self.telemetry = Telemetry(self.hub, clock, root)
-        self._server = Server(self.hub, clock, telemetry=self.telemetry)
+        self.registry = ClientRegistry(clock)
+        self.registry.policy = policy
+        self.registry.lease.console = console
+        self.telemetry = Telemetry(self.registry, clock, root)
+        self._server = Server(self.registry, clock, telemetry=self.telemetry)
 
     @asynccontextmanager
     async def serve(self, handle: RunHandle) -> AsyncIterator[None]:

@@ -8,16 +8,16 @@ from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from pathlib import Path
 from typing import Final
 
-from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.waiting import cancel
+from catseye.app.protocol.message import MAX_LINE_BYTES
 from catseye.app.service.address import listening
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import ServiceError
-from catseye.app.service.hub import Hub
-from catseye.app.service.messages import MAX_LINE_BYTES
-from catseye.app.service.orders import Engine, Orders
+from catseye.app.service.request_handler import Engine, RequestHandler
 from catseye.app.service.session import Patience, Session
 from catseye.app.service.sparse_log import SparseLog
+from catseye.app.service.watching.telemetry import Telemetry
 from catseye.drivers.roles.clock import Clock
 
 _log = logging.getLogger(__name__)
@@ -33,7 +33,7 @@ class Server:
     """Accepts clients at any number of sockets.
 
     Args:
-        hub: that all clients share.
+        registry: that all clients share.
         clock: real time.
         engine: that can start runs; None where a run serves itself.
         patience: with each client.
@@ -42,15 +42,15 @@ class Server:
 
     def __init__(
         self,
-        hub: Hub,
+        registry: ClientRegistry,
         clock: Clock,
         engine: Engine | None = None,
         patience: Patience | None = None,
         telemetry: Telemetry | None = None,
     ) -> None:
-        self._hub = hub
+        self._registry = registry
         self._clock = clock
-        self._orders = Orders(hub, engine, telemetry)
+        self._handler = RequestHandler(registry, engine, telemetry)
         self._patience = patience or Patience()
         self._errors = SparseLog(_log, clock)
         self._sessions: dict[asyncio.Task[None], Session] = {}
@@ -81,7 +81,7 @@ class Server:
     async def of_run(self, handle: RunHandle) -> AsyncIterator[None]:
         """Serve a run while its record is open; without a socket it goes on alone, and says so."""
         async with AsyncExitStack() as stack:
-            stack.enter_context(self._hub.running(handle))
+            stack.enter_context(self._registry.running(handle))
             try:
                 await stack.enter_async_context(self.at(handle.path))
             except ServiceError as error:
@@ -97,7 +97,7 @@ class Server:
         if len(strangers) >= MOST_STRANGERS:
             # Whoever comes now may want to stop the arm, which takes no hello.
             strangers[0].dismiss(f"{MOST_STRANGERS} newer connections wait without hello")
-        session = Session(self._hub, self._orders, (reader, writer), self._clock, self._patience)
+        session = Session(self._registry, self._handler, (reader, writer), self._clock, self._patience)
         task = asyncio.create_task(session.serve())
         self._sessions[task] = session
         task.add_done_callback(self._gone)

@@ -1,4 +1,4 @@
-"""One client's conversation: what it asks is done as it is read, what it is told waits for it alone."""
+"""One client's conversation: what it asks is done as it is read, what it is sent waits for it alone."""
 
 import asyncio
 from contextlib import suppress
@@ -7,19 +7,15 @@ from typing import Final
 
 from catseye.app.engine.waiting import cancel
 from catseye.app.exitcode import ExitCode
-from catseye.app.service.errors import BadMessageError, RefusedError, refusal_of
-from catseye.app.service.hub import Hub, Member, send
+from catseye.app.protocol.answers import Answer, Refusal, Welcome, encode_answer, encode_refusal
+from catseye.app.protocol.events import encode_event
+from catseye.app.protocol.message import MAX_LINE_BYTES, MessageError, RequestId
+from catseye.app.protocol.requests import AnyRequest, Hello, decode_request
+from catseye.app.service.client_registry import ClientRegistry
+from catseye.app.service.errors import RefusedError, refusal_of
 from catseye.app.service.mailbox import Mailbox
-from catseye.app.service.messages import (
-    MAX_LINE_BYTES,
-    VERSION,
-    AnyRequest,
-    Hello,
-    Message,
-    decode_request,
-    encode,
-)
-from catseye.app.service.orders import Orders
+from catseye.app.service.member import Member, send
+from catseye.app.service.request_handler import RequestHandler
 from catseye.drivers.roles.clock import Clock
 
 _READING_TURNS: Final = 10
@@ -45,8 +41,8 @@ class Session:
     """Serves one connection.
 
     Args:
-        hub: of the engine.
-        orders: carry requests out.
+        registry: of the engine.
+        handler: carry requests out.
         streams: to and from the client.
         clock: real time.
         patience: with the client.
@@ -54,14 +50,14 @@ class Session:
 
     def __init__(
         self,
-        hub: Hub,
-        orders: Orders,
+        registry: ClientRegistry,
+        handler: RequestHandler,
         streams: tuple[asyncio.StreamReader, asyncio.StreamWriter],
         clock: Clock,
         patience: Patience,
     ) -> None:
-        self._hub = hub
-        self._orders = orders
+        self._registry = registry
+        self._handler = handler
         self._reader, self._writer = streams
         self._clock = clock
         self._patience = patience
@@ -90,9 +86,9 @@ class Session:
             raise
         finally:
             try:
-                # The hub hears of it before anything is waited for: a run without its client is held now.
+                # The registry learns of it before anything is waited for: a run without its client is held now.
                 if self._member is not None:
-                    self._hub.leave(self._member, reason)
+                    self._registry.leave(self._member, reason)
             finally:
                 self._writer.transport.abort()
                 await cancel(*tasks)
@@ -120,7 +116,7 @@ class Session:
     def dismiss(self, why: str) -> None:
         """Let a client go that has not said hello."""
         # It is short, and nothing else waits: the system takes it at once.
-        self._writer.write(encode({"v": VERSION, "re": None, "ok": False, "error": f"disconnected: {why}"}))
+        self._writer.write(encode_refusal(None, Refusal(error=f"disconnected: {why}")))
         self.end(why)
 
     def _part_ended(self, task: "asyncio.Task[str | None]") -> None:
@@ -143,7 +139,9 @@ class Session:
             except asyncio.IncompleteReadError:
                 return "it closed the connection"
             except asyncio.LimitOverrunError:
-                self._say({"re": None, "ok": False, "error": f"a line is longer than {MAX_LINE_BYTES} bytes"})
+                self._say(
+                    encode_refusal(None, Refusal(error=f"a line is longer than {MAX_LINE_BYTES} bytes"))
+                )
                 await self.flush()
                 return "it sent a line that is too long"
             self._heard_s = self._clock.monotonic_s()
@@ -158,49 +156,49 @@ class Session:
 
     def _hear(self, line: bytes) -> None:
         try:
-            request = decode_request(line)
-        except BadMessageError as error:
-            self._say({"re": error.re, "ok": False, "error": str(error)})
+            number, request = decode_request(line)
+        except MessageError as error:
+            self._say(encode_refusal(error.re, Refusal(error=str(error))))
             return
         try:
             found = self._answer(request)
         except RefusedError as error:
-            self._refuse(request, error)
+            self._refuse(number, error)
             return
         if isinstance(found, asyncio.Future):
-            found.add_done_callback(lambda future: self._answer_later(request, future))
+            found.add_done_callback(lambda future: self._answer_later(number, future))
         else:
-            self._say({"re": request.id, "ok": True, **found})
+            self._say(encode_answer(number, found))
 
-    def _answer(self, request: AnyRequest) -> "Message | asyncio.Future[Message]":
+    def _answer(self, request: AnyRequest) -> "Answer | asyncio.Future[Answer]":
         if isinstance(request, Hello) and self._member is None:
             try:
-                self._member = self._hub.join(request.client, request.who, self._mailbox, self.end)
+                self._member = self._registry.join(request.client, request.who, self._mailbox, self.end)
             except RefusedError:
                 self._unwelcome = True
                 raise
-            return {"snapshot": self._hub.snapshot(self._member)}
-        return self._orders.take(self._member, request)
+            return Welcome(snapshot=self._registry.snapshot(self._member))
+        return self._handler.take(self._member, request)
 
-    def _answer_later(self, request: AnyRequest, future: "asyncio.Future[Message]") -> None:
+    def _answer_later(self, number: RequestId, future: "asyncio.Future[Answer]") -> None:
         if future.cancelled():
-            self._refuse(request, RefusedError("the engine ended", ExitCode.TERMINATED))
+            self._refuse(number, RefusedError("the engine ended", ExitCode.TERMINATED))
         elif error := future.exception():
-            self._refuse(request, refusal_of(error))
+            self._refuse(number, refusal_of(error))
         else:
-            self._say({"re": request.id, "ok": True, **future.result()})
+            self._say(encode_answer(number, future.result()))
 
-    def _refuse(self, request: AnyRequest, error: RefusedError) -> None:
-        self._say({"re": request.id, "ok": False, "error": str(error), "exit_code": int(error.code)})
+    def _refuse(self, number: RequestId, error: RefusedError) -> None:
+        self._say(encode_refusal(number, Refusal(error=str(error), exit_code=int(error.code))))
 
-    def _say(self, answer: Message) -> None:
-        send({"v": VERSION, **answer}, self._mailbox, self.end)
+    def _say(self, answer: bytes) -> None:
+        send(answer, self._mailbox, self.end)
 
     async def _send(self) -> str:
         while True:
             message = await self._mailbox.take()
             self._sending = True
-            self._writer.write(encode(message))
+            self._writer.write(message if isinstance(message, bytes) else encode_event(message))
             await self._writer.drain()
             self._sending = False
             # Messages that wait together do not keep a reading of the run waiting.
@@ -222,7 +220,7 @@ class Session:
             left_s = self._patience.silence_s - silent_s
             if left_s > 0.0:
                 await self._clock.sleep(left_s)
-            elif self._hub.holds(self._member):
+            elif self._registry.lease.held_by(self._member):
                 return f"it said nothing for {silent_s:.0f} s"
             else:
                 await self._clock.sleep(self._patience.silence_s / 5)

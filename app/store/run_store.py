@@ -13,9 +13,9 @@ from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Future
 from pathlib import Path
 
-from catseye.app.engine.crash_points import crash_point
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.store import seal
+from catseye.app.store.crash_points import crash_point
 from catseye.app.store.describe import clock_anchor, software
 from catseye.app.store.directory import make_directory, require_space
 from catseye.app.store.lines import DEFAULT_MAX_BYTES, JsonLines, WireLog

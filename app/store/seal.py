@@ -11,8 +11,8 @@ from pathlib import Path
 
 from pydantic import BaseModel, ValidationError
 
-from catseye.app.engine.crash_points import crash_point
 from catseye.app.errors import StorageError
+from catseye.app.store.crash_points import crash_point
 
 MANIFEST = "manifest.json"
 DATABASE = "run.sqlite"

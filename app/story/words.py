@@ -120,9 +120,8 @@ def _ended(data: Data) -> str:
 
 
 def _warning(data: Data) -> str:
-    text = str(data.get("text"))
-    # The banner stands above the story.
-    return "" if text.startswith("SIMULATED") else f"WARNING: {text}"
+    # The banner above the timeline says it already.
+    return "" if data.get("simulated") else f"WARNING: {data.get('text')}"
 
 
 def _moved(data: Data) -> str:

@@ -1,12 +1,9 @@
 """An emulated bench for a test: in a thread of this process, in a process of its own, or on the test's own loop."""
 
-import asyncio
-import json
-import socket
 from collections.abc import AsyncIterator, Iterator, Mapping
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from catseye.app.testing.loop_thread import LoopThread
 from catseye.simulators.config import (
@@ -16,34 +13,33 @@ from catseye.simulators.config import (
     ErrorBudget,
     ReflectorPlace,
 )
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.control_port.client import ask, ask_blocking
+from catseye.simulators.control_port.messages import (
+    Answer,
+    ClearFaults,
+    Fault,
+    JournalEntry,
+    ReadLog,
+    ReadState,
+    ReadTruth,
+    Request,
+    State,
+    fault_named,
+)
+from catseye.simulators.emulated_bench import EmulatedBench
+from catseye.simulators.errors import EmulatorError
+from catseye.simulators.registry import load_emulator
 
-_TIMEOUT_S = 10.0
-_LONGEST_ANSWER_BYTES = 1 << 22
 _REFLECTORS = (
     ReflectorPlace("P1", 650.0, -400.0),
     ReflectorPlace("P2", 680.0, 0.0),
     ReflectorPlace("P3", 640.0, 380.0),
 )
-_UDP_PROTOCOLS = {"melfa-mxt"}
+
+A = TypeVar("A", bound=Answer)
 
 Endpoints = Mapping[str, str]
 """Where each device answers, by its name."""
-
-
-@dataclass(frozen=True)
-class JournalEntry:
-    """What the emulated bench saw.
-
-    Attributes:
-        time_s: bench time, s.
-        kind: `request` for what came over the wire, `motion` for what the arm did.
-        text: the request or the event.
-    """
-
-    time_s: float
-    kind: str
-    text: str
 
 
 @dataclass(frozen=True)
@@ -68,16 +64,13 @@ class RunningBench:
         """
         return _endpoint(self.endpoints, device)
 
-    def ask(self, op: str, **arguments: object) -> dict[str, Any]:
-        """Put a request to the control port; docs/emulators.md lists them.
+    def ask(self, request: Request[A]) -> A:
+        """Put a request to the control port; see `catseye.simulators.control_port.messages`.
 
         Raises:
             ValueError: the bench refused the request; the text is its own.
         """
-        with socket.create_connection(_address(self.control), timeout=_TIMEOUT_S) as link:
-            link.sendall(_request(op, arguments))
-            with link.makefile("rb") as answers:
-                return _answer(answers.readline())
+        return ask_blocking(self.control, request)
 
     def fault(self, name: str, **arguments: object) -> None:
         """Set a fault: `bench.fault("block_beam", duration_s=2.0)`, `bench.fault("drop", device="robot")`.
@@ -85,24 +78,23 @@ class RunningBench:
         Raises:
             ValueError: there is no such fault, or an argument is wrong.
         """
-        self.ask("fault", name=name, **arguments)
+        self.ask(_fault(name, arguments))
 
     def clear_faults(self) -> None:
         """Take all faults back."""
-        self.fault("clear_faults")
+        self.ask(ClearFaults())
 
-    def state(self) -> dict[str, Any]:
+    def state(self) -> State:
         """Return the true state of the bench: joints, motion, beam, servo, alarm."""
-        return self.ask("state")
+        return self.ask(ReadState())
 
     def truth(self) -> dict[str, Any]:
         """Return the true arm in the result format."""
-        truth: dict[str, Any] = self.ask("truth")["truth"]
-        return truth
+        return self.ask(ReadTruth()).truth
 
     def journal(self, device: str) -> list[JournalEntry]:
         """Return what came over the wire of a device, oldest first; for the robot the arm's motions too."""
-        return _entries(self.ask("log", device=device))
+        return self.ask(ReadLog(device=device)).entries
 
 
 @dataclass(frozen=True)
@@ -125,22 +117,13 @@ class AsyncBench:
         """
         return _endpoint(self.endpoints, device)
 
-    async def ask(self, op: str, **arguments: object) -> dict[str, Any]:
-        """Put a request to the control port; docs/emulators.md lists them.
+    async def ask(self, request: Request[A]) -> A:
+        """Put a request to the control port; see `catseye.simulators.control_port.messages`.
 
         Raises:
             ValueError: the bench refused the request; the text is its own.
         """
-        async with asyncio.timeout(_TIMEOUT_S):
-            reader, writer = await asyncio.open_connection(
-                *_address(self.control), limit=_LONGEST_ANSWER_BYTES
-            )
-            try:
-                writer.write(_request(op, arguments))
-                return _answer(await reader.readline())
-            finally:
-                writer.close()
-                await writer.wait_closed()
+        return await ask(self.control, request)
 
     async def fault(self, name: str, **arguments: object) -> None:
         """Set a fault: `await bench.fault("stall", device="line-counter", duration_s=2.0)`.
@@ -148,24 +131,23 @@ class AsyncBench:
         Raises:
             ValueError: there is no such fault, or an argument is wrong.
         """
-        await self.ask("fault", name=name, **arguments)
+        await self.ask(_fault(name, arguments))
 
     async def clear_faults(self) -> None:
         """Take all faults back."""
-        await self.fault("clear_faults")
+        await self.ask(ClearFaults())
 
-    async def state(self) -> dict[str, Any]:
+    async def state(self) -> State:
         """Return the true state of the bench: joints, motion, beam, servo, alarm."""
-        return await self.ask("state")
+        return await self.ask(ReadState())
 
     async def truth(self) -> dict[str, Any]:
         """Return the true arm in the result format."""
-        truth: dict[str, Any] = (await self.ask("truth"))["truth"]
-        return truth
+        return (await self.ask(ReadTruth())).truth
 
     async def journal(self, device: str) -> list[JournalEntry]:
         """Return what came over the wire of a device, oldest first; for the robot the arm's motions too."""
-        return _entries(await self.ask("log", device=device))
+        return (await self.ask(ReadLog(device=device))).entries
 
 
 def bench_config(
@@ -232,8 +214,7 @@ def by_name(served: list[tuple[str, str]]) -> tuple[Endpoints, str]:
 def _device(given: str | EmulatedDevice) -> EmulatedDevice:
     if isinstance(given, EmulatedDevice):
         return given
-    kind = "udp" if given in _UDP_PROTOCOLS else "tcp"
-    return EmulatedDevice(given, given, f"{kind}://127.0.0.1:0")
+    return EmulatedDevice(given, given, f"{load_emulator(given).link}://127.0.0.1:0")
 
 
 def _endpoint(endpoints: Endpoints, device: str) -> str:
@@ -242,21 +223,8 @@ def _endpoint(endpoints: Endpoints, device: str) -> str:
     return endpoints[device]
 
 
-def _address(control: str) -> tuple[str, int]:
-    host, _, port = control.removeprefix("tcp://").rpartition(":")
-    return host.strip("[]"), int(port)
-
-
-def _request(op: str, arguments: Mapping[str, object]) -> bytes:
-    return json.dumps({"op": op, **arguments}).encode() + b"\n"
-
-
-def _answer(line: bytes) -> dict[str, Any]:
-    answer: dict[str, Any] = json.loads(line)
-    if not answer.pop("ok"):
-        raise ValueError(f"the emulated bench refused: {answer['error']}")
-    return answer
-
-
-def _entries(answer: dict[str, Any]) -> list[JournalEntry]:
-    return [JournalEntry(**entry) for entry in answer["entries"]]
+def _fault(name: str, arguments: dict[str, object]) -> Fault:
+    try:
+        return fault_named(name, arguments)
+    except EmulatorError as error:
+        raise ValueError(str(error)) from None

@@ -3,33 +3,12 @@
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, get_args
+from typing import Any
 
+from catseye.drivers.roles.device import Role
 from catseye.drivers.roles.registry import load_driver
 from catseye.simulators.config import Option
-from catseye.simulators.protocols import PROTOCOLS
-
-Kind = Literal["robot", "interferometer", "environment", "tracker", "io"]
-
-KINDS: tuple[Kind, ...] = get_args(Kind)
-
-METHODS: dict[Kind, tuple[str, ...]] = {
-    "robot": ("status", "servo", "set_override", "move_joints", "joints", "stop"),
-    "interferometer": ("zero", "read", "status"),
-    "environment": ("sample",),
-    "tracker": ("locate",),
-    "io": ("door_closed", "show"),
-}
-"""What a driver of each kind has besides `connect` and `close`; see drivers/roles/protocols.py."""
-
-QUESTIONS: dict[Kind, str] = {
-    "robot": "joints",
-    "interferometer": "read",
-    "environment": "sample",
-    "tracker": "locate",
-    "io": "door_closed",
-}
-"""The question that the checks of the link ask."""
+from catseye.simulators.registry import emulator_names
 
 DOORS: dict[str, dict[str, str]] = {
     "melfa-r3": {"endpoint": "melfa-r3"},
@@ -51,7 +30,7 @@ class Candidate:
     Attributes:
         name: its entry point in `catseye.drivers`.
         driver: the class.
-        kind: what it is a driver of.
+        role: what it is a driver of.
         endpoint: what it is to talk to; None for the built-in emulator of the same name.
         settings: as in a cell file.
         allow_motion: a robot behind `endpoint` may be moved.
@@ -60,7 +39,7 @@ class Candidate:
 
     name: str
     driver: Any
-    kind: Kind
+    role: Role
     endpoint: str | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
     allow_motion: bool = False
@@ -102,7 +81,6 @@ class Candidate:
 def candidate_of(
     name: str,
     *,
-    kind: Kind | None = None,
     endpoint: str | None = None,
     settings: Mapping[str, Any] | None = None,
     allow_motion: bool = False,
@@ -111,18 +89,16 @@ def candidate_of(
 
     Args:
         name: entry point in the group `catseye.drivers`.
-        kind: of instrument; None: as its methods tell.
         endpoint: what it is to talk to; None for the built-in emulator.
         settings: as in a cell file.
         allow_motion: a robot behind `endpoint` may be moved.
 
     Raises:
-        LookupError: there is no such driver, no emulator for it, or it is of no known kind; the text says what to do.
+        LookupError: there is no such driver, no emulator for it, or the class is no driver; the text says what to do.
     """
     driver = load_driver(name)
-    found = kind or _kind(name, driver)
-    candidate = Candidate(name, driver, found, endpoint, dict(settings or {}), allow_motion)
-    if candidate.emulated and not set(candidate.doors.values()) <= PROTOCOLS.keys():
+    candidate = Candidate(name, driver, driver.role, endpoint, dict(settings or {}), allow_motion)
+    if candidate.emulated and not set(candidate.doors.values()) <= set(emulator_names()):
         raise LookupError(
             f"there is no emulator for {name}: give --endpoint URL of the device or of an emulator"
         )
@@ -142,13 +118,3 @@ def parse_setting(text: str) -> tuple[str, Any]:
         return key, json.loads(value)
     except ValueError:
         return key, value
-
-
-def _kind(name: str, driver: Any) -> Kind:
-    for kind in KINDS:
-        if all(hasattr(driver, method) for method in METHODS[kind]):
-            return kind
-    wanted = "; ".join(f"{kind}: {', '.join(methods)}" for kind, methods in METHODS.items())
-    raise LookupError(
-        f"{name} has the methods of no kind of instrument ({wanted}): give --kind, or add what is missing"
-    )

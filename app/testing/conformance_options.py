@@ -2,7 +2,7 @@
 
 import pytest
 
-from catseye.app.testing.candidate import KINDS, Candidate, candidate_of, parse_setting
+from catseye.app.testing.candidate import Candidate, candidate_of, parse_setting
 from catseye.app.testing.checks.catalogue import not_applicable
 
 CANDIDATE = pytest.StashKey[Candidate]()
@@ -23,7 +23,6 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         default=[],
         help="a setting of the driver; may be repeated",
     )
-    group.addoption("--kind", choices=KINDS, help="what it is a driver of; default: as its methods tell")
     group.addoption(
         "--allow-motion", action="store_true", help="the robot behind --endpoint may move, slowly"
     )
@@ -45,7 +44,6 @@ def pytest_configure(config: pytest.Config) -> None:
     try:
         config.stash[CANDIDATE] = candidate_of(
             name,
-            kind=config.getoption("--kind"),
             endpoint=config.getoption("--endpoint"),
             settings=dict(map(parse_setting, config.getoption("--setting"))),
             allow_motion=config.getoption("--allow-motion"),
@@ -58,6 +56,6 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
     """Say what was examined, and which checks did not apply and why."""
     candidate = config.stash[CANDIDATE]
     behind = candidate.endpoint or "the built-in emulator"
-    terminalreporter.section(f"conformance of {candidate.name}, {candidate.kind} driver, with {behind}")
+    terminalreporter.section(f"conformance of {candidate.name}, {candidate.role} driver, with {behind}")
     for name, reason in not_applicable(candidate).items():
         terminalreporter.write_line(f"not applicable: {name}: {reason}")

@@ -33,8 +33,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from catseye.drivers.links.record import Direction
 from catseye.drivers.links.transport import Transport, WrappedTransport
+from catseye.drivers.roles.device import Direction
 from catseye.drivers.roles.errors import LinkError
 
 Kind = Literal[

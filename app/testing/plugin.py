@@ -43,7 +43,7 @@ def catseye_bench() -> Iterator[Callable[..., "RunningBench"]]:
             bench = catseye_bench("line-counter", seed=7)
             endpoint = bench.endpoint("line-counter")     # tcp://127.0.0.1:40123
             bench.fault("block_beam", duration_s=1.0)     # by the control port
-            bench.state()["beam"]["length_mm"]            # the truth
+            bench.state().beam.length_mm                  # the truth
             bench.journal("line-counter")[-1].text        # what came over the wire
     """
     from catseye.app.testing.bench import bench_config, bench_in_thread

@@ -16,7 +16,7 @@ from collections import deque
 from collections.abc import Iterable
 from pathlib import Path
 
-from catseye.drivers.links.record import Direction
+from catseye.drivers.roles.device import Direction
 from catseye.drivers.roles.errors import LinkError
 from catseye.drivers.roles.user_file import read_regular
 

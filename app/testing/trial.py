@@ -2,22 +2,31 @@
 
 import asyncio
 import contextlib
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 from urllib.parse import urlsplit
 
 from catseye.app.testing.bench import RunningBench, bench_config, bench_in_thread
-from catseye.app.testing.candidate import QUESTIONS, Candidate
+from catseye.app.testing.candidate import Candidate
 from catseye.app.testing.proxy import Proxy, ProxyThread
 from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.device import Role
 from catseye.drivers.roles.errors import DeviceError
 from catseye.simulators.config import ArmDynamics, EmulatedDevice
 
 ROBOT = "robot"
 _SERVO_DELAY_S = 0.05
 """Drives that hold soon: most checks of a robot switch them on."""
+
+_QUESTIONS: Final[dict[Role, tuple[str, Callable[[Any], Awaitable[Any]]]]] = {
+    "robot": ("joints()", lambda driver: driver.joints()),
+    "interferometer": ("read()", lambda driver: driver.read()),
+    "environment": ("sample()", lambda driver: driver.sample()),
+    "tracker": ("locate()", lambda driver: driver.locate()),
+    "io": ("door_closed()", lambda driver: driver.door_closed()),
+}
 
 
 class NotConformingError(AssertionError):
@@ -82,9 +91,9 @@ class Trial:
                 await asyncio.wait_for(driver.close(), self.candidate.patience_s)
 
     async def ask(self, driver: Any) -> Any:
-        """Ask the question of this kind of instrument."""
-        name = QUESTIONS[self.candidate.kind]
-        return await self.in_time(getattr(driver, name)(), f"{name}()")
+        """Ask the one question that the checks of the link ask of this role."""
+        name, question = _QUESTIONS[self.candidate.role]
+        return await self.in_time(question(driver), name)
 
     async def ask_after_trouble(self, driver: Any) -> Any:
         """Ask; one LinkError more is allowed, by which the driver tells of the trouble.
@@ -200,11 +209,11 @@ def _devices(candidate: Candidate) -> list[EmulatedDevice]:
 
 
 def _bench_endpoints(candidate: Candidate, bench: RunningBench) -> dict[str, str]:
-    if candidate.kind == "tracker":
+    if candidate.role == "tracker":
         return {"endpoint": bench.control}
     return {door: bench.endpoint(_device_name(candidate, door)) for door in candidate.doors}
 
 
 def _device_name(candidate: Candidate, door: str) -> str:
-    main = ROBOT if candidate.kind == "robot" else candidate.name
+    main = ROBOT if candidate.role == "robot" else candidate.name
     return main if door == "endpoint" else f"{main}-{door.removesuffix('_endpoint')}"

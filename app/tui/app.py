@@ -1,29 +1,28 @@
 """The program: screens, keys that work everywhere, and the way out."""
 
 import asyncio
-from collections.abc import Callable, Coroutine, Iterable
+from collections.abc import Iterable
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, ClassVar, Final, cast
 
-from textual.app import App, SystemCommand
+from textual.app import SystemCommand
 from textual.binding import Binding, BindingType
-from textual.notifications import SeverityLevel
 from textual.screen import Screen
 
+from catseye.app.protocol.ladder import ctrl_c_of_client
 from catseye.app.tui.cell_change import look_at_cell
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
-from catseye.app.tui.dialogs.error_dialog import ErrorDialog
-from catseye.app.tui.dialogs.motion_dialog import MotionDialog
 from catseye.app.tui.dialogs.quit_dialog import Choice, QuitDialog
-from catseye.app.tui.faults import fault_text
-from catseye.app.tui.places import PLACES, make_screen
+from catseye.app.tui.main_screens import MAIN_SCREENS
+from catseye.app.tui.program import Program
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
-from catseye.app.tui.start_checks import tell_what_is_wrong
-from catseye.app.tui.stopping import StopOp
+from catseye.app.tui.start_checks import check_settings
 from catseye.app.tui.themes import HIGH_CONTRAST, THEMES
 
 if TYPE_CHECKING:
+    from catseye.app.protocol.snapshot import Snapshot
     from catseye.app.tui.palette import Actions
 
 _REFRESH_S: Final = 0.2
@@ -34,6 +33,15 @@ _LOOK_S: Final = 2.0
 
 _STANDSTILL_S: Final = 15.0
 
+_NOTHING_RUNS: Final = "Ctrl-Q quits; F12 stops"
+
+
+def _made(name: str, session: Session) -> MainScreen:
+    """Return a new screen; its module is imported when it is shown for the first time."""
+    module, _, kind = MAIN_SCREENS[name].where.partition(":")
+    made = getattr(import_module(f"catseye.app.tui.screens.{module}"), kind)
+    return cast("MainScreen", made(session))
+
 
 def _actions() -> "type[Actions]":
     # The first screen is painted before this is imported.
@@ -42,14 +50,14 @@ def _actions() -> "type[Actions]":
     return Actions
 
 
-class CatseyeApp(App[int]):
+class CatseyeApp(Program):
     """The terminal user interface.
 
     Args:
-        session: link, work and places.
+        session: link, work, folders.
         keymap: a user's keys by the name of what they do.
-        place: screen that is shown first.
-        trouble: title and text of what went wrong before; told at once.
+        screen: name of the one that is shown first.
+        trouble: title and text of what went wrong before; shown at once.
     """
 
     TITLE = "catseye"
@@ -66,9 +74,9 @@ class CatseyeApp(App[int]):
         Binding("f1", "help", "help", id="app.help"),
         *(
             Binding(
-                place.key, f"go('{name}')", place.title, show=False, id=f"go.{name}", tooltip=place.tooltip
+                entry.key, f"go('{name}')", entry.title, show=False, id=f"go.{name}", tooltip=entry.tooltip
             )
-            for name, place in PLACES.items()
+            for name, entry in MAIN_SCREENS.items()
         ),
     ]
 
@@ -76,51 +84,45 @@ class CatseyeApp(App[int]):
         self,
         session: Session,
         keymap: dict[str, str] | None = None,
-        place: str = "bench",
+        screen: str = "bench",
         trouble: tuple[str, str] | None = None,
     ) -> None:
         # The screen that is shown first, in place of an empty one that is made, drawn and left before it.
-        self.DEFAULT_MODE = place  # type: ignore[misc]  # is read by the instance
-        super().__init__()
-        self.session = session
+        self.DEFAULT_MODE = screen  # type: ignore[misc]  # is read by the instance
+        super().__init__(session)
         self._own_keys = dict(keymap or {})
         self._trouble = trouble
-        self._known_facts: dict[str, Any] = {}
+        self._known: Snapshot | None = None
         self._had_control = False
         self._ended = asyncio.Event()
-        self._faults: set[str] = set()
-        self._orders: set[asyncio.Task[None]] = set()
         self._unmounted = False
         self._own_loop: asyncio.AbstractEventLoop | None = None
         for theme in THEMES:
             self.register_theme(theme)
         self.theme = "catseye-dark"
-        for name in PLACES:
-            self.add_mode(name, partial(make_screen, name, session))
+        for name in MAIN_SCREENS:
+            self.add_mode(name, partial(_made, name, session))
         if keymap:
             self.set_keymap(keymap)
 
     async def on_mount(self) -> None:
         """Look for the engine, now that the first screen is shown."""
         self._own_loop = asyncio.get_running_loop()
-        self.keep(self.session.link.serve(self._note_change))
+        self.keep(self.session.link.serve(self.note_change))
         self.set_interval(_REFRESH_S, self._show_changes)
         if self._trouble is not None:
-            self.tell_error(*self._trouble)
+            self.show_error(*self._trouble)
         self.set_timer(_LOOK_S, self._look_at_settings)
 
     def _look_at_settings(self) -> None:
         # The time may be over while the program ends.
         if not self._unmounted:
-            self.keep(tell_what_is_wrong(self, self._own_keys))
+            self.keep(check_settings(self, self._own_keys))
 
     async def on_unmount(self) -> None:
         """Let the engine go; without a word of release it does what `on_client_lost` says."""
         self._unmounted = True
-        tasks = list(self._orders)
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        await self.end_tasks()
 
     def watch_theme(self, theme: str) -> None:
         """Draw lines as strong as text where contrast is asked for."""
@@ -128,8 +130,8 @@ class CatseyeApp(App[int]):
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """Put every action of the program and of the screen into the palette; what changes nothing comes first."""
-        for name, place in PLACES.items():
-            yield SystemCommand(f"Go to {place.title}", place.tooltip, partial(self.action_go, name))
+        for name, entry in MAIN_SCREENS.items():
+            yield SystemCommand(f"Go to {entry.title}", entry.tooltip, partial(self.action_go, name))
         if isinstance(screen, MainScreen):
             yield from screen.commands()
         yield SystemCommand("Hold the run", "at the next checkpoint", self.action_hold)
@@ -141,10 +143,6 @@ class CatseyeApp(App[int]):
         yield SystemCommand("Give control back", "the run goes on as it is", self.action_release)
         yield from super().get_system_commands(screen)
 
-    def action_go(self, name: str) -> None:
-        """Show a screen."""
-        self.switch_mode(name)
-
     def action_help(self) -> None:
         """Show the keys of what is on the screen, or hide them."""
         if self.screen.query("HelpPanel"):
@@ -152,81 +150,26 @@ class CatseyeApp(App[int]):
         else:
             self.action_show_help_panel()
 
-    def action_hold(self) -> None:
-        """Hold the run at its next checkpoint."""
-        self.order("hold", "The run cannot be held")
-
-    def action_go_on(self) -> None:
-        """Let a held run go on."""
-        self.order("unhold", "The run does not go on", control=True)
-
-    def action_ask_to_go_on(self) -> None:
-        """Let a held run go on once F8 confirms it: the palette is left by Enter, and a click is soon made."""
-        run = self.session.link.picture.run
-        if run is None or not self.session.link.picture.running:
-            self.notify("no run is held")
-            return
-        robot = (self.session.link.picture.bench or {}).get("robot") or {}
-        percent = robot.get("override_percent")
-        speed = "" if percent is None else f" at {percent:g} % of the programmed speed"
-        text = f"{run.name} goes on where it was held: the arm moves{speed}."
-        self.push_screen(
-            MotionDialog("Let the run go on", text), lambda agreed: self.action_go_on() if agreed else None
-        )
-
-    def action_stop(self) -> None:
-        """Stop the arm now."""
-        self.keep(self._stop("stop"))
-
-    def action_abort(self) -> None:
-        """Abort the run."""
-        self.keep(self._stop("abort"))
-
-    def action_clear(self) -> None:
-        """Clear an abort."""
-        self.order("clear", "The abort is not cleared", control=True, done="cleared")
-
-    def action_take_control(self) -> None:
-        """Take control; from somebody else only after a question, and by force: whoever has it is told."""
-        picture = self.session.link.picture
-        if picture.control is None or picture.in_control:
-            self._take_control(force=False)
-            return
-        holder = f"{picture.control.get('who')} ({picture.control.get('client')})"
-        text = f"{holder} answers questions and lets the run go on until now, and is told that you do from now on."
-
-        def answered(agreed: bool | None) -> None:
-            if agreed:
-                self._take_control(force=True)
-
-        self.push_screen(ConfirmDialog(f"Take control from {holder}?", text, "take it", "leave it"), answered)
-
-    def _take_control(self, *, force: bool) -> None:
-        self.order("control", "Control was not taken", done="control taken", take=True, force=force)
-
-    def action_release(self) -> None:
-        """Give control back."""
-        self.order("release", "Control was not given back", done="control given back")
-
     def action_ladder(self) -> None:
-        """Hold, then stop, then abort, as Ctrl-C does under `catseye run`."""
-        picture = self.session.link.picture
-        if picture.jogging or picture.silent_since_s is not None or picture.run_out_of_sight:
-            self.action_stop()
-        elif not picture.running:
-            self.notify("Ctrl-Q quits; F12 stops", title="nothing runs")
-        elif picture.state in {"HOLDING", "HELD", "SUSPENDED", "SUSPENDING", "UNSUSPENDING", "STARTING"}:
-            self.action_stop()
-        elif picture.state in {"STOPPING", "ABORTING"}:
-            self.action_abort()
-        else:
-            self.action_hold()
+        """Climb the stop ladder by a rung; which one, the engine decides by the state that it is in."""
+        engine = self.session.link.engine
+        match ctrl_c_of_client(
+            answers=engine.connected and engine.silent_since_s is None,
+            out_of_sight=engine.run_out_of_sight,
+            active=engine.running or engine.jogging or bool(engine.raw) or self.begins,
+        ):
+            case "stop-by-every-way":
+                self.action_stop()
+            case "ladder":
+                self.keep(self._climb())
+            case "nothing":
+                self.notify(_NOTHING_RUNS, title="nothing runs")
 
     async def action_quit(self) -> None:
         """Quit; while a run is under way ask what becomes of it, and before a command is ended that works."""
-        picture = self.session.link.picture
-        if picture.running and picture.run is not None:
-            self.push_screen(QuitDialog(picture.run.name), self._quit_as_chosen)
+        engine = self.session.link.engine
+        if engine.running and engine.run is not None:
+            self.push_screen(QuitDialog(engine.run.name), self._quit_as_chosen)
         elif self.session.under_way:
             text = (
                 f"{', '.join(self.session.under_way)}: it ends with this program; what it has done is lost."
@@ -238,129 +181,43 @@ class CatseyeApp(App[int]):
             self._quit_if_agreed(True)
 
     def _quit_if_agreed(self, agreed: bool | None) -> None:
-        jogging = self.session.link.picture.jogging
+        jogging = self.session.link.engine.jogging
         if agreed:
             self.keep(self._stop_and_leave() if jogging else self._leave(end_engine=True))
 
-    def order(
-        self,
-        op: str,
-        failure: str,
-        *,
-        control: bool = False,
-        done: str = "",
-        then: Callable[[dict[str, Any]], None] | None = None,
-        **fields: Any,
-    ) -> asyncio.Task[None]:
-        """Have the engine do something; a refusal is shown with its remedy. Returns at once what ends with it.
-
-        Args:
-            op: request.
-            failure: title of the error when it is not done.
-            control: take control first when nobody has it.
-            done: said when it is done.
-            then: is given the answer.
-            fields: of the request.
-        """
-        return self.keep(self._order(op, failure, control=control, done=done, then=then, **fields))
-
-    def notify(
-        self,
-        message: str,
-        *,
-        title: str = "",
-        severity: SeverityLevel = "information",
-        timeout: float | None = None,
-        markup: bool = False,
-    ) -> None:
-        """Show a message for some time; none holds markup, and names of people and files may look like it."""
-        del markup
-        super().notify(message, title=title, severity=severity, timeout=timeout, markup=False)
-
-    def tell_error(self, title: str, text: str) -> None:
-        """Show an error that can be copied; the same one is not shown twice over."""
-        if isinstance(self.screen, ErrorDialog) and self.screen.told == (title, text):
-            return
-        self.push_screen(ErrorDialog(title, text))
-
-    def tell_fault(self, error: BaseException) -> None:
-        """Tell of a fault of this program, each once; everything else goes on."""
-        if self.is_running and repr(error) not in self._faults:
-            self._faults.add(repr(error))
-            self.tell_error("A fault of this program", fault_text(error))
-
-    def keep(self, action: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
-        """Have something go on until it is done or the program ends, whatever screen is shown."""
-        task = asyncio.get_running_loop().create_task(action)
-        self._orders.add(task)
-        task.add_done_callback(self._kept)
-        return task
-
-    def _kept(self, task: asyncio.Task[None]) -> None:
-        self._orders.discard(task)
-        if not task.cancelled() and (error := task.exception()) is not None:
-            self.tell_fault(error)
-
-    async def _stop(self, op: StopOp) -> None:
+    async def _climb(self) -> None:
+        from catseye.app.protocol.requests import Plain
         from catseye.app.service.errors import RefusedError, ServiceError
 
         try:
-            await self.session.link.stop(op)
+            await self.session.link.request(Plain(op="ladder"))
         except RefusedError as error:
-            text = f"{error}: if the arm moves all the same, use the emergency stop"
-            self.tell_error(f"There is nothing to {op}", text)
+            self.notify(f"{error}; {_NOTHING_RUNS}", severity="warning")
         except ServiceError as error:
-            self.tell_error(
-                f"{op.upper()} IS NOT CONFIRMED: use the emergency stop if the arm moves", str(error)
-            )
-        self._note_change()
-
-    async def _order(
-        self,
-        op: str,
-        failure: str,
-        *,
-        control: bool,
-        done: str,
-        then: Callable[[dict[str, Any]], None] | None,
-        **fields: Any,
-    ) -> None:
-        from catseye.app.service.errors import RefusedError, ServiceError
-
-        link = self.session.link
-        try:
-            if control and link.picture.control is None:
-                await link.request("control", take=True)
-            answer = await link.request(op, **fields)
-        except (RefusedError, ServiceError) as error:
-            self.tell_error(failure, str(error))
-            return
-        if done:
-            self.notify(done)
-        if then is not None:
-            then(answer)
-        self._note_change()
+            self.show_error("The run was not held or stopped: use F12 if the arm moves", str(error))
+        self.note_change()
 
     def _quit_as_chosen(self, choice: Choice | None) -> None:
         if choice is not None:
             self.keep(self._end_run_and_leave(choice))
 
     async def _end_run_and_leave(self, choice: Choice) -> None:
+        from catseye.app.protocol.requests import Plain
         from catseye.app.service.errors import RefusedError, ServiceError
 
         link = self.session.link
         try:
             if choice == "hold":
-                await link.request("hold")
+                await link.request(Plain(op="hold"))
             if choice == "stop":
                 await link.stop("stop")
                 async with asyncio.timeout(_STANDSTILL_S):
                     await self._ended.wait()
         except (RefusedError, ServiceError) as error:
-            self.tell_error(f"The run could not be told to {choice}", str(error))
+            self.show_error(f"The run could not be told to {choice}", str(error))
             return
         except TimeoutError:
-            self.tell_error(
+            self.show_error(
                 "The run has not ended",
                 "STOP was given and the end of the run was not told: look at the arm, and use the emergency stop "
                 "if it moves",
@@ -374,7 +231,7 @@ class CatseyeApp(App[int]):
         try:
             await self.session.link.stop("stop")
         except ServiceError as error:
-            self.tell_error("The arm could not be stopped: USE THE EMERGENCY STOP if it moves", str(error))
+            self.show_error("The arm could not be stopped: USE THE EMERGENCY STOP if it moves", str(error))
             return
         except RefusedError:
             # It has ended meanwhile.
@@ -394,14 +251,15 @@ class CatseyeApp(App[int]):
             raise SystemExit(128 + number)
         self._own_loop.call_soon_threadsafe(self.exit, 128 + number)
 
-    def _note_change(self) -> None:
-        picture = self.session.link.picture
-        if picture.running:
+    def note_change(self) -> None:
+        """Wake whoever waits for the end of a run; look at the cell of an engine that was found."""
+        engine = self.session.link.engine
+        if engine.running:
             self._ended.clear()
         else:
             self._ended.set()
-        if picture.connected and picture.facts is not self._known_facts:
-            self._known_facts = picture.facts
+        if engine.connected and engine.snapshot is not self._known:
+            self._known = engine.snapshot
             look_at_cell(self)
 
     def _show_changes(self) -> None:
@@ -412,13 +270,10 @@ class CatseyeApp(App[int]):
         screen = self.screen_stack[0]
         if isinstance(screen, MainScreen):
             screen.show_now()
-        picture = self.session.link.picture
-        if self._had_control and picture.control is not None and not picture.in_control:
-            self.notify(
-                f"{picture.control.get('who')} ({picture.control.get('client')}) has taken control",
-                severity="warning",
-            )
-        self._had_control = picture.in_control
-        if isinstance(self.screen, QuitDialog) and not picture.running:
+        engine = self.session.link.engine
+        if self._had_control and engine.control is not None and not engine.in_control:
+            self.notify(f"{engine.control.text} has taken control", severity="warning")
+        self._had_control = engine.in_control
+        if isinstance(self.screen, QuitDialog) and not engine.running:
             self.screen.dismiss(None)
             self.notify("the run has ended meanwhile")

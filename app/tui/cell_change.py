@@ -1,16 +1,13 @@
 """Another cell file for this program and its engine."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
-from catseye.app.tui.picture import Picture
-
-if TYPE_CHECKING:
-    from catseye.app.tui.app import CatseyeApp
+from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.program import Program
 
 
-def use_cell(app: "CatseyeApp", path: Path) -> None:
+def use_cell(app: Program, path: Path) -> None:
     """Have everything go on with a cell file; the idle engine is started anew with it.
 
     Args:
@@ -19,37 +16,37 @@ def use_cell(app: "CatseyeApp", path: Path) -> None:
     """
     link = app.session.link
     app.session.cell = link.cell = path.absolute()
-    picture = link.picture
-    if not picture.connected:
+    engine = link.engine
+    if not engine.connected:
         return
-    if picture.running:
+    if engine.running:
         app.notify(
             "the run under way keeps its cell; the engine takes the new one when it is started anew",
             title=path.name,
             severity="warning",
             markup=False,
         )
-    elif _is_of(picture, path) and len(picture.clients) <= 1:
+    elif _is_of(engine, path) and len(engine.clients) <= 1:
         _start_anew(app)
     else:
         _ask(app, path)
 
 
-def look_at_cell(app: "CatseyeApp") -> None:
+def look_at_cell(app: Program) -> None:
     """Ask what is to be done when the engine that was found has another cell file than this program."""
-    picture, cell = app.session.link.picture, app.session.cell
+    engine, cell = app.session.link.engine, app.session.cell
     if cell is None:
-        app.session.cell = app.session.link.cell = _cell_of(picture)
-    elif not _is_of(picture, cell) and not picture.running:
+        app.session.cell = app.session.link.cell = _cell_of(engine)
+    elif not _is_of(engine, cell) and not engine.running:
         _ask(app, cell)
 
 
-def _ask(app: "CatseyeApp", path: Path) -> None:
-    picture = app.session.link.picture
-    others = len(picture.clients) - 1
+def _ask(app: Program, path: Path) -> None:
+    engine = app.session.link.engine
+    others = len(engine.clients) - 1
     used = f"{others} other program(s) use it. " if others > 0 else ""
     text = (
-        f"The engine that runs has {_cell_of(picture)}.\n{used}Nothing moves. Shall it end, and one with {path} be "
+        f"The engine that runs has {_cell_of(engine)}.\n{used}Nothing moves. Shall it end, and one with {path} be "
         "started?"
     )
 
@@ -62,25 +59,30 @@ def _ask(app: "CatseyeApp", path: Path) -> None:
     app.push_screen(ConfirmDialog("An engine of another cell", text, "start anew", "keep its cell"), answered)
 
 
-def _start_anew(app: "CatseyeApp") -> None:
-    ended: list[object] = []
+def _start_anew(app: Program) -> None:
+    from catseye.app.protocol.requests import Plain
+
+    ended: list[bool] = []
     # The link looks for an engine again by itself, finds none, and starts one.
     order = app.order(
-        "shutdown", "The engine was not restarted with the cell", control=True, then=ended.append
+        Plain(op="shutdown"),
+        "The engine was not restarted with the cell",
+        control=True,
+        then=lambda: ended.append(True),
     )
     # What is shown of the bench is of the engine's cell: no run may begin on another one than that.
     order.add_done_callback(lambda _order: None if ended else _keep(app))
 
 
-def _keep(app: "CatseyeApp") -> None:
-    app.session.cell = app.session.link.cell = _cell_of(app.session.link.picture) or app.session.cell
+def _keep(app: Program) -> None:
+    app.session.cell = app.session.link.cell = _cell_of(app.session.link.engine) or app.session.cell
 
 
-def _cell_of(picture: Picture) -> Path | None:
-    cell = picture.facts.get("cell")
-    return Path(str(cell)) if cell else None
+def _cell_of(engine: EngineState) -> Path | None:
+    snapshot = engine.snapshot
+    return None if snapshot is None or not snapshot.cell else Path(snapshot.cell)
 
 
-def _is_of(picture: Picture, path: Path) -> bool:
-    cell = _cell_of(picture)
+def _is_of(engine: EngineState, path: Path) -> bool:
+    cell = _cell_of(engine)
     return cell is not None and cell.absolute() == path.absolute()

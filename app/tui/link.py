@@ -4,20 +4,23 @@ import asyncio
 import subprocess
 import sys
 import tempfile
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.engines import EngineProcess, engines_of_runs, find_engine
-from catseye.app.tui.picture import Picture
-from catseye.app.tui.run_picture import LogLine
+from catseye.app.tui.run_state import LogLine
 from catseye.app.tui.stopping import StopOp, stop_by_every_way
 
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.
+    from catseye.app.protocol.requests import AnyRequest
     from catseye.app.service.client import EngineClient
     from catseye.drivers.roles.clock import Clock
+
+Answered = TypeVar("Answered")
 
 PROGRAM = "tui"
 
@@ -35,35 +38,27 @@ _START_S = 15.0
 SILENT_S = 3.0
 """An engine that has not answered for so long is said not to answer; orders wait no longer for it."""
 
-_MOVING = frozenset({"answer", "unhold", "start", "resume", "jog", "jog-step", "jog-hold", "raw", "send"})
-"""Orders after which the arm may move, or bytes may reach it."""
-
 _LEAVE_S = 2.0
 """An engine that does not answer keeps nobody here."""
-
-
-def _may_move(op: str, fields: dict[str, Any]) -> bool:
-    """Return whether the arm may move after an order; what ends a jog, a raw link or a hold lets nothing move."""
-    return op in _MOVING and fields.get("on") is not False and fields.get("direction") != 0
 
 
 class Link(Protocol):
     """What screens ask the engine by.
 
     Attributes:
-        picture: what it has told.
+        engine: what it has sent.
         cell: cell file that an engine is started with; None while there is none.
     """
 
-    picture: Picture
+    engine: EngineState
     cell: Path | None
 
     async def serve(self, changed: Callable[[], None]) -> None:
         """Keep the connection until cancelled; `changed` is called after each message."""
         ...
 
-    async def request(self, op: str, **fields: Any) -> dict[str, Any]:
-        """Ask, and return what the answer carries.
+    async def request(self, request: "AnyRequest") -> None:
+        """Ask, and return when it is done.
 
         Raises:
             RefusedError: the engine does not do it; the text says why.
@@ -95,7 +90,7 @@ class EngineLink:
     """
 
     def __init__(self, root: Path, cell: Path | None, clock: "Clock") -> None:
-        self.picture = Picture()
+        self.engine = EngineState()
         self.cell = cell
         self._root = root
         self._clock = clock
@@ -113,19 +108,24 @@ class EngineLink:
                 trouble = await self._converse(changed)
             except (ServiceError, RefusedError, OSError) as error:
                 trouble = str(error)
-            self.picture.lost(trouble)
+            self.engine.lost(trouble)
             changed()
             if not self._left:
                 await self._clock.sleep(_AGAIN_S)
 
-    async def request(self, op: str, **fields: Any) -> dict[str, Any]:
-        """Ask, and return what the answer carries."""
+    async def request(self, request: "AnyRequest") -> None:
+        """Ask, and return when it is done."""
+        await self._while_it_answers(request.may_move, lambda client: client.request(request))
+
+    async def _while_it_answers(
+        self, may_move: bool, ask: "Callable[[EngineClient], Awaitable[Answered]]"
+    ) -> "Answered":
         from catseye.app.service.errors import ServiceError
 
         if self._client is None:
-            raise ServiceError(f"no engine is connected: {self.picture.trouble or 'wait a moment'}")
-        limit_s = SILENT_S if self.picture.silent_since_s is not None else None
-        if limit_s is not None and _may_move(op, fields):
+            raise ServiceError(f"no engine is connected: {self.engine.trouble or 'wait a moment'}")
+        limit_s = SILENT_S if self.engine.silent_since_s is not None else None
+        if limit_s is not None and may_move:
             raise ServiceError(
                 "the engine does not answer, and nothing was sent: it would be done whenever the engine wakes up, "
                 "and the arm would move unexpectedly; wait until it answers; F12 stops by every way"
@@ -134,7 +134,7 @@ class EngineLink:
             async with asyncio.timeout(limit_s) as wait:
                 self._waits.add(wait)
                 try:
-                    return await self._client.request(op, **fields)
+                    return await ask(self._client)
                 finally:
                     self._waits.discard(wait)
         except TimeoutError as error:
@@ -159,20 +159,23 @@ class EngineLink:
                 await self._say_goodbye(end_engine=end_engine)
 
     async def _say_goodbye(self, *, end_engine: bool) -> None:
-        if end_engine and not self.picture.running and len(self.picture.clients) <= 1:
-            await self.request("control", take=True)
-            await self.request("shutdown")
-        elif self.picture.in_control:
-            await self.request("release")
+        from catseye.app.protocol.requests import Control, Plain
+
+        if end_engine and not self.engine.running and len(self.engine.clients) <= 1:
+            await self.request(Control())
+            await self.request(Plain(op="shutdown"))
+        elif self.engine.in_control:
+            await self.request(Plain(op="release"))
 
     async def _converse(self, changed: Callable[[], None]) -> str:
         """Be a client of an engine until it is gone, or until a run begins at another one; return which it is."""
         from catseye.app.engine.waiting import cancel
+        from catseye.app.protocol.requests import Plain
 
         path = await asyncio.to_thread(find_engine, self._root) or await self._start_engine()
         async with self._connected(path) as client:
-            self.picture.met(client.snapshot, self._clock.monotonic_s())
-            self._meet_process(client.snapshot.get("pid"))
+            self.engine.met(client.snapshot, self._clock.monotonic_s())
+            self._meet_process(client.snapshot.pid)
             changed()
             ends = [
                 asyncio.create_task(self._take_events(client, changed)),
@@ -187,8 +190,8 @@ class EngineLink:
                 await cancel(life, *ends)
             if client.closed is not None:
                 return "the engine is gone; looking for one"
-            if self.picture.in_control:
-                await self.request("release")
+            if self.engine.in_control:
+                await self.request(Plain(op="release"))
             return "a run is under way in another process; joining it"
 
     @asynccontextmanager
@@ -209,13 +212,15 @@ class EngineLink:
                 self._client = None
 
     async def _take_events(self, client: "EngineClient", changed: Callable[[], None]) -> None:
-        await self._take_what_is_free()
+        from catseye.app.protocol.events import RunStarted
+
+        await self._watch_bench()
         changed()
         catching_up = asyncio.create_task(self._catch_up(changed))
         try:
             async for event in client.events():
-                self._take(event)
-                if event["event"] == "run-started":
+                self.engine.take(event, self._clock.monotonic_s())
+                if isinstance(event, RunStarted):
                     # It may go on after an interruption.
                     catching_up.cancel()
                     catching_up = asyncio.create_task(self._catch_up(changed))
@@ -223,19 +228,9 @@ class EngineLink:
         finally:
             catching_up.cancel()
 
-    def _take(self, event: dict[str, Any]) -> None:
-        from catseye.app.service.errors import ServiceError
-
-        try:
-            self.picture.take(event, self._clock.monotonic_s())
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise ServiceError(
-                f"the engine tells what this program does not understand ({event.get('event')}: {error!r}): engine "
-                "and catseye tui have to be of the same version"
-            ) from error
-
     async def _watch_life(self, client: "EngineClient", changed: Callable[[], None]) -> None:
-        """Tell when the engine does not answer any more, and when it does again."""
+        """Note when the engine does not answer any more, and when it does again."""
+        from catseye.app.protocol.requests import Plain
         from catseye.app.service.errors import RefusedError, ServiceError
 
         with suppress(RefusedError, ServiceError):
@@ -243,14 +238,14 @@ class EngineLink:
                 await self._clock.sleep(_AGAIN_S)
                 try:
                     async with asyncio.timeout(SILENT_S):
-                        await client.request("ping")
+                        await client.request(Plain(op="ping"))
                 except TimeoutError:
-                    self.picture.silent_since_s = self._clock.monotonic_s() - SILENT_S
+                    self.engine.silent_since_s = self._clock.monotonic_s() - SILENT_S
                     for wait in tuple(self._waits):
                         wait.reschedule(asyncio.get_running_loop().time())
                     changed()
-                    await client.request("ping")
-                    self.picture.silent_since_s = None
+                    await client.request(Plain(op="ping"))
+                    self.engine.silent_since_s = None
                     changed()
 
     async def _run_elsewhere(self, path: Path) -> None:
@@ -261,8 +256,8 @@ class EngineLink:
         seen: Path | None = None
         while True:
             await self._clock.sleep(_LOOK_S)
-            picture = self.picture
-            if picture.running or picture.jogging or picture.raw or self._waits:
+            engine = self.engine
+            if engine.running or engine.jogging or engine.raw or self._waits:
                 seen = None
                 continue
             found = await asyncio.to_thread(engines_of_runs, self._root)
@@ -271,7 +266,7 @@ class EngineLink:
                 return
             seen = newest
 
-    def _meet_process(self, pid: object) -> None:
+    def _meet_process(self, pid: int) -> None:
         if self._process is not None:
             self._process.forget()
         self._process = EngineProcess(pid)
@@ -281,7 +276,7 @@ class EngineLink:
         from catseye.app.errors import StorageError
         from catseye.app.tui.record import read_record
 
-        run = self.picture.run
+        run = self.engine.run
         if run is None or not run.active:
             return
         path = Path(run.path) if run.path else self._root / run.name
@@ -293,14 +288,16 @@ class EngineLink:
             run.take_record(so_far)
         changed()
 
-    async def _take_what_is_free(self) -> None:
-        """Ask to be told about the bench; control is taken by whoever wants to do something."""
+    async def _watch_bench(self) -> None:
+        """Ask for the bench; control is taken by whoever wants to do something."""
+        from catseye.app.protocol.answers import Watching
+        from catseye.app.protocol.requests import Watch
         from catseye.app.service.errors import RefusedError
 
         with suppress(RefusedError):
-            answer = await self.request("watch", on=True)
-            if isinstance(answer.get("bench"), dict):
-                self.picture.take({"event": "bench", **answer["bench"]}, self._clock.monotonic_s())
+            seen = await self._while_it_answers(False, lambda client: client.ask(Watch(op="watch"), Watching))
+            if seen.bench is not None:
+                self.engine.take_bench(seen.bench, self._clock.monotonic_s())
 
     async def _start_engine(self) -> Path:
         """Start an engine that outlives this program; return its socket.

@@ -1,37 +1,36 @@
 """Where J4 has to turn so that the beam points at a reflector; pure geometry of the nominal arm."""
 
 import math
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
-from catseye.app.tui.hands import Step
+from catseye.app.protocol.bench import Layout
+from catseye.app.tui.jog_client import Step
 from catseye.app.tui.widgets.plan_drawing import pose_of
-from catseye.calibration.pointing import aim, beam_direction, nearest_branch
+from catseye.calibration.scara.pointing import aim, beam_direction, nearest_branch
 
 _LONGEST_DEG = 90.0
 """The engine takes no longer step."""
 
 
-def pointing_j4_deg(layout: dict[str, Any], joints: list[float], name: str) -> float | None:
+def pointing_j4_deg(layout: Layout, joints: Sequence[float], name: str) -> float | None:
     """Return J4 that points the beam at a reflector, the nearest within the cell's limits; None when there is none.
 
     Args:
-        layout: of the message about the bench.
+        layout: of the bench.
         joints: J1 deg, J2 deg, J3 mm, J4 deg.
         name: of the reflector.
     """
-    place = next(
-        (np.array([each["x_mm"], each["y_mm"]]) for each in layout["reflectors"] if each["name"] == name),
-        None,
-    )
-    if place is None:
+    reflector = layout.reflector(name)
+    if reflector is None:
         return None
+    place = np.array([reflector.x_mm, reflector.y_mm])
     towards_rad = beam_direction(np.array(pose_of(layout, joints).place_mm), place)
     one, two, here = (np.array(math.radians(joints[axis])) for axis in (0, 1, 3))
-    j4_rad = aim(one, two, towards_rad, math.radians(layout["theta40_deg"]))
+    j4_rad = aim(one, two, towards_rad, math.radians(layout.theta40_deg))
     nearest_deg = math.degrees(nearest_branch(j4_rad, here))
-    low_deg, high_deg = layout["limits_deg"]["j4"]
+    low_deg, high_deg = layout.limits_deg["j4"]
     branches = (
         nearest_deg,
         *sorted((nearest_deg - 360.0, nearest_deg + 360.0), key=lambda j4: abs(j4 - joints[3])),

@@ -1,4 +1,4 @@
-"""What `catseye procedures --json` tells, as the screen needs it."""
+"""What `catseye procedures --json` writes, as the screen needs it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ class Catalogue:
 
     Attributes:
         cell: its name; empty where no cell file was given.
-        procedures: facts by name, in the order in which they were told.
+        procedures: facts by name, in the order of the command.
         stages: on the way to a validated error map.
     """
 
@@ -24,10 +24,10 @@ class Catalogue:
     stages: list[dict[str, Any]] = field(default_factory=list)
 
     @classmethod
-    def of(cls, told: Sequence[dict[str, Any]]) -> "Catalogue":
+    def of(cls, lines: Sequence[dict[str, Any]]) -> "Catalogue":
         """Return what the lines of the command hold."""
-        named = {str(each["name"]): each for each in told if "name" in each}
-        about = next((each for each in told if "stages" in each), {})
+        named = {str(each["name"]): each for each in lines if "name" in each}
+        about = next((each for each in lines if "stages" in each), {})
         return cls(str(about.get("cell", "")), named, list(about.get("stages", [])))
 
     @property

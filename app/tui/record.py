@@ -4,9 +4,7 @@ import json
 from pathlib import Path
 from typing import Any, Final
 
-from catseye.app.tui.run_picture import UNTOLD, Event, LogLine, SoFar
-
-POINTS_KEPT: Final = 500
+from catseye.app.tui.run_state import MAP_KNOWN, NOT_LOGGED, LogLine, MapKnowledge, SoFar
 
 _LEVELS: Final = {"warning": "warning", "error": "error", "beam-lost": "warning", "step-dropped": "warning"}
 _LONGEST_WORD: Final = 100_000
@@ -23,17 +21,16 @@ def read_record(path: Path) -> SoFar:
     from catseye.app.story.words import event_text
 
     reader = RunReader(path)
-    events, points = reader.events(), reader.points()
+    events = reader.events()
     log = [
         LogLine(event.time_utc, _LEVELS.get(event.kind, "info"), text)
         for event in events
-        if event.kind not in UNTOLD and (text := str(event.data.get("text") or "") or event_text(event))
+        if event.kind not in NOT_LOGGED and (text := str(event.data.get("text") or "") or event_text(event))
     ]
     return SoFar(
         steps=[(step.step_id, step.title) for step in reader.steps()],
-        points=[_row(row) for row in points[-POINTS_KEPT:]],
-        point_count=len(points),
-        map_known=[dict(event.data) for event in events if event.kind == "map-known"],
+        points=reader.count("points"),
+        map_known=[MapKnowledge.of(event.data) for event in events if event.kind == MAP_KNOWN],
         log=log,
         command=rehearsal_of(dict(reader.meta), path.parent),
         speed=float(speed) if isinstance(speed := reader.meta.get("clock_speed"), (int, float)) else None,
@@ -56,8 +53,3 @@ def rehearsal_of(meta: dict[str, Any], root: Path) -> tuple[str, ...]:
             words += ["--param", f"{name}={json.dumps(value, ensure_ascii=False)}"]
     words += ["--dry-run", "--json"]
     return () if max(map(len, words)) > _LONGEST_WORD else tuple(words)
-
-
-def _row(row: Event) -> Event:
-    """Return a stored row as the engine tells one: with the step that it belongs to."""
-    return {**row, "step": row["step_id"]}

@@ -16,7 +16,7 @@ class Rehearsal:
     """A plan that was gone through without any device.
 
     Attributes:
-        facts: as `catseye run --dry-run --json` tells them.
+        facts: as `catseye run --dry-run --json` writes them.
     """
 
     facts: dict[str, Any]

@@ -2,9 +2,13 @@
 
 import asyncio
 from collections.abc import Callable
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 from catseye.app.tui.link import Link
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.requests import AnyRequest
 
 _UNANSWERED: Final = 60
 """Requests without an answer; the engine answers the first hold when the joint has been set going."""
@@ -32,23 +36,22 @@ class Requests:
         """The engine answers no more."""
         return len(self._sent) >= _UNANSWERED
 
-    def send(self, op: str, *, needed: bool = True, **fields: Any) -> None:
+    def send(self, request: "AnyRequest", *, needed: bool = True) -> None:
         """Put a request without waiting for its answer.
 
         Args:
-            op: what is asked for.
+            request: what is asked for.
             needed: a refusal is reported.
-            fields: of the request.
         """
-        task = asyncio.create_task(self._request(op, fields, needed=needed))
+        task = asyncio.create_task(self._request(request, needed=needed))
         self._sent.add(task)
         task.add_done_callback(self._sent.discard)
 
-    async def _request(self, op: str, fields: dict[str, Any], *, needed: bool) -> None:
+    async def _request(self, request: "AnyRequest", *, needed: bool) -> None:
         from catseye.app.service.errors import RefusedError, ServiceError
 
         try:
-            await self._link.request(op, **fields)
+            await self._link.request(request)
         except (RefusedError, ServiceError) as error:
             if needed and not self.refused:
                 self.refused = True

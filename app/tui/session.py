@@ -46,3 +46,15 @@ class Session:
             yield
         finally:
             self.under_way.remove(title)
+
+    async def take_free_control(self) -> None:
+        """Take control unless somebody has it.
+
+        Raises:
+            RefusedError: somebody was faster.
+            ServiceError: there is no connection.
+        """
+        from catseye.app.protocol.requests import Control
+
+        if self.link.engine.control is None:
+            await self.link.request(Control())

@@ -3,26 +3,24 @@
 import asyncio
 import difflib
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from catseye.app.tui.app import CatseyeApp
+from catseye.app.tui.program import Program
 
 
-async def tell_what_is_wrong(app: "CatseyeApp", keymap: dict[str, str]) -> None:
-    """Tell of names in `keys.toml` that nothing has, of keys that two things have, and of a cell file of no use.
+async def check_settings(app: Program, keymap: dict[str, str]) -> None:
+    """Show names in `keys.toml` that nothing has, of keys that two things have, and of a cell file of no use.
 
     Args:
         app: the program.
         keymap: a user's keys by name.
     """
     if keymap and (fault := await asyncio.to_thread(unknown_names, frozenset(keymap))):
-        app.tell_error("Names in keys.toml that nothing has", fault)
+        app.show_error("Names in keys.toml that nothing has", fault)
     if keymap and (fault := await asyncio.to_thread(key_clashes, keymap)):
-        app.tell_error("Keys in keys.toml that two things have", fault)
+        app.show_error("Keys in keys.toml that two things have", fault)
     cell = app.session.cell
     if cell is not None and (fault := await asyncio.to_thread(cell_fault, cell)):
-        app.tell_error(
+        app.show_error(
             "The cell file cannot be used", f"{fault}\nSet-up (F10, c) shows its values and mends them."
         )
 

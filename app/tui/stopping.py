@@ -33,11 +33,12 @@ async def stop_by_every_way(
         RefusedError: whoever answers has nothing to stop.
         ServiceError: nobody answers; the text says what was done instead.
     """
+    from catseye.app.protocol.requests import Plain
     from catseye.app.service.errors import RefusedError, ServiceError
 
     refusal = None
     try:
-        if client is not None and await _within(client.request(op)) is not None:
+        if client is not None and await _within(client.request(Plain(op=op))) is not None:
             return
     except RefusedError as error:
         # Another process may have the run.
@@ -58,13 +59,15 @@ async def stop_by_every_way(
 
 async def _ask_alone(path: Path, op: StopOp) -> bool | None:
     """Ask on a connection of its own; return whether it was done, None when nobody answers."""
-    from catseye.app.service.messages import VERSION, decode_message, encode
+    from catseye.app.protocol.message import decode_object
+    from catseye.app.protocol.requests import Plain, encode_request
 
     async def ask() -> bool:
         reader, writer = await asyncio.open_unix_connection(path)
         try:
-            writer.write(encode({"v": VERSION, "id": op, "op": op}))
-            return decode_message(await reader.readline()).get("ok") is True
+            writer.write(encode_request(op, Plain(op=op)))
+            # No model stands between a STOP and its answer.
+            return decode_object(await reader.readline()).get("ok") is True
         finally:
             writer.transport.abort()
 
@@ -76,10 +79,10 @@ async def _ask_alone(path: Path, op: StopOp) -> bool | None:
 
 async def _within(answer: Awaitable[T]) -> T | None:
     """Return an answer; None when none comes in time, or the connection is closed."""
-    from catseye.app.service.errors import BadMessageError, ServiceError
+    from catseye.app.service.errors import ServiceError
 
     try:
         async with asyncio.timeout(ANSWER_S):
             return await answer
-    except (TimeoutError, ServiceError, BadMessageError):
+    except (TimeoutError, ServiceError):
         return None

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Callable, Coroutine
 from typing import Any, Final
 
-from catseye.app.tui.dead_man import DeadMan
+from catseye.app.service.dead_man import DeadMan
 from catseye.app.tui.link import Link
 from catseye.app.tui.requests import Requests
 
@@ -56,6 +56,8 @@ class WalkFeeder:
             self._feeding.cancel()
 
     async def _feed(self) -> None:
+        from catseye.app.protocol.requests import WalkFeed
+
         try:
             while self._key.held(self._now_s()) is not None:
                 if self._requests.unanswered:
@@ -65,10 +67,10 @@ class WalkFeeder:
                     break
                 # What was refused once is asked for again when the key was let go.
                 if not self._requests.refused:
-                    self._requests.send("walk-feed", on=True)
+                    self._requests.send(WalkFeed())
                 await self._sleep(FEED_S)
         finally:
             # However this ends, the key has to be pressed again.
             self._key.let_go()
             # A walk that has just ended needs no feeding any more.
-            self._requests.send("walk-feed", needed=False, on=False)
+            self._requests.send(WalkFeed(on=False), needed=False)

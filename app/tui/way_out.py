@@ -20,7 +20,7 @@ def ends_on_signals(leave: Callable[[int], None]) -> Iterator[None]:
     what is drawn, and a terminal that is gone or stands still never does.
 
     Args:
-        leave: is told the signal's number; when the process has not ended some seconds later it is ended.
+        leave: called with the signal's number; when the process has not ended some seconds later it is ended.
     """
 
     def heard(number: int, _frame: FrameType | None) -> None:

@@ -2,7 +2,11 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.bench import WireLine
 
 _PRINTABLE: Final = bytes(byte if 32 <= byte < 127 else ord(".") for byte in range(256))
 _TIME: Final = slice(11, 23)
@@ -14,7 +18,7 @@ _SHORT: Final = {"interferometer": "interfer", "environment": "environm"}
 
 
 @dataclass(frozen=True, slots=True)
-class WireLine:
+class ShownLine:
     """What passed at once.
 
     Attributes:
@@ -77,11 +81,11 @@ class Row:
         return f"{self.head} {self.arrow} {self.hex} {self.text}".rstrip()
 
 
-def wire_line(told: dict[str, Any]) -> WireLine:
-    """Return a line of a `wire` event."""
-    data = bytes.fromhex(told["hex"])
-    left_out = max(int(told.get("bytes") or 0) - len(data), 0)
-    return WireLine(str(told["t"])[_TIME].ljust(12), str(told["device"]), told["dir"] == "tx", data, left_out)
+def shown_line(line: "WireLine") -> ShownLine:
+    """Return a line of the engine as it is shown."""
+    data = bytes.fromhex(line.hex)
+    left_out = max((line.bytes or 0) - len(data), 0)
+    return ShownLine(line.t[_TIME].ljust(12), line.device, line.dir == "tx", data, left_out)
 
 
 def bytes_a_row(width: int) -> int:
@@ -89,7 +93,7 @@ def bytes_a_row(width: int) -> int:
     return max(4, min(32, (width - _FIXED_CELLS) // 4 // 4 * 4))
 
 
-def rows_of(lines: Iterable[WireLine], per_row: int) -> Iterator[Row]:
+def rows_of(lines: Iterable[ShownLine], per_row: int) -> Iterator[Row]:
     """Return the rows that lines take.
 
     Args:
@@ -109,7 +113,7 @@ def rows_of(lines: Iterable[WireLine], per_row: int) -> Iterator[Row]:
             head = " " * len(head)
 
 
-def saved_line(line: WireLine) -> str:
+def saved_line(line: ShownLine) -> str:
     """Return a line as it stands in a saved file: nothing is shortened but what never came."""
     more = f" +{line.left_out} bytes" if line.left_out else ""
     return f"{line.time} {line.device} {line.arrow} {line.data.hex(' ')} |{line.text}|{more}"

@@ -1,4 +1,4 @@
-"""Numbers as people read them."""
+"""Sizes as people read them."""
 
 
 def bytes_text(size: float) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 
 from catseye.calibration.kinematics.chain import Chain
 from catseye.calibration.kinematics.distances import depth_in_box_mm, segment_to_box_mm, segment_to_segment_mm
-from catseye.calibration.types import Floats
+from catseye.calibration.kinematics.types import Floats
 
 Point = tuple[float, float, float]
 
@@ -23,7 +23,7 @@ class Capsule:
     """A segment with a radius, fixed to a frame.
 
     Attributes:
-        name: as messages tell it.
+        name: as messages use it.
         frame: number of the frame, 0 for the base.
         start_mm: one end of the segment in that frame.
         end_mm: the other end.
@@ -42,7 +42,7 @@ class Box:
     """A box along the axes of the base's frame.
 
     Attributes:
-        name: as messages tell it.
+        name: as messages use it.
         low_mm: smallest x, y, z.
         high_mm: largest x, y, z.
     """
@@ -57,7 +57,7 @@ class Table:
     """What lies below a height, everywhere.
 
     Attributes:
-        name: as messages tell it.
+        name: as messages use it.
         z_mm: its height in the base's frame.
     """
 

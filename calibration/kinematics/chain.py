@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from catseye.calibration.types import Floats
+from catseye.calibration.kinematics.types import Floats
 
 Range = tuple[float, float]
 

@@ -5,7 +5,7 @@ A capsule is a segment with a radius: what is said of its segment less the radiu
 
 import numpy as np
 
-from catseye.calibration.types import Floats
+from catseye.calibration.kinematics.types import Floats
 
 _POINT_MM2 = 1e-12
 """A segment whose square is shorter is a point."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.calibration.kinematics.bodies import Gaps, Pair
-from catseye.calibration.types import Bools, Floats, Ints
+from catseye.calibration.kinematics.types import Bools, Floats, Ints
 
 RESOLUTION_MM = 0.1
 """Where the bound is below this, a pair that cannot be shown to be clear counts as too near."""

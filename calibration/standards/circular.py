@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.errors import InsufficientPointsError
-from catseye.calibration.types import Floats
+from catseye.calibration.core.errors import InsufficientPointsError
+from catseye.calibration.core.types import Floats
 
 _FEWEST = 3
 _STEPS = 20

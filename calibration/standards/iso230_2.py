@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.errors import InsufficientPointsError
-from catseye.calibration.types import Floats
+from catseye.calibration.core.errors import InsufficientPointsError
+from catseye.calibration.core.types import Floats
 
 NAMES = {
     "B": "reversal error",
@@ -144,7 +144,7 @@ def systematic_of_map(
     """Return the systematic quantities of a joint's map with their uncertainties.
 
     A largest difference cannot be differentiated where two targets compete, so draws of the map propagate its
-    covariance; their mean tells how much noise adds to such a quantity.
+    covariance; their mean shows how much noise adds to such a quantity.
 
     Args:
         mean: the map at m nodes, upwards, then downwards, shape (2m,).

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.errors import InsufficientPointsError
-from catseye.calibration.types import Floats
+from catseye.calibration.core.errors import InsufficientPointsError
+from catseye.calibration.core.types import Floats
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,11 @@ from catseye.drivers.air.maps import (
     resolve,
 )
 from catseye.drivers.links.endpoint import require_stream
-from catseye.drivers.links.record import Sink
 from catseye.drivers.modbus.client import RegisterClient
+from catseye.drivers.roles.air import AirSample, AirSensor
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Identity, Sink
 from catseye.drivers.roles.errors import LinkTimeoutError, ProtocolError, RefusedError
-from catseye.drivers.roles.readings import AirSample, Identity
 
 _BLOCK_REGISTERS = 64
 _ILLEGAL_ADDRESS = 2
@@ -47,7 +47,7 @@ class Registers(Protocol):
         ...
 
 
-class ModbusAir:
+class ModbusAir(AirSensor):
     """Air sensor driver.
 
     Args:
@@ -57,6 +57,7 @@ class ModbusAir:
     """
 
     Settings: ClassVar[type[AirSettings]] = AirSettings
+    summary: ClassVar[str] = "Modbus TCP or RTU: Vaisala, Comet, or registers of your own"
 
     def __init__(self, registers: Registers, clock: Clock, register_map: RegisterMap) -> None:
         self._registers = registers

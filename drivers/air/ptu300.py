@@ -8,11 +8,11 @@ from pydantic import BaseModel, ConfigDict, Field
 from catseye.drivers.air.ptu300_codec import FORM, TextDecoder, checked, parse_values
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.link import RequestLink
-from catseye.drivers.links.record import Sink
 from catseye.drivers.links.transport import Transport
+from catseye.drivers.roles.air import AirSample, AirSensor
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Identity, Sink
 from catseye.drivers.roles.errors import LinkError, ProtocolError, WrongDeviceError
-from catseye.drivers.roles.readings import AirSample, Identity
 
 _HARMLESS = b"\r\n> "
 
@@ -31,7 +31,7 @@ class PtuSettings(BaseModel):
     timeout_s: float = Field(default=2.0, gt=0)
 
 
-class VaisalaAscii:
+class VaisalaAscii(AirSensor):
     """Air sensor driver.
 
     It sets an output format of its own, with a checksum. A sensor that refuses it is read in the format that it has,
@@ -44,6 +44,7 @@ class VaisalaAscii:
     """
 
     Settings: ClassVar[type[PtuSettings]] = PtuSettings
+    summary: ClassVar[str] = "Vaisala PTU300, serial text commands"
 
     def __init__(self, transport: Transport, clock: Clock, settings: PtuSettings) -> None:
         self._clock = clock

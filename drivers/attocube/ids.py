@@ -10,9 +10,9 @@ from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.latches import Latches
 from catseye.drivers.links.link import RequestLink
-from catseye.drivers.links.record import Sink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Identity, Sink
 from catseye.drivers.roles.errors import (
     LinkError,
     LinkTimeoutError,
@@ -20,7 +20,7 @@ from catseye.drivers.roles.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from catseye.drivers.roles.readings import CounterReading, CounterStatus, Identity
+from catseye.drivers.roles.interferometer import BeamStatus, Compensated, Interferometer, LengthReading
 
 MODEL = "attocube IDS"
 
@@ -60,7 +60,7 @@ class IdsSettings(BaseModel):
     quiet_s: float = Field(default=0.02, gt=0)
 
 
-class AttocubeIds:
+class AttocubeIds(Interferometer):
     """Interferometer driver.
 
     Args:
@@ -70,6 +70,7 @@ class AttocubeIds:
     """
 
     Settings: ClassVar[type[IdsSettings]] = IdsSettings
+    summary: ClassVar[str] = "attocube IDS3010 and newer, JSON over TCP"
 
     def __init__(self, transport: Transport, clock: Clock, settings: IdsSettings | None = None) -> None:
         self._settings = settings or IdsSettings()
@@ -114,7 +115,7 @@ class AttocubeIds:
         return (_STARTED,) if self._started else ()
 
     @property
-    def compensated(self) -> Literal["none", "instrument"]:
+    def compensated(self) -> Compensated:
         """Whether the instrument corrects its lengths for the air; with `auto` known once it is connected."""
         chosen = self._settings.compensated
         if chosen == "auto":
@@ -163,7 +164,7 @@ class AttocubeIds:
         self._reference_pm = await self._reference()
         return self._latches.zeroed()
 
-    async def read(self) -> CounterReading:
+    async def read(self) -> LengthReading:
         """Return one reading. With a warning, as without a beam, it is latched as a lost beam.
 
         Raises:
@@ -179,9 +180,9 @@ class AttocubeIds:
                 raise await self._refused("displacement.getAxisDisplacement", answer.error)
         picometres = self._checked(answer)
         value_mm = self._settings.sign * picometres * codec.MM_PER_PM
-        return CounterReading(value_mm, f"{picometres:.0f} pm", time_s, self._latches.zero_id)
+        return LengthReading(value_mm, f"{picometres:.0f} pm", time_s, self._latches.zero_id)
 
-    async def status(self) -> CounterStatus:
+    async def status(self) -> BeamStatus:
         """Return the state of the beam. An error that may tell of the past is reset and looked at again.
 
         Raises:
@@ -196,7 +197,7 @@ class AttocubeIds:
         contrast = await self._ask("adjustment.getContrastInPermille", self._settings.axis)
         permille = contrast.number() if contrast.values else 0.0
         running = await self._mode() == _RUNNING
-        return CounterStatus(
+        return BeamStatus(
             beam_ok=running and not answer.error,
             beam_lost=self._latches.beam_lost,
             overspeed=self._latches.overspeed,

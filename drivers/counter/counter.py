@@ -4,7 +4,7 @@ import contextlib
 import re
 from collections.abc import Callable
 from functools import partial
-from typing import Any, ClassVar, Literal, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -14,11 +14,11 @@ from catseye.drivers.counter.streamed import StreamedCounter
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.latches import Latches
 from catseye.drivers.links.link import RequestLink
-from catseye.drivers.links.record import Sink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Identity, Sink
 from catseye.drivers.roles.errors import DeviceError, LinkError, ProtocolError, RefusedError, WrongDeviceError
-from catseye.drivers.roles.readings import CounterReading, CounterStatus, Identity
+from catseye.drivers.roles.interferometer import BeamStatus, Compensated, Interferometer, LengthReading
 
 T = TypeVar("T")
 
@@ -39,7 +39,7 @@ class CounterSettings(BaseModel):
     quiet_s: float = Field(default=0.02, gt=0)
 
 
-class LineCounter:
+class LineCounter(Interferometer):
     """Interferometer driver.
 
     A beam that was lost makes every later count worthless until the next zero, so the loss is latched here too,
@@ -54,6 +54,7 @@ class LineCounter:
     """
 
     Settings: ClassVar[type[CounterSettings]] = CounterSettings
+    summary: ClassVar[str] = "counter with text commands; a profile tells them (DISTAX too)"
 
     def __init__(
         self, transport: Transport, clock: Clock, profile: CounterProfile, *, quiet_s: float = 0.02
@@ -106,8 +107,8 @@ class LineCounter:
         return self._profile.notes
 
     @property
-    def compensated(self) -> Literal["none", "instrument"]:
-        """Whether the instrument corrects its lengths for the air by itself."""
+    def compensated(self) -> Compensated:
+        """Who corrects the lengths for the air."""
         return self._profile.compensated
 
     async def connect(self) -> Identity:
@@ -154,7 +155,7 @@ class LineCounter:
             self._offset_mm, self._last_count = 0.0, 0
         return self._latches.zeroed()
 
-    async def read(self) -> CounterReading:
+    async def read(self) -> LengthReading:
         """Return one reading.
 
         Raises:
@@ -169,9 +170,9 @@ class LineCounter:
             self._last_count = codec.unwrap(round(number), self._last_count, scale.wrap_bits)
             number = float(self._last_count)
         value_mm = codec.length_mm(number, scale) - self._offset_mm
-        return CounterReading(value_mm, text, time_s, self._latches.zero_id)
+        return LengthReading(value_mm, text, time_s, self._latches.zero_id)
 
-    async def status(self) -> CounterStatus:
+    async def status(self) -> BeamStatus:
         """Return the state of the beam. Without a signal command the signal is 1 with and 0 without a beam.
 
         Raises:
@@ -184,7 +185,7 @@ class LineCounter:
         self._latches.note(beam_lost=bits["beam_lost"] or absent, overspeed=bits.get("overspeed", False))
         # Before the latch is looked at, since this question too may find the link lost.
         signal = await self._signal(default=0.0 if absent else 1.0)
-        return CounterStatus(
+        return BeamStatus(
             beam_ok=not absent,
             beam_lost=self._latches.beam_lost,
             overspeed=self._latches.overspeed,

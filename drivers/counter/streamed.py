@@ -1,14 +1,14 @@
 """A length counter that sends its values without being asked for each."""
 
 import re
-from typing import Literal
 
 from catseye.drivers.counter import codec
 from catseye.drivers.counter.profile import CounterProfile
 from catseye.drivers.links.latches import Latches
-from catseye.drivers.links.stream import StreamLink, ValueHook
+from catseye.drivers.links.stream import StreamLink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import (
     LinkError,
     LinkTimeoutError,
@@ -16,10 +16,16 @@ from catseye.drivers.roles.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from catseye.drivers.roles.readings import CounterReading, CounterStatus, Identity
+from catseye.drivers.roles.interferometer import (
+    BeamStatus,
+    Compensated,
+    Interferometer,
+    LengthReading,
+    OnValue,
+)
 
 
-class StreamedCounter:
+class StreamedCounter(Interferometer):
     """Interferometer driver of a profile with a stream.
 
     Such a counter tells neither status nor level: an error in place of a value is a lost beam, and the signal is 1
@@ -29,13 +35,10 @@ class StreamedCounter:
         transport: the connection.
         clock: time of the readings.
         profile: what the instrument speaks.
-
-    Attributes:
-        on_value: takes each value as it comes.
     """
 
     def __init__(self, transport: Transport, clock: Clock, profile: CounterProfile) -> None:
-        self.on_value: ValueHook | None = None
+        self._on_value: OnValue | None = None
         self._profile = profile
         self._latches = Latches()
         self._newest: tuple[float, str, float] | None = None
@@ -58,8 +61,17 @@ class StreamedCounter:
         return self._profile.notes
 
     @property
-    def compensated(self) -> Literal["none", "instrument"]:
-        """Whether the instrument corrects its lengths for the air by itself."""
+    def streams(self) -> bool:
+        """Values arrive without being asked for."""
+        return True
+
+    def listen(self, on_value: OnValue | None) -> None:
+        """Have every value shown as it arrives; None ends that."""
+        self._on_value = on_value
+
+    @property
+    def compensated(self) -> Compensated:
+        """Who corrects the lengths for the air."""
         return self._profile.compensated
 
     async def connect(self) -> Identity:
@@ -95,7 +107,7 @@ class StreamedCounter:
         self._offset_mm = value_mm
         return self._latches.zeroed()
 
-    async def read(self) -> CounterReading:
+    async def read(self) -> LengthReading:
         """Return the first value that arrives after this call; with an error the last one, which is latched.
 
         Raises:
@@ -103,16 +115,16 @@ class StreamedCounter:
             LinkError: lost, or the stream has stopped.
         """
         value_mm, raw, time_s = await self._next()
-        return CounterReading(value_mm - self._offset_mm, raw, time_s, self._latches.zero_id)
+        return LengthReading(value_mm - self._offset_mm, raw, time_s, self._latches.zero_id)
 
-    async def status(self) -> CounterStatus:
+    async def status(self) -> BeamStatus:
         """Return the state of the beam.
 
         Raises:
             LinkError: lost, or the stream has stopped.
         """
         await self._await_line()
-        return CounterStatus(
+        return BeamStatus(
             beam_ok=not self._error,
             beam_lost=self._latches.beam_lost,
             overspeed=self._latches.overspeed,
@@ -154,8 +166,8 @@ class StreamedCounter:
             self._error = ""
             value_mm = self._length_mm(number)
             self._newest = value_mm, text, time_s
-            if self.on_value is not None:
-                self.on_value(time_s, value_mm - self._offset_mm)
+            if self._on_value is not None:
+                self._on_value(time_s, value_mm - self._offset_mm)
         self._count += 1
 
     def _length_mm(self, number: float) -> float:

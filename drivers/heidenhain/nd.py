@@ -9,11 +9,11 @@ from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.latches import Latches
 from catseye.drivers.links.link import RequestLink
-from catseye.drivers.links.record import Sink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Identity, Sink
 from catseye.drivers.roles.errors import LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
-from catseye.drivers.roles.readings import CounterReading, CounterStatus, Identity
+from catseye.drivers.roles.interferometer import BeamStatus, Compensated, Interferometer, LengthReading
 
 MODEL = "Heidenhain ND"
 
@@ -48,7 +48,7 @@ class NdSettings(BaseModel):
     quiet_s: float = Field(default=0.05, gt=0)
 
 
-class HeidenhainNd:
+class HeidenhainNd(Interferometer):
     """Interferometer driver. The display tells no signal level: it is 1 without and 0 with an error.
 
     Args:
@@ -58,6 +58,7 @@ class HeidenhainNd:
     """
 
     Settings: ClassVar[type[NdSettings]] = NdSettings
+    summary: ClassVar[str] = "display HEIDENHAIN ND 287 and older, serial"
 
     def __init__(self, transport: Transport, clock: Clock, settings: NdSettings | None = None) -> None:
         self._settings = settings or NdSettings()
@@ -97,7 +98,7 @@ class HeidenhainNd:
         return ("the display tells no signal level: it is shown as 1 with and 0 without a signal",)
 
     @property
-    def compensated(self) -> Literal["none", "instrument"]:
+    def compensated(self) -> Compensated:
         """Whether the lengths are corrected for the air before they come here."""
         return self._settings.compensated
 
@@ -140,7 +141,7 @@ class HeidenhainNd:
             self._offset_mm = (await self._position())[0]
         return self._latches.zeroed()
 
-    async def read(self) -> CounterReading:
+    async def read(self) -> LengthReading:
         """Return one reading.
 
         Raises:
@@ -150,9 +151,9 @@ class HeidenhainNd:
         """
         position_mm, raw = await self._position()
         time_s = self._clock.monotonic_s()
-        return CounterReading(position_mm - self._offset_mm, raw, time_s, self._latches.zero_id)
+        return LengthReading(position_mm - self._offset_mm, raw, time_s, self._latches.zero_id)
 
-    async def status(self) -> CounterStatus:
+    async def status(self) -> BeamStatus:
         """Return the state of the beam: no error on the display. An old error is cleared and looked at again.
 
         Raises:
@@ -160,7 +161,7 @@ class HeidenhainNd:
             ProtocolError: garbage came.
         """
         text = await self._error_that_stays()
-        return CounterStatus(
+        return BeamStatus(
             beam_ok=not text,
             beam_lost=self._latches.beam_lost,
             overspeed=self._latches.overspeed,

@@ -5,13 +5,11 @@ from typing import Any, ClassVar, Literal, Protocol, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from catseye.drivers.links.endpoint import SerialEndpoint, require_stream
-from catseye.drivers.links.record import Sink
 from catseye.drivers.modbus.client import RegisterClient
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Identity, Sink
 from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, ProtocolError, RefusedError
-from catseye.drivers.roles.readings import Identity
-
-Light = Literal["green", "amber", "red", "off"]
+from catseye.drivers.roles.io import Io, Light
 
 _MOST_ON_A_LINE_S = 0.07
 """The door's silence lasts 0.24 s from a question on. On a line the question, what may come late, and the question
@@ -93,7 +91,7 @@ class Bits(Protocol):
         ...
 
 
-class ModbusIo:
+class ModbusIo(Io):
     """Driver of a block of inputs and outputs.
 
     Args:
@@ -102,6 +100,7 @@ class ModbusIo:
     """
 
     Settings: ClassVar[type[IoSettings]] = IoSettings
+    summary: ClassVar[str] = "Modbus TCP or RTU: door contact and stack light"
 
     def __init__(self, bits: Bits, settings: IoSettings) -> None:
         self._bits = bits

@@ -8,12 +8,18 @@ from pydantic import BaseModel, ConfigDict, Field
 from catseye.drivers.lasertex import codec
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.latches import Latches
-from catseye.drivers.links.record import Sink
-from catseye.drivers.links.stream import StreamLink, ValueHook
+from catseye.drivers.links.stream import StreamLink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Identity, Sink
 from catseye.drivers.roles.errors import LinkTimeoutError, RefusedError, WrongDeviceError
-from catseye.drivers.roles.readings import CounterReading, CounterStatus, Identity
+from catseye.drivers.roles.interferometer import (
+    BeamStatus,
+    Compensated,
+    Interferometer,
+    LengthReading,
+    OnValue,
+)
 
 MODEL = "Lasertex HPI-3D"
 
@@ -39,19 +45,17 @@ class HpiSettings(BaseModel):
     connect_timeout_s: float = Field(default=5.0, gt=0)
 
 
-class LasertexHpi:
+class LasertexHpi(Interferometer):
     """Interferometer driver.
 
     Args:
         transport: the connection.
         clock: time of the readings.
         settings: see there.
-
-    Attributes:
-        on_value: takes each value as it comes.
     """
 
     Settings: ClassVar[type[HpiSettings]] = HpiSettings
+    summary: ClassVar[str] = "Lasertex HPI-3D, serial"
 
     def __init__(self, transport: Transport, clock: Clock, settings: HpiSettings | None = None) -> None:
         self._settings = settings or HpiSettings()
@@ -61,7 +65,7 @@ class LasertexHpi:
         self._newest: tuple[codec.Distance, float] | None = None
         self._count = 0
         self._simulated = False
-        self.on_value: ValueHook | None = None
+        self._on_value: OnValue | None = None
         self._link = StreamLink(
             transport, clock, name=MODEL, decoder=codec.FrameDecoder, take=self._take, greet=self._greet
         )
@@ -90,8 +94,17 @@ class LasertexHpi:
         return ()
 
     @property
-    def compensated(self) -> Literal["none", "instrument"]:
-        """Whether the instrument corrects its lengths for the air by itself."""
+    def streams(self) -> bool:
+        """Values arrive without being asked for."""
+        return True
+
+    def listen(self, on_value: OnValue | None) -> None:
+        """Have every value shown as it arrives; None ends that."""
+        self._on_value = on_value
+
+    @property
+    def compensated(self) -> Compensated:
+        """Who corrects the lengths for the air."""
         return self._settings.compensated
 
     async def connect(self) -> Identity:
@@ -131,7 +144,7 @@ class LasertexHpi:
                 )
             return self._latches.zeroed()
 
-    async def read(self) -> CounterReading:
+    async def read(self) -> LengthReading:
         """Return the first distance that arrives after this call.
 
         Raises:
@@ -140,9 +153,9 @@ class LasertexHpi:
         await self._link.ensure()
         distance, time_s = await self._next()
         value_mm = self._settings.sign * distance.length_mm
-        return CounterReading(value_mm, f"{distance.count} x 100 pm", time_s, self._latches.zero_id)
+        return LengthReading(value_mm, f"{distance.count} x 100 pm", time_s, self._latches.zero_id)
 
-    async def status(self) -> CounterStatus:
+    async def status(self) -> BeamStatus:
         """Return the state of the beam.
 
         A flag for a small signal may still tell of the past: it is cleared and looked at again.
@@ -156,7 +169,7 @@ class LasertexHpi:
             if not distance.signal_ok:
                 await self._order(codec.CLEAR_SMALL_SIGNAL)
                 distance, _ = await self._next()
-        return CounterStatus(
+        return BeamStatus(
             beam_ok=distance.signal_ok,
             beam_lost=self._latches.beam_lost,
             overspeed=self._latches.overspeed,
@@ -174,8 +187,8 @@ class LasertexHpi:
         self._latches.note(beam_lost=not distance.signal_ok, overspeed=distance.overspeed)
         self._newest = distance, time_s
         self._count += 1
-        if self.on_value is not None:
-            self.on_value(time_s, self._settings.sign * distance.length_mm)
+        if self._on_value is not None:
+            self._on_value(time_s, self._settings.sign * distance.length_mm)
 
     async def _next(self) -> tuple[codec.Distance, float]:
         """Return the next distance to arrive."""

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 from typing import Literal
 from urllib.parse import SplitResult, parse_qsl, urlsplit
 
-from catseye.drivers.links.record import RecordingTransport, Sink
+from catseye.drivers.links.record import RecordingTransport
 from catseye.drivers.links.serial_line import Handshake, LineSettings, Parity, SerialTransport, StopBits
 from catseye.drivers.links.tcp import TcpTransport
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.links.udp import UdpTransport
+from catseye.drivers.roles.device import Sink
 from catseye.drivers.roles.errors import LinkError
 
 _FORMS = (

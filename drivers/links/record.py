@@ -1,15 +1,7 @@
 """A transport that shows every byte that passes."""
 
-from collections.abc import Callable
-from typing import Literal
-
 from catseye.drivers.links.transport import Transport, WrappedTransport
-
-Direction = Literal["tx", "rx"]
-"""Seen from the program: tx is sent, rx is received."""
-
-Sink = Callable[[Direction, bytes], None]
-"""Takes the direction and the bytes; must neither block nor raise."""
+from catseye.drivers.roles.device import Sink
 
 
 class RecordingTransport(WrappedTransport):

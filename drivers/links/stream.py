@@ -12,12 +12,6 @@ from catseye.drivers.roles.errors import DeviceError, LinkError, LinkTimeoutErro
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
 
-ValueHook = Callable[[float, float], None]
-"""Takes a value of a stream: its time of arrival on the driver's clock, s, and the displacement since the zero, mm.
-
-A driver of a stream has an attribute `on_value` for one, None at first; it is called as values come and must neither
-block nor raise."""
-
 MOST_BYTES_A_SECOND = 4_000_000
 """Of a stream; more is a flood, real time."""
 

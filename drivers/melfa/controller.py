@@ -9,11 +9,12 @@ from typing import Self, TypeVar
 
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.melfa import codec, texts
-from catseye.drivers.melfa.jog import Direction, Jog, jogging
+from catseye.drivers.melfa.jog import Jog, jogging
 from catseye.drivers.melfa.session import Session
 from catseye.drivers.melfa.texts import EncoderReading, LogEntry, ProgramEntry, StopSources, Value
 from catseye.drivers.roles.errors import DeviceError, ProtocolError, RefusedError
-from catseye.drivers.roles.readings import Joints
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import JogDirection
 
 T = TypeVar("T")
 
@@ -97,7 +98,7 @@ class MelfaController:
             _check(_PROGRAM, program, "a program")
             await self._order(f"HOT{program};{text}", Repeat.HARMLESS)
 
-    async def feedback(self) -> Joints:
+    async def feedback(self) -> Pose:
         """Return the joints from the encoders (J_Fbc), J1 deg, J2 deg, J3 mm, J4 deg.
 
         Certain is that these are feedback, not command (sheet, section 4.2); the number format of the answer is not.
@@ -248,7 +249,7 @@ class MelfaController:
         return await self._ask("TIME", texts.parse_date)
 
     @asynccontextmanager
-    async def jog(self, directions: Mapping[str, Direction]) -> AsyncIterator[Jog]:
+    async def jog(self, directions: Mapping[str, JogDirection]) -> AsyncIterator[Jog]:
         """Jog joints while `feed` of what is yielded is called; stop at the end, however it comes.
 
         Args:

@@ -8,13 +8,13 @@ STOP follows on top.
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
-from typing import Literal
 
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.link import uninterrupted
 from catseye.drivers.melfa.motion import JOINT_NAMES
 from catseye.drivers.melfa.session import Session
 from catseye.drivers.roles.errors import DeviceError, RefusedError
+from catseye.drivers.roles.robot import JogDirection
 
 PERIOD_S = 0.05
 """Between two telegrams, real s."""
@@ -24,8 +24,6 @@ DEAD_MAN_S = 0.14
 
 FED_FOR_S = 0.2
 """How long one feeding lasts, real s."""
-
-Direction = Literal[-1, 1]
 
 
 class Jog:
@@ -86,7 +84,7 @@ class Jog:
 @asynccontextmanager
 async def jogging(
     session: Session,
-    directions: Mapping[str, Direction],
+    directions: Mapping[str, JogDirection],
     stop: Callable[[], Awaitable[None]],
     require_no_stop: Callable[[], None],
 ) -> AsyncIterator[Jog]:
@@ -139,7 +137,7 @@ async def _end(telegrams: asyncio.Task[None], stop: Callable[[], Awaitable[None]
         await asyncio.gather(telegrams, return_exceptions=True)
 
 
-def telegram(directions: Mapping[str, Direction]) -> str:
+def telegram(directions: Mapping[str, JogDirection]) -> str:
     """Return the JOG command of joints: mode 00, axes as bits, no inching.
 
     Raises:

@@ -25,7 +25,7 @@ from catseye.drivers.roles.errors import (
     ProtocolError,
     RefusedError,
 )
-from catseye.drivers.roles.readings import Joints
+from catseye.drivers.roles.pose import Pose
 
 _DUPLICATE_DEFINITION = 4350
 
@@ -55,7 +55,7 @@ class JointMotion:
         *,
         still_polls: int,
         take_right: Callable[[], Awaitable[None]],
-        account_for: Callable[[Joints, DeviceError], Awaitable[None]],
+        account_for: Callable[[Pose, DeviceError], Awaitable[None]],
         reset_alarm: Callable[[], Awaitable[None]],
     ) -> None:
         self._connections = connections
@@ -74,7 +74,7 @@ class JointMotion:
         """Declare the variable again before the next motion: a new connection does not know it."""
         self._declared = False
 
-    async def go(self, target: Joints, permit: Callable[[], None]) -> None:
+    async def go(self, target: Pose, permit: Callable[[], None]) -> None:
         """Move to the target; return when the robot stands there. The motion is sent once.
 
         Args:
@@ -90,7 +90,7 @@ class JointMotion:
             partial(self._go, target, permit),
         )
 
-    async def _prepare(self, target: Joints) -> None:
+    async def _prepare(self, target: Pose) -> None:
         """Give the controller the target: on the very connection from which the motion takes it."""
         # A link in step shows only when something is sent that it has come out of step: then this is done again.
         if self._main.link.doubt or not self._declared:
@@ -132,7 +132,7 @@ class JointMotion:
                 await self._reset_alarm()
         self._declared = True
 
-    async def _go(self, target: Joints, permit: Callable[[], None]) -> None:
+    async def _go(self, target: Pose, permit: Callable[[], None]) -> None:
         try:
             if self._settings.motion == "exec2" and self._connections.has_side:
                 reached = await self._waited_for(target, permit)
@@ -149,7 +149,7 @@ class JointMotion:
             permit()
             raise NotArrivedError(f"{self._main.where}: the motion is over, but {off}: {LOOK_WHY}")
 
-    async def _waited_for(self, target: Joints, permit: Callable[[], None]) -> Joints:
+    async def _waited_for(self, target: Pose, permit: Callable[[], None]) -> Pose:
         """Move and wait for the answer, which comes at the end of the motion; return where the robot stands."""
         motion = self._main.command(
             f"EXEC2=MOV {self.variable}",
@@ -169,12 +169,12 @@ class JointMotion:
         # The answer may have been a late double of the one before: an arm that is yet to arrive is waited for.
         return await self._at_rest(target)
 
-    async def _polled(self, target: Joints, permit: Callable[[], None]) -> Joints:
+    async def _polled(self, target: Pose, permit: Callable[[], None]) -> Pose:
         """Start the motion and look until the robot stands; return where."""
         await self._main.command(f"EXECMOV {self.variable}", repeat=Repeat.BOUND, permit=self._bound(permit))
         return await self._at_rest(target)
 
-    async def _at_rest(self, target: Joints) -> Joints:
+    async def _at_rest(self, target: Pose) -> Pose:
         """Look until the robot stands; return where."""
         return await standstill(
             self._main,

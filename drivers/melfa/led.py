@@ -1,27 +1,26 @@
 """What the drivers that lead the arm along ways have in common: everything but motion goes over the R-protocol."""
 
 import math
-from abc import ABC, abstractmethod
-from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from abc import abstractmethod
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
-from typing import Any, ClassVar
+from typing import Any
 
 from catseye.drivers.melfa.controller import MelfaController
-from catseye.drivers.melfa.jog import Direction, Jog
+from catseye.drivers.melfa.jog import Jog
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.melfa.settings import MelfaSettings
-from catseye.drivers.roles.readings import Joints, RobotStatus
+from catseye.drivers.roles.device import Examination
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import JogDirection, Robot, RobotStatus
 
 
-class LedArm(ABC):
+class LedArm(Robot):
     """Base of a driver that leaves session, drives, override and alarms to the R-protocol.
 
     Args:
         controller: the R-protocol side.
     """
-
-    takes_guard: ClassVar[bool] = True
-    stop_request: ClassVar[Callable[[MelfaSettings], bytes]] = staticmethod(MelfaR3.stop_request)
 
     def __init__(self, controller: MelfaR3) -> None:
         self._controller = controller
@@ -32,7 +31,7 @@ class LedArm(ABC):
         return self._controller.controller
 
     @abstractmethod
-    async def follow(self, way: Sequence[Joints]) -> None:
+    async def follow(self, way: Sequence[Pose]) -> None:
         """Pass all targets and return when the robot stands at the last one."""
 
     @abstractmethod
@@ -40,7 +39,7 @@ class LedArm(ABC):
         """Stop now; the program that leads the arm stands afterwards."""
 
     @asynccontextmanager
-    async def jogging(self, directions: Mapping[str, Direction]) -> AsyncIterator[Jog]:
+    async def jogging(self, directions: Mapping[str, JogDirection]) -> AsyncIterator[Jog]:
         """Turn joints while what is yielded is fed; see MelfaR3.jogging."""
         if (await self.status()).running:
             # A controller refuses to jog while a program has the arm; it is started again before the next way.
@@ -48,7 +47,7 @@ class LedArm(ABC):
         async with self._controller.jogging(directions) as jog:
             yield jog
 
-    async def move_joints(self, target: Joints) -> None:
+    async def move_joints(self, target: Pose) -> None:
         """Interpolate all joints to the target; see `follow`."""
         await self.follow((target,))
 
@@ -68,12 +67,21 @@ class LedArm(ABC):
         """Return the controller's own limits; see MelfaR3.joint_limits."""
         return await self._controller.joint_limits()
 
+    async def examine(self) -> Examination:
+        """Ask the controller beyond its state; see MelfaR3.examine."""
+        return await self._controller.examine()
+
+    @classmethod
+    def stop_request(cls, settings: MelfaSettings) -> bytes:
+        """Return what stops the arm; see MelfaR3.stop_request."""
+        return MelfaR3.stop_request(settings)
+
     async def reset_alarm(self) -> None:
         """Reset the active alarm; see MelfaR3.reset_alarm."""
         await self._controller.reset_alarm()
 
 
-def require_way(way: Sequence[Joints]) -> None:
+def require_way(way: Sequence[Pose]) -> None:
     """Check that a way can be driven.
 
     Raises:

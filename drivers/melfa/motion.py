@@ -19,7 +19,8 @@ from catseye.drivers.roles.errors import (
     ProtocolError,
     RefusedError,
 )
-from catseye.drivers.roles.readings import Joints, RobotStatus
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import RobotStatus
 
 VARIABLES = tuple(f"JCATSEY{number}" for number in range(1, 9))
 """Joint variables that may carry the target in the controller. A session takes one of them: what another program
@@ -48,13 +49,13 @@ _POLL_BYTES = 130
 _FEWEST_POLLS = 4
 
 
-def assignment(variable: str, target: Joints) -> str:
+def assignment(variable: str, target: Pose) -> str:
     """Return the statement that sets a variable: four decimals, never a negative zero (sheet 4.2)."""
     values = ",".join(f"{round(value, 4) + 0.0:.4f}" for value in target)
     return f"{variable}=({values})"
 
 
-def off_target(reached: Joints, target: Joints, settings: MelfaSettings) -> str:
+def off_target(reached: Pose, target: Pose, settings: MelfaSettings) -> str:
     """Return the joints that are reported off the target, in words; empty when all are there."""
     limits = {"deg": settings.tolerance_deg, "mm": settings.tolerance_mm}
     return ", ".join(
@@ -121,9 +122,9 @@ async def standstill(
     *,
     timeout_s: float,
     still_polls: int,
-    target: Joints | None = None,
+    target: Pose | None = None,
     before_look: Callable[[], Awaitable[None]] | None = None,
-) -> Joints:
+) -> Pose:
     """Poll until nothing runs and the joints stay the same, or stand at the target.
 
     The run bit alone is not enough: no source says whether it covers statements that are executed directly.
@@ -145,7 +146,7 @@ async def standstill(
         ProtocolError: a question was refused, which a line that garbles bytes does.
         DeviceError: the controller does not answer as it should.
     """
-    last: Joints | None = None
+    last: Pose | None = None
     equal = 0
     try:
         async with asyncio.timeout(timeout_s):
@@ -234,7 +235,7 @@ class _Look:
             await asyncio.wait({self._task})
 
     async def _until_standing(self, patience: asyncio.Timeout) -> None:
-        last: Joints | None = None
+        last: Pose | None = None
         still = 0
         while still < STILL_LOOKS and not self._over.is_set():
             try:
@@ -257,7 +258,7 @@ async def account_for(
     asker: Side,
     clock: Clock,
     settings: MelfaSettings,
-    target: Joints,
+    target: Pose,
     lost: DeviceError,
     stop: Callable[[], Awaitable[None]],
     *,
@@ -303,10 +304,10 @@ async def account_for(
 
 
 async def _followed(
-    asker: Side, clock: Clock, settings: MelfaSettings, target: Joints, still_polls: int
+    asker: Side, clock: Clock, settings: MelfaSettings, target: Pose, still_polls: int
 ) -> tuple[RobotStatus, str]:
     """Look until the arm stands, or no longer approaches its target; return its state and what is off."""
-    last: Joints | None = None
+    last: Pose | None = None
     still = 1
     while True:
         async with asyncio.timeout(_TELL_S):
@@ -322,7 +323,7 @@ async def _followed(
         await clock.sleep(settings.poll_s)
 
 
-def _leaves(before: Joints, now: Joints, target: Joints, settings: MelfaSettings) -> bool:
+def _leaves(before: Pose, now: Pose, target: Pose, settings: MelfaSettings) -> bool:
     """Return whether a joint has gone away from its target: all of them go straight to theirs."""
     limits = (settings.tolerance_deg, settings.tolerance_deg, settings.tolerance_mm, settings.tolerance_deg)
     return any(

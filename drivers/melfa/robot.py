@@ -19,15 +19,15 @@ from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import UNGUARDED, LinkGuard, guarded
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.link import uninterrupted
-from catseye.drivers.links.record import Sink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.melfa import codec
 from catseye.drivers.melfa.alarms import STOP_IS_ON
 from catseye.drivers.melfa.codec import Answer, Layout
 from catseye.drivers.melfa.connections import Connections
 from catseye.drivers.melfa.controller import MelfaController
+from catseye.drivers.melfa.examining import examination_of
 from catseye.drivers.melfa.halt import Halt
-from catseye.drivers.melfa.jog import Direction, Jog
+from catseye.drivers.melfa.jog import Jog
 from catseye.drivers.melfa.joint_motion import JointMotion
 from catseye.drivers.melfa.motion import VARIABLES, account_for, unstarted_polls
 from catseye.drivers.melfa.servo import servo_is
@@ -37,8 +37,10 @@ from catseye.drivers.melfa.side import Side
 from catseye.drivers.melfa.starting import start_once
 from catseye.drivers.melfa.stops import Stops, StopWatch
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Examination, Identity, Sink
 from catseye.drivers.roles.errors import DeviceError, LinkError, NotReadyError, RefusedError
-from catseye.drivers.roles.readings import Identity, Joints, RobotStatus
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import JogDirection, Robot, RobotAbilities, RobotStatus
 
 _CLOSE_TIMEOUT_S = 3.0
 
@@ -53,7 +55,7 @@ def stop_bytes(settings: MelfaSettings) -> bytes:
     return b"\r" + stop
 
 
-class MelfaR3:
+class MelfaR3(Robot):
     """Robot driver.
 
     Args:
@@ -68,8 +70,8 @@ class MelfaR3:
     """
 
     Settings: ClassVar[type[MelfaSettings]] = MelfaSettings
-    takes_guard: ClassVar[bool] = True
-    stop_request: ClassVar[Callable[[MelfaSettings], bytes]] = staticmethod(stop_bytes)
+    summary: ClassVar[str] = "MELFA controller as delivered; stands still at every target"
+    abilities: ClassVar[RobotAbilities] = RobotAbilities(jogs=True, takes_guard=True)
 
     def __init__(
         self,
@@ -252,7 +254,7 @@ class MelfaR3:
         self._override_percent = int(percent)
         return await self._main.question("OVRD", codec.free_text, _override)
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         """Return the reported joints (J1 deg, J2 deg, J3 mm, J4 deg), in steps of 0.01.
 
         The sheet does not know whether a controller reports command or feedback (1.11).
@@ -272,6 +274,10 @@ class MelfaR3:
         """
         return await self.controller.joint_limits()
 
+    async def examine(self) -> Examination:
+        """Ask the controller beyond its state: encoders, stop sources, the last line of its log."""
+        return await examination_of(self.controller)
+
     async def reset_alarm(self) -> None:
         """Reset the active alarm.
 
@@ -282,7 +288,7 @@ class MelfaR3:
         await self._main.ask("RSTALRM", codec.bare)
         await self._main.raise_alarm("RSTALRM")
 
-    async def move_joints(self, target: Joints) -> None:
+    async def move_joints(self, target: Pose) -> None:
         """Interpolate all joints to the target; return when the robot stands there.
 
         The motion is commanded once. When its answer is lost, the controller is asked where the robot is. A
@@ -312,14 +318,19 @@ class MelfaR3:
                 raise RefusedError(str(exc), exc.number) from None
             raise
 
-    async def _move(self, target: Joints, permit: Callable[[], None]) -> None:
+    async def _move(self, target: Pose, permit: Callable[[], None]) -> None:
         try:
             await self._motion.go(target, permit)
         except asyncio.CancelledError:
             await self.stop()
             raise
 
-    def jogging(self, directions: Mapping[str, Direction]) -> AbstractAsyncContextManager[Jog]:
+    @classmethod
+    def stop_request(cls, settings: MelfaSettings) -> bytes:
+        """Return what stops the arm on a connection on which a request may be half written; see `stop_bytes`."""
+        return stop_bytes(settings)
+
+    def jogging(self, directions: Mapping[str, JogDirection]) -> AbstractAsyncContextManager[Jog]:
         """Turn joints while what is yielded is fed; the robot stands when it is left. See MelfaController.jog."""
         return self.controller.jog(directions)
 
@@ -386,7 +397,7 @@ class MelfaR3:
         await self.take_right()
         await start_once(self._main, self._clock, self._settings, name, permit)
 
-    async def account_for(self, target: Joints, lost: DeviceError) -> None:
+    async def account_for(self, target: Pose, lost: DeviceError) -> None:
         """Ask where the robot is after the answer to a motion was lost; go on only if it stands at the target.
 
         Args:

@@ -23,7 +23,8 @@ from catseye.drivers.roles.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from catseye.drivers.roles.readings import Joints, RobotStatus
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import RobotStatus
 
 T = TypeVar("T")
 
@@ -49,7 +50,7 @@ async def _nothing() -> None:
     """Ask for nothing more than the identity."""
 
 
-def _scara_joints(payload: str) -> Joints:
+def _scara_joints(payload: str) -> Pose:
     axes = codec.parse_positions(payload)
     try:
         return axes["J1"], axes["J2"], axes["J3"], axes["J4"]
@@ -230,7 +231,7 @@ class Session:
             program=state.program,
         )
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         """Ask JPOSF: J1 deg, J2 deg, J3 mm, J4 deg."""
         return await self.question("JPOSF", codec.positions_text, _scara_joints)
 

@@ -7,7 +7,8 @@ from typing import TypeVar
 from catseye.drivers.melfa.codec import State
 from catseye.drivers.melfa.session import Session
 from catseye.drivers.roles.errors import DeviceError, LinkError, ProtocolError
-from catseye.drivers.roles.readings import Joints, RobotStatus
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import RobotStatus
 
 T = TypeVar("T")
 
@@ -66,7 +67,7 @@ class Side:
         """Ask STATE, and ERROR too when an alarm is flagged."""
         return await self._ask(Session.status)
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         """Ask JPOSF."""
         return await self._ask(Session.joints)
 

@@ -7,9 +7,9 @@ from typing import TypeVar
 
 from catseye.drivers.links.endpoint import SerialEndpoint, TcpEndpoint, open_transport
 from catseye.drivers.links.link import RequestLink
-from catseye.drivers.links.record import Sink
 from catseye.drivers.links.serial_line import LineSettings
 from catseye.drivers.modbus import codec
+from catseye.drivers.roles.device import Sink
 from catseye.drivers.roles.errors import LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
 
 _EXCEPTIONS = {

@@ -2,35 +2,52 @@
 
 import difflib
 from importlib import metadata
-from typing import Any
+from typing import Final, cast
 
-GROUP = "catseye.drivers"
-"""Entry point group; each entry is a driver class.
+from catseye.drivers.roles.device import DriverClass, Role
 
-A driver class has a classmethod `at(endpoint, clock, sink=None, **settings)` and a pydantic model `Settings` that
-lists the settings. Its methods fit Robot, Interferometer or Environment by shape.
-"""
+GROUP: Final = "catseye.drivers"
+"""Entry point group; each entry is a driver class that subclasses its role and fits `DriverClass`."""
 
 
 def driver_names() -> tuple[str, ...]:
-    """Return the names of all installed drivers."""
+    """Return the names of all installed drivers; imports none of them."""
     return tuple(sorted({entry.name for entry in metadata.entry_points(group=GROUP)}))
 
 
-def load_driver(name: str) -> Any:
+def load_driver(name: str, role: Role | None = None) -> type[DriverClass]:
     """Return a driver class.
 
     Args:
         name: as in the cell file: melfa-r3, line-counter, modbus-air.
+        role: what it has to be a driver of; None for anything.
 
     Raises:
-        LookupError: no such driver is installed; the text lists those that are.
+        LookupError: no such driver is installed, or it has another role; the text lists those that would do.
     """
     for entry in metadata.entry_points(group=GROUP, name=name):
-        return entry.load()
+        found = cast("type[DriverClass]", entry.load())
+        if role not in {None, _declared_role(name, found)}:
+            raise LookupError(f"{name!r} is a driver of role {found.role}, not {role}")
+        return found
     names = driver_names()
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.0)
     meant = (
         f", did you mean {near[0]!r}?" if near else ": reinstall the program, its entry points are missing"
     )
     raise LookupError(f"no driver {name!r} is installed; installed are {', '.join(names) or 'none'}{meant}")
+
+
+def _declared_role(name: str, found: type[DriverClass]) -> Role:
+    """Return the role of what an entry point names, which may be anything.
+
+    Raises:
+        LookupError: it is no driver class.
+    """
+    try:
+        role, _summary = found.role, found.summary
+    except AttributeError as error:
+        raise LookupError(
+            f"driver {name!r}: {error}; a driver subclasses its role in catseye.drivers.roles and declares a summary"
+        ) from None
+    return role

@@ -2,7 +2,6 @@
 
 import json
 import math
-from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -10,11 +9,11 @@ from pydantic import BaseModel, ConfigDict, Field
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.link import RequestLink
-from catseye.drivers.links.record import Sink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock, SystemClock
+from catseye.drivers.roles.device import Identity, Sink
 from catseye.drivers.roles.errors import DeviceError, LinkError, ProtocolError, WrongDeviceError
-from catseye.drivers.roles.readings import Identity
+from catseye.drivers.roles.tracker import Position, Tracker
 
 _LONGEST_ANSWER_BYTES = 65536
 
@@ -36,21 +35,6 @@ class BenchTrackerSettings(BaseModel):
     connect_timeout_s: float = Field(default=5.0, gt=0)
     answer_timeout_s: float = Field(default=5.0, gt=0)
     quiet_s: float = Field(default=0.02, gt=0)
-
-
-@dataclass(frozen=True)
-class TrackerPosition:
-    """A position in the tracker's frame.
-
-    Attributes:
-        x_mm: position along x.
-        y_mm: position along y.
-        u_mm: standard uncertainty of each coordinate.
-    """
-
-    x_mm: float
-    y_mm: float
-    u_mm: float
 
 
 class ObjectDecoder:
@@ -91,19 +75,17 @@ class ObjectDecoder:
         raise ProtocolError("a line without end")
 
 
-class BenchTracker:
+class BenchTracker(Tracker):
     """Asks the emulated bench where a laser tracker would see the J4 axis.
 
     Args:
         transport: leads to the control port.
         settings: see there.
         clock_speed: seconds of the run's clock in one real second; None where nobody knows.
-
-    Attributes:
-        notes: what the operator should know about the connection.
     """
 
     Settings: ClassVar[type[BenchTrackerSettings]] = BenchTrackerSettings
+    summary: ClassVar[str] = "the emulated bench's own; there is none for real hardware"
 
     def __init__(
         self,
@@ -113,7 +95,7 @@ class BenchTracker:
     ) -> None:
         self._settings = settings or BenchTrackerSettings()
         self._clock_speed = clock_speed
-        self.notes: tuple[str, ...] = ()
+        self._notes: tuple[str, ...] = ()
         self._link = RequestLink(transport, name="tracker", greet=self._greet, quiet_s=self._settings.quiet_s)
         self._name = ""
 
@@ -135,6 +117,11 @@ class BenchTracker:
         transport = open_transport(endpoint, connect_timeout_s=checked.connect_timeout_s, sink=sink)
         return cls(transport, checked, clock.speed if isinstance(clock, SystemClock) else None)
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What an operator should know about this connection; empty when all is as it should be."""
+        return self._notes
+
     async def connect(self) -> Identity:
         """Open the link and check who answers.
 
@@ -150,7 +137,7 @@ class BenchTracker:
         """Disconnect; may be called any number of times."""
         await self._link.close()
 
-    async def locate(self) -> TrackerPosition:
+    async def locate(self) -> Position:
         """Return where the tracker sees the J4 axis now.
 
         Raises:
@@ -162,7 +149,7 @@ class BenchTracker:
             _encode("tracker"), ObjectDecoder, timeout_s, repeat=Repeat.HARMLESS
         )
         try:
-            return TrackerPosition(*(_finite(answer[key]) for key in ("x_mm", "y_mm", "u_mm")))
+            return Position(*(_finite(answer[key]) for key in ("x_mm", "y_mm", "u_mm")))
         except (KeyError, TypeError, ValueError, OverflowError):
             self._link.distrust("no position came")
             raise ProtocolError(
@@ -181,7 +168,7 @@ class BenchTracker:
         except (LinkError, ProtocolError) as exc:
             raise self._stranger(exc) from None
         self._name = name
-        self.notes = self._speeds(answer.get("speed"))
+        self._notes = self._speeds(answer.get("speed"))
 
     def _speeds(self, bench: object) -> tuple[str, ...]:
         """Tell of a bench whose time runs otherwise than the run's."""

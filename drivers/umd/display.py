@@ -9,12 +9,18 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.latches import Latches
-from catseye.drivers.links.record import Sink
-from catseye.drivers.links.stream import StreamLink, ValueHook
+from catseye.drivers.links.stream import StreamLink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Identity, Sink
 from catseye.drivers.roles.errors import LinkTimeoutError, RefusedError, WrongDeviceError
-from catseye.drivers.roles.readings import CounterReading, CounterStatus, Identity
+from catseye.drivers.roles.interferometer import (
+    BeamStatus,
+    Compensated,
+    Interferometer,
+    LengthReading,
+    OnValue,
+)
 from catseye.drivers.umd import codec
 
 MODEL = "uMD display"
@@ -59,7 +65,7 @@ class TimedSample:
     sample: codec.Sample
 
 
-class UmdDisplay:
+class UmdDisplay(Interferometer):
     """Interferometer driver. The display tells no signal level: it is 1 with and 0 without a beam.
 
     Args:
@@ -73,6 +79,7 @@ class UmdDisplay:
     """
 
     Settings: ClassVar[type[UmdSettings]] = UmdSettings
+    summary: ClassVar[str] = "µMD interferometer display, serial"
 
     def __init__(self, transport: Transport, clock: Clock, settings: UmdSettings | None = None) -> None:
         self._settings = settings or UmdSettings()
@@ -86,7 +93,7 @@ class UmdDisplay:
         self._last_sequence: int | None = None
         self._low: dict[int, int] = {}
         self.lost_samples = 0
-        self.on_value: ValueHook | None = None
+        self._on_value: OnValue | None = None
         self._link = StreamLink(
             transport, clock, name=MODEL, decoder=codec.SampleDecoder, take=self._take, greet=self._greet
         )
@@ -115,7 +122,16 @@ class UmdDisplay:
         return ("the display tells no signal level: it is shown as 1 with and 0 without a beam",)
 
     @property
-    def compensated(self) -> Literal["none", "instrument"]:
+    def streams(self) -> bool:
+        """Values arrive without being asked for."""
+        return True
+
+    def listen(self, on_value: OnValue | None) -> None:
+        """Have every value shown as it arrives; None ends that."""
+        self._on_value = on_value
+
+    @property
+    def compensated(self) -> Compensated:
         """Never by the instrument: it counts wavelengths."""
         return "none"
 
@@ -149,7 +165,7 @@ class UmdDisplay:
         self._zero_counts = self._axis(sample).counts
         return self._latches.zeroed()
 
-    async def read(self) -> CounterReading:
+    async def read(self) -> LengthReading:
         """Return the first sample that arrives after this call.
 
         Raises:
@@ -158,9 +174,9 @@ class UmdDisplay:
         await self._link.ensure()
         sample, time_s = await self._next()
         raw = f"{self._axis(sample).counts:.3f} counts"
-        return CounterReading(self._length_mm(sample), raw, time_s, self._latches.zero_id)
+        return LengthReading(self._length_mm(sample), raw, time_s, self._latches.zero_id)
 
-    async def status(self) -> CounterStatus:
+    async def status(self) -> BeamStatus:
         """Return the state of the beam.
 
         Raises:
@@ -169,7 +185,7 @@ class UmdDisplay:
         await self._link.ensure()
         sample, _ = await self._next()
         returns = self._returns(sample)
-        return CounterStatus(
+        return BeamStatus(
             beam_ok=returns,
             beam_lost=self._latches.beam_lost,
             overspeed=self._latches.overspeed,
@@ -227,8 +243,8 @@ class UmdDisplay:
         self._latches.note(beam_lost=not self._returns(sample))
         self._ring.append((sample, time_s))
         self._count += 1
-        if self.on_value is not None:
-            self.on_value(time_s, self._length_mm(sample))
+        if self._on_value is not None:
+            self._on_value(time_s, self._length_mm(sample))
 
     def _note_lost(self, count: int) -> None:
         self.lost_samples += count

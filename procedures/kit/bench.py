@@ -9,10 +9,7 @@ from numpy.typing import NDArray
 
 from catseye.calibration.kinematics.bodies import Box, Capsule
 from catseye.calibration.kinematics.chain import Chain
-
-Following = Literal["stops", "blended", "streamed"]
-"""How the arm follows a reflector between two nodes: it stops at every sub-step, it passes the sub-steps without
-standing still, or it is given a set point in every cycle of the controller."""
+from catseye.drivers.roles.robot import Following
 
 
 @dataclass(frozen=True)

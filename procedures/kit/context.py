@@ -4,7 +4,11 @@ from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from catseye.drivers.roles.protocols import Air, BeamStatus, Joints
+from catseye.drivers.roles.air import AirSample
+from catseye.drivers.roles.interferometer import BeamStatus
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.tracker import Position
+from catseye.procedures.kit.live import Live
 
 Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
 """Anything that JSON can carry."""
@@ -40,48 +44,27 @@ class Measurement:
         displacement_mm: mean of the readings, corrected for the air.
         spread_mm: standard deviation of the readings, 0 for a single one.
         readings: how many.
-        signal: level of the returning beam, 0...1.
-        beam_ok: the beam returns, and nothing was lost or miscounted since the last zero.
+        beam: state of beam and counter after the last reading.
         reported: joints reported by the controller.
         air: state of the air.
         time_utc: ISO 8601 UTC time of the first reading.
         duration_s: from the first to the last reading, s.
         material_c: temperature of the links, °C; None without a sensor.
         correction: raw reading and what was used to correct it; None for an ideal distance.
-        overspeed: the length changed faster than the counter counts.
-        laser_ready: the laser is locked.
         clock_s: bench seconds at the first reading; they count from an origin of their own in every process.
     """
 
     displacement_mm: float
     spread_mm: float
     readings: int
-    signal: float
-    beam_ok: bool
-    reported: Joints
-    air: Air
+    beam: BeamStatus
+    reported: Pose
+    air: AirSample
     time_utc: str
     duration_s: float
     material_c: float | None = None
     correction: AirCorrection | None = None
-    overspeed: bool = False
-    laser_ready: bool = True
     clock_s: float = 0.0
-
-
-@dataclass(frozen=True)
-class Location:
-    """A position measured by an independent instrument, in that instrument's own frame.
-
-    Attributes:
-        x_mm: position along x.
-        y_mm: position along y.
-        u_mm: standard uncertainty of each coordinate.
-    """
-
-    x_mm: float
-    y_mm: float
-    u_mm: float
 
 
 @dataclass(frozen=True)
@@ -111,30 +94,9 @@ Table = Literal["points", "search", "path", "records"]
 """Where a row is kept: distances, sightings of reflectors, points of a path, and anything else that was observed."""
 
 
-@dataclass(frozen=True)
-class Live:
-    """A value that a technician watches while it changes.
-
-    Attributes:
-        name: of the quantity.
-        value: now.
-        unit: of the value and its band.
-        low: smallest accepted value; None for no lower limit.
-        high: largest accepted value; None for no upper limit.
-        text: what to do about it, one sentence; empty when there is nothing to do.
-    """
-
-    name: str
-    value: float
-    unit: str
-    low: float | None = None
-    high: float | None = None
-    text: str = ""
-
-    @property
-    def accepted(self) -> bool:
-        """The value lies inside its band."""
-        return (self.low is None or self.value >= self.low) and (self.high is None or self.value <= self.high)
+def in_band(value: float, low: float | None, high: float | None) -> bool:
+    """Return whether a value is accepted; None is no limit on that side."""
+    return (low is None or value >= low) and (high is None or value <= high)
 
 
 @dataclass(frozen=True)
@@ -170,7 +132,7 @@ class Prompt:
     motion: bool = False
     rests_after: tuple[str, ...] | None = None
     by_person: bool = False
-    target: Joints | None = None
+    target: Pose | None = None
 
     @property
     def resting_answers(self) -> tuple[str, ...]:
@@ -215,7 +177,7 @@ class Context(Protocol):
         """Let a hold or a stop take effect here."""
         ...
 
-    async def move(self, target: Joints) -> None:
+    async def move(self, target: Pose) -> None:
         """Interpolate the joints to a target through the limit gate and wait for standstill.
 
         Raises:
@@ -223,7 +185,7 @@ class Context(Protocol):
         """
         ...
 
-    async def follow(self, way: Sequence[Joints]) -> None:
+    async def follow(self, way: Sequence[Pose]) -> None:
         """Move through joint targets and wait for standstill at the last one.
 
         The robot stands still at each target, passes it or is led through it, as its driver can.
@@ -233,7 +195,7 @@ class Context(Protocol):
         """
         ...
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         """Return the reported joints."""
         ...
 
@@ -260,7 +222,7 @@ class Context(Protocol):
         """
         ...
 
-    async def locate(self, settle_time_s: float) -> Location:
+    async def locate(self, settle_time_s: float) -> Position:
         """Return where an independent instrument (a laser tracker) sees the J4 axis after settling."""
         ...
 

@@ -9,11 +9,11 @@ remembered and has no effect. The environment unit's index is that of helium-neo
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from catseye.simulators.air_probe import AirProbe
-from catseye.simulators.bench.air import AirSample
-from catseye.simulators.bench.bench import Instrument
-from catseye.simulators.bench.counter import Reading
-from catseye.simulators.options import LengthOptions
+from catseye.simulators.lengths import Lengths
+from catseye.simulators.world.air import AirSample
+from catseye.simulators.world.air_probe import AirProbe
+from catseye.simulators.world.bench import Instrument
+from catseye.simulators.world.counter import Reading
 
 PM_PER_MM = 1e9
 AXES = (0, 1, 2)
@@ -227,7 +227,7 @@ class Ids:
     def _reset_count(self) -> None:
         self._instrument.zero()
         self._breaks_cleared = self._instrument.break_count
-        self._reference_mm = self._instrument.bench.insight().length_mm
+        self._reference_mm = self._instrument.bench.true_state().length_mm
 
     def _reset_error(self, renormalize: bool = False) -> list[object]:
         del renormalize
@@ -262,7 +262,7 @@ class Ids:
         if _axis(axis) != self._options.axis:
             return _NO_SIGNAL, 0
         reading = self._read()
-        shown_mm = LengthOptions(self._ecu_enabled, self._options.sign).shown_mm(reading)
+        shown_mm = Lengths(self._ecu_enabled, self._options.sign).shown_mm(reading)
         return self._fault(reading), round(shown_mm * PM_PER_MM)
 
     def _reference(self, axis: int) -> list[object]:

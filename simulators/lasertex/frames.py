@@ -9,7 +9,7 @@ _START = 0xAA
 
 
 class Flags(TypedDict):
-    """What distance and velocity frames tell besides their value; `level` is 0...255."""
+    """What distance and velocity frames carry besides their value; `level` is 0...255."""
 
     overspeed: bool
     laser_ready: bool

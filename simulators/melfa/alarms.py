@@ -101,7 +101,7 @@ class Refusal(Exception):  # noqa: N818  # an answer of the controller, not a fa
     Args:
         number: error number, four digits.
         detail: detail, five digits.
-        place: where an edited line is wrong, `;position` or `;line;position`; only editing commands tell it.
+        place: where an edited line is wrong, `;position` or `;line;position`; only editing commands give it.
     """
 
     def __init__(self, number: int, detail: int = 0, place: str = "") -> None:

@@ -1,15 +1,10 @@
 """What the sheet does not know of a controller (sections 1.7, 1.11, 5.1 and 7); choose what a client shall meet."""
 
-from dataclasses import dataclass
-from typing import Self
-
-from catseye.simulators.config import EmulatedDevice
-from catseye.simulators.options import flag, number
+from catseye.simulators.emulator import DeviceOptions
 
 
-@dataclass(frozen=True)
-class Choices:
-    """How this controller behaves where no source tells.
+class Choices(DeviceOptions):
+    """How this controller behaves where no source says.
 
     Attributes:
         exclusive_right: one connection only may hold the operation right; others are refused with 6020.
@@ -34,23 +29,3 @@ class Choices:
     inch_low: float = 0.01
     pulses_per_unit: float = 1000.0
     line_time_s: float = 0.01
-
-    @classmethod
-    def of(cls, device: EmulatedDevice) -> Self:
-        """Return the choices among a device's options, which have the names of the attributes.
-
-        Raises:
-            EmulatorError: an option is of the wrong kind.
-        """
-        default = cls()
-        return cls(
-            exclusive_right=flag(device, "exclusive_right"),
-            teach_keeps_right=flag(device, "teach_keeps_right"),
-            stop_overtakes=flag(device, "stop_overtakes"),
-            reset_while_running=flag(device, "reset_while_running"),
-            jog_percent=number(device, "jog_percent", default.jog_percent),
-            inch_high=number(device, "inch_high", default.inch_high),
-            inch_low=number(device, "inch_low", default.inch_low),
-            pulses_per_unit=number(device, "pulses_per_unit", default.pulses_per_unit),
-            line_time_s=number(device, "line_time_s", default.line_time_s),
-        )

@@ -1,14 +1,11 @@
-"""The robot controller: servo, alarms, stop, overrides, variables, memory and task over the bench's arm."""
+"""The robot controller that all clients share: the arm's control, programs, signals and the operation right."""
 
-from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 
-from catseye.simulators.bench.bench import Bench
-from catseye.simulators.bench.types import Floats
-from catseye.simulators.config import EmulationConfig, Joints
+from catseye.simulators.config import EmulationConfig
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.arm_control import ArmControl
 from catseye.simulators.melfa.choices import Choices
 from catseye.simulators.melfa.jogging import Jog
 from catseye.simulators.melfa.parameters import Parameters
@@ -16,40 +13,17 @@ from catseye.simulators.melfa.programs import Editor, Program, ProgramMemory
 from catseye.simulators.melfa.resident import Resident
 from catseye.simulators.melfa.signals import Signals
 from catseye.simulators.melfa.task import Task
-from catseye.simulators.melfa.values import Position, Variable, joints_of, position_of, rounded
+from catseye.simulators.world.bench import Bench
 
 
-@dataclass
-class Run:
-    """One motion that a client may wait for.
-
-    Attributes:
-        end_s: bench time of its standstill, s.
-        target: joints at its end, unless it is interrupted.
-        interrupted_by: error number that ended it early, 0 for none.
-    """
-
-    end_s: float
-    target: Joints = (0.0, 0.0, 0.0, 0.0)
-    interrupted_by: int = 0
-
-
-@dataclass(frozen=True)
-class LogLine:
-    """One line of the error log: bench time, s, and error number."""
-
-    time_s: float
-    number: int
-
-
-class Controller:
+class Controller(ArmControl):
     """What all clients of one controller share.
 
     Args:
         bench: the arm.
         config: limits, nominal links, delays.
         changed: called when a motion ends at another moment than it would have.
-        choices: what no source tells of a controller.
+        choices: what no source says of a controller.
     """
 
     def __init__(
@@ -59,92 +33,17 @@ class Controller:
         changed: Callable[[], None],
         choices: Choices | None = None,
     ) -> None:
-        self.bench: Bench = bench
-        self.config = config
-        self.choices = choices or Choices()
-        self.override_percent: float = 100.0
-        self.program_override_percent: float = 100.0
-        self.joint_override_percent: float = 100.0
-        self.linear_speed_mm_s: float = 10_000.0
-        self.accel_percent = 100.0
-        self.tool: int = 0
-        self.alarm: int = 0
-        self.caution: int = 0
-        self.emergency_stop = False
+        super().__init__(bench, config, changed, choices)
         self.teach_mode = False
-        self.start_enabled = True
-        self.stop_latched = False
-        self.stopped = True
-        self.variables: dict[str, Variable] = {}
+        self.right_holders: set[object] = set()
         self.signals = Signals()
         self.parameters = Parameters(config)
         self.memory = ProgramMemory()
         self.editor = Editor(self.memory, lambda: bench.time_s)
-        self.log: deque[LogLine] = deque(maxlen=128)
-        self.right_holders: set[object] = set()
-        self._changed = changed
-        self._servo_from_s: float | None = None
-        self._run = Run(0.0)
         self.residents: dict[str, Resident] = {}
-        self.task = Task(self)
+        self.task = Task(self, self.memory, self.residents)
         self.jog = Jog(self)
-
-    @property
-    def alarm_shown(self) -> int:
-        """The alarm that ERROR tells: the active one, else a caution that nobody has reset."""
-        return self.alarm or self.caution
-
-    @property
-    def servo_on(self) -> bool:
-        """The drives hold the arm."""
-        return self._servo_from_s is not None and self.bench.time_s >= self._servo_from_s
-
-    def switch_servo_on(self) -> None:
-        """Start to power the drives; they hold after the configured delay."""
-        if self.emergency_stop:
-            raise Refusal(alarms.SERVO_ON_IMPOSSIBLE)
-        if self.alarm:
-            raise Refusal(alarms.ALARM_PRESENT)
-        if self._servo_from_s is None:
-            self._servo_from_s = self.bench.time_s + self.config.dynamics.servo_delay_s
-
-    def switch_servo_off(self, number: int = alarms.SERVO_IS_OFF) -> None:
-        """Stop the arm and take the power off; a waiting client is told the number."""
-        self._interrupt(number)
-        self._servo_from_s = None
-
-    def move(self, target: Joints | Position) -> Run:
-        """Start a joint-interpolated motion.
-
-        Raises:
-            Refusal: the controller or the arm is not in a state to move, or the target is not permitted.
-        """
-        self.require_ready()
-        joints = target if not isinstance(target, Position) else self._solve(target)
-        joints = rounded(joints)
-        limits = zip(joints, self.config.limits, strict=True)
-        if not all(low - 1e-9 <= value <= high + 1e-9 for value, (low, high) in limits):
-            raise Refusal(alarms.DESTINATION_OUT_OF_RANGE)
-        return self.start(joints, self.effective_percent)
-
-    def start(self, joints: Joints, percent: float) -> Run:
-        """Start a motion that is permitted, at a speed in per cent of the largest."""
-        self.stopped = False
-        self.bench.move_to(joints, percent, self.accel_percent)
-        self._run = Run(self.bench.standstill_s, joints)
-        return self._run
-
-    def follow(self, times_s: Floats, joints: Floats, target: Joints) -> Run:
-        """Start a motion through knots that is permitted; see `Bench.follow`."""
-        self.stopped = False
-        if times_s.size:
-            self.bench.follow(times_s, joints)
-        self._run = Run(self.bench.standstill_s, target)
-        return self._run
-
-    def wait(self, seconds: float) -> Run:
-        """Stand still for a while; what waits for the end of a motion waits for that of the delay."""
-        return Run(self.bench.time_s + seconds, self.bench.joints)
+        self.on_interrupt.append(self._halt)
 
     @property
     def executing(self) -> bool:
@@ -158,39 +57,11 @@ class Controller:
         self.memory.put(name, Program(lines={1: "' carried out by the emulator, line by line it is empty"}))
         self.residents[name] = resident
 
-    @property
-    def effective_percent(self) -> float:
-        """Speed of joint motions: panel override times program overrides."""
-        return self.override_percent * self.program_override_percent * self.joint_override_percent / 1e4
-
-    def stop(self) -> None:
-        """Stop the motion; a client that waits for it gets an error."""
-        self.stopped = True
-        self._interrupt(alarms.STOP_IS_ON)
-
-    def raise_alarm(self, number: int) -> None:
-        """Let an alarm occur: the arm stops, one of high level switches the servo off too."""
-        self.log.append(LogLine(self.bench.time_s, number))
-        if alarms.level(number) == alarms.CAUTION:
-            self.caution = number
-            return
-        self.alarm = number
-        if alarms.level(number) == alarms.HIGH:
-            self.switch_servo_off(number)
-        else:
-            self._interrupt(number)
-
-    def set_emergency_stop(self, *, on: bool) -> None:
-        """Open or close the emergency stop circuit; its alarm stays until it is reset."""
-        self.emergency_stop = on
-        if on:
-            self.raise_alarm(alarms.EMERGENCY_STOP)
-
     def set_teach_mode(self, *, on: bool) -> None:
         """Turn the key: the arm stops, and in TEACH the operation right is gone."""
         self.teach_mode = on
         self.stopped = True
-        self._interrupt(alarms.STOP_IS_ON)
+        self.interrupt(alarms.STOP_IS_ON)
         if on and not self.choices.teach_keeps_right:
             self.right_holders.clear()
 
@@ -206,71 +77,14 @@ class Controller:
             raise Refusal(alarms.NO_OPERATION_RIGHT)
         self.right_holders.add(client)
 
-    def reset_alarm(self) -> None:
-        """Clear alarm and caution.
+    def clear_faults(self) -> None:
+        """Close the emergency stop circuit, turn the key back and reset the alarm."""
+        self.emergency_stop = False
+        self.teach_mode = False
+        self.reset_alarm()
 
-        Raises:
-            Refusal: its cause, the open emergency stop circuit, is still there.
-        """
-        if self.emergency_stop:
-            raise Refusal(alarms.EMERGENCY_STOP)
-        self.alarm = self.caution = 0
-
-    def position(self) -> Position:
-        """Return the nominal position of the commanded joints."""
-        return self.position_of(self.bench.joints)
-
-    def position_of(self, joints: Joints) -> Position:
-        """Return the nominal position of joints."""
-        return position_of(joints, self.config)
-
-    def changed(self) -> None:
-        """Let everybody who waits for something look again."""
-        self._changed()
-
-    def tool_speed_mm_s(self) -> float:
-        """Return the speed of the tool's end at this moment, mm/s."""
-        return self.bench.tool_speed_mm_s()
-
-    def _solve(self, position: Position) -> Joints:
-        return joints_of(position, self.bench.joints, self.config)
-
-    def require_start(self) -> None:
-        """Raise a refusal unless a program may start.
-
-        Raises:
-            Refusal: an alarm is active, a STOP is on, or the start is disabled.
-        """
-        if self.alarm:
-            raise Refusal(alarms.ALARM_PRESENT)
-        if self.stop_latched:
-            raise Refusal(alarms.STOP_IS_ON)
-        if not self.start_enabled:
-            raise Refusal(alarms.START_DISABLED)
-
-    def require_ready(self) -> None:
-        """Raise a refusal unless the arm may move.
-
-        Raises:
-            Refusal: an alarm is active, the servo is off, a STOP is on, or the arm moves already.
-        """
-        if self.alarm:
-            raise Refusal(alarms.ALARM_PRESENT)
-        if not self.servo_on:
-            raise Refusal(alarms.SERVO_IS_OFF)
-        if self.stop_latched:
-            raise Refusal(alarms.STOP_IS_ON)
-        if self.bench.moving:
-            raise Refusal(alarms.WHILE_RUNNING)
-
-    def _interrupt(self, number: int) -> None:
+    def _halt(self, number: int) -> None:
         self.task.pause()
         for resident in self.residents.values():
             resident.halt(number)
         self.jog.forget()
-        if not self.bench.moving:
-            return
-        self.bench.stop()
-        self._run.end_s = self.bench.standstill_s
-        self._run.interrupted_by = self._run.interrupted_by or number
-        self._changed()

@@ -13,7 +13,7 @@ command  a, b, c, d                                     answer
 3        –                                              ``id,3,<feedback>``
 4        –                                              forgets the points, ``id,4,0,0,0,0``
 5        –                                              ``id,5,1,4,0,1``: version 1, four joints, an EMULATOR
-                                                        (a real controller tells 0 in the last place)
+                                                        (a real controller says 0 in the last place)
 6        override in per cent, in-position pulses       ``id,6,a,b,0,0``
 7        –                                              ``id,7,0,0,0,0``, the program ends
 other    –                                              ``id,-1,<command>,0,0,0``
@@ -34,23 +34,24 @@ import re
 import struct
 from collections import deque
 from collections.abc import Callable
+from typing import Literal
 
-from catseye.simulators.bench.motion import blend
 from catseye.simulators.config import Joints
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
-from catseye.simulators.melfa.controller import Controller, Run
+from catseye.simulators.melfa.arm_control import ArmControl, Run
 from catseye.simulators.melfa.resident import Resident
 from catseye.simulators.melfa.values import rounded
-from catseye.simulators.serving import Answer, Pending, Session
+from catseye.simulators.ports.session import Answer, Pending, Session
+from catseye.simulators.world.motion import blend
 
-NUMBER_FORMATS = ("plain", "fixed", "exponent")
+NumberFormat = Literal["plain", "fixed", "exponent"]
 """How numbers are printed: `12.3457`, `+12.346` and `1.2345670E+01`."""
 
 LONGEST_RECORD = 255
 MOST_POINTS = 60
 
-_FORMATS = {"plain": "{:.6g}", "fixed": "{:+.3f}", "exponent": "{:.7E}"}
+_FORMATS: dict[NumberFormat, str] = {"plain": "{:.6g}", "fixed": "{:+.3f}", "exponent": "{:.7E}"}
 _NUMBER = re.compile(rb"\s*[+-]?(\d+\.?\d*|\.\d+)([Ee][+-]?\d{1,2})?\s*")
 _MOST_WAITING = 128
 _DWELL_S = 0.05
@@ -67,10 +68,12 @@ class Datalink(Resident):
     Args:
         controller: where it runs.
         name: of the program.
-        number_format: one of NUMBER_FORMATS.
+        number_format: how it prints numbers.
     """
 
-    def __init__(self, controller: Controller, name: str = "CATSDL", number_format: str = "plain") -> None:
+    def __init__(
+        self, controller: ArmControl, name: str = "CATSDL", number_format: NumberFormat = "plain"
+    ) -> None:
         super().__init__(name, controller.require_start, controller.changed)
         self.controller = controller
         self.client: DatalinkSession | None = None
@@ -196,7 +199,7 @@ class DatalinkSession(Session):
 
     Args:
         program: what all clients of the port wait for.
-        note: is told each request.
+        note: called with each request.
     """
 
     def __init__(self, program: Datalink, note: Callable[[str], None]) -> None:
@@ -211,7 +214,7 @@ class DatalinkSession(Session):
         self._bytes += data.replace(b"\n", b"")
         *whole, rest = self._bytes.split(b"\r")
         self._records.extend(bytes(line[: LONGEST_RECORD + 1]) for line in whole)
-        # What is too long already will not become a record; enough is kept to tell.
+        # What is too long already will not become a record; enough is kept to refuse it.
         self._bytes = rest[: LONGEST_RECORD + 1]
 
     def answer(self) -> Answer | None:

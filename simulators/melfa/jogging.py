@@ -1,15 +1,8 @@
 """JOG with its dead-man (sheet, section 1.9): the arm moves while telegrams come, and stops when they stay away."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from catseye.simulators.config import Joints
 from catseye.simulators.melfa import alarms
-
-if TYPE_CHECKING:
-    # The controller has the jog, and the jog moves the controller's arm.
-    from catseye.simulators.melfa.controller import Controller, Run
+from catseye.simulators.melfa.arm_control import ArmControl, Run
 
 DEAD_MAN_S = 0.140
 """Bench time after which a jog ends that is not repeated."""
@@ -24,7 +17,7 @@ class Jog:
         controller: whose arm it is.
     """
 
-    def __init__(self, controller: Controller) -> None:
+    def __init__(self, controller: ArmControl) -> None:
         self._controller = controller
         self._directions: tuple[int, ...] = ()
         self._until_s = 0.0

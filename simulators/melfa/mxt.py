@@ -7,7 +7,7 @@ in mm, the other axes are in rad.
 
 Each cycle: the set point, a moving average over the filter's length, a first-order lag of each axis' servo, and
 the arm glides there until the next cycle. The lags and their differences are assumptions (a lag common to all
-axes delays the motion, a difference makes the beam miss), as are the currents. What the sheet does not tell:
+axes delays the motion, a difference makes the beam miss), as are the currents. What the sheet does not say:
 answers repeat command, types and communication counter of the request; the time-out (H7820) counts from the first
 set point on; set points without a command 0 before, or after END, are ignored; END is answered too; datagrams of
 any address are taken, since a PC that opens its socket again is the same PC; signals in datagrams are ignored;
@@ -23,22 +23,23 @@ import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 from catseye.simulators.config import Joints
 from catseye.simulators.errors import BenchError
 from catseye.simulators.melfa import alarms, mxt_packet
 from catseye.simulators.melfa.alarms import Refusal
-from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.melfa.arm_control import ArmControl
 from catseye.simulators.melfa.mxt_packet import IllegalPacketError, Request
 from catseye.simulators.melfa.resident import Resident, Stage
-from catseye.simulators.melfa.servo_model import ServoModel
+from catseye.simulators.melfa.servo import ServoModel
 from catseye.simulators.melfa.values import Position, joints_of
-from catseye.simulators.serving import Answer, Pending, Session
+from catseye.simulators.ports.session import Answer, Pending, Session
 
-MODES = ("joint", "xyz", "pulse")
+Mode = Literal["joint", "xyz", "pulse"]
 """What `Mxt` declares set points to be."""
 
-_SEND_TYPES = {"xyz": 1, "joint": 2, "pulse": 3}
+_SEND_TYPES: dict[Mode, int] = {"xyz": 1, "joint": 2, "pulse": 3}
 _JOINT, _PULSE = 2, 0
 """Remainders of the types of data by three; 1 is a pose."""
 
@@ -53,7 +54,7 @@ class MxtOptions:
 
     Attributes:
         program: name of the program.
-        mode: one of MODES.
+        mode: what set points are.
         cycle_s: of the controller: 0.0071 or 0.0035.
         filter_s: length of the moving average.
         timeout_s: longest time without reception, -1 for any.
@@ -62,7 +63,7 @@ class MxtOptions:
     """
 
     program: str = "CATSMXT"
-    mode: str = "joint"
+    mode: Mode = "joint"
     cycle_s: float = 0.0071
     filter_s: float = 0.010
     timeout_s: float = 0.5
@@ -89,7 +90,7 @@ class Mxt(Resident):
         sync: advances bench time to this moment.
     """
 
-    def __init__(self, controller: Controller, options: MxtOptions, sync: Callable[[], object]) -> None:
+    def __init__(self, controller: ArmControl, options: MxtOptions, sync: Callable[[], object]) -> None:
         super().__init__(options.program, controller.require_start, controller.changed)
         self.controller = controller
         self.sync = sync
@@ -280,7 +281,7 @@ class MxtSession(Session):
 
     Args:
         program: what all addresses talk to.
-        note: is told each command but set points, which are too many.
+        note: called with each command but set points, which are too many.
     """
 
     def __init__(self, program: Mxt, note: Callable[[str], None]) -> None:

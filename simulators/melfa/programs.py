@@ -12,7 +12,7 @@ from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.values import Variable
 
 EXTENSION = "MB6"
-"""Of a program's file; the one that OPEN tells."""
+"""Of a program's file; the one that OPEN answers."""
 
 TOTAL_BYTES = 262_144
 """Size of the memory; an assumption."""
@@ -80,7 +80,7 @@ class ProgramMemory:
         return found[1]
 
     def has(self, name: str) -> bool:
-        """Tell whether there is such a program."""
+        """Return whether there is such a program."""
         found = _NAME.fullmatch(name.strip().upper())
         return found is not None and found[1] in self._programs
 
@@ -123,7 +123,7 @@ class Editor:
 
     Args:
         memory: where programs are kept.
-        time_s: tells the bench time, s.
+        time_s: returns the bench time, s.
     """
 
     def __init__(self, memory: ProgramMemory, time_s: Callable[[], float]) -> None:

@@ -4,21 +4,15 @@ A straight motion (MVS) is carried out joint-interpolated at the joints' speed: 
 TOOL, BASE, FINE, CNT, OADL and TORQ are accepted and have no effect.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from catseye.simulators.config import Joints
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.arm_control import ArmControl, Run
 from catseye.simulators.melfa.values import Position, Variable, joint_constant, number, position_constant
-
-if TYPE_CHECKING:
-    # The controller runs programs, and a program is a list of statements.
-    from catseye.simulators.melfa.controller import Controller, Run
 
 _NAME = re.compile(r"[JPM][A-Z0-9_]{0,15}")
 _ASSIGNMENT = re.compile(r"([JPM][A-Z0-9_]{0,15})\s*=\s*(.+)")
@@ -30,7 +24,7 @@ _LARGEST_STORE = 500
 _LONGEST_DELAY_S = 3600.0
 
 
-def execute(controller: Controller, statement: str) -> Run | None:
+def execute(controller: ArmControl, statement: str) -> Run | None:
     """Carry out one statement; keywords and names may be in either case.
 
     Returns:
@@ -49,8 +43,8 @@ def execute(controller: Controller, statement: str) -> Run | None:
     return _STATEMENTS[word[1]](controller, word[2].strip())
 
 
-def assign(controller: Controller, name: str, value: str) -> None:
-    """Give a variable a value; the first letter of its name tells its type."""
+def assign(controller: ArmControl, name: str, value: str) -> None:
+    """Give a variable a value; the first letter of its name is its type."""
     if _NAME.fullmatch(name) is None:
         raise Refusal(alarms.SYNTAX)
     new = _number(controller, value) if name[0] == "M" else _operand(controller, value, name[0])
@@ -59,7 +53,7 @@ def assign(controller: Controller, name: str, value: str) -> None:
     _store(controller, name, new)
 
 
-def read(controller: Controller, name: str) -> Variable:
+def read(controller: ArmControl, name: str) -> Variable:
     """Return the value of a variable or status variable.
 
     Raises:
@@ -73,13 +67,13 @@ def read(controller: Controller, name: str) -> Variable:
     return controller.variables[name]
 
 
-def _store(controller: Controller, name: str, value: Variable) -> None:
+def _store(controller: ArmControl, name: str, value: Variable) -> None:
     if name not in controller.variables and len(controller.variables) >= _LARGEST_STORE:
         raise Refusal(alarms.OUT_OF_RANGE)
     controller.variables[name] = value
 
 
-def _number(controller: Controller, text: str) -> float:
+def _number(controller: ArmControl, text: str) -> float:
     if _NAME.fullmatch(text) is None:
         return number(text)
     value = read(controller, text)
@@ -88,7 +82,7 @@ def _number(controller: Controller, text: str) -> float:
     return float(value)
 
 
-def _operand(controller: Controller, text: str, kind: str = "") -> Joints | Position:
+def _operand(controller: ArmControl, text: str, kind: str = "") -> Joints | Position:
     """Return the value of a name, of a sum or of a constant; kind, J or P, says what a constant is."""
     if _NAME.fullmatch(text) is not None:
         value = read(controller, text)
@@ -112,8 +106,8 @@ def _added(base: Position, shift: Position) -> Position:
     )
 
 
-def constant(controller: Controller, text: str, kind: str) -> Joints | Position:
-    """Return the value of a constant `(…)` or `(…)(…)`; kind, J or P, says what it is, nothing lets its form tell."""
+def constant(controller: ArmControl, text: str, kind: str) -> Joints | Position:
+    """Return the value of a constant `(…)` or `(…)(…)`; kind, J or P, says what it is; without one its form does."""
     found = _CONSTANT.fullmatch(text)
     if found is None:
         raise Refusal(alarms.SYNTAX)
@@ -125,18 +119,18 @@ def constant(controller: Controller, text: str, kind: str) -> Joints | Position:
     return position_constant(values, flags, controller.position().flag1)
 
 
-def _move(controller: Controller, target: str) -> Run:
+def _move(controller: ArmControl, target: str) -> Run:
     return controller.move(_operand(controller, target))
 
 
-def _straight(controller: Controller, target: str) -> Run:
+def _straight(controller: ArmControl, target: str) -> Run:
     position = _operand(controller, target)
     if not isinstance(position, Position):
         raise Refusal(alarms.SYNTAX)
     return controller.move(position)
 
 
-def _define(controller: Controller, text: str) -> None:
+def _define(controller: ArmControl, text: str) -> None:
     found = _DEFINITION.fullmatch(text)
     if found is None:
         raise Refusal(alarms.SYNTAX)
@@ -147,42 +141,42 @@ def _define(controller: Controller, text: str) -> None:
     _store(controller, name, values.get(kind, 0.0))
 
 
-def _percent(controller: Controller, text: str) -> float:
+def _percent(controller: ArmControl, text: str) -> float:
     value = _number(controller, text)
     if not text or not 0.0 < value <= 100.0:
         raise Refusal(alarms.OUT_OF_RANGE)
     return value
 
 
-def _override(controller: Controller, text: str) -> None:
+def _override(controller: ArmControl, text: str) -> None:
     controller.program_override_percent = _percent(controller, text)
 
 
-def _joint_override(controller: Controller, text: str) -> None:
+def _joint_override(controller: ArmControl, text: str) -> None:
     controller.joint_override_percent = _percent(controller, text)
 
 
-def _linear_speed(controller: Controller, text: str) -> None:
+def _linear_speed(controller: ArmControl, text: str) -> None:
     value = _number(controller, text)
     if not 0.0 < value <= 10_000.0:
         raise Refusal(alarms.OUT_OF_RANGE)
     controller.linear_speed_mm_s = value
 
 
-def _accel(controller: Controller, text: str) -> None:
+def _accel(controller: ArmControl, text: str) -> None:
     # Acceleration and deceleration are one figure here: the gentler one.
     values = [_percent(controller, part.strip()) for part in text.split(",")] if text else [100.0]
     controller.accel_percent = min(values)
 
 
-def _delay(controller: Controller, text: str) -> Run:
+def _delay(controller: ArmControl, text: str) -> Run:
     seconds = _number(controller, text)
     if not 0.0 < seconds <= _LONGEST_DELAY_S:
         raise Refusal(alarms.OUT_OF_RANGE)
     return controller.wait(seconds)
 
 
-def _servo(controller: Controller, text: str) -> None:
+def _servo(controller: ArmControl, text: str) -> None:
     if text == "ON":
         controller.switch_servo_on()
     elif text == "OFF":
@@ -191,12 +185,12 @@ def _servo(controller: Controller, text: str) -> None:
         raise Refusal(alarms.SYNTAX)
 
 
-def _accept(controller: Controller, text: str) -> None:
+def _accept(controller: ArmControl, text: str) -> None:
     """Take a statement that changes nothing that is modelled."""
     del controller, text
 
 
-_STATEMENTS: dict[str, Callable[[Controller, str], Run | None]] = {
+_STATEMENTS: dict[str, Callable[[ArmControl, str], Run | None]] = {
     "MOV": _move,
     "MVS": _straight,
     "DEF": _define,
@@ -209,7 +203,7 @@ _STATEMENTS: dict[str, Callable[[Controller, str], Run | None]] = {
     **dict.fromkeys(("END", "HOPEN", "HCLOSE", "TOOL", "BASE", "FINE", "CNT", "OADL", "TORQ"), _accept),
 }
 
-_STATUS: dict[str, Callable[[Controller], Variable]] = {
+_STATUS: dict[str, Callable[[ArmControl], Variable]] = {
     "M_SVO": lambda c: float(c.servo_on),
     "M_OVRD": lambda c: c.program_override_percent,
     "M_OPOVRD": lambda c: c.override_percent,

@@ -6,20 +6,14 @@ line that is not a statement of `catseye.simulators.melfa.statements`, a comment
 Input …) stops the program with alarm 4220.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from catseye.simulators.melfa import alarms, statements
 from catseye.simulators.melfa.alarms import Refusal
-from catseye.simulators.melfa.programs import EXTENSION
+from catseye.simulators.melfa.arm_control import ArmControl, Run
+from catseye.simulators.melfa.programs import EXTENSION, ProgramMemory
 from catseye.simulators.melfa.resident import Resident, Stage
-
-if TYPE_CHECKING:
-    # The controller has the task, and the task commands the controller.
-    from catseye.simulators.melfa.controller import Controller, Run
 
 
 class Task:
@@ -27,10 +21,16 @@ class Task:
 
     Args:
         controller: what it commands.
+        memory: where programs are.
+        residents: programs without lines, by name.
     """
 
-    def __init__(self, controller: Controller) -> None:
+    def __init__(
+        self, controller: ArmControl, memory: ProgramMemory, residents: Mapping[str, Resident]
+    ) -> None:
         self._controller = controller
+        self._memory = memory
+        self._residents = residents
         self.program = ""
         self.running = False
         self.paused = False
@@ -58,7 +58,7 @@ class Task:
 
     def text_of(self, number: int) -> str:
         """Return a line of the program with its number."""
-        return f"{number} {self._controller.memory.find(self.program).lines[number]}"
+        return f"{number} {self._memory.find(self.program).lines[number]}"
 
     def load(self, name: str) -> None:
         """Select a program.
@@ -69,8 +69,8 @@ class Task:
         self._require_stopped()
         if self.paused:
             raise Refusal(alarms.PROGRAM_PAUSED)
-        self._controller.memory.find(name)
-        self.program = self._controller.memory.key(name)
+        self._memory.find(name)
+        self.program = self._memory.key(name)
         self._place = 0
 
     def go_to(self, number: int) -> None:
@@ -96,13 +96,13 @@ class Task:
             return
         self._require_stopped()
         self._controller.require_start()
-        if name and self._controller.memory.key(name) != self.program:
+        if name and self._memory.key(name) != self.program:
             self.load(name)
         if not self.program:
             raise Refusal(alarms.NOTHING_SELECTED)
         if not self.paused:
             self._begun_s = self._controller.bench.time_s
-            self._controller.variables.update(self._controller.memory.find(self.program).positions)
+            self._controller.variables.update(self._memory.find(self.program).positions)
         self.running, self.paused, self.repeat, self.cycle_stop = True, False, repeat, False
         self._controller.stopped = False
         self._next()
@@ -120,24 +120,23 @@ class Task:
             Refusal: it runs, or one that waits for its PC.
         """
         self._require_stopped()
-        self._require_at_rest(self._controller.residents.values())
+        self._require_at_rest(self._residents.values())
         self.paused = False
         self._place = 0
-        for resident in self._controller.residents.values():
+        for resident in self._residents.values():
             resident.reset()
 
     @property
     def _numbers(self) -> list[int]:
-        memory = self._controller.memory
-        return list(memory.find(self.program).lines) if memory.has(self.program) else []
+        return list(self._memory.find(self.program).lines) if self._memory.has(self.program) else []
 
     def _start_resident(self, name: str) -> bool:
         """Start what has no lines to carry out; RUN without a name lets the halted ones go on."""
-        residents = self._controller.residents
         if name:
-            started = [residents[key] for key in (self._controller.memory.key(name),) if key in residents]
+            named = self._residents.get(self._memory.key(name))
+            started = [] if named is None else [named]
         else:
-            started = [resident for resident in residents.values() if resident.stage is Stage.HALTED]
+            started = [resident for resident in self._residents.values() if resident.stage is Stage.HALTED]
         self._require_at_rest(started)
         if started:
             self._controller.require_start()
@@ -189,7 +188,7 @@ class Task:
         self._next()
 
     def _finish_cycle(self) -> None:
-        memory, now_s = self._controller.memory, self._controller.bench.time_s
+        memory, now_s = self._memory, self._controller.bench.time_s
         if memory.has(self.program):
             program = memory.find(self.program)
             took_s = now_s - self._begun_s

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.errors import OutOfReachError
-from catseye.calibration.kinematics import Hand, forward, inverse
+from catseye.calibration.scara.errors import OutOfReachError
+from catseye.calibration.scara.planar import Hand, forward, inverse
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
@@ -99,7 +99,7 @@ def position_of(joints: Joints, config: EmulationConfig) -> Position:
     """Return the nominal position of joints."""
     j1, j2, j3, j4 = joints
     angles = (np.array(np.deg2rad(j1)), np.array(np.deg2rad(j2)))
-    x_mm, y_mm = forward(*angles, config.link1_mm, config.link2_mm)
+    x_mm, y_mm = forward(*angles, config.scara.link1_mm, config.scara.link2_mm)
     c_deg = 180.0 - (180.0 - (j1 + j2 + j4)) % 360.0
     return Position(float(x_mm), float(y_mm), j3, c_deg, RIGHT if j2 >= 0.0 else 0)
 
@@ -113,13 +113,14 @@ def joints_of(position: Position, near: Joints, config: EmulationConfig) -> Join
     hand: Hand = "right" if position.flag1 & RIGHT else "left"
     xy = np.array([position.x_mm, position.y_mm])
     try:
-        theta1, theta2 = inverse(xy, config.link1_mm, config.link2_mm, hand)
+        theta1, theta2 = inverse(xy, config.scara.link1_mm, config.scara.link2_mm, hand)
     except OutOfReachError:
         raise Refusal(alarms.NO_SOLUTION) from None
     j1, j2 = float(np.rad2deg(theta1)), float(np.rad2deg(theta2))
     j4 = position.c_deg - j1 - j2
     turns = [j4 + 360.0 * n for n in range(-3, 4)]
-    inside = [turn for turn in turns if config.j4_deg[0] <= turn <= config.j4_deg[1]]
+    lowest, highest = config.limits[3]
+    inside = [turn for turn in turns if lowest <= turn <= highest]
     return (j1, j2, position.z_mm, min(inside or turns, key=lambda turn: abs(turn - near[3])))
 
 

@@ -7,8 +7,9 @@ status from 0x0200. Quantities of the map that are not measured here read as mis
 import math
 import struct
 
-from catseye.simulators.air_probe import AirProbe
-from catseye.simulators.modbus.protocol import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.world.air import dew_point_c
+from catseye.simulators.world.air_probe import AirProbe
 
 MISSING = 0x8000
 
@@ -112,10 +113,3 @@ class AirSensor:
 def _float_words(value: float) -> tuple[int, int]:
     high, low = struct.unpack(">HH", struct.pack(">f", value))
     return low, high
-
-
-def dew_point_c(temperature_c: float, humidity_percent: float) -> float:
-    """Return the dew point, °C (Magnus formula, coefficients of Sonntag 1990)."""
-    humidity = max(0.01, humidity_percent) / 100.0
-    gamma = math.log(humidity) + 17.62 * temperature_c / (243.12 + temperature_c)
-    return 243.12 * gamma / (17.62 - gamma)

@@ -1,4 +1,4 @@
-"""Air sensors that are told point by point: Comet's register map and maps of the cell file.
+"""Air sensors described point by point: Comet's register map and maps of the cell file.
 
 Comet (sheet `modbus_env`, section 2): one register each, signed, from address 0x31: temperature, humidity, computed
 value (dew point here; it can be set on the device), pressure in hPa, dew point, all times 10; serial number and
@@ -7,15 +7,14 @@ device type from 0x1035. What it answers instead of a missing value is not in th
 
 import math
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from catseye.simulators.air_probe import AirProbe
-from catseye.simulators.bench.air import AirSample
 from catseye.simulators.errors import EmulatorError
-from catseye.simulators.modbus.air_sensor import dew_point_c
-from catseye.simulators.modbus.protocol import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.world.air import AirSample, dew_point_c
+from catseye.simulators.world.air_probe import AirProbe
 
 _FORMATS = {"float32": ">f", "int16": ">h", "uint16": ">H", "int32": ">i"}
 _MISSING = {
@@ -72,7 +71,7 @@ def comet_points(base: int) -> tuple[SensorPoint, ...]:
     return tuple(SensorPoint(name, 0x31 - base + n, "int16", 0.1) for n, name in enumerate(names))
 
 
-def read_points(device: str, tables: Any, base: int) -> tuple[SensorPoint, ...]:
+def read_points(device: str, tables: Sequence[Mapping[str, Any]], base: int) -> tuple[SensorPoint, ...]:
     """Return the points that a cell file describes.
 
     Args:
@@ -83,13 +82,12 @@ def read_points(device: str, tables: Any, base: int) -> tuple[SensorPoint, ...]:
     Raises:
         EmulatorError: there are none, or one is wrong.
     """
-    if not isinstance(tables, list) or not tables:
+    if not tables:
         raise EmulatorError(f"{device}: option points has to list the registers of the map 'generic'")
     return tuple(_point(device, table, base) for table in tables)
 
 
-def _point(device: str, table: Any, base: int) -> SensorPoint:
-    given: Mapping[str, Any] = table if isinstance(table, Mapping) else {}
+def _point(device: str, given: Mapping[str, Any], base: int) -> SensorPoint:
     try:
         point = SensorPoint(
             str(given["name"]),
@@ -99,9 +97,9 @@ def _point(device: str, table: Any, base: int) -> SensorPoint:
             float(given.get("offset", 0.0)),
         )
     except (KeyError, TypeError, ValueError) as error:
-        raise EmulatorError(f"{device}: option points: {table!r} is no point: {error}") from None
+        raise EmulatorError(f"{device}: option points: {given!r} is no point: {error}") from None
     if point.name not in _VALUES or point.type not in _FORMATS or not point.scale or point.address < 0:
-        raise EmulatorError(f"{device}: option points: {table!r} cannot be emulated")
+        raise EmulatorError(f"{device}: option points: {given!r} cannot be emulated")
     return point
 
 

@@ -2,20 +2,10 @@
 
 from dataclasses import dataclass, field
 
-from catseye.simulators.modbus.protocol import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.world.door import Door
 
 COUNT = 16
-
-
-@dataclass
-class Door:
-    """The cell's door.
-
-    Attributes:
-        closed: its present state; the control port opens it.
-    """
-
-    closed: bool = True
 
 
 @dataclass
@@ -24,18 +14,18 @@ class RemoteIo:
 
     Attributes:
         door: what the contact watches.
+        coils: outputs, one for each address.
         door_address: of the contact, as transmitted.
         door_is_coil: the contact stands among the coils.
         closed_reads: what it reads while the door is closed.
-        coils: outputs.
         identity: identification objects.
     """
 
     door: Door
+    coils: list[bool]
     door_address: int = 0
     door_is_coil: bool = False
     closed_reads: bool = True
-    coils: list[bool] = field(default_factory=lambda: [False] * COUNT)
     identity: dict[int, str] = field(
         default_factory=lambda: {0: "EMULATOR of catseye", 1: "remote inputs and outputs", 2: "1.0"}
     )

@@ -7,8 +7,8 @@ and not answered.
 from collections import deque
 from collections.abc import Callable
 
-from catseye.simulators.modbus.protocol import Registers, respond
-from catseye.simulators.serving import Answer, Session
+from catseye.simulators.modbus.tcp import Registers, respond
+from catseye.simulators.ports.session import Answer, Session
 
 _LONGEST_BYTES = 256
 _SHORTEST_BYTES = 4
@@ -35,7 +35,7 @@ class RtuSession(Session):
     Args:
         registers: the device.
         unit: its address, 1...247.
-        note: is told each request.
+        note: called with each request.
         silence_s: what ends a request, real s.
     """
 

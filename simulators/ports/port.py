@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from typing import Protocol
 
-from catseye.simulators.conversation import Conversation, Faults, Wire
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.ports.address import LineAddress, parse_address
+from catseye.simulators.ports.conversation import Conversation, Faults, Wire
 from catseye.simulators.ports.pty import LineListener
+from catseye.simulators.ports.session import Session
 from catseye.simulators.ports.tcp import TcpListener
 from catseye.simulators.ports.udp import UdpListener
-from catseye.simulators.serving import Session
-from catseye.simulators.timekeeper import TimeKeeper
+from catseye.simulators.world.timekeeper import TimeKeeper
 
 
 class Listener(Protocol):

@@ -5,7 +5,7 @@ things are only seen in part:
 
 * A client is known by its first byte. When it closes the port after that, its session ends and the next client
   has a new one. A client that never sends, or that closes and opens within a turn of the emulator's loop, is not
-  told apart from its successor, as on any line with three wires.
+  distinguished from its successor, as on any line with three wires.
 * Output that nobody reads stays in the terminal until its 4 KiB are full; a client that wants only what is new
   empties its input when it opens the port (pyserial does).
 """
@@ -17,11 +17,11 @@ import tty
 from collections.abc import Callable
 from pathlib import Path
 
-from catseye.simulators.conversation import Conversation, Wire
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.ports.address import LineAddress
+from catseye.simulators.ports.conversation import Conversation, Wire
 from catseye.simulators.ports.pacer import Pacer
-from catseye.simulators.timekeeper import TimeKeeper
+from catseye.simulators.world.timekeeper import TimeKeeper
 
 ANY_FREE = "/dev/ptmx"
 _TERMINALS = "/dev/pts/"

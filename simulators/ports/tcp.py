@@ -6,8 +6,8 @@ asyncio switches Nagle's algorithm off on every TCP socket, so an answer leaves 
 import asyncio
 from collections.abc import Callable
 
-from catseye.simulators.conversation import Conversation, Wire
 from catseye.simulators.ports.address import SocketAddress
+from catseye.simulators.ports.conversation import Conversation, Wire
 
 _MOST_BYTES = 1 << 20
 

@@ -7,8 +7,8 @@ import asyncio
 from collections.abc import Callable
 from typing import Any
 
-from catseye.simulators.conversation import Conversation, Wire
 from catseye.simulators.ports.address import SocketAddress
+from catseye.simulators.ports.conversation import Conversation, Wire
 
 MOST_PEERS = 32
 """How many clients are remembered; a newcomer takes the place of the one that was silent longest."""

@@ -10,9 +10,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from catseye.app.cell.load import load_cell
-from catseye.app.emulation import emulation_config
+from catseye.app.service.emulation import emulation_config
 from catseye.simulators.config import ErrorBudget, TruthText
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 
 
 async def serve(cell: Path) -> None:
@@ -24,7 +24,7 @@ async def serve(cell: Path) -> None:
         beam_offset_mm=0.0,
         beam_pitch_mrad=0.0,
         truth=TruthText(cell.with_name("truth.json").read_bytes(), "truth.json"),
-        dynamics=replace(config.dynamics, j4_backlash_mdeg=0.0),
+        scara=replace(config.scara, j4_backlash_mdeg=0.0),
     )
     async with EmulatedBench(quiet) as bench:
         for served in bench.endpoints:

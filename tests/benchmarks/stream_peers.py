@@ -10,7 +10,7 @@ import sys
 import time
 
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 
 RATE_HZ = 1000
 

@@ -2,13 +2,12 @@
 
 import numpy as np
 
-from catseye.calibration.distance_model import distance_model
-from catseye.calibration.identification import identify
-from catseye.calibration.layout import Layout
-from catseye.calibration.types import Floats
-from catseye.calibration.uncertainty.budget import radial_motions
-from catseye.calibration.uncertainty.radial import RadialBudget, radial_effects
-from tests.unit.calibration.paper import (
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.distance_model import distance_model
+from catseye.calibration.scara.identification import identify
+from catseye.calibration.scara.layout import Layout
+from catseye.calibration.scara.radial import RadialBudget, radial_effects
+from tests.unit.calibration.scara.paper import (
     MDEG,
     NODES1_DEG,
     NODES2_DEG,
@@ -16,6 +15,7 @@ from tests.unit.calibration.paper import (
     paper_points,
     random_truth,
 )
+from tests.unit.calibration.scara.samples import radial_motions
 
 NODES = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
 SEEDS = 60
@@ -53,7 +53,7 @@ def systematic() -> Floats:
     layout = Layout("error-map", *NODES, points.reflector_names, points.dead_paths)
     model = distance_model(layout, points)
     start = model.start(325.0, 225.0, NOMINAL_REFLECTORS)
-    return radial_effects(points, model.beam_unit(start), RADIAL)
+    return radial_effects(points, model.beam(start)[1], RADIAL)
 
 
 def test_radial_error_motions() -> None:

@@ -12,15 +12,15 @@ from scipy import linalg
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.cluster.sharing import InThisProcess
+from catseye.app.cluster.share import InThisProcess
 from catseye.app.results.scara.design.layouts import Places, best_layouts, candidate_places
 from catseye.app.results.scara.design.problem import Problem, Wish, problem_of
-from catseye.calibration.design.candidates import apart
-from catseye.calibration.design.command_choice import CommandPool, choose_commands
-from catseye.calibration.design.criteria import Criterion
-from catseye.calibration.design.exchange import Pool, exchange, random_start
-from catseye.calibration.types import Bools, Floats, Ints
-from tests.unit.calibration.design.cases import SIGMA_MM, SMALL, scaled, seen_by_all, study
+from catseye.calibration.core.design.exchange import Pool, exchange, random_start
+from catseye.calibration.core.design.row_choice import CommandPool, choose_commands
+from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.scara.design.candidates import apart
+from catseye.calibration.scara.design.criterion import Criterion
+from tests.unit.calibration.scara.design.cases import SIGMA_MM, SMALL, scaled, seen_by_all, study
 
 PLACES = 400
 
@@ -90,7 +90,7 @@ def test_three_reflectors_among_400_places(tmp_path: Path) -> None:
     blocks = []
     for sight in places.allowed:
         rows = posed.study.rows(sight)
-        blocks.append((rows.arm[sight.seen], rows.nuisance[sight.seen]))
+        blocks.append((rows.wanted[sight.seen], rows.nuisance[sight.seen]))
     start = random_start(places.pool, 3, np.random.default_rng(3))
     assert start is not None
     begun = start

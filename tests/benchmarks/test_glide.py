@@ -2,9 +2,9 @@
 
 import time
 
-from catseye.simulators.bench.bench import Bench
 from catseye.simulators.config import EmulationConfig
-from catseye.simulators.truth import draw_truth
+from catseye.simulators.world.scara.bench import scara_bench
+from catseye.simulators.world.scara.truth import draw_truth
 from tests.unit.simulators.benches import P1, P2, P3, aimed
 
 CYCLE_S = 0.0071
@@ -14,7 +14,7 @@ LIMIT_S = 0.5e-3
 
 def test_a_glide_costs_less_than_half_a_millisecond() -> None:
     config = EmulationConfig(reflectors=(P1, P2, P3), seed=5, start_joints=aimed(0.0, 30.0))
-    bench = Bench(draw_truth(5, config), config)
+    bench = scara_bench(draw_truth(5, config), config)
     # 14 deg/s of J1 with the beam aimed: four looks at the beam a cycle.
     targets = [aimed(0.02 * k, 30.0) for k in range(1, CYCLES + 1)]
     began_s = time.process_time()

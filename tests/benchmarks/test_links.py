@@ -18,7 +18,7 @@ from catseye.drivers.melfa.settings import MelfaSettings
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import DeviceError
 from catseye.simulators.config import EmulationConfig, ErrorBudget, ReflectorPlace
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 
 ROUNDS = 2000
 BATCHES = 7

@@ -6,12 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from catseye.calibration.identification import identify
-from catseye.calibration.live_map import LiveMap
-from catseye.calibration.points import Points
-from catseye.calibration.uncertainty.budget import radial_motions
-from catseye.calibration.uncertainty.radial import RadialBudget
-from tests.unit.calibration.paper import (
+from catseye.calibration.scara.identification import identify
+from catseye.calibration.scara.live_map import LiveMap
+from catseye.calibration.scara.points import Points
+from catseye.calibration.scara.radial import RadialBudget
+from tests.unit.calibration.scara.paper import (
     NAMES,
     NODES1_DEG,
     NODES2_DEG,
@@ -19,6 +18,7 @@ from tests.unit.calibration.paper import (
     paper_points,
     random_truth,
 )
+from tests.unit.calibration.scara.samples import radial_motions
 
 ROUNDS = 5
 WHITE_MM = 0.010

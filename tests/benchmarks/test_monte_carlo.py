@@ -12,15 +12,15 @@ import numpy as np
 from scipy import optimize
 
 from catseye.app.cell.uncertainty import Uncertainty
-from catseye.calibration.distance_model import DistanceModel, distance_model
-from catseye.calibration.identification import Identification, identify
-from catseye.calibration.least_squares import minimise
-from catseye.calibration.points import Commands
-from catseye.calibration.prediction import predict
-from catseye.calibration.types import Floats
-from catseye.calibration.uncertainty.arm_draws import chunks, joined, solve_chunk, with_draws
-from catseye.calibration.uncertainty.contributions import contributions
-from tests.unit.calibration.paper import (
+from catseye.calibration.core.draws import joined, solve_chunk
+from catseye.calibration.core.least_squares import minimise
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.distance_model import DistanceModel, distance_model
+from catseye.calibration.scara.identification import Identification, identify
+from catseye.calibration.scara.points import Commands
+from catseye.calibration.scara.prediction import predict
+from catseye.calibration.scara.uncertainty import chunks, contributions, with_draws
+from tests.unit.calibration.scara.paper import (
     NODES1_DEG,
     NODES2_DEG,
     NOMINAL_REFLECTORS,

@@ -14,24 +14,24 @@ from scipy.optimize import least_squares
 
 from catseye.app.files.points_blocks import points_blocks
 from catseye.app.files.spooled_points import RECORD
-from catseye.calibration.distance_model import distance_model
-from catseye.calibration.layout import Layout
-from catseye.calibration.least_squares import factorise
-from catseye.calibration.points import Points
-from catseye.calibration.scans.scan_identification import ScanIdentification, identify_scan
-from catseye.calibration.scans.source import SlicedPoints
-from catseye.calibration.scans.sparse_rows import sparse_rows
-from catseye.calibration.types import Floats
-from tests.unit.calibration.scans.scan import NAMES, NOMINAL_REFLECTORS, Arm, arm, scan
+from catseye.calibration.core.least_squares import factorise
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.distance_model import distance_model
+from catseye.calibration.scara.layout import Layout
+from catseye.calibration.scara.points import Points
+from catseye.calibration.scara.scans.distance_rows import sparse_rows
+from catseye.calibration.scara.scans.scan_identification import ScanIdentification, identify_scan
+from catseye.calibration.scara.scans.source import SlicedPoints
+from tests.unit.calibration.scara.scans.scan import NAMES, NOMINAL_REFLECTORS, Arm, arm, scan
 
 ROOT = Path(__file__).parents[2]
 
 FRESH = """
 import json, sys, time
 import numpy as np
-from tests.unit.calibration.scans.scan import NOMINAL_REFLECTORS, arm
+from tests.unit.calibration.scara.scans.scan import NOMINAL_REFLECTORS, arm
 from catseye.app.files.spooled_points import SpooledPoints
-from catseye.calibration.scans.scan_identification import identify_scan
+from catseye.calibration.scara.scans.scan_identification import identify_scan
 
 file, rows, names, paths = sys.argv[1], int(sys.argv[2]), *map(json.loads, sys.argv[3:5])
 truth = arm(1, 1.0)

@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from scipy import linalg
 
-from catseye.calibration.distance_model import distance_model
-from catseye.calibration.identification import identify
-from catseye.calibration.layout import Layout
-from tests.unit.calibration.paper import (
+from catseye.calibration.scara.distance_model import distance_model
+from catseye.calibration.scara.identification import identify
+from catseye.calibration.scara.layout import Layout
+from tests.unit.calibration.scara.paper import (
     NODES1_DEG,
     NODES2_DEG,
     NOMINAL_REFLECTORS,

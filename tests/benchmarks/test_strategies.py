@@ -16,9 +16,9 @@ import pytest
 
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.emulation import emulated_devices
-from catseye.app.procedure_list import load_procedure, parse_params
-from catseye.app.running import carry_out, plan_run
+from catseye.app.protocol.procedures import load_procedure, parse_params
+from catseye.app.service.emulation import emulated_devices
+from catseye.app.service.running import carry_out, plan_run
 from catseye.app.store.reader import RunReader
 from tests.benchmarks.test_time_per_point import FEW_NODES
 from tests.system.command import environment

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from catseye.app.cell.load import load_cell
 from catseye.app.engine.request import RunOutcome
-from catseye.app.procedure_list import load_procedure, parse_params
-from catseye.app.running import carry_out, plan_run
+from catseye.app.protocol.procedures import load_procedure, parse_params
+from catseye.app.service.running import carry_out, plan_run
 from catseye.app.store.reader import RunReader
 from tests.system.command import Emulated, emulated
 

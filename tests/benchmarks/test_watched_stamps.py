@@ -16,19 +16,20 @@ from contextlib import asynccontextmanager, suppress
 from datetime import datetime, timedelta
 from itertools import count
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from catseye.app.bench.facts import facts_of
-from catseye.app.bench.observed import ObservedInterferometer
-from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.waiting import cancel
+from catseye.app.protocol.answers import Opened
+from catseye.app.protocol.events import PointMeasured, RunEnded, StepStarted, encode_event
+from catseye.app.protocol.requests import Start, Watch
 from catseye.app.service.client import EngineClient, connect
-from catseye.app.service.hub import Hub
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.mailbox import Mailbox
-from catseye.app.service.messages import encode
+from catseye.app.service.watching.bench_facts import facts_of
+from catseye.app.service.watching.observed_devices import ObservedInterferometer
+from catseye.app.service.watching.telemetry import Telemetry
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.umd.display import UmdDisplay
 from tests.benchmarks.stream_peers import RATE_HZ
@@ -36,7 +37,7 @@ from tests.benchmarks.test_stream import peer
 from tests.benchmarks.test_time_per_point import FEW_NODES, searched
 from tests.system.command import Emulated, emulated, start
 from tests.system.screen import Screen
-from tests.unit.app.bench.benches import bench_from_template, cell_from_template
+from tests.unit.app.service.manual.benches import bench_from_template, cell_from_template
 
 READINGS = 100
 DWELL_S = 0.5
@@ -62,16 +63,15 @@ async def measured(client: EngineClient, watching: Watching) -> tuple[Path, dict
     watched: dict[str, bool] = {}
     looking: bool | None = False
     steps = count()
-    opened = await client.request("start", procedure="open-loop", params={"reflectors": ["P2"]})
+    opened = await client.ask(Start(procedure="open-loop", params={"reflectors": ["P2"]}), Opened)
     async for event in client.events():
-        if event["event"] == "step-started":
+        if isinstance(event, StepStarted):
             looking = await watching(next(steps))
-        elif event["event"] == "point" and looking is not None:
-            point: Any = event["point"]
-            watched[str(point["time_utc"])] = looking
-        elif event["event"] == "run-ended":
-            assert event["exit_code"] == 0, event
-            return Path(str(opened["path"])), watched
+        elif isinstance(event, PointMeasured) and looking is not None:
+            watched[str(event.point["time_utc"])] = looking
+        elif isinstance(event, RunEnded):
+            assert event.exit_code == 0, event
+            return Path(opened.path), watched
     raise AssertionError("the engine is gone")
 
 
@@ -151,8 +151,8 @@ async def test_a_watcher_delays_no_reading(tmp_path: Path, monkeypatch: pytest.M
 
             async def every_other(number: int) -> bool:
                 looking = number % 2 == 1
-                for topic in ("watch", "traffic"):
-                    await client.request(topic, on=looking)
+                await client.request(Watch(op="watch", on=looking))
+                await client.request(Watch(op="traffic", on=looking))
                 return looking
 
             run, watched = await measured(client, every_other)
@@ -212,31 +212,32 @@ async def test_the_interface_delays_no_reading(tmp_path: Path, monkeypatch: pyte
 
 async def test_what_one_turn_of_telling_keeps_the_loop_from(tmp_path: Path) -> None:
     """Messages of a bench with a thousand samples a second and full traffic, made and written out for two clients."""
-    hub = Hub(SystemClock())
-    telemetry = Telemetry(hub, SystemClock(), tmp_path)
+    registry = ClientRegistry(SystemClock())
+    telemetry = Telemetry(registry, SystemClock(), tmp_path)
     telemetry.describe(facts_of(cell_from_template(), bench_from_template()))
-    members = [hub.join("test", who, Mailbox(), lambda _reason: None) for who in ("Ada", "Ben")]
+    members = [registry.join("test", who, Mailbox(), lambda _reason: None) for who in ("Ada", "Ben")]
     for member in members:
-        hub.listen(member, "watch", on=True)
-        hub.listen(member, "traffic", on=True)
+        registry.listen(member, "watch", on=True)
+        registry.listen(member, "traffic", on=True)
     told_ms: list[float] = []
     taken_us: list[float] = []
     for _ in range(200):
         start_s = time.thread_time()
         for number in range(200):
-            telemetry.gauges.take_displacement(1e-6 * number)
+            telemetry.latest.take_displacement(1e-6 * number)
         taken_us.append((time.thread_time() - start_s) / 200 * 1e6)
         telemetry.traffic.listening = True
         for _ in range(200):
             telemetry.traffic.record("interferometer", "rx", b"1500 1500 123456 1 0 4711 101 123456789\r\n")
         start_s = time.thread_time()
-        telemetry.tell()
+        telemetry.publish()
         told_ms.append((time.thread_time() - start_s) * 1e3)
         for member in members:
             while len(member.mailbox):
                 message = await member.mailbox.take()
                 start_s = time.thread_time()
-                encode(message)
+                assert not isinstance(message, bytes)
+                encode_event(message)
                 told_ms.append((time.thread_time() - start_s) * 1e3)
     p99_ms = float(np.percentile(told_ms, 99))
     print(  # noqa: T201  # the figure
@@ -249,28 +250,30 @@ async def test_what_one_turn_of_telling_keeps_the_loop_from(tmp_path: Path) -> N
 async def read_out(mailbox: Mailbox) -> None:
     """Write out what a client is told, as its session does."""
     while True:
-        encode(await mailbox.take())
+        message = await mailbox.take()
+        assert not isinstance(message, bytes)
+        encode_event(message)
 
 
 async def test_a_watcher_delays_no_value_of_a_stream(tmp_path: Path) -> None:
     """A thousand values a second with their time of sending; a client watches during every other second."""
-    hub = Hub(SystemClock())
-    telemetry = Telemetry(hub, SystemClock(), tmp_path)
+    registry = ClientRegistry(SystemClock())
+    telemetry = Telemetry(registry, SystemClock(), tmp_path)
     telemetry.describe(facts_of(cell_from_template(), bench_from_template()))
-    member = hub.join("test", "Ada", Mailbox(), lambda _reason: None)
+    member = registry.join("test", "Ada", Mailbox(), lambda _reason: None)
     reading = asyncio.create_task(read_out(member.mailbox))
     late_ms: dict[bool, list[list[float]]] = {False: [], True: []}
     async with peer("emitter") as endpoint:
         driver = UmdDisplay.at(
             endpoint, SystemClock(), lambda way, data: telemetry.traffic.record("interferometer", way, data)
         )
-        counter = ObservedInterferometer("interferometer", driver, telemetry.gauges)
+        counter = ObservedInterferometer("interferometer", driver, telemetry.latest)
         await counter.connect()
         samples = driver.samples()
         for second in range(20):
             watched = second % 2 == 1
-            hub.listen(member, "watch", on=watched)
-            hub.listen(member, "traffic", on=watched)
+            registry.listen(member, "watch", on=watched)
+            registry.listen(member, "traffic", on=watched)
             telemetry.wake()
             taken = [await anext(samples) for _ in range(RATE_HZ)]
             late_ms[watched].append([1e3 * (each.time_s - 1e-6 * each.sample.low_data) for each in taken])

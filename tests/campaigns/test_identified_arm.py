@@ -18,10 +18,10 @@ import pytest
 from scipy.stats import chi2
 
 from catseye.app.cell.load import load_cell
-from catseye.app.emulation import emulation_config
-from catseye.calibration.types import Floats
-from catseye.simulators.bench.arm import RadialError
+from catseye.app.service.emulation import emulation_config
+from catseye.calibration.core.types import Floats
 from catseye.simulators.config import EmulationConfig, ErrorBudget
+from catseye.simulators.world.scara.axis_errors import RadialError
 from tests.campaigns.test_whole_plan import run
 from tests.system.command import Emulated, catseye, emulated
 from tests.system.test_compensation_round_trip import Row, rms, row_of, true_errors_um, uncorrected
@@ -124,7 +124,7 @@ async def test_a_compensated_path_of_an_identified_arm(measured: Measured) -> No
         print(f"\ntrue 2-D error {title}: {rms(first):.0f} → {rms(last):.1f} µm rms")  # noqa: T201  # the figure
         assert rms(first) > 3.0 * rms(last)
     scatter = np.sqrt(2.0) * budget.repeatability_um
-    radial = np.sqrt(2.0 * (budget.radial_j1_um**2 + budget.radial_j2_um**2 + budget.radial_j4_um**2))
+    radial = np.sqrt(2.0 * sum(size_um**2 for size_um in budget.radial_um))
     stated = rms(u_um(joints))
     print(f"repeatability {scatter:.1f} µm, radial error motions {radial:.1f} µm, stated u {stated:.1f} µm")  # noqa: T201  # the figure
     only_scatter, everything = left.values()
@@ -137,7 +137,7 @@ def true_along_the_beam_um(config: EmulationConfig, theta40_deg: float) -> dict[
     """Return the Fourier coefficients over β of what the bench's J4 adds to a distance, µm."""
     rng = np.random.default_rng([config.seed, 3])
     budget = config.budget
-    sizes_um = (budget.radial_j1_um, budget.radial_j2_um, budget.radial_j4_um)
+    sizes_um = budget.radial_um
     j4 = [RadialError(rng, size_um) for size_um in sizes_um][-1]
     beam_deg = np.arange(0.0, 360.0, 0.25)
     beam = np.deg2rad(beam_deg)

@@ -18,12 +18,12 @@ import pytest
 
 from catseye.app.testing.proxy import Proxy, ProxyThread
 from catseye.drivers.links.endpoint import TcpEndpoint, parse_endpoint
-from catseye.drivers.links.record import Direction
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.device import Direction
 from catseye.drivers.roles.errors import DeviceError, LinkError
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 
 STOPS = int(os.environ.get("CATSEYE_STOPS", "500"))
 SEED = int(os.environ.get("CATSEYE_SEED", str(random.SystemRandom().randrange(10_000))))

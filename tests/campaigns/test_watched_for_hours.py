@@ -11,14 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.bench.facts import facts_of
-from catseye.app.bench.idle import IdleBench
-from catseye.app.bench.telemetry import Telemetry
-from catseye.app.bench.traffic import MOST_LINES
-from catseye.app.service.hub import Hub
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.mailbox import Mailbox
-from tests.unit.app.bench.benches import bench_from_template, cell_from_template
-from tests.unit.app.bench.kept import PulledCell, disk, lost
+from catseye.app.service.watching.bench_facts import facts_of
+from catseye.app.service.watching.device_pool import DevicePool
+from catseye.app.service.watching.telemetry import Telemetry
+from catseye.app.service.watching.traffic import MOST_LINES
+from tests.unit.app.service.manual.benches import bench_from_template, cell_from_template
+from tests.unit.app.service.watching.pulled_devices import PulledCell, disk, lost
 from tests.unit.drivers.virtual_time import VirtualClock, run
 
 HOURS = float(os.environ.get("CATSEYE_WATCHED_H", "1"))
@@ -32,10 +32,10 @@ def _held_bytes() -> int:
 
 async def _watched(folder: Path) -> tuple[int, int]:
     """Return what is held when a tenth of the time is over, and at its end, bytes."""
-    hub, cell, clock = Hub(VirtualClock()), PulledCell(), VirtualClock()
+    hub, cell, clock = ClientRegistry(VirtualClock()), PulledCell(), VirtualClock()
     telemetry = Telemetry(hub, clock, folder, disk)
     telemetry.describe(facts_of(cell_from_template(), bench_from_template()))
-    bench = IdleBench(lambda: cell.made(telemetry.gauges), telemetry.gauges, clock, print)
+    bench = DevicePool(lambda: cell.made(telemetry.latest), telemetry.latest, clock, print)
     telemetry.on_watched = bench.watched
     member = hub.join("test", "Ada", Mailbox(), lambda _reason: None)
     hub.listen(member, "watch", on=True)

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from catseye.simulators.config import EmulatedDevice, TruthText
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 from tests.system.test_ways_of_following import TRUTH
 from tests.unit.simulators.benches import QUIET
 

@@ -11,9 +11,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from catseye.app.cell.load import load_cell
-from catseye.app.emulation import emulation_config
+from catseye.app.service.emulation import emulation_config
 from catseye.simulators.config import EmulationConfig
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 
 
 def main(altered: Callable[[EmulationConfig], EmulationConfig]) -> None:

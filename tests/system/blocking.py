@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
 from tests.patience import HANG_S
 from tests.system.command import Emulated, start
 

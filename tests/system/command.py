@@ -16,8 +16,8 @@ from typing import IO, Any
 
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.emulation import emulated_devices
 from catseye.app.guard.lock import lock_path
+from catseye.app.service.emulation import emulated_devices
 from catseye.drivers.links.endpoint import SerialEndpoint, TcpEndpoint, parse_endpoint
 from tests.patience import HANG_S
 from tests.system import forked

@@ -1,15 +1,13 @@
 """The command with a fault in it: what lists the procedures fails as no command expects."""
 
-from pathlib import Path
-
 from catseye.app import cli
-from catseye.app.commands import procedures
+from catseye.app.protocol import procedures as procedure_list
 
 
-def _fault(cell: Path | None, runs: Path | None, as_json: bool) -> None:
-    raise ZeroDivisionError(f"{cell}, {runs}, {as_json}")
+def _fault() -> tuple[str, ...]:
+    raise ZeroDivisionError("a fault of the program")
 
 
 if __name__ == "__main__":
-    procedures.procedures_command = _fault
+    procedure_list.procedure_names = _fault
     cli.main()

@@ -7,7 +7,6 @@ Where the start or what interrupts it is the point, `command.start` takes the in
 import gc
 import multiprocessing
 import os
-import pkgutil
 import runpy
 import signal
 import subprocess
@@ -20,15 +19,15 @@ from pathlib import Path
 from typing import IO, Any
 
 from catseye import procedures, simulators
-from catseye.app import commands
+from catseye.app import cli
 from tests.patience import HANG_S
+from tests.system.command_imports import imported_by, modules_below
 
 _CONTEXT = multiprocessing.get_context("forkserver")
 _CONTEXT.set_forkserver_preload(
     [
-        module.name
-        for package in (commands, procedures, simulators)
-        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")
+        *dict.fromkeys(name for module in modules_below(cli) for name in (module, *imported_by(module))),
+        *(name for package in (procedures, simulators) for name in modules_below(package)),
     ]
 )
 

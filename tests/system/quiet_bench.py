@@ -13,7 +13,7 @@ def quiet(config: EmulationConfig) -> EmulationConfig:
         budget=ErrorBudget.none(),
         beam_offset_mm=0.0,
         beam_pitch_mrad=0.0,
-        dynamics=replace(config.dynamics, j4_backlash_mdeg=0.0),
+        scara=replace(config.scara, j4_backlash_mdeg=0.0),
     )
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
 from tests.system.command import SPEED, Emulated, catseye, emulated, last_run
 
 FEW_NODES = {

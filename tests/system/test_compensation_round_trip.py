@@ -13,14 +13,14 @@ import pytest
 from scipy.stats import chi2
 
 from catseye.app.store.reader import RunReader
-from catseye.calibration.comparison import rigid_fit
-from catseye.calibration.kinematics import inverse
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.comparison import rigid_fit
+from catseye.calibration.scara.planar import inverse
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.roles.clock import SystemClock
 from catseye.procedures.scara.motion.approach import Command, with_take_up
 from catseye.simulators.config import EmulationConfig, ErrorBudget, TruthText
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 from tests.system.command import SPEED, catseye, emulated
 from tests.system.test_validation_path import truth
 from tests.unit.simulators.benches import QUIET

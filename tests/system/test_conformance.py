@@ -12,9 +12,10 @@ from typing import Any
 
 import pytest
 
-from catseye.app.testing.candidate import KINDS, Candidate, candidate_of
+from catseye.app.testing.candidate import Candidate, candidate_of
 from catseye.app.testing.checks.catalogue import ALL, applicable
 from catseye.app.testing.checks.check import run_check
+from catseye.drivers.roles.device import ROLES
 from catseye.drivers.roles.registry import driver_names
 from catseye.simulators.config import Option
 from tests.left_behind import nothing_left, warnings_fail
@@ -71,8 +72,8 @@ def test_conforms(name: str, module: str, examined: dict[tuple[str, str], "Async
     examined[name, module].get(HANG_S)
 
 
-def test_every_check_has_a_name_of_its_own_within_a_kind_and_says_what_it_asks() -> None:
-    for kind in KINDS:
-        names = [check.name for check in ALL if kind in check.kinds]
+def test_every_check_has_a_name_of_its_own_within_a_role_and_says_what_it_asks() -> None:
+    for role in ROLES:
+        names = [check.name for check in ALL if role in check.roles]
         assert len(names) == len(set(names))
     assert all((check.body.__doc__ or "").endswith(".") for check in ALL)

@@ -17,8 +17,11 @@ from catseye.drivers.air.modbus_air import ModbusAir
 from catseye.drivers.counter.counter import LineCounter
 from catseye.drivers.links.latches import Latches
 from catseye.drivers.melfa.robot import MelfaR3
+from catseye.drivers.roles.air import AirSample
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import DeviceError, LinkTimeoutError
-from catseye.drivers.roles.readings import AirSample, CounterReading, CounterStatus, Identity, Joints
+from catseye.drivers.roles.interferometer import BeamStatus, LengthReading
+from catseye.drivers.roles.pose import Pose
 from tests.system.quick import TIMEOUT_S, short_timeouts
 
 
@@ -39,7 +42,7 @@ class Lax(LineCounter):
 class Forgetful(LineCounter):
     """Takes a returning beam for a valid one."""
 
-    async def status(self) -> CounterStatus:
+    async def status(self) -> BeamStatus:
         """Return what the instrument shows."""
         status = await super().status()
         return replace(status, beam_lost=not status.beam_ok)
@@ -57,9 +60,9 @@ class SameZero(LineCounter):
 class Remembering(LineCounter):
     """Answers from memory when the instrument is silent."""
 
-    last: CounterReading | None = None
+    last: LengthReading | None = None
 
-    async def read(self) -> CounterReading:
+    async def read(self) -> LengthReading:
         """Return the last reading if there is no new one."""
         try:
             self.last = await super().read()
@@ -72,7 +75,7 @@ class Remembering(LineCounter):
 class Trusting(LineCounter):
     """Takes the next line for its answer, whoever asked for it."""
 
-    async def read(self) -> CounterReading:
+    async def read(self) -> LengthReading:
         """Ask and take a line."""
         transport, line = self._link._transport, b""  # noqa: SLF001  # past the link, that is the fault
         try:
@@ -82,13 +85,13 @@ class Trusting(LineCounter):
                     line += await transport.read()
         except TimeoutError:
             raise LinkTimeoutError(f"{self._link.where}: no line: check the link") from None
-        return CounterReading(float(line.split()[0]), line.decode("ascii"), self._clock.monotonic_s())
+        return LengthReading(float(line.split()[0]), line.decode("ascii"), self._clock.monotonic_s())
 
 
 class Blocking(LineCounter):
     """Waits without letting others work."""
 
-    async def read(self) -> CounterReading:
+    async def read(self) -> LengthReading:
         """Wait and read."""
         time.sleep(0.7)  # noqa: ASYNC251  # that is the fault
         return await super().read()
@@ -108,7 +111,7 @@ class Swallowing(LineCounter):
 class Terse(LineCounter):
     """Says too little."""
 
-    async def read(self) -> CounterReading:
+    async def read(self) -> LengthReading:
         """Return a reading."""
         try:
             return await super().read()
@@ -130,7 +133,7 @@ class Leaving(LineCounter):
 class Stubborn(LineCounter):
     """Does not let itself be cancelled."""
 
-    async def read(self) -> CounterReading:
+    async def read(self) -> LengthReading:
         """Return a reading, whatever happens."""
         try:
             return await super().read()
@@ -163,7 +166,7 @@ class NaNAir(ModbusAir):
 class Repeating(MelfaR3):
     """Commands a motion again when its answer is lost."""
 
-    async def account_for(self, target: Joints, lost: DeviceError) -> None:
+    async def account_for(self, target: Pose, lost: DeviceError) -> None:
         """Stop and move again."""
         del lost
         await self.stop()

@@ -9,13 +9,14 @@ import pytest
 
 from catseye.app.testing.bench import RunningBench
 from catseye.app.testing.process import bench_in_process
+from catseye.simulators.control_port.messages import Identify
 from tests.patience import HANG_S
 
 
 def test_a_process_serves_the_template_on_free_ports(catseye_process: Callable[..., RunningBench]) -> None:
     bench = catseye_process(speed=50.0, seed=2)
     assert list(bench.endpoints) == ["environment", "interferometer", "robot"]
-    assert bench.ask("identify")["speed"] == 50.0
+    assert bench.ask(Identify()).speed == 50.0
     host, _, port = bench.endpoint("robot").removeprefix("tcp://").rpartition(":")
     with socket.create_connection((host, int(port)), timeout=HANG_S) as robot:
         robot.sendall(b"1;1;OPEN=TEST\r")

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from catseye.drivers.roles.registry import driver_names
-from catseye.simulators.protocols import PROTOCOLS
+from catseye.simulators.registry import emulator_names
 from tests.system.command import catseye, emulated
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "every-protocol.toml"
@@ -18,7 +18,7 @@ def every_protocol(folder: Path) -> str:
 def test_the_example_has_every_driver_and_every_emulator() -> None:
     text = EXAMPLE.read_text(encoding="utf-8")
     # Real-time control is a door of the controller that the data link's cell file opens too.
-    for name in {*driver_names(), *PROTOCOLS} - {"melfa-mxt"}:
+    for name in {*driver_names(), *emulator_names()} - {"melfa-mxt"}:
         assert f'driver = "{name}"' in text, name
     assert "mxt_endpoint" in text
 

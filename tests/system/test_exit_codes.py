@@ -14,7 +14,7 @@ from catseye.app.cell.template import TEMPLATE
 from tests.patience import HANG_S
 from tests.system import forked
 from tests.system.command import SPEED, Emulated, begun, catseye, emulated, environment, last_run
-from tests.unit.app.commands.arms import bare, stored, text_file
+from tests.unit.app.cli.arms import bare, stored, text_file
 
 PATH = "theta1_deg,theta2_deg,direction1,direction2\n45,60,1,1\n"
 FAR = (

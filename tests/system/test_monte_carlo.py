@@ -10,9 +10,9 @@ import pytest
 from tests.patience import HANG_S
 from tests.system.command import catseye, start
 from tests.system.test_sharing import ready, scheduler, workers
-from tests.unit.app.commands.distances import write_points
-from tests.unit.calibration.diagnostics.bench import commands_on_nodes, measured
-from tests.unit.calibration.paper import random_truth
+from tests.unit.app.cli.distances import write_points
+from tests.unit.calibration.scara.diagnostics.bench import commands_on_nodes, measured
+from tests.unit.calibration.scara.paper import random_truth
 
 __all__ = ["scheduler", "workers"]
 

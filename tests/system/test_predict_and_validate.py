@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from catseye.app.store.catalog import resolve_run
-from catseye.simulators.tracker import TRACKER_U_MM
+from catseye.simulators.world.tracker import TRACKER_U_MM
 from tests.system.command import SPEED, Emulated, catseye, emulated, last_run
 from tests.system.test_compensation_round_trip import result_of_the_truth
 from tests.system.test_validation_path import true_place, truth

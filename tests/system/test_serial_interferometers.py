@@ -8,7 +8,7 @@ import pytest
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.registry import load_driver
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 from tests.unit.simulators.benches import P2, aimed
 
 LINES = {

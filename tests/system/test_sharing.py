@@ -16,7 +16,7 @@ import pytest
 from catseye.app.cluster.errors import WorkerLostError
 from catseye.app.cluster.sharing import sharing
 from catseye.app.errors import ConfigError
-from catseye.calibration.errors import UnidentifiableError
+from catseye.calibration.core.errors import UnidentifiableError
 from tests.free_ports import free_port
 from tests.patience import HANG_S
 from tests.unit.app.cluster.work import drawn, fails_at_three, killed_at_three
@@ -39,7 +39,7 @@ CONNECTING = """
 import sys
 from catseye.app.cluster import machines
 from catseye.app.cluster.sharing import sharing
-from catseye.app.failure import tell
+from catseye.app.cli.failure import tell
 
 machines._CONNECT_S /= 5  # a fifth of the time that it gives a scheduler shows as well that it is bounded
 try:

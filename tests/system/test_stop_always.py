@@ -15,7 +15,7 @@ from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import DeviceError, LinkError
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, Option, ReflectorPlace
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 
 FAR = (150.0, 0.0, 0.0, 0.0)
 SLOW = EmulationConfig(reflectors=(ReflectorPlace("P1", 650.0, -400.0),), budget=ErrorBudget.none())

@@ -10,10 +10,10 @@ import pytest
 from catseye.app.results.scara.distance_validation import validate_on_distances
 from catseye.app.results.scara.path_rows import distance_path
 from catseye.app.store.reader import RunReader
-from catseye.calibration.fit_statistics import FitStatistics
-from catseye.calibration.identification import Identification
-from catseye.calibration.layout import Layout, ModelName
-from catseye.calibration.types import Floats
+from catseye.calibration.core.fit_statistics import FitStatistics
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.layout import Layout, ModelName
 from catseye.procedures.kit.context import Row
 from tests.system.command import SPEED, Emulated, catseye, emulated
 

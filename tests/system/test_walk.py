@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from catseye.app.engine.walked.register import own_legs
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.reader import RunReader
 from catseye.app.store.verify import verify
-from catseye.app.walk.register import own_legs
 from tests.system.command import SPEED, Emulated, catseye, emulated, only
 
 SMALL = {

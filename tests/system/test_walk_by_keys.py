@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from catseye.app.cell.template import TEMPLATE
+from catseye.app.engine.walked.register import own_legs
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.reader import RunReader
-from catseye.app.walk.register import own_legs
 from tests.patience import HANG_S
 from tests.system.by_keys import choose
 from tests.system.command import Emulated, emulated

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from catseye.app.cell.load import load_cell
-from catseye.app.procedure_list import load_procedure, parse_params
-from catseye.app.running import plan_run, rehearse
+from catseye.app.protocol.procedures import load_procedure, parse_params
+from catseye.app.service.running import plan_run, rehearse
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader
 from tests.system.command import Emulated, catseye, emulated, last_run

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from catseye.app.engine.waiting import cancel
+from catseye.app.protocol.requests import Plain, Start, Watch
 from catseye.app.service.address import find_socket
 from catseye.app.service.client import EngineClient, connect
 from catseye.app.store.reader import RunReader
@@ -50,15 +51,15 @@ class Watcher:
 
     async def _listen(self) -> None:
         async for event in self.client.events():
-            self.told.append(event)
+            self.told.append(event.json_object())
             self._news.set()
 
     async def until(
-        self, seen: Callable[[dict[str, Any]], bool], event: str = "bench", ask: str = ""
+        self, seen: Callable[[dict[str, Any]], bool], event: str = "bench", ask: Plain | None = None
     ) -> dict[str, Any]:
         """Wait for the next event of which something is true; what is asked for may come before its answer."""
         count = len(self.told)
-        if ask:
+        if ask is not None:
             await self.client.request(ask)
         async with asyncio.timeout(HANG_S):
             while True:
@@ -82,7 +83,7 @@ class Watcher:
     async def start(self, **more: Any) -> Path:
         """Start a measurement and return its directory."""
         fields: dict[str, Any] = {"search": "none", "speed": SPEED, "params": {"reflectors": ["P1"]}, **more}
-        answer = await self.client.request("start", procedure="open-loop", **fields)
+        answer = await self.client.request(Start(procedure="open-loop", **fields))
         return Path(str(answer["path"]))
 
 
@@ -90,7 +91,7 @@ class Watcher:
 async def watching(socket: Path) -> AsyncIterator[Watcher]:
     async with connect(socket, "test", "Ada") as client:
         watcher = Watcher(client)
-        answer: dict[str, Any] = await client.request("watch")
+        answer: dict[str, Any] = await client.request(Watch(op="watch"))
         assert [device["name"] for device in answer["bench"]["devices"]] == _NAMES
         try:
             yield watcher
@@ -105,7 +106,7 @@ async def idle_engine(bench: Emulated) -> AsyncIterator[Watcher]:
         async with watching(Path(json.loads(line)["socket"])) as watcher:
             await watcher.client.take_control()
             yield watcher
-            await watcher.client.request("shutdown")
+            await watcher.client.request(Plain(op="shutdown"))
         assert await asyncio.to_thread(process.wait, HANG_S) == 0
 
 
@@ -133,13 +134,13 @@ async def test_the_bench_is_seen_before_during_and_after_a_run(bench: Emulated) 
         during = await watcher.until(lambda seen: seen["run"] == run.name and all_ok(seen))
         assert during["simulated"] is True
         await watcher.next("step-done")
-        await watcher.until(lambda seen: seen.get("state") == "HELD", "state", ask="hold")
+        await watcher.until(lambda seen: seen.get("state") == "HELD", "state", ask=Plain(op="hold"))
         held = [await watcher.next("bench") for _ in range(10)]
         # While it is held, somebody looks: a second for joints, a quarter for the beam, and what that takes.
         assert max(seen["robot"]["age_s"] for seen in held[5:]) < 2.0
         assert max(seen["beam"]["age_s"] for seen in held[5:]) < 1.0
         assert held[-1]["robot"]["joints"][:2] != [0.0, 0.0]
-        await watcher.client.request("unhold")
+        await watcher.client.request(Plain(op="unhold"))
         ended = await watcher.next("run-ended")
         assert ended["status"] == "complete", ended
         after = await watcher.until(idle)
@@ -158,14 +159,14 @@ async def test_after_an_abort_the_bench_is_seen_again(bench: Emulated) -> None:
         await watcher.until(idle)
         run = await watcher.start()
         await watcher.until(lambda seen: seen["run"] == run.name and all_ok(seen))
-        await watcher.until(bool, "run-ended", ask="abort")
+        await watcher.until(bool, "run-ended", ask=Plain(op="abort"))
         assert (await watcher.until(idle))["robot"]["age_s"] < 1.0
 
 
 async def test_a_bench_that_is_pulled_is_lost_with_a_reason_and_comes_back(bench: Emulated) -> None:
     async with idle_engine(bench) as watcher:
         await watcher.until(idle)
-        await watcher.client.request("traffic")
+        await watcher.client.request(Watch(op="traffic"))
         await watcher.until(lambda seen: "robot" in {line["device"] for line in seen["lines"]}, "wire")
         bench.process.kill()
         bench.process.wait(HANG_S)
@@ -205,7 +206,7 @@ async def test_the_run_of_a_command_is_seen_with_its_traffic(bench: Emulated) ->
     try:
         run, socket = await asyncio.to_thread(_open_run, bench.cell.parent)
         async with watching(socket) as watcher:
-            await watcher.client.request("traffic")
+            await watcher.client.request(Watch(op="traffic"))
             await watcher.until(all_ok)
             ended = await watcher.next("run-ended")
             assert ended["status"] == "complete"

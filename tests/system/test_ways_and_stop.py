@@ -11,14 +11,14 @@ from catseye.drivers.melfa.datalink.robot import MelfaDatalink
 from catseye.drivers.melfa.mxt.robot import MelfaMxt
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import AlarmError, DeviceError, NotReadyError
-from catseye.drivers.roles.readings import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.simulators.config import EmulatedDevice
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 from tests.patience import HANG_S
 from tests.unit.simulators.benches import QUIET
 
 SPEED = 5.0
-WAY: tuple[Joints, ...] = ((20.0, 10.0, 0.0, -20.0), (40.0, 20.0, 0.0, -45.0), (60.0, 30.0, 0.0, -70.0))
+WAY: tuple[Pose, ...] = ((20.0, 10.0, 0.0, -20.0), (40.0, 20.0, 0.0, -45.0), (60.0, 30.0, 0.0, -70.0))
 CONFIG = replace(
     QUIET,
     speed=SPEED,
@@ -115,7 +115,7 @@ async def test_a_way_beyond_the_controllers_limits_is_told_and_the_arm_stays_ins
 async def test_after_a_way_whose_answer_was_lost_the_program_drives_the_next_one() -> None:
     """The emulated controller refuses RSTPRG and RUN while the program runs, which it does then."""
     async with ready("datalink") as (bench, robot):
-        _, program, _ = bench.desk.ports_of("robot")
+        _, program, _ = bench.reach.ports_of("robot")
         way = asyncio.create_task(robot.follow(WAY))
         await moving(bench)
         program.muted = True

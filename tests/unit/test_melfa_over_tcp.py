@@ -9,12 +9,12 @@ from importlib.resources import files
 import pytest
 
 from catseye.drivers.melfa.controller import ProgramText
-from catseye.drivers.melfa.jog import Direction
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import AlarmError, RefusedError
+from catseye.drivers.roles.robot import JogDirection
 from catseye.simulators.config import EmulatedDevice
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 from tests.patience import HANG_S
 from tests.unit.simulators.benches import QUIET
 
@@ -46,7 +46,7 @@ def moves(bench: EmulatedBench) -> bool:
     return bench.bench.moving
 
 
-async def keep_jogging(robot: MelfaR3, directions: Mapping[str, Direction]) -> None:
+async def keep_jogging(robot: MelfaR3, directions: Mapping[str, JogDirection]) -> None:
     """Feed for ever."""
     async with robot.controller.jog(directions) as jog:
         while True:

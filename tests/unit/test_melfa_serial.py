@@ -16,7 +16,7 @@ from catseye.drivers.melfa.session import byte_time_s
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import RefusedError
 from catseye.simulators.config import EmulatedDevice
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 from tests.unit.simulators.benches import QUIET
 
 LINE = "serial:///dev/ptmx?baud=9600&parity=E&stopbits=2"

@@ -26,11 +26,11 @@ from catseye.drivers.melfa.mxt.codec import decode as decode_mxt
 from catseye.drivers.roles.errors import ProtocolError
 from catseye.drivers.tracker.bench_tracker import ObjectDecoder
 from catseye.drivers.umd.codec import SampleDecoder
-from catseye.simulators.bench.bench import Bench
 from catseye.simulators.config import EmulatedDevice
-from catseye.simulators.launch import EmulatedBench
-from catseye.simulators.protocols import PROTOCOLS, session_maker
-from catseye.simulators.serving import Pending, Session
+from catseye.simulators.emulated_bench import EmulatedBench
+from catseye.simulators.ports.session import Pending, Session
+from catseye.simulators.registry import emulator_names, new_emulator
+from catseye.simulators.world.bench import Bench
 from tests.unit.simulators.benches import QUIET
 
 TOTAL_BYTES = 1_000_000
@@ -245,13 +245,14 @@ OTHER_ON_A_LINE = ("melfa-r3", "modbus-air")
 
 
 @pytest.mark.parametrize(
-    ("protocol", "endpoint"), [(p, SOCKET) for p in PROTOCOLS] + [(p, LINE) for p in OTHER_ON_A_LINE]
+    ("protocol", "endpoint"), [(p, SOCKET) for p in emulator_names()] + [(p, LINE) for p in OTHER_ON_A_LINE]
 )
 def test_no_bytes_break_an_emulator(protocol: str, endpoint: str) -> None:
-    world = EmulatedBench(QUIET).world
-    session = session_maker(world, EmulatedDevice("device", protocol, endpoint), lambda _text: None)()
+    emulation = EmulatedBench(QUIET)
+    device = EmulatedDevice("device", protocol, endpoint)
+    session = new_emulator(emulation.context, device, lambda _text: None).session()
     # Programs of the controller serve their clients with the servo on.
-    world.controller.switch_servo_on()
-    world.bench.advance(2.0)
-    survive(Conversation(session, world.bench).feed, SAID_TO_EMULATORS.get(protocol, ()))
+    emulation.controller.switch_servo_on()
+    emulation.bench.advance(2.0)
+    survive(Conversation(session, emulation.bench).feed, SAID_TO_EMULATORS.get(protocol, ()))
     session.close()

@@ -6,7 +6,7 @@ from catseye.drivers.counter.counter import LineCounter
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.roles.clock import SystemClock
 from catseye.simulators.config import EmulatedDevice
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 from tests.unit.simulators.benches import QUIET, aimed
 
 LINE = "serial:///dev/ptmx?baud=115200&parity=E&stopbits=2"

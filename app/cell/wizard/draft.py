@@ -2,7 +2,7 @@
 
 import copy
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Final
 
 from pydantic import ValidationError
@@ -15,8 +15,6 @@ from catseye.app.cell.wizard.pages import OPTIONAL, PAGES, Page
 from catseye.app.cell.wizard.question import Question, number_of, text_of
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import parse_toml
-from catseye.app.instruments import device_builder, further_device
-from catseye.drivers.roles.clock import SystemClock
 
 Data = dict[str, Any]
 Reflector = dict[str, str]
@@ -129,17 +127,19 @@ class Draft:
             data["reflector"] = self._with_further_keys(reflectors)
         return data
 
-    def faults(self) -> dict[str, str]:
-        """Return what is wrong by key, in the words of the cell file's model and of the drivers' own."""
+    def faults(self, require_drivers: Callable[[Cell], None]) -> dict[str, str]:
+        """Return what is wrong by key, in the words of the cell file's model and of the drivers' own.
+
+        Args:
+            require_drivers: raises ConfigError where a driver is not installed or refuses a setting.
+        """
         data = self.data()
         try:
             cell = Cell.model_validate(data)
         except ValidationError as error:
             return {_dotted(fault["loc"]): fault_text(fault) for fault in reversed(error.errors())}
         try:
-            device_builder(cell, SystemClock())
-            for device in cell.device:
-                further_device(device, SystemClock(), lambda *_: None)
+            require_drivers(cell)
         except ConfigError as error:
             return _driver_fault(str(error))
         return {}

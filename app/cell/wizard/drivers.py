@@ -4,48 +4,26 @@ import re
 from collections.abc import Iterator
 from functools import cache
 from types import NoneType, UnionType
-from typing import Any, Final, Literal, Union, get_args, get_origin
+from typing import Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
+from catseye.app.cell.bench import robot_driver
 from catseye.app.cell.wizard.question import Choice, Question, text_of
+from catseye.drivers.roles.device import DriverClass, Role
 from catseye.drivers.roles.registry import driver_names, load_driver
-
-Role = Literal["robot", "interferometer", "environment", "io", "tracker"]
-
-_ABILITIES: Final[dict[Role, str]] = {
-    "robot": "joints",
-    "interferometer": "zero",
-    "environment": "sample",
-    "io": "door_closed",
-    "tracker": "locate",
-}
-"""A method that only drivers of a role have."""
-
-_WORDS: Final = {
-    "melfa-r3": "MELFA controller as delivered; stands still at every target",
-    "melfa-datalink": "MELFA with program CATSDL: passes targets in one motion",
-    "melfa-mxt": "MELFA with program CATSMXT: streams set points",
-    "line-counter": "counter with text commands; a profile tells them (DISTAX too)",
-    "attocube-ids": "attocube IDS3010 and newer, JSON over TCP",
-    "heidenhain-nd": "display HEIDENHAIN ND 287 and older, serial",
-    "lasertex-hpi": "Lasertex HPI-3D, serial",
-    "umd": "µMD interferometer display, serial",
-    "modbus-air": "Modbus TCP or RTU: Vaisala, Comet, or registers of your own",
-    "vaisala-ascii": "Vaisala PTU300, serial text commands",
-    "modbus-io": "Modbus TCP or RTU: door contact and stack light",
-    "bench-tracker": "the emulated bench's own; there is none for real hardware",
-}
 
 
 @cache
 def drivers_of(role: Role) -> tuple[Choice, ...]:
-    """Return the installed drivers of a role; those of others say of themselves what they are."""
-    return tuple(
-        Choice(name, _WORDS.get(name) or _summary(driver))
-        for name, driver in _installed()
-        if hasattr(driver, _ABILITIES[role])
-    )
+    """Return the installed drivers of a role."""
+    return tuple(Choice(name, driver.summary) for name, driver in _installed() if driver.role == role)
+
+
+def further_endpoint_of(driver: str) -> str:
+    """Return the key of [robot] with the further endpoint of a robot's driver; empty for none."""
+    known = {choice.value for choice in drivers_of("robot")}
+    return robot_driver(driver).abilities.further_endpoint if driver in known else ""
 
 
 def setting_questions(section: str, driver: str, without: frozenset[str]) -> tuple[Question, ...]:
@@ -69,13 +47,8 @@ def setting_questions(section: str, driver: str, without: frozenset[str]) -> tup
 
 
 @cache
-def _installed() -> tuple[tuple[str, Any], ...]:
+def _installed() -> tuple[tuple[str, type[DriverClass]], ...]:
     return tuple((name, load_driver(name)) for name in driver_names())
-
-
-def _summary(driver: Any) -> str:
-    lines = (driver.__doc__ or "").strip().splitlines()
-    return lines[0] if lines else ""
 
 
 def _attributes(model: Any) -> dict[str, str]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from catseye.app.cell.model import CAP_WITHOUT_REASON_PERCENT
-from catseye.app.cell.wizard.drivers import drivers_of, setting_questions
+from catseye.app.cell.wizard.drivers import drivers_of, further_endpoint_of, setting_questions
 from catseye.app.cell.wizard.question import Choice, Question
 
 Answer = Callable[[str], str]
@@ -57,7 +57,7 @@ def _robot(answer: Answer) -> list[Question]:
 
 
 def _controller(answer: Answer) -> list[Question]:
-    further = {"melfa-datalink": "datalink_endpoint", "melfa-mxt": "mxt_endpoint"}.get(answer("robot.driver"))
+    further = further_endpoint_of(answer("robot.driver"))
     following = Question(
         f"robot.{further}",
         "Endpoint of following",

@@ -6,8 +6,8 @@ from catseye.app.results.model import Block, Cell, Column, Paragraph, Table
 from catseye.app.results.numbers import PLAIN, fixed, number
 from catseye.app.results.scara.path_view import model_title
 from catseye.app.results.scara.validation import PathValidation
+from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.standards.circular import Circular, algebraic_centre, circular, least_squares_centre
-from catseye.calibration.types import Bools, Floats
 
 _ROUND = 1e-3
 """A path whose radii differ by less than this share is a circle."""

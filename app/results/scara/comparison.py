@@ -10,9 +10,9 @@ from catseye.app.errors import UsageError
 from catseye.app.files.identified_arm import arm_of, unverified_texts
 from catseye.app.files.result_json import Estimate, MapTable, Result
 from catseye.app.results.numbers import EXPANDED, MDEG_PER_RAD
-from catseye.calibration.error_map import interpolate
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.error_map import interpolate
+from catseye.calibration.scara.identification import IdentifiedArm
 
 _RANGE_DEG = 1e-6
 """Nodes that rounding puts beyond the end of a map belong to it."""

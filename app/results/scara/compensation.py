@@ -7,12 +7,12 @@ import numpy as np
 
 from catseye.app.errors import LimitError
 from catseye.app.files.path_csv import CommandPath, directions_of
-from catseye.calibration.compensation import Compensation, compensate
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.kinematics import forward
-from catseye.calibration.points import Commands
-from catseye.calibration.prediction import predict
-from catseye.calibration.types import Bools, Floats, Ints
+from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.scara.compensation import Compensation, compensate
+from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.points import Commands
+from catseye.calibration.scara.prediction import predict
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.motion.clear_way import refused_target
 from catseye.procedures.scara.motion.approach import Command, Waypoint, with_take_up

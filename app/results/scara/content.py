@@ -10,7 +10,7 @@ from catseye.app.results.runs.records import DeviceRecord, EnvironmentSummary, R
 from catseye.app.results.scara.distance_validation import DistanceValidation
 from catseye.app.results.scara.truth_tables import TruthTables
 from catseye.app.results.scara.validation import PathValidation
-from catseye.calibration.diagnostics.diagnosis import Diagnosis
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
 from catseye.procedures.kit.bench import Bench
 
 

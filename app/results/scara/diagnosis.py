@@ -10,9 +10,9 @@ from scipy import special
 from catseye.app.files.result_json import term_unit
 from catseye.app.results.scara.distances import DistanceSource
 from catseye.app.results.scara.identify import problem_of_rows
-from catseye.calibration.diagnostics.diagnosis import Diagnosis, diagnose
-from catseye.calibration.diagnostics.nested_models import ComparedModel
-from catseye.calibration.fit_statistics import SIGNIFICANCE
+from catseye.calibration.core.significance import SIGNIFICANCE
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
+from catseye.calibration.scara.diagnostics.nested_models import ComparedModel
 
 
 @dataclass(frozen=True)

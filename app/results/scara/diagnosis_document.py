@@ -10,12 +10,12 @@ from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.app.results.scara.diagnosis import coefficients, outlier_limit, outlying
 from catseye.app.results.scara.diagnosis_findings import distance_text, findings
-from catseye.calibration.diagnostics.cross_validation import CrossValidation
-from catseye.calibration.diagnostics.diagnosis import Diagnosis
-from catseye.calibration.diagnostics.harmonics import HarmonicSeries
-from catseye.calibration.diagnostics.joint_angles import AnglePattern
-from catseye.calibration.diagnostics.nested_models import ComparedModel
-from catseye.calibration.diagnostics.node_spacing import Grid, NodeSpacing
+from catseye.calibration.core.cross_validation import CrossValidation
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
+from catseye.calibration.scara.diagnostics.harmonics import HarmonicSeries
+from catseye.calibration.scara.diagnostics.joint_angles import AnglePattern
+from catseye.calibration.scara.diagnostics.nested_models import ComparedModel
+from catseye.calibration.scara.diagnostics.node_spacing import Grid, NodeSpacing
 
 _KINDS = {Sign.GOOD: "good", Sign.BAD: "bad", Sign.NEUTRAL: "note", Sign.ATTENTION: "note"}
 

@@ -8,14 +8,19 @@ from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import MDEG_PER_RAD, listed
 from catseye.app.results.scara.diagnosis import coefficients, outlier_limit, outlying
 from catseye.app.results.scara.names import ANGLES, VARYING
-from catseye.calibration.diagnostics.cross_validation import CrossValidation
-from catseye.calibration.diagnostics.diagnosis import Diagnosis
-from catseye.calibration.diagnostics.drift import Change
-from catseye.calibration.diagnostics.harmonics import Harmonic, HarmonicSeries
-from catseye.calibration.diagnostics.nested_models import CONVENTIONAL, ERROR_MAP, TOGETHER, ComparedModel
-from catseye.calibration.diagnostics.node_spacing import Grid, NodeSpacing
-from catseye.calibration.fit_statistics import SIGNIFICANCE
-from catseye.calibration.types import Floats
+from catseye.calibration.core.cross_validation import CrossValidation
+from catseye.calibration.core.significance import SIGNIFICANCE
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
+from catseye.calibration.scara.diagnostics.drift import Change
+from catseye.calibration.scara.diagnostics.harmonics import Harmonic, HarmonicSeries
+from catseye.calibration.scara.diagnostics.nested_models import (
+    CONVENTIONAL,
+    ERROR_MAP,
+    TOGETHER,
+    ComparedModel,
+)
+from catseye.calibration.scara.diagnostics.node_spacing import Grid, NodeSpacing
 
 _EXPLAINED = "as much as the stated uncertainties account for"
 

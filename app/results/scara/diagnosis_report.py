@@ -7,10 +7,10 @@ from catseye.app.results.numbers import COUNT, PROBABILITY, fixed
 from catseye.app.results.scara.diagnosis import coefficients
 from catseye.app.results.scara.diagnosis_findings import findings
 from catseye.app.results.scara.figures.diagnosis import diagnosis_figures
-from catseye.calibration.diagnostics.cross_validation import CrossValidation
-from catseye.calibration.diagnostics.diagnosis import Diagnosis
-from catseye.calibration.diagnostics.nested_models import ComparedModel
-from catseye.calibration.diagnostics.node_spacing import Grid
+from catseye.calibration.core.cross_validation import CrossValidation
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
+from catseye.calibration.scara.diagnostics.nested_models import ComparedModel
+from catseye.calibration.scara.diagnostics.node_spacing import Grid
 
 _UM, _CRITERION = fixed(2), fixed(1)
 _NOT_IDENTIFIABLE = "not identifiable"

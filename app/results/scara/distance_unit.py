@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 
 from catseye.app.errors import UsageError
-from catseye.calibration.kinematics import forward
-from catseye.calibration.points import Points
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.points import Points
 from catseye.procedures.kit.bench import Bench
 
 _UNITS = {1e3: "µm", 0.1: "cm", 1e-3: "m", 1.0 / 25.4: "inches", 25.4: "mm that were taken for inches"}

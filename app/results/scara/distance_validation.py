@@ -5,13 +5,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from catseye.app.errors import UsageError
-from catseye.calibration.arm import arm_design
-from catseye.calibration.distance_model import DistanceModel
-from catseye.calibration.errors import InsufficientPointsError
-from catseye.calibration.identification import Identification, beam_turn_rad
-from catseye.calibration.points import Points
-from catseye.calibration.prediction import inside_range
-from catseye.calibration.types import Bools, Floats, Ints
+from catseye.calibration.core.errors import InsufficientPointsError
+from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.scara.arm import arm_design
+from catseye.calibration.scara.distance_model import DistanceModel
+from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.pointing import beam_turn_rad
+from catseye.calibration.scara.points import Points
+from catseye.calibration.scara.prediction import inside_range
 
 _FEWEST = 3
 """Distances of a segment: its dead path is fitted, so that one alone agrees with any model, and two with most."""

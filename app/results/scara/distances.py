@@ -9,11 +9,11 @@ from catseye.app.errors import UsageError
 from catseye.app.files.points_csv import PointRow, read_points_csv, to_points
 from catseye.app.results.scara.distance_unit import require_millimetres
 from catseye.app.results.scara.identify import bench_of_runs, cell_of_run, error_budget, run_rows
-from catseye.app.runs_folder import runs_folder
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader, accept
+from catseye.app.store.runs_folder import runs_folder
 from catseye.app.store.unverified import taken_as_it_is
-from catseye.calibration.uncertainty.budget import Budget
+from catseye.calibration.scara.budget import Budget
 from catseye.procedures.kit.bench import Bench
 
 

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 
 from catseye.app.errors import UsageError
-from catseye.calibration.extension import Term, crosstalk, j4_map, periodic, thermal_drift
+from catseye.calibration.scara.extension import Term, crosstalk, j4_map, periodic, thermal_drift
 
 _PERIODIC = re.compile(r"periodic([12]):([0-9]{1,4})")
 _HIGHEST_ORDER = 2000

@@ -7,7 +7,7 @@ from catseye.app.results.origin import now_utc
 from catseye.app.results.scara.content import ReportContent
 from catseye.app.results.scara.run_report import run_report
 from catseye.app.results.scara.validation_of_files import FileValidation
-from catseye.app.version import SOFTWARE
+from catseye.app.store.software import SOFTWARE
 
 
 def file_validation_report(found: FileValidation, measured: str) -> Report:

@@ -19,7 +19,7 @@ from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.app.results.scara.residuals import reference
 from catseye.app.results.scara.reversal import reversal_mdeg
 from catseye.app.results.scara.robust import robust_text
-from catseye.calibration.fit_statistics import SIGNIFICANCE
+from catseye.calibration.core.significance import SIGNIFICANCE
 
 _SIGNED = fixed(1, signed=True)
 

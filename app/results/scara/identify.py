@@ -9,19 +9,19 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from catseye.app.aim import find_aim
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import RECORD, Cell
 from catseye.app.errors import UsageError
 from catseye.app.files.points_csv import PointRow, to_points
 from catseye.app.files.result_json import Result, result_of
+from catseye.app.store.aim import find_aim
 from catseye.app.store.reader import RunReader
-from catseye.app.version import SOFTWARE
-from catseye.calibration.diagnostics.problem import Problem
-from catseye.calibration.extension import Term
-from catseye.calibration.identification import Identification
-from catseye.calibration.layout import ModelName
-from catseye.calibration.uncertainty.budget import Budget
+from catseye.app.store.software import SOFTWARE
+from catseye.calibration.scara.budget import Budget
+from catseye.calibration.scara.diagnostics.problem import Problem
+from catseye.calibration.scara.extension import Term
+from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.layout import ModelName
 from catseye.procedures.kit.bench import Bench, Reflector
 
 _SAME_PLACE_MM = 2.0

@@ -5,10 +5,10 @@ from typing import Literal
 
 import numpy as np
 
-from catseye.calibration.extension import Source, term_values
-from catseye.calibration.identification import IdentifiedArm
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.extension import Source, term_values
+from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.standards.iso230_2 import Uncertain, systematic_of_map
-from catseye.calibration.types import Floats
 
 ARCSEC_PER_MDEG = 3.6
 

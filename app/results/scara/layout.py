@@ -6,9 +6,9 @@ import numpy as np
 
 from catseye.app.files.identified_arm import nominal_of
 from catseye.app.files.result_json import Residuals, Result
-from catseye.calibration.kinematics import forward
-from catseye.calibration.pointing import visible
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.pointing import visible
 from catseye.procedures.kit.bench import Bench, Reflector
 
 

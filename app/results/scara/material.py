@@ -7,7 +7,7 @@ from catseye.app.cell.model import Material as MaterialSection
 from catseye.app.files.result_json import Estimate, Result
 from catseye.app.results.scara.identify import cell_of_run
 from catseye.app.store.reader import RunReader
-from catseye.calibration.expansion import Material, at_reference
+from catseye.calibration.standards.expansion import Material, at_reference
 
 
 def with_reference_links(result: Result, readers: Sequence[RunReader]) -> Result:

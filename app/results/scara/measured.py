@@ -10,9 +10,9 @@ from catseye.app.files.measured_csv import read_measured_csv
 from catseye.app.files.path_csv import cartesian_commands, require_reach
 from catseye.app.results.scara.path_start import against_start, start_text
 from catseye.app.results.scara.validation import FEWEST_ROWS, TAKE_UP_DEG, PathMeasurement, established_rows
-from catseye.calibration.kinematics import Hand, forward
-from catseye.calibration.points import Commands
-from catseye.calibration.types import Floats, Ints
+from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.scara.planar import Hand, forward
+from catseye.calibration.scara.points import Commands
 from catseye.procedures.kit.context import MeasuredPoint
 from catseye.procedures.scara.path.measured_path import misplaced, uncertainty_fault
 

@@ -1,7 +1,7 @@
 """A measurement whose frame is left-handed: told by what remains when x and y are exchanged."""
 
 from catseye.app.results.scara.validation import PathValidation
-from catseye.calibration.comparison import compare
+from catseye.calibration.scara.comparison import compare
 
 _CLEARLY = 0.5
 """A mirrored measurement that leaves less than this share is no accident."""

@@ -22,8 +22,8 @@ from catseye.app.results.scara.path_rows import distance_path, holds_distances, 
 from catseye.app.results.scara.validation import PathValidation, validate_on_path
 from catseye.app.store.catalog import list_runs
 from catseye.app.store.reader import Accept, RunReader
-from catseye.calibration.errors import CalibrationError
-from catseye.calibration.identification import Identification
+from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.scara.identification import Identification
 from catseye.procedures.kit.bench import Bench
 
 

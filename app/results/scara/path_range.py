@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.points import Commands
-from catseye.calibration.prediction import inside_nodes, inside_range
-from catseye.calibration.types import Bools
+from catseye.calibration.core.types import Bools
+from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.points import Commands
+from catseye.calibration.scara.prediction import inside_nodes, inside_range
 
 _FEW = 8
 """Stretches of lines that a sentence lists."""

@@ -9,8 +9,8 @@ from catseye.app.errors import UsageError
 from catseye.app.results.scara.distance_validation import DistancePath
 from catseye.app.results.scara.validation import PathMeasurement, established_rows
 from catseye.app.store.reader import RunReader
-from catseye.calibration.points import Commands, Points
-from catseye.calibration.types import Bools, Floats, Ints
+from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.scara.points import Commands, Points
 
 
 def path_measurement(reader: RunReader, take_up_deg: float) -> PathMeasurement:

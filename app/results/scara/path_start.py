@@ -3,8 +3,8 @@
 import numpy as np
 
 from catseye.app.files.path_csv import STANDS_STILL_RAD
-from catseye.calibration.points import Commands
-from catseye.calibration.types import Bools, Floats, Ints
+from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.scara.points import Commands
 
 
 def against_start(commands: Commands) -> Bools:

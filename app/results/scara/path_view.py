@@ -8,7 +8,7 @@ from catseye.app.files.result_json import MapTable, Result
 from catseye.app.results.numbers import PLAIN, number
 from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.app.results.scara.validation import ModelOnPath, PathMeasurement, PathValidation
-from catseye.calibration.types import Bools, Floats
+from catseye.calibration.core.types import Bools, Floats
 
 _STRAIGHT = 0.01
 """A path that leaves a line by less than this share of its length counts as straight."""

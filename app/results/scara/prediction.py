@@ -12,8 +12,8 @@ from catseye.app.results.numbers import counted
 from catseye.app.results.scara.path_range import lines_text, outside_text
 from catseye.app.results.scara.path_start import start_text
 from catseye.app.results.scara.validation import TAKE_UP_DEG, established_rows
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.prediction import Prediction, predict
+from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.prediction import Prediction, predict
 
 
 @dataclass(frozen=True)

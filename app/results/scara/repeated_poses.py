@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.app.results.scara.validation import ModelOnPath, PathMeasurement
+from catseye.calibration.core.types import Floats
 from catseye.calibration.standards.iso9283 import PoseQuantities, pose
-from catseye.calibration.types import Floats
 
 _SAME_RAD = 1e-7
 """Commands that differ by less are one and the same pose."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.app.files.result_json import Fit, Residuals
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
 
 
 @dataclass(frozen=True)

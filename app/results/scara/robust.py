@@ -1,11 +1,12 @@
 """Identification with a robust loss, or without the distances that cannot belong to the others."""
 
 from catseye.app.files.result_json import RobustPart
-from catseye.calibration.diagnostics.problem import Problem
-from catseye.calibration.diagnostics.rejection import reject
-from catseye.calibration.diagnostics.robust import Loss, robust_fit
-from catseye.calibration.identification import Identification
-from catseye.calibration.uncertainty.contributions import Contributions
+from catseye.calibration.core.contributions import Contributions
+from catseye.calibration.core.robust import Loss
+from catseye.calibration.scara.diagnostics.problem import Problem
+from catseye.calibration.scara.diagnostics.rejection import reject
+from catseye.calibration.scara.diagnostics.robust import robust_fit
+from catseye.calibration.scara.identification import Identification
 
 LOSSES: dict[str, Loss] = {"huber": "huber", "soft-l1": "soft-l1"}
 """Losses by the words of the command line; least squares is none of them."""

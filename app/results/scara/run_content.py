@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from catseye.app.aim import search_result
 from catseye.app.cell.model import Cell
 from catseye.app.files.documents import LARGEST_RESULT_BYTES, read_document
 from catseye.app.files.result_json import Result, read_result
@@ -36,12 +35,13 @@ from catseye.app.results.scara.truth import gauge_turn_rad, turned_places
 from catseye.app.results.scara.truth_tables import TruthMap, TruthTables
 from catseye.app.results.scara.uncertainty import by_jacobian
 from catseye.app.results.scara.validation import PathValidation
+from catseye.app.store.aim import search_result
 from catseye.app.store.reader import RunReader
 from catseye.app.store.seal import read_manifest
-from catseye.app.version import SOFTWARE
-from catseye.calibration.diagnostics.diagnosis import Diagnosis, diagnose
-from catseye.calibration.errors import CalibrationError
-from catseye.calibration.identification import Identification
+from catseye.app.store.software import SOFTWARE
+from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
+from catseye.calibration.scara.identification import Identification
 
 _MEASURED_WITH = ("python", "numpy", "sqlite", "platform")
 

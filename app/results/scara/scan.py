@@ -10,9 +10,9 @@ from catseye.app.files.scan_part import scan_part
 from catseye.app.files.spooled_points import spooled_points
 from catseye.app.results.scara.distance_unit import require_millimetres
 from catseye.app.results.scara.identify import identified_result
-from catseye.calibration.extension import Term
-from catseye.calibration.layout import ModelName
-from catseye.calibration.scans.scan_identification import identify_scan
+from catseye.calibration.scara.extension import Term
+from catseye.calibration.scara.layout import ModelName
+from catseye.calibration.scara.scans.scan_identification import identify_scan
 from catseye.procedures.kit.bench import Bench
 
 SCAN_ROWS = 100_000

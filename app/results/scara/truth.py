@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from catseye.app.results.numbers import MDEG_PER_RAD
-from catseye.calibration.identification import Identification
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.identification import Identification
 
 
 @dataclass(frozen=True)

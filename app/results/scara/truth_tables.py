@@ -10,7 +10,7 @@ from catseye.app.files.result_json import Estimate, MapTable, Result
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import EXPANDED, SHARE_EXPECTED, fixed, number
 from catseye.app.results.scara.names import node_name
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.app.cluster.sharing import Share
+from catseye.app.cluster.share import Share
 from catseye.app.errors import UsageError
 from catseye.app.files.result_json import term_unit
 from catseye.app.files.uncertainty_part import (
@@ -20,13 +20,20 @@ from catseye.app.files.uncertainty_part import (
 )
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import MDEG_PER_RAD
-from catseye.calibration.identification import Identification
-from catseye.calibration.layout import Layout
-from catseye.calibration.types import Floats
-from catseye.calibration.uncertainty.arm_draws import CHUNK, chunks, joined, solve_chunk, with_draws
-from catseye.calibration.uncertainty.contributions import Contributions, contributions
-from catseye.calibration.uncertainty.coverage import Interval, fewest_draws, shortest_interval, validate
-from catseye.calibration.uncertainty.gum import correlation, coverage_factor
+from catseye.calibration.core.contributions import Contributions
+from catseye.calibration.core.coverage import (
+    Interval,
+    correlation,
+    coverage_factor,
+    fewest_draws,
+    shortest_interval,
+    validate,
+)
+from catseye.calibration.core.draws import CHUNK, joined, solve_chunk
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.layout import Layout
+from catseye.calibration.scara.uncertainty import chunks, contributions, with_draws
 
 COVERAGE = 0.95
 """Probability that an interval of the result holds its parameter."""

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.agreement import Agreement, agreement
-from catseye.calibration.comparison import Comparison, compare
-from catseye.calibration.errors import InsufficientPointsError
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.points import Commands
-from catseye.calibration.prediction import Prediction, position_effects, predict
-from catseye.calibration.types import Bools, Floats, Ints
+from catseye.calibration.core.errors import InsufficientPointsError
+from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.scara.agreement import Agreement, agreement
+from catseye.calibration.scara.comparison import Comparison, compare
+from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.points import Commands
+from catseye.calibration.scara.prediction import Prediction, position_effects, predict
 
 
 @dataclass(frozen=True)

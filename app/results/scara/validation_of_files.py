@@ -14,8 +14,8 @@ from catseye.app.results.scara.mirrored import mirrored_text
 from catseye.app.results.scara.path_range import lines_text, outside_text
 from catseye.app.results.scara.repeated_poses import RepeatedPoses, repeated_poses
 from catseye.app.results.scara.validation import TAKE_UP_DEG, PathValidation, validate_on_path
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.kinematics import Hand
+from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.planar import Hand
 
 
 @dataclass(frozen=True)

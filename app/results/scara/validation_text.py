@@ -6,7 +6,7 @@ from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import probability_text
 from catseye.app.results.scara.path_view import model_title, path_axis
 from catseye.app.results.scara.validation import ModelOnPath, PathValidation
-from catseye.calibration.types import Bools
+from catseye.calibration.core.types import Bools
 
 _BETTER = 0.8
 """An error map that leaves more than this share of the conventional model's error has not earned its keep."""

@@ -8,7 +8,7 @@ from catseye.app.files.result_json import Estimate, MapTable, Result
 from catseye.app.results.model import Column, Quantity, Table
 from catseye.app.results.numbers import EXPANDED, OF_UNIT, fixed
 from catseye.app.results.scara.names import node_name
-from catseye.calibration.extension import Term
+from catseye.calibration.scara.extension import Term
 
 Unit = Literal["mm", "mdeg", "µm"]
 Kind = Literal["arm", "map", "reflector", "dead path"]

@@ -20,5 +20,5 @@ def applicable(candidate: Candidate) -> list[Check]:
 
 def not_applicable(candidate: Candidate) -> dict[str, str]:
     """Return the checks of a driver's kind that do not apply to it, with the reason."""
-    own = [check for check in ALL if candidate.kind in check.kinds]
+    own = [check for check in ALL if candidate.role in check.roles]
     return {check.name: reason for check in own if (reason := check.obstacle(candidate)) is not None}

@@ -5,8 +5,9 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Literal
 
-from catseye.app.testing.candidate import KINDS, Candidate, Kind
+from catseye.app.testing.candidate import Candidate
 from catseye.app.testing.trial import NotConformingError, Trial, trial_of
+from catseye.drivers.roles.device import ROLES, Role
 
 Need = Literal["proxy", "bench", "motion"]
 
@@ -29,7 +30,7 @@ class Check:
     """
 
     body: Callable[[Trial], Awaitable[None]]
-    kinds: tuple[Kind, ...] = KINDS
+    roles: tuple[Role, ...] = ROLES
     needs: tuple[Need, ...] = ()
 
     @property
@@ -39,8 +40,8 @@ class Check:
 
     def obstacle(self, candidate: Candidate) -> str | None:
         """Return why the check does not apply to a driver; None when it does."""
-        if candidate.kind not in self.kinds:
-            return f"concerns {' and '.join(self.kinds)} drivers"
+        if candidate.role not in self.roles:
+            return f"concerns {' and '.join(self.roles)} drivers"
         present: dict[Need, bool] = {
             "proxy": candidate.has_proxy,
             "bench": candidate.emulated,

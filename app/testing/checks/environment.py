@@ -4,12 +4,12 @@ import contextlib
 import math
 from typing import Any
 
-from catseye.app.testing.candidate import Kind
 from catseye.app.testing.checks.check import Check
 from catseye.app.testing.trial import Trial, expect
+from catseye.drivers.roles.device import Role
 from catseye.drivers.roles.errors import DeviceError
 
-_KINDS: tuple[Kind, ...] = ("environment",)
+_ROLES: tuple[Role, ...] = ("environment",)
 _QUANTITIES = ("temperature_c", "pressure_hpa", "humidity_percent")
 _WARMER_K = 5.0
 
@@ -78,8 +78,8 @@ def _check_warmer(before: Any, after: Any) -> None:
 
 
 CHECKS = (
-    Check(samples_are_numbers_or_none, _KINDS),
-    Check(a_missing_value_is_none, _KINDS, ("bench",)),
-    Check(samples_are_of_now, _KINDS, ("bench",)),
-    Check(a_late_answer_belongs_to_no_question, _KINDS, ("bench", "proxy")),
+    Check(samples_are_numbers_or_none, _ROLES),
+    Check(a_missing_value_is_none, _ROLES, ("bench",)),
+    Check(samples_are_of_now, _ROLES, ("bench",)),
+    Check(a_late_answer_belongs_to_no_question, _ROLES, ("bench", "proxy")),
 )

@@ -5,12 +5,12 @@ import contextlib
 import math
 from typing import Any
 
-from catseye.app.testing.candidate import Kind
 from catseye.app.testing.checks.check import Check
 from catseye.app.testing.trial import Trial, expect
+from catseye.drivers.roles.device import Role
 from catseye.drivers.roles.errors import DeviceError
 
-_KINDS: tuple[Kind, ...] = ("interferometer",)
+_ROLES: tuple[Role, ...] = ("interferometer",)
 _SHIFT_MM = 0.5
 _SAME_MM = 0.01
 _REFLECTOR = "P2"
@@ -21,7 +21,7 @@ _INTERRUPTION_S = 0.02
 
 async def it_says_who_corrects_for_the_air(trial: Trial) -> None:
     """`compensated` says `none` or `instrument`, so that nothing is corrected twice."""
-    said = getattr(trial.new_driver(), "compensated", None)
+    said = trial.new_driver().compensated
     expect(said in {"none", "instrument"}, f"compensated is {said!r}, it has to be 'none' or 'instrument'")
 
 
@@ -32,10 +32,11 @@ async def status_and_reading_agree(trial: Trial) -> None:
         expect(math.isfinite(reading.displacement_mm), f"displacement_mm is {reading.displacement_mm!r}")
         expect(math.isfinite(reading.time_s), f"time_s is {reading.time_s!r}")
         expect(0.0 <= status.signal <= 1.0, f"the signal is {status.signal!r}, it has to lie in 0...1")
-        for name in ("beam_ok", "beam_lost", "overspeed", "laser_ready"):
-            value = getattr(status, name)
-            expect(isinstance(value, bool), f"status().{name} is {value!r}, it has to be True or False")
-        same = getattr(reading, "zero_id", 0) == getattr(status, "zero_id", 0)
+        flags = (status.beam_ok, status.beam_lost, status.overspeed, status.laser_ready)
+        expect(
+            all(isinstance(flag, bool) for flag in flags), f"every flag of {status!r} has to be True or False"
+        )
+        same = reading.zero_id == status.zero_id
         expect(same, f"read() and status() tell of different zeros: {reading!r}, {status!r}")
 
 
@@ -48,9 +49,7 @@ async def zeros_are_numbered(trial: Trial) -> None:
             f"the numbers of three zeros are {numbers}: they have to increase",
         )
         reading = await trial.ask(driver)
-        expect(
-            getattr(reading, "zero_id", numbers[-1]) == numbers[-1], f"{reading!r} after zero {numbers[-1]}"
-        )
+        expect(reading.zero_id == numbers[-1], f"{reading!r} after zero {numbers[-1]}")
 
 
 async def a_zero_makes_the_count_zero(trial: Trial) -> None:
@@ -119,8 +118,8 @@ async def a_beam_lost_between_two_questions_is_seen(trial: Trial) -> None:
         await _zero(trial, driver)
         trial.device.fault("block_beam")
         # A stream shows a break only in the samples that fall into it.
-        until_s = trial.device.state()["time_s"] + _INTERRUPTION_S
-        while trial.device.state()["time_s"] < until_s:  # noqa: ASYNC110  # the bench tells its time only when asked
+        until_s = trial.device.state().time_s + _INTERRUPTION_S
+        while trial.device.state().time_s < until_s:  # noqa: ASYNC110  # the bench tells its time only when asked
             await asyncio.sleep(0)
         trial.device.clear_faults()
         status = await _status_with(trial, driver, beam_ok=True)
@@ -160,11 +159,11 @@ async def _zero(trial: Trial, driver: Any) -> int:
 
 def _shift(trial: Trial, along_mm: float) -> float:
     """Move the reflector along the beam; return by how much the beam has grown."""
-    beam = trial.device.state()["beam"]
-    way_rad = math.radians(beam["direction_deg"])
+    beam = trial.device.state().beam
+    way_rad = math.radians(beam.direction_deg)
     shift = {"dx_mm": along_mm * math.cos(way_rad), "dy_mm": along_mm * math.sin(way_rad)}
     trial.device.fault("move_reflector", reflector=_REFLECTOR, **shift)
-    return float(trial.device.state()["beam"]["length_mm"]) - float(beam["length_mm"])
+    return trial.device.state().beam.length_mm - beam.length_mm
 
 
 async def _expect_mm(trial: Trial, driver: Any, right_mm: float, when: str) -> None:
@@ -189,14 +188,14 @@ async def _status_with(trial: Trial, driver: Any, *, beam_ok: bool) -> Any:
 
 
 CHECKS = (
-    Check(it_says_who_corrects_for_the_air, _KINDS),
-    Check(status_and_reading_agree, _KINDS),
-    Check(zeros_are_numbered, _KINDS),
-    Check(a_zero_makes_the_count_zero, _KINDS, ("bench",)),
-    Check(the_displacement_grows_with_the_beam, _KINDS, ("bench",)),
-    Check(a_late_answer_belongs_to_no_question, _KINDS, ("bench", "proxy")),
-    Check(a_lost_beam_is_latched_until_the_next_zero, _KINDS, ("bench",)),
-    Check(a_beam_lost_between_two_questions_is_seen, _KINDS, ("bench",)),
-    Check(a_new_link_counts_as_a_lost_beam, _KINDS, ("proxy",)),
-    Check(no_zero_without_a_beam, _KINDS, ("bench",)),
+    Check(it_says_who_corrects_for_the_air, _ROLES),
+    Check(status_and_reading_agree, _ROLES),
+    Check(zeros_are_numbered, _ROLES),
+    Check(a_zero_makes_the_count_zero, _ROLES, ("bench",)),
+    Check(the_displacement_grows_with_the_beam, _ROLES, ("bench",)),
+    Check(a_late_answer_belongs_to_no_question, _ROLES, ("bench", "proxy")),
+    Check(a_lost_beam_is_latched_until_the_next_zero, _ROLES, ("bench",)),
+    Check(a_beam_lost_between_two_questions_is_seen, _ROLES, ("bench",)),
+    Check(a_new_link_counts_as_a_lost_beam, _ROLES, ("proxy",)),
+    Check(no_zero_without_a_beam, _ROLES, ("bench",)),
 )

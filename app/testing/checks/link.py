@@ -28,10 +28,11 @@ async def connect_tells_who_answers(trial: Trial) -> None:
         identity = await trial.in_time(driver.connect(), "connect()")
     finally:
         await driver.close()
-    for name in ("model", "firmware", "serial"):
-        expect(
-            isinstance(getattr(identity, name, None), str), f"the identity has no text {name!r}: {identity!r}"
-        )
+    texts = (identity.model, identity.firmware, identity.serial)
+    expect(
+        all(isinstance(text, str) for text in texts),
+        f"model, firmware and serial have to be texts: {identity!r}",
+    )
     expect(bool(identity.model), "the identity's model is empty: say what answers, or what it was taken for")
     expect(isinstance(identity.simulated, bool), "the identity's `simulated` has to be True or False")
     if trial.candidate.emulated:

@@ -10,12 +10,12 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
-from catseye.app.testing.candidate import Kind
 from catseye.app.testing.checks.check import Check
 from catseye.app.testing.trial import Trial, expect
+from catseye.drivers.roles.device import Role
 from catseye.drivers.roles.errors import DeviceError
 
-_KINDS: tuple[Kind, ...] = ("robot",)
+_ROLES: tuple[Role, ...] = ("robot",)
 _OVERRIDE_PERCENT = 1.0
 _WAY_DEG = 3.0
 _UNDER_WAY_S = 0.2
@@ -30,9 +30,10 @@ async def status_tells_the_state(trial: Trial) -> None:
     """`status` has the fields of a controller's state, and `joints` four finite numbers."""
     async with trial.connected() as driver:
         status = await trial.in_time(driver.status(), "status()")
-        for name in ("servo_on", "running", "emergency_stop", "teach_mode"):
-            value = getattr(status, name)
-            expect(isinstance(value, bool), f"status().{name} is {value!r}, it has to be True or False")
+        flags = (status.servo_on, status.running, status.emergency_stop, status.teach_mode)
+        expect(
+            all(isinstance(flag, bool) for flag in flags), f"every flag of {status!r} has to be True or False"
+        )
         expect(math.isfinite(status.override_percent), f"override_percent is {status.override_percent!r}")
         expect(isinstance(status.alarm_number, int), f"alarm_number is {status.alarm_number!r}; 0 means none")
         joints = await trial.ask(driver)
@@ -45,7 +46,7 @@ async def connecting_moves_nothing(trial: Trial) -> None:
         await trial.in_time(driver.status(), "status()")
         await trial.ask(driver)
         state = trial.device.state()
-        expect(not state["servo"], "the drives are on after connect(): wait for servo(on=True)")
+        expect(not state.servo, "the drives are on after connect(): wait for servo(on=True)")
         expect(trial.motions() == [], f"the arm has moved after connect(): {trial.motions()}")
 
 
@@ -63,7 +64,7 @@ async def a_motion_arrives(trial: Trial) -> None:
             expect(len(trial.motions()) == 1, f"one motion was asked for, the arm did {trial.motions()}")
             # The last set point of a stream may end with its cycle.
             await asyncio.sleep(_SETTLE_S)
-            expect(not trial.device.state()["moving"], "move_joints() has returned, and the arm still moves")
+            expect(not trial.device.state().moving, "move_joints() has returned, and the arm still moves")
 
 
 async def stop_ends_a_motion(trial: Trial) -> None:
@@ -127,7 +128,7 @@ async def stop_works_on_a_broken_link(trial: Trial) -> None:
         trial.drop()
         await trial.in_time(driver.stop(), "stop()")
         await _ended(trial, moving)
-        expect(not trial.device.state()["moving"], "stop() has returned, and the arm still moves")
+        expect(not trial.device.state().moving, "stop() has returned, and the arm still moves")
 
 
 async def targets_beyond_the_limits_are_refused(trial: Trial) -> None:
@@ -225,16 +226,16 @@ def _aside(joints: tuple[float, ...]) -> tuple[float, ...]:
 
 
 CHECKS = (
-    Check(status_tells_the_state, _KINDS),
-    Check(connecting_moves_nothing, _KINDS, ("bench",)),
-    Check(a_motion_arrives, _KINDS, ("motion",)),
-    Check(stop_ends_a_motion, _KINDS, ("motion",)),
-    Check(a_cancelled_motion_is_stopped, _KINDS, ("motion",)),
-    Check(stop_at_rest_is_harmless, _KINDS, ("motion",)),
-    Check(a_lost_answer_never_repeats_a_motion, _KINDS, ("bench", "proxy")),
-    Check(stop_works_on_a_broken_link, _KINDS, ("bench", "proxy")),
-    Check(targets_beyond_the_limits_are_refused, _KINDS, ("bench",)),
-    Check(a_target_that_is_no_number_is_refused, _KINDS, ("motion",)),
-    Check(overrides_out_of_range_are_refused, _KINDS, ("motion",)),
-    Check(an_alarm_is_told, _KINDS, ("bench",)),
+    Check(status_tells_the_state, _ROLES),
+    Check(connecting_moves_nothing, _ROLES, ("bench",)),
+    Check(a_motion_arrives, _ROLES, ("motion",)),
+    Check(stop_ends_a_motion, _ROLES, ("motion",)),
+    Check(a_cancelled_motion_is_stopped, _ROLES, ("motion",)),
+    Check(stop_at_rest_is_harmless, _ROLES, ("motion",)),
+    Check(a_lost_answer_never_repeats_a_motion, _ROLES, ("bench", "proxy")),
+    Check(stop_works_on_a_broken_link, _ROLES, ("bench", "proxy")),
+    Check(targets_beyond_the_limits_are_refused, _ROLES, ("bench",)),
+    Check(a_target_that_is_no_number_is_refused, _ROLES, ("motion",)),
+    Check(overrides_out_of_range_are_refused, _ROLES, ("motion",)),
+    Check(an_alarm_is_told, _ROLES, ("bench",)),
 )

@@ -2,15 +2,28 @@
 
 import inspect
 import re
-from typing import Any
+from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 
-from catseye.app.testing.candidate import METHODS
 from catseye.app.testing.checks.check import Check
 from catseye.app.testing.trial import Trial, expect
+from catseye.drivers.roles.air import AirSensor
 from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.device import Role
 from catseye.drivers.roles.errors import DeviceError
+from catseye.drivers.roles.interferometer import Interferometer
+from catseye.drivers.roles.io import Io
+from catseye.drivers.roles.robot import Robot
+from catseye.drivers.roles.tracker import Tracker
+
+_PROTOCOLS: Final[dict[Role, type[Any]]] = {
+    "robot": Robot,
+    "interferometer": Interferometer,
+    "environment": AirSensor,
+    "tracker": Tracker,
+    "io": Io,
+}
 
 _UNITS = "s|ms|us|mm|um|nm|pm|m|deg|mdeg|rad|mm_s|deg_s|mm_s2|deg_s2|hz|khz|c|k|hpa|pa|kpa|percent|permille|ppm|v|a|w"
 _WITH_UNIT = re.compile(rf"(?:^|_)(?:{_UNITS})$")
@@ -33,9 +46,20 @@ async def at_makes_a_driver_and_opens_nothing(trial: Trial) -> None:
     expect(trial.connections == 0, "at() has opened a link: open it in connect()")
 
 
+async def the_class_is_one_of_its_role(trial: Trial) -> None:
+    """The class subclasses its role, implements all that the role requires, and has a summary for the wizard."""
+    driver, role = trial.candidate.driver, _PROTOCOLS[trial.candidate.role]
+    expect(role in driver.__mro__, f"the class does not subclass {role.__module__}.{role.__name__}")
+    missing = sorted(driver.__abstractmethods__)
+    expect(not missing, f"the role {trial.candidate.role} requires {', '.join(missing)} too")
+    expect(
+        isinstance(driver.summary, str) and bool(driver.summary), "summary has to say maker, model and link"
+    )
+
+
 async def settings_are_a_strict_closed_model(trial: Trial) -> None:
     """`Settings` is a pydantic model that takes no unknown key and converts no type."""
-    model = getattr(trial.candidate.driver, "Settings", None)
+    model: object = trial.candidate.driver.Settings
     expect(
         isinstance(model, type) and issubclass(model, BaseModel), "the class has no pydantic model `Settings`"
     )
@@ -79,12 +103,11 @@ async def a_wrong_endpoint_is_told(trial: Trial) -> None:
 
 
 async def methods_are_coroutines_with_docstrings(trial: Trial) -> None:
-    """The methods of the kind are there, are coroutines and, as all public ones, say what they do."""
-    driver = trial.candidate.driver
-    for name in ("connect", "close", *METHODS[trial.candidate.kind]):
-        method = getattr(driver, name, None)
-        expect(inspect.iscoroutinefunction(method), f"{name} has to be a coroutine method (async def)")
+    """The methods of the role are coroutines and, as all public ones, say what they do."""
+    driver, role = trial.candidate.driver, _PROTOCOLS[trial.candidate.role]
     for name, member in inspect.getmembers(driver, inspect.isroutine):
+        if inspect.iscoroutinefunction(vars(role).get(name)):
+            expect(inspect.iscoroutinefunction(member), f"{name} has to be a coroutine method (async def)")
         if name.startswith("_"):
             continue
         line = (inspect.getdoc(member) or "").split("\n")[0]
@@ -116,6 +139,7 @@ def _has_unit(name: str) -> bool:
 
 
 CHECKS = (
+    Check(the_class_is_one_of_its_role),
     Check(at_makes_a_driver_and_opens_nothing),
     Check(settings_are_a_strict_closed_model),
     Check(settings_are_described_with_units),

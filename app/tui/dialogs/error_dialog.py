@@ -13,7 +13,7 @@ class ErrorDialog(MessageDialog):
 
     Args:
         title: what could not be done.
-        text: cause and remedy, as the engine or a command told them.
+        text: cause and remedy, as the engine or a command has given them.
     """
 
     DEFAULT_CSS = """
@@ -28,7 +28,7 @@ class ErrorDialog(MessageDialog):
     """
 
     @property
-    def told(self) -> tuple[str, str]:
+    def shown(self) -> tuple[str, str]:
         """Title and text."""
         return self._title, self._text
 

@@ -11,7 +11,7 @@ class MessageDialog(ModalScreen[None]):
 
     Args:
         title: what it is about.
-        text: what is told.
+        text: what is shown.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [

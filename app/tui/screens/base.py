@@ -1,48 +1,46 @@
-"""What all main screens share: status above, stop bar and keys below, a body that shows the picture."""
+"""What all main screens share: status above, stop bar and keys below, a body that shows the engine's state."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar, cast
+from typing import ClassVar, cast
 
 from textual.app import ComposeResult, SystemCommand
 from textual.containers import Vertical
 from textual.screen import Screen
 from textual.worker import Worker, WorkerState
 
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.program import Program
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.key_line import KeyLine
-from catseye.app.tui.widgets.place_bar import PlaceBar
+from catseye.app.tui.widgets.screen_bar import ScreenBar
 from catseye.app.tui.widgets.status_bar import StatusBar
 from catseye.app.tui.widgets.stop_bar import StopBar
 
-if TYPE_CHECKING:
-    from catseye.app.tui.app import CatseyeApp
-
 
 class MainScreen(Screen[None]):
-    """A main screen. A subclass gives `PLACE`, `body` and `show_picture`.
+    """A main screen. A subclass gives `SCREEN`, `body` and `show_state`.
 
     Args:
         session: link, work and places; the same for all screens.
     """
 
-    PLACE: ClassVar[str]
-    """Name of this screen in `catseye.app.tui.places`."""
+    SCREEN: ClassVar[str]
+    """Name of this screen in `catseye.app.tui.main_screens`."""
 
     def __init__(self, session: Session) -> None:
         super().__init__()
         self.session = session
 
     @property
-    def catseye(self) -> "CatseyeApp":
+    def catseye(self) -> Program:
         """The program: it gives orders to the engine and shows errors."""
-        return cast("CatseyeApp", self.app)
+        return cast("Program", self.app)
 
     def compose(self) -> ComposeResult:
         """Put status, body, stop bar and keys together."""
         with Vertical(id="head"):
             yield StatusBar()
-            yield PlaceBar(self.PLACE)
+            yield ScreenBar(self.SCREEN)
         yield from self.body()
         with Vertical(id="foot"):
             yield StopBar()
@@ -63,25 +61,25 @@ class MainScreen(Screen[None]):
     def on_worker_state_changed(self, event: Worker.StateChanged) -> None:
         """Tell of work that failed by a fault of the program; what it is told to handle it handles itself."""
         if event.state is WorkerState.ERROR and event.worker.error is not None:
-            self.catseye.tell_fault(event.worker.error)
+            self.catseye.show_fault(event.worker.error)
 
     def show_now(self) -> None:
-        """Show the picture as it is now; called at most five times a second, and after orders."""
+        """Show the state as it is now; called at most five times a second, and after orders."""
         # A screen is resumed before its widgets stand on it.
         if not self.is_mounted or not self.query(StopBar):
             return
-        picture, now_s = self.session.link.picture, self.session.now_s()
-        self.query_one(StatusBar).show(picture, now_s)
-        self.query_one(StopBar).show(picture)
+        engine, now_s = self.session.link.engine, self.session.now_s()
+        self.query_one(StatusBar).show(engine, now_s)
+        self.query_one(StopBar).show(engine)
         try:
-            self.show_picture(picture, now_s)
+            self.show_state(engine, now_s)
         except Exception as error:  # noqa: BLE001  # a panel that fails takes neither STOP nor the program with it
-            self.catseye.tell_fault(error)
+            self.catseye.show_fault(error)
 
-    def show_picture(self, picture: Picture, now_s: float) -> None:
+    def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show what concerns this screen.
 
         Args:
-            picture: what the engine has told.
+            engine: as far as it is known.
             now_s: monotonic time, s.
         """

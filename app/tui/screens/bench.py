@@ -1,21 +1,25 @@
 """The screen Bench: devices, arm, beam and air as they are now."""
 
 from collections.abc import Iterable
-from typing import Any, ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 
-from catseye.app.tui.bench_words import air_lines, engine_lines, robot_lines, troubles
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.bench_text import air_lines, engine_lines, robot_lines, troubles
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.beam_panel import BeamPanel
 from catseye.app.tui.widgets.device_list import DeviceList
 from catseye.app.tui.widgets.plan_view import PlanView
-from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.tui.widgets.static_text import StaticText, lines
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.bench import BenchStatus
 
 _LOG_LINES: Final = 8
 _TROUBLES: Final = 4
@@ -25,7 +29,7 @@ _TROUBLES_LOW: Final = 2
 class BenchScreen(MainScreen):
     """The home screen. On a small one the bench from above takes the place of the beam, and back, by a key."""
 
-    PLACE = "bench"
+    SCREEN = "bench"
 
     DEFAULT_CSS = """
     BenchScreen #bench { height: 1fr; scrollbar-size-vertical: 1; }
@@ -65,7 +69,7 @@ class BenchScreen(MainScreen):
         """Devices above; arm and air at the left, beam and the bench from above at the right."""
         with VerticalScroll(id="bench", can_focus=False):
             yield DeviceList()
-            yield Told(id="troubles")
+            yield StaticText(id="troubles")
             with Horizontal(id="parts"):
                 with Vertical(id="left"):
                     yield _panel("robot", "Robot", "X, Y: nominal arm")
@@ -80,16 +84,16 @@ class BenchScreen(MainScreen):
         yield SystemCommand("Beam or bench from above", "where there is room for one only", self.action_view)
         yield SystemCommand("Length of the strip", "10, 30 or 60 s", self.action_window)
 
-    def show_picture(self, picture: Picture, now_s: float) -> None:
+    def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show the bench."""
-        bench, since_s = picture.bench or {}, now_s - picture.bench_at_s
+        bench, since_s = engine.bench, now_s - engine.bench_at_s
         self.query_one(DeviceList).show(bench, since_s)
         self._show_troubles(bench)
-        self.query_one("#robot", Told).tell(lines(*robot_lines(bench, since_s)))
-        self.query_one("#air", Told).tell(lines(*air_lines(bench, since_s)))
-        self.query_one("#engine", Told).tell(lines(*engine_lines(picture, _LOG_LINES)))
-        self.query_one(BeamPanel).show(picture, now_s)
-        self.query_one(PlanView).show(picture, now_s)
+        self.query_one("#robot", StaticText).set_text(lines(*robot_lines(bench, since_s)))
+        self.query_one("#air", StaticText).set_text(lines(*air_lines(bench, since_s)))
+        self.query_one("#engine", StaticText).set_text(lines(*engine_lines(engine, _LOG_LINES)))
+        self.query_one(BeamPanel).show(engine, now_s)
+        self.query_one(PlanView).show(engine, now_s)
 
     def action_view(self) -> None:
         """Show the bench from above in place of the beam, or the beam again."""
@@ -101,19 +105,16 @@ class BenchScreen(MainScreen):
         self.query_one(BeamPanel).next_window()
         self.show_now()
 
-    def _show_troubles(self, bench: dict[str, Any]) -> None:
-        found = troubles(bench)
+    def _show_troubles(self, bench: "BenchStatus | None") -> None:
+        found = [] if bench is None else troubles(bench)
         most = _TROUBLES_LOW if self.has_class("-low") else _TROUBLES
-        told = [_trouble_line(*each) for each in (found if len(found) <= most else found[: most - 1])]
+        listed = [_trouble_line(*each) for each in (found if len(found) <= most else found[: most - 1])]
         if len(found) > most:
-            told.append(
-                Content.styled(
-                    f"✗ and {len(found) - len(told)} more: Enter tells all about a device", "$error"
-                )
-            )
-        shown = self.query_one("#troubles", Told)
-        shown.display = bool(told)
-        shown.tell(lines(*told))
+            more = f"✗ and {len(found) - len(listed)} more: Enter tells all about a device"
+            listed.append(Content.styled(more, "$error"))
+        shown = self.query_one("#troubles", StaticText)
+        shown.display = bool(listed)
+        shown.set_text(lines(*listed))
 
 
 def _trouble_line(name: str, text: str) -> Content:
@@ -125,7 +126,7 @@ def _trouble_line(name: str, text: str) -> Content:
     )
 
 
-def _panel(name: str, title: str, subtitle: str) -> Told:
-    panel = Told(id=name, classes="panel")
+def _panel(name: str, title: str, subtitle: str) -> StaticText:
+    panel = StaticText(id=name, classes="panel")
     panel.border_title, panel.border_subtitle = title, subtitle
     return panel

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Any, ClassVar, Final
+from typing import ClassVar, Final
 
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
@@ -10,22 +10,23 @@ from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.widgets import Input
 
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
-from catseye.app.tui.hands import Hands, Joint, Step, Way
-from catseye.app.tui.jog_words import (
+from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.jog_client import JogClient, Joint, Step, Way
+from catseye.app.tui.jog_text import (
     STEPS,
     Choices,
     cap_percent,
     entry_lines,
     fresh_joints,
-    is_simulated,
     jog_lines,
+    jog_percent_text,
+    jog_reason,
 )
-from catseye.app.tui.picture import Picture
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.beam_panel import BeamPanel
 from catseye.app.tui.widgets.plan_view import PlanView
-from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.tui.widgets.static_text import StaticText, lines
 
 _MOVES: Final[tuple[tuple[str, Joint, Way, str], ...]] = (
     ("left,a", "j1", 1, "J1 counter-clockwise"),
@@ -43,20 +44,20 @@ _SIGNS: Final = {1: "plus", -1: "minus"}
 class JogScreen(MainScreen):
     """Moves the arm by keys, after F8. Leaving the screen ends it; so does Esc."""
 
-    PLACE = "jog"
+    SCREEN = "jog"
     AUTO_FOCUS = ""
 
     DEFAULT_CSS = """
     JogScreen #jog { height: 1fr; }
-    JogScreen #hands { width: 46; height: 1fr; scrollbar-size-vertical: 1; }
-    JogScreen #told { height: auto; }
+    JogScreen #keys { width: 46; height: 1fr; scrollbar-size-vertical: 1; }
+    JogScreen #text { height: auto; }
     JogScreen #right { width: 1fr; }
     JogScreen #plan { height: 1.5fr; }
     JogScreen.-low #plan { display: none; }
     JogScreen.-low.plan #plan { display: block; }
     JogScreen.-low.plan BeamPanel { display: none; }
     JogScreen.-narrow #jog { layout: vertical; }
-    JogScreen.-narrow #hands { width: 1fr; }
+    JogScreen.-narrow #keys { width: 1fr; }
     JogScreen.-narrow #right { height: 3; }
     JogScreen.-narrow.-high #right { height: 14; }
     """
@@ -109,16 +110,16 @@ class JogScreen(MainScreen):
         self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-wide")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (30, "-high")]
         self.choices = Choices()
-        self.hands = Hands(session.link, session.now_s, self._say)
+        self.jog_client = JogClient(session.link, session.now_s, self._say)
         self._beginning = False
         self._jogged = False
 
     def body(self) -> ComposeResult:
         """Keys at the left, what the beam does at the right."""
         with Horizontal(id="jog"):
-            with VerticalScroll(id="hands", classes="panel", can_focus=False) as panel:
+            with VerticalScroll(id="keys", classes="panel", can_focus=False) as panel:
                 panel.border_title = "Jog"
-                yield Told(id="told")
+                yield StaticText(id="text")
                 typed = Input(placeholder="type the cell's name, then F8", id="typed")
                 typed.display = False
                 yield typed
@@ -132,13 +133,13 @@ class JogScreen(MainScreen):
 
     def on_screen_suspend(self) -> None:
         """Another screen or a dialog covers this one: the arm stops; another screen ends the jog."""
-        self.hands.let_go()
-        if self.app.current_mode != self.PLACE:
+        self.jog_client.let_go()
+        if self.app.current_mode != self.SCREEN:
             self.action_end()
 
     def on_unmount(self) -> None:
         """The arm stops."""
-        self.hands.let_go()
+        self.jog_client.let_go()
 
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do; what moves asks for F8 first, for the palette is left by Enter."""
@@ -158,39 +159,42 @@ class JogScreen(MainScreen):
                 f"One step: {text}", "asks first", partial(self._ask_to_step, joint, way, text)
             )
 
-    def show_picture(self, picture: Picture, now_s: float) -> None:
+    def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show what the keys do, or what has to be known before they do anything."""
         jogs = self._jogs
         if self._jogged and not jogs:
-            self.hands.let_go()
-            self.choices.said = str((picture.jog or {}).get("reason") or picture.trouble or "the jog is over")
+            self.jog_client.let_go()
+            self.choices.said = jog_reason(engine) or engine.trouble or "the jog is over"
         self._jogged = jogs
-        told = jog_lines(picture, self.choices, now_s) if jogs else self._entry(picture)
-        self.query_one("#told", Told).tell(lines(*told))
-        self._show_typed(needed=not jogs and picture.bench is not None and not is_simulated(picture))
-        self.query_one(BeamPanel).show(picture, now_s)
-        self.query_one(PlanView).show(picture, now_s)
+        said = self.choices.said
+        shown = jog_lines(engine, self.choices, now_s) if jogs else entry_lines(engine, self.choices, said)
+        self.query_one("#text", StaticText).set_text(lines(*shown))
+        self._show_typed(needed=not jogs and engine.bench is not None and not engine.bench_simulated)
+        self.query_one(BeamPanel).show(engine, now_s)
+        self.query_one(PlanView).show(engine, now_s)
 
     def action_begin(self) -> None:
         """Ask the engine for the arm; F8 and nothing else leads here by a key."""
-        picture = self.session.link.picture
-        if self._beginning or picture.jogging:
+        engine = self.session.link.engine
+        if self._beginning or engine.jogging:
             return
-        if picture.running:
+        if engine.running:
             self.notify("a run is under way: jog when it has ended", severity="warning")
             return
         self._beginning = True
-        percent = min(float(self.choices.percent), cap_percent(picture))
+        percent = min(float(self.choices.percent), cap_percent(engine))
         typed = self.query_one("#typed", Input).value.strip()
         self.run_worker(self._begin(percent, typed or None), group="jog", exit_on_error=False)
 
     def action_end(self) -> None:
         """Stop the arm and end the jog."""
-        self.hands.let_go()
+        self.jog_client.let_go()
         if self._jogs or self._beginning:
+            from catseye.app.protocol.requests import JogMode
+
             self._beginning = False
             self.catseye.order(
-                "jog", "The jog is not ended: USE THE EMERGENCY STOP if the arm moves", on=False
+                JogMode(on=False), "The jog is not ended: USE THE EMERGENCY STOP if the arm moves"
             )
 
     def action_move(self, joint: Joint, way: Way) -> None:
@@ -198,7 +202,7 @@ class JogScreen(MainScreen):
         if not self._jogs:
             return
         if self.choices.holds and joint != "beam":
-            self.hands.press(joint, way)
+            self.jog_client.press(joint, way)
         elif joint == "beam" and self.choices.aim is None:
             self._say("the beam's mm are measured at a reflector: choose one with t")
         else:
@@ -206,7 +210,7 @@ class JogScreen(MainScreen):
 
     def action_mode(self) -> None:
         """Change between steps and holding."""
-        self.hands.let_go()
+        self.jog_client.let_go()
         self.choices.holds = not self.choices.holds
         self.show_now()
 
@@ -217,23 +221,24 @@ class JogScreen(MainScreen):
 
     def action_aim(self) -> None:
         """Choose the next reflector."""
-        self.choices.next_aim([str(each["name"]) for each in self._layout().get("reflectors", ())])
+        self.choices.next_aim([each.name for each in self.session.link.engine.reflectors])
         self.show_now()
 
     def action_point(self) -> None:
         """Turn J4 until the beam points at the aim, once F8 confirms it."""
-        if not self._jogs or self.hands.busy:
+        if not self._jogs or self.jog_client.busy:
             return
-        joints, aim = fresh_joints(self.session.link.picture, self.session.now_s()), self.choices.aim
+        engine, aim = self.session.link.engine, self.choices.aim
+        joints = fresh_joints(engine, self.session.now_s())
         if aim is None:
             self._say("there is nothing to point at: choose a reflector with t")
             return
-        if joints is None:
-            self._say("the joints that were told are too old")
+        if joints is None or engine.bench is None:
+            self._say("the joints that are known are too old")
             return
         from catseye.app.tui.pointing import pointing_j4_deg, turn_of_j4
 
-        target_deg = pointing_j4_deg(self._layout(), joints, aim)
+        target_deg = pointing_j4_deg(engine.bench.layout, joints, aim)
         if target_deg is None:
             self._say(f"J4 cannot point at {aim} within its limits")
             return
@@ -244,7 +249,7 @@ class JogScreen(MainScreen):
     def action_faster(self) -> None:
         """Choose a higher speed for the next jog."""
         if not self._jogs:
-            self.choices.faster(cap_percent(self.session.link.picture))
+            self.choices.faster(cap_percent(self.session.link.engine))
             self.show_now()
 
     def action_slower(self) -> None:
@@ -266,30 +271,26 @@ class JogScreen(MainScreen):
     @property
     def _jogs(self) -> bool:
         """The arm is this client's to move."""
-        picture = self.session.link.picture
-        return picture.jogging and picture.in_control
-
-    def _layout(self) -> dict[str, Any]:
-        return (self.session.link.picture.bench or {}).get("layout") or {}
+        engine = self.session.link.engine
+        return engine.jogging and engine.in_control
 
     def _take(self, *steps: Step) -> None:
-        if self._jogs and self.hands.step(*steps):
+        if self._jogs and self.jog_client.step(*steps):
             self._say("")
 
     def _speed(self) -> str:
         """Return the speed of motions by hand in words."""
-        jog = self.session.link.picture.jog or {}
-        return f"at {float(jog.get('percent') or 0.0):g} % of the programmed speed"
+        return f"at {jog_percent_text(self.session.link.engine)} of the programmed speed"
 
     def _ask(self, title: str, text: str, then: Callable[[], None]) -> None:
         """Say what will move, and have it done when F8 confirms it."""
         self.app.push_screen(MotionDialog(title, text), lambda confirmed: then() if confirmed else None)
 
     def _ask_to_begin(self) -> None:
-        picture = self.session.link.picture
-        percent = min(float(self.choices.percent), cap_percent(picture))
+        engine = self.session.link.engine
+        percent = min(float(self.choices.percent), cap_percent(engine))
         kind = (
-            "emulators" if is_simulated(picture) else "a REAL ARM, whose cell has to be named on this screen"
+            "emulators" if engine.bench_simulated else "a REAL ARM, whose cell has to be named on this screen"
         )
         self._ask("Jog", f"The drives go on, at {percent:g} %; this is {kind}.", self.action_begin)
 
@@ -297,30 +298,29 @@ class JogScreen(MainScreen):
         unit = "mm" if joint == "beam" else "deg"
         if self._jogs and (joint != "beam" or self.choices.aim is not None):
             step = Step(joint, way * self.choices.by, self.choices.aim)
-            told = f"{text} by {self.choices.by:g} {unit}, {self._speed()}."
-            self._ask("One step", told, partial(self._take, step))
+            what = f"{text} by {self.choices.by:g} {unit}, {self._speed()}."
+            self._ask("One step", what, partial(self._take, step))
 
     async def _begin(self, percent: float, arm: str | None) -> None:
+        from catseye.app.protocol.message import MessageError
+        from catseye.app.protocol.requests import request_of
         from catseye.app.service.errors import RefusedError, ServiceError
 
-        link = self.session.link
         self._say("switching the drives on…")
         try:
-            if link.picture.control is None:
-                await link.request("control", take=True)
-            await link.request("jog", on=True, percent=percent, arm=arm)
+            # Nobody has looked at what is typed as the arm's name.
+            begin = request_of({"op": "jog", "on": True, "percent": percent, "arm": arm})
+            await self.session.take_free_control()
+            await self.session.link.request(begin)
             self._say("")
-        except (RefusedError, ServiceError) as error:
+        except (MessageError, RefusedError, ServiceError) as error:
             self._say("")
             if not self._beginning:
                 # It was ended before it had begun.
                 return
-            self.catseye.tell_error("The arm cannot be moved by hand", str(error))
+            self.catseye.show_error("The arm cannot be moved by hand", str(error))
         finally:
             self._beginning = False
-
-    def _entry(self, picture: Picture) -> list[Any]:
-        return entry_lines(picture, self.choices, self.choices.said)
 
     def _show_typed(self, *, needed: bool) -> None:
         """Ask for the cell's name where the arm is real; a name is typed anew for each jog."""
@@ -333,7 +333,7 @@ class JogScreen(MainScreen):
 
     def _focus_changed(self, focus: bool) -> None:
         if not focus:
-            self.hands.let_go()
+            self.jog_client.let_go()
 
     def _say(self, text: str) -> None:
         self.choices.said = text

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
-from typing import Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
@@ -12,18 +12,20 @@ from textual.content import Content
 from textual.widgets import Button, ContentSwitcher, Log, OptionList
 from textual.widgets.option_list import Option
 
-from catseye.app.guidance.need import Need, links_need
+from catseye.app.results.readiness.need import Need, links_need
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.procedure_facts import SIGNS, STAGE_SIGNS, STYLES, Catalogue, with_run_fields
 from catseye.app.tui.rehearsal import HEADER, Rehearsal
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.parameter_form import ParameterForm
-from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.tui.widgets.static_text import StaticText, lines
+from catseye.app.tui.widgets.status_bar import override_text
 
-_PROPER: Final = frozenset({"search", "speed"})
-"""Fields of a start that are no parameters of the procedure."""
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.requests import Start
 
 _WALK_LINES: Final = (
     "Its motions at 10 % and 250 mm/s at most; nothing is measured.",
@@ -36,7 +38,7 @@ _WALK_LINES: Final = (
 class ProceduresScreen(MainScreen):
     """List at the left; at the right what the chosen one needs, its parameters, and a rehearsal."""
 
-    PLACE = "procedures"
+    SCREEN = "procedures"
     AUTO_FOCUS = "#list"
 
     DEFAULT_CSS = """
@@ -45,13 +47,13 @@ class ProceduresScreen(MainScreen):
     ProceduresScreen #list-panel { height: auto; max-height: 60%; }
     ProceduresScreen #way { height: 1fr; }
     ProceduresScreen #needs { height: auto; max-height: 50%; }
-    ProceduresScreen #needs Told { width: 1fr; }
+    ProceduresScreen #needs StaticText { width: 1fr; }
     ProceduresScreen #what { height: 1fr; min-height: 8; }
     ProceduresScreen ContentSwitcher, ProceduresScreen #form, ProceduresScreen #rehearsal { height: 1fr; }
     ProceduresScreen #described { height: 2; color: $text-muted; }
     ProceduresScreen #buttons { height: 1; }
     ProceduresScreen #buttons Button { height: 1; min-width: 13; border: none; margin-right: 1; }
-    ProceduresScreen #buttons Told { width: 1fr; color: $text-muted; }
+    ProceduresScreen #buttons StaticText { width: 1fr; color: $text-muted; }
     ProceduresScreen #totals { height: auto; max-height: 7; }
     ProceduresScreen #head-line { height: 1; color: $primary; }
     ProceduresScreen #table { height: 1fr; scrollbar-size: 1 1; background: $background; }
@@ -124,7 +126,7 @@ class ProceduresScreen(MainScreen):
         self._devices: Need | None = None
         self._real = False
         self._rehearsing = False
-        self._rehearsed: tuple[dict[str, Any], Rehearsal] | None = None
+        self._rehearsed: tuple[Start, Rehearsal] | None = None
         self._ended: object = None
         self._cell: Path | None = None
         self._looking = False
@@ -137,26 +139,26 @@ class ProceduresScreen(MainScreen):
                 with Vertical(id="list-panel", classes="panel") as panel:
                     panel.border_title = "Procedures"
                     yield OptionList(id="list", compact=True, markup=False)
-                way = Told(id="way", classes="panel")
+                way = StaticText(id="way", classes="panel")
                 way.border_title = "The way"
                 yield way
             with Vertical(id="right"):
                 with VerticalScroll(id="needs", classes="panel", can_focus=False):
-                    yield Told(id="needed")
+                    yield StaticText(id="needed")
                 with Vertical(id="what", classes="panel"):
                     with ContentSwitcher(initial="form"):
                         with Vertical(id="form"):
                             yield ParameterForm()
-                            yield Told(id="described")
+                            yield StaticText(id="described")
                         with Vertical(id="rehearsal"):
-                            yield Told(id="totals")
-                            yield Told(id="head-line")
+                            yield StaticText(id="totals")
+                            yield StaticText(id="head-line")
                             yield Log(id="table", auto_scroll=False)
                     with Horizontal(id="buttons"):
                         yield Button("Rehearse r", id="rehearse", action="screen.rehearse", compact=True)
                         yield Button("Walk … t", id="walk", action="screen.walk", compact=True)
                         yield Button("Start … s", id="start", action="screen.start", compact=True)
-                        yield Told(id="doing")
+                        yield StaticText(id="doing")
 
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do."""
@@ -173,19 +175,18 @@ class ProceduresScreen(MainScreen):
         self.query_one("#what").border_title = "Parameters"
         self.action_update()
 
-    def show_picture(self, picture: Picture, now_s: float) -> None:
+    def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show whether the devices are there; look again after the end of a run."""
         del now_s
-        bench = picture.bench
-        need = links_need(None if bench is None else bench.get("devices"))
-        real = bench is not None and bench.get("simulated") is False
+        need = links_need(None if engine.bench is None else engine.bench.devices)
+        real = engine.bench_simulated is False
         if need != self._devices:
             self._devices = need
             self._show_needs()
         if real != self._real:
             self._real = real
             self._choose(self._chosen)
-        ended = picture.run.ended if picture.run is not None else None
+        ended = engine.run.ended if engine.run is not None else None
         if ended is not self._ended or self.session.cell != self._cell:
             self._ended = ended
             self.action_update()
@@ -240,13 +241,12 @@ class ProceduresScreen(MainScreen):
         if self._ready_to_go():
             self._show_start("Walk-through: ", [*_WALK_LINES, *self._start_lines()], walk=True)
 
-    def _show_start(self, kind: str, told: list[str], *, walk: bool) -> None:
-        picture, facts = self.session.link.picture, self._catalogue.procedures[self._chosen]
-        simulated = None if picture.bench is None else picture.bench.get("simulated")
-        title = f"{kind}{facts['title']}"
-        dialog = StartDialog(title, "\n".join(told), self._catalogue.cell, simulated=simulated)
-        words = self._words() | ({"walk": True} if walk else {})
-        self.app.push_screen(dialog, partial(self._begin, self._chosen, words))
+    def _show_start(self, kind: str, shown: list[str], *, walk: bool) -> None:
+        title = f"{kind}{self._catalogue.procedures[self._chosen]['title']}"
+        simulated = self.session.link.engine.bench_simulated
+        dialog = StartDialog(title, "\n".join(shown), self._catalogue.cell, simulated=simulated)
+        request = self._request().model_copy(update={"walk": walk})
+        self.app.push_screen(dialog, partial(self._begin, request))
 
     def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
         """Show another procedure."""
@@ -268,7 +268,7 @@ class ProceduresScreen(MainScreen):
 
     def on_parameter_form_described(self, event: ParameterForm.Described) -> None:
         """Say what the field with the focus is."""
-        self.query_one("#described", Told).tell(Content(event.text))
+        self.query_one("#described", StaticText).set_text(Content(event.text))
 
     async def _update(self) -> None:
         cell = self.session.cell
@@ -282,10 +282,10 @@ class ProceduresScreen(MainScreen):
             # What was known before does not hold any more.
             self._catalogue, self._chosen = Catalogue(), ""
             self._show_list()
-            self.query_one("#needed", Told).tell(Content(f"✗ {done.fault}").stylize("$error"))
+            self.query_one("#needed", StaticText).set_text(Content(f"✗ {done.fault}").stylize("$error"))
             return
-        told = done.data() if done.out.strip() else []
-        self._catalogue = Catalogue.of(told if isinstance(told, list) else [told])
+        data = done.data() if done.out.strip() else []
+        self._catalogue = Catalogue.of(data if isinstance(data, list) else [data])
         self._show_list()
 
     def _show_list(self) -> None:
@@ -317,7 +317,7 @@ class ProceduresScreen(MainScreen):
         self._show_needs()
         if changed:
             self._show_part("form")
-            self.query_one("#described", Told).tell(Content(""))
+            self.query_one("#described", StaticText).set_text(Content(""))
         fields = with_run_fields(facts, self.session.speed, real=self._real)
         if not changed and fields == self._fields:
             # Somebody may be typing there.
@@ -333,7 +333,7 @@ class ProceduresScreen(MainScreen):
             )
             for stage in self._catalogue.stages
         ]
-        self.query_one("#way", Told).tell(lines(*way))
+        self.query_one("#way", StaticText).set_text(lines(*way))
 
     def _show_needs(self) -> None:
         facts = self._catalogue.procedures.get(self._chosen)
@@ -342,7 +342,7 @@ class ProceduresScreen(MainScreen):
         needs = [(need["what"], need["met"], need["text"]) for need in facts.get("needs", [])]
         if self._devices is not None:
             needs.append((self._devices.what, self._devices.met, self._devices.text))
-        told = [
+        shown = [
             Content.assemble(
                 (SIGNS[met], STYLES[met]), f" {what:<11} ", (text, "" if met == "met" else STYLES[met])
             )
@@ -350,7 +350,9 @@ class ProceduresScreen(MainScreen):
         ]
         last = facts.get("last")
         text = "none on this cell" if last is None else f"{last['id']}: {last['status']}, {last['age']}"
-        self.query_one("#needed", Told).tell(lines(*told, Content.assemble(("  last run    ", "dim"), text)))
+        self.query_one("#needed", StaticText).set_text(
+            lines(*shown, Content.assemble(("  last run    ", "dim"), text))
+        )
 
     def _show_part(self, part: str) -> None:
         self.query_one(ContentSwitcher).current = part
@@ -369,63 +371,72 @@ class ProceduresScreen(MainScreen):
         elif form.faults:
             self.notify("\n".join(form.faults), title="not possible", severity="error", markup=False)
         else:
-            return True
+            return self._fits_a_request()
         return False
 
-    def _words(self) -> dict[str, Any]:
-        """Return what a request to start carries."""
-        form, facts = self.query_one(ParameterForm), self._catalogue.procedures[self._chosen]
-        typed, cell = form.typed, self.session.cell
-        return {
-            "procedure": self._chosen,
+    def _fits_a_request(self) -> bool:
+        try:
+            self._request()
+        except ValueError as error:
+            self.notify(str(error), title="not possible", severity="error", markup=False)
+            return False
+        return True
+
+    def _request(self) -> "Start":
+        """Return the request that starts what is chosen, as it is shown before it is sent."""
+        from catseye.app.protocol.requests import Start
+
+        typed, cell = self.query_one(ParameterForm).typed, self.session.cell
+        return Start(
+            procedure=self._chosen,
             # The engine may have been started in another folder.
-            "cell": "" if cell is None else str(cell.absolute()),
-            "params": form.params(set(facts["params"])),
-            "search": typed.get("search", "auto"),
-            "speed": 1.0 if self._real else float(typed.get("speed", self.session.speed)),
-        }
+            cell=None if cell is None else str(cell.absolute()),
+            params=self._params(),
+            search=typed.get("search", "auto"),
+            speed=1.0 if self._real else float(typed.get("speed", self.session.speed)),
+        )
+
+    def _params(self) -> list[str]:
+        facts = self._catalogue.procedures[self._chosen]
+        return self.query_one(ParameterForm).params(set(facts["params"]))
 
     def _start_lines(self) -> list[str]:
-        words = self._words()
-        told = [f"{self._chosen} on cell {self._catalogue.cell} ({self.session.cell})"]
-        told += [f"  {text}" for text in words["params"]] or ["  every parameter at its default"]
+        request = self._request()
+        shown = [f"{self._chosen} on cell {self._catalogue.cell} ({self.session.cell})"]
+        shown += [f"  {text}" for text in self._params()] or ["  every parameter at its default"]
         if self._catalogue.procedures[self._chosen]["needs_aim"]:
-            told.append(f"  aim: {words['search']}")
-        told += self._motion_lines(words)
-        if words["speed"] != 1.0:
-            told.append(f"  {words['speed']:g} bench seconds in one real second")
+            shown.append(f"  aim: {request.search}")
+        shown += self._motion_lines(request)
+        if request.speed != 1.0:
+            shown.append(f"  {request.speed:g} bench seconds in one real second")
         needs = self._catalogue.procedures[self._chosen].get("needs", [])
-        told += [
+        shown += [
             f"{SIGNS[need['met']]} {need['what']}: {need['text']}" for need in needs if need["met"] != "met"
         ]
         if self._devices is not None and self._devices.met != "met":
-            told.append(f"{SIGNS[self._devices.met]} {self._devices.what}: {self._devices.text}")
-        return told
+            shown.append(f"{SIGNS[self._devices.met]} {self._devices.what}: {self._devices.text}")
+        return shown
 
-    def _motion_lines(self, words: dict[str, Any]) -> list[str]:
+    def _motion_lines(self, request: "Start") -> list[str]:
         """Say where the arm goes first, how fast, at which override, as far as anybody knows."""
-        robot = (self.session.link.picture.bench or {}).get("robot") or {}
-        told = (
-            [f"  override {robot['override_percent']:g} %, at most {robot['override_cap_percent']:g} %"]
-            if robot
-            else []
-        )
-        if self._rehearsed is None or self._rehearsed[0] != words:
-            return [*told, "! not rehearsed with these parameters: r does that"]
-        return [*told, f"  {self._rehearsed[1].first}", f"  {self._rehearsed[1].totals}"]
+        robot, shown = self.session.link.engine.robot, list[str]()
+        if robot is not None:
+            shown = [f"  override {override_text(robot)}, at most {robot.override_cap_percent:g} %"]
+        if self._rehearsed is None or self._rehearsed[0] != request:
+            return [*shown, "! not rehearsed with these parameters: r does that"]
+        return [*shown, f"  {self._rehearsed[1].first}", f"  {self._rehearsed[1].totals}"]
 
-    def _begin(self, name: str, words: dict[str, Any], permission: Permission | None) -> None:
+    def _begin(self, request: "Start", permission: Permission | None) -> None:
         if permission is None:
             return
-        self._say(f"{name} is being planned …")
+        self._say(f"{request.procedure} is being planned …")
         order = self.catseye.order(
-            "start", f"{name} does not begin", control=True, then=self._begun, arm=permission.arm, **words
+            request.model_copy(update={"arm": permission.arm}),
+            f"{request.procedure} does not begin",
+            control=True,
+            then=lambda: self.catseye.action_go("run"),
         )
         order.add_done_callback(self._planned)
-
-    def _begun(self, answer: dict[str, Any]) -> None:
-        del answer
-        self.catseye.action_go("run")
 
     def _planned(self, order: object) -> None:
         """Say no more that a run is being planned, whether it has begun or was refused."""
@@ -434,19 +445,19 @@ class ProceduresScreen(MainScreen):
             self._say("")
 
     async def _rehearse(self) -> None:
-        words = self._words()
-        arguments = ["run", words["procedure"], "--cell", words["cell"], "--runs", str(self.session.root)]
-        arguments += ["--search", words["search"], "--dry-run", "--json"]
-        for text in words["params"]:
+        request = self._request()
+        arguments = ["run", request.procedure, "--cell", request.cell or "", "--runs", str(self.session.root)]
+        arguments += ["--search", request.search, "--dry-run", "--json"]
+        for text in self._params():
             arguments += ["--param", text]
         table, totals, head = (
             self.query_one(Log),
-            self.query_one("#totals", Told),
-            self.query_one("#head-line", Told),
+            self.query_one("#totals", StaticText),
+            self.query_one("#head-line", StaticText),
         )
         table.clear()
-        head.tell(Content(""))
-        totals.tell(Content("going through it …  Esc ends that"))
+        head.set_text(Content(""))
+        totals.set_text(Content("going through it …  Esc ends that"))
         self._rehearsing = True
         outcome = Content("ended; nothing was found")
         try:
@@ -455,27 +466,27 @@ class ProceduresScreen(MainScreen):
                 outcome = Content.styled(f"✗ {done.fault}", "$error")
                 return
             rehearsal = Rehearsal(done.data())
-            self._rehearsed = words, rehearsal
+            self._rehearsed = request, rehearsal
             outcome = _totals(rehearsal)
-            head.tell(Content(HEADER))
+            head.set_text(Content(HEADER))
             table.write_lines(rehearsal.table(), scroll_end=False)
         finally:
             self._rehearsing = False
-            totals.tell(outcome)
+            totals.set_text(outcome)
 
     def _say(self, text: str) -> None:
-        self.query_one("#doing", Told).tell(Content(text))
+        self.query_one("#doing", StaticText).set_text(Content(text))
         self.query_one("#list-panel").border_subtitle = "wait …" if text else ""
 
 
 def _totals(rehearsal: Rehearsal) -> Content:
-    told = [Content(rehearsal.totals)]
-    told += [Content.styled(f"! {text}", "$warning") for text in rehearsal.warnings]
+    shown = [Content(rehearsal.totals)]
+    shown += [Content.styled(f"! {text}", "$warning") for text in rehearsal.warnings]
     if rehearsal.questions:
         asked = rehearsal.questions
         count = "1 question" if len(asked) == 1 else f"{len(asked)} questions, the first"
-        told.append(Content(f"? {count}: {asked[0]}"))
-    return lines(*told)
+        shown.append(Content(f"? {count}: {asked[0]}"))
+    return lines(*shown)
 
 
 def _stage_style(state: str) -> str:

@@ -27,9 +27,9 @@ from catseye.app.tui.screens.working import WorkScreen, free_name, is_file, type
 from catseye.app.tui.session import DEMO_FOLDER, Session
 from catseye.app.tui.widgets.result_parts import ComparePart, LayoutPart, MapsPart, PathPart, ResidualsPart
 from catseye.app.tui.widgets.row_table import RowTable
+from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.tab_line import TabLine
 from catseye.app.tui.widgets.task_line import TaskLine
-from catseye.app.tui.widgets.told import Told, lines
 from catseye.app.tui.work import Done
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ _Version = tuple[Path, datetime]
 class ResultsScreen(WorkScreen):
     """Parts in one line, which result in the next, the part below."""
 
-    PLACE = "results"
+    SCREEN = "results"
     AUTO_FOCUS = "#file-table"
 
     DEFAULT_CSS = """
@@ -135,7 +135,7 @@ class ResultsScreen(WorkScreen):
     def body(self) -> ComposeResult:
         """Parts, which result, the part."""
         yield TabLine(_TITLES)
-        yield Told(id="heading")
+        yield StaticText(id="heading")
         with ContentSwitcher(initial="files"):
             with Vertical(id="files", classes="part"):
                 yield RowTable(id="file-table")
@@ -145,7 +145,7 @@ class ResultsScreen(WorkScreen):
             yield LayoutPart(id="layout", classes="part charts")
             yield ResidualsPart(id="residuals", classes="part")
             with VerticalScroll(id="fit", classes="part text"):
-                yield Told(id="findings")
+                yield StaticText(id="findings")
             yield PathPart(id="path", classes="part")
             yield ComparePart(id="compare", classes="part")
         yield TaskLine(self.session.now_s)
@@ -234,7 +234,7 @@ class ResultsScreen(WorkScreen):
             return
         source = self._source_of(file)
         if not source:
-            self.catseye.tell_error(
+            self.catseye.show_error(
                 "The fit cannot be diagnosed",
                 f"the distances of {file.path.name} are neither in {self.session.root} nor beside it "
                 f"({', '.join(file.result.provenance.runs) or 'it names no runs'}): put the runs there",
@@ -260,7 +260,7 @@ class ResultsScreen(WorkScreen):
                 "report",
                 "The report was not written",
                 *("report", file.path, "-o", page),
-                done=lambda _: self.tell_written(page, "report"),
+                done=lambda _: self.show_written(page, "report"),
             )
 
     def action_export(self) -> None:
@@ -285,7 +285,7 @@ class ResultsScreen(WorkScreen):
         if file is None:
             self.notify("there is no result yet: identify on Runs (F7), i")
         elif file.result is None:
-            self.catseye.tell_error(f"{file.path.name} cannot be read", file.fault)
+            self.catseye.show_error(f"{file.path.name} cannot be read", file.fault)
             return None
         elif self._file is None:
             self._choose(file, go=False)
@@ -297,7 +297,7 @@ class ResultsScreen(WorkScreen):
 
     def _choose(self, file: "ResultFile", *, go: bool = True) -> None:
         if file.result is None:
-            self.catseye.tell_error(f"{file.path.name} cannot be read", file.fault)
+            self.catseye.show_error(f"{file.path.name} cannot be read", file.fault)
             return
         self._file, self._comparison, self._other = file, None, None
         self._show()
@@ -328,7 +328,7 @@ class ResultsScreen(WorkScreen):
                 "export",
                 "Nothing was exported",
                 *("export", file.path, "-o", output),
-                done=lambda _: self.tell_written(output, "export"),
+                done=lambda _: self.show_written(output, "export"),
             )
 
     async def _ask_for_path(self) -> None:
@@ -373,7 +373,7 @@ class ResultsScreen(WorkScreen):
     async def _compare(self, file: "ResultFile", other: "ResultFile") -> None:
         found = await asyncio.to_thread(_compared, file, other)
         if isinstance(found, str):
-            self.catseye.tell_error("The results cannot be compared", found)
+            self.catseye.show_error("The results cannot be compared", found)
             return
         if self._file is not file:
             return
@@ -433,14 +433,14 @@ class ResultsScreen(WorkScreen):
         file = self._file
         if file is None or file.result is None:
             where = "Enter shows one" if self._files else "none yet: identify on Runs (F7), i"
-            self.query_one("#heading", Told).tell(Content(f"{len(self._files)} results; {where}"))
+            self.query_one("#heading", StaticText).set_text(Content(f"{len(self._files)} results; {where}"))
             return
         from catseye.app.tui import result_texts as texts
 
         result = file.result
         diagnosis = self._diagnoses.get(_version(file))
         gone = "" if any(each is file for each in self._files) else "THE FILE IS GONE OR CANNOT BE READ · "
-        self.query_one("#heading", Told).tell(Content(f"{gone}{texts.heading(file)}"))
+        self.query_one("#heading", StaticText).set_text(Content(f"{gone}{texts.heading(file)}"))
         self.query_one(MapsPart).show(result)
         table = self.query_one("#value-table", DataTable)
         table.clear()
@@ -451,12 +451,12 @@ class ResultsScreen(WorkScreen):
         self.query_one(LayoutPart).show(result)
         self.query_one(ResidualsPart).show(result, diagnosis)
         self.query_one(PathPart).show(self._validations.get(_version(file)))
-        told = [
+        shown = [
             Content.assemble((f"{look.glyph} ", look.theme and f"${look.theme}"), one.text)
             for one in texts.fit_sentences(result, diagnosis)
             for look in [SIGNS[one.sign]]
         ]
-        self.query_one("#findings", Told).tell(lines(*told))
+        self.query_one("#findings", StaticText).set_text(lines(*shown))
         self._show_comparison()
 
     def _show_comparison(self) -> None:

@@ -11,12 +11,13 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
 
-from catseye.app.guidance.after_run import CLEAR, Advice, after_run
+from catseye.app.protocol.state import ENDING, ControlState
+from catseye.app.results.readiness.after_run import CLEAR, Advice, after_run
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
 from catseye.app.tui.dialogs.override_dialog import OverrideDialog
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
-from catseye.app.tui.picture import Picture
-from catseye.app.tui.run_picture import RunPicture
+from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.run_state import RunState
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.screens.working import free_name
 from catseye.app.tui.session import Session
@@ -27,8 +28,8 @@ from catseye.app.tui.widgets.prompt_panel import PromptPanel
 from catseye.app.tui.widgets.run_end import RunEnd
 from catseye.app.tui.widgets.run_log import RunLog
 from catseye.app.tui.widgets.run_plots import MapPlot, ResidualPlot
+from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.step_list import PlannedStep, StepList
-from catseye.app.tui.widgets.told import Told
 
 _PLOTS = ("residuals", "maps")
 
@@ -39,7 +40,7 @@ WALK: Final = "walk"
 class RunScreen(MainScreen):
     """What is under way, or how it ended."""
 
-    PLACE = "run"
+    SCREEN = "run"
     AUTO_FOCUS = ""
 
     DEFAULT_CSS = """
@@ -114,14 +115,14 @@ class RunScreen(MainScreen):
         self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (66, "-wide")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (36, "-high")]
         self._planned: list[PlannedStep] = []
-        self._planned_for: RunPicture | None = None
+        self._planned_for: RunState | None = None
         self._doing = ""
         self._feeder = WalkFeeder(session.link, session.now_s, self._not_fed)
 
     def body(self) -> ComposeResult:
         """Put the parts together."""
         yield ProgressLine()
-        yield Told(id="instruction")
+        yield StaticText(id="instruction")
         with Horizontal(id="middle"):
             yield StepList()
             with Vertical(id="right"):
@@ -172,37 +173,36 @@ class RunScreen(MainScreen):
         super().on_screen_resume()
         self._panel.come_up()
 
-    def show_picture(self, picture: Picture, now_s: float) -> None:
+    def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show the run."""
-        run = picture.run
+        run = engine.run
         self._plan_of(run)
         asked = run is not None and run.prompt is not None
         ended = run is not None and not run.active
         self.set_class(asked, "asked")
         self.set_class(ended, "ended")
-        skipped = picture.missed.get("points and steps", 0)
+        skipped = engine.missed.get("points and steps", 0)
         # Until its record has told, a run is taken for one that began here.
         speed = self.session.speed if run is None or run.speed is None else run.speed
         self.query_one(ProgressLine).show(
-            run, len(self._planned), skipped, fast=picture.simulated and speed != 1.0
+            run, len(self._planned), skipped, fast=engine.simulated and speed != 1.0
         )
-        instruction = self.query_one("#instruction", Told)
-        instruction.tell(_instruction(picture))
+        instruction = self.query_one("#instruction", StaticText)
+        instruction.set_text(_instruction(engine))
         instruction.display = not ended
         self.query_one(StepList).show(run, self._planned)
         self.query_one(LivePanel).show(run, now_s)
         self.query_one(ResidualPlot).show(run)
         self.query_one(MapPlot).show(run)
-        self.query_one(RunLog).show(run, _holder(picture))
+        self.query_one(RunLog).show(run, _holder_text(engine))
         self.query_one(RunEnd).show(run, self._advice(run), self._doing)
         prompt, at_s = (None, 0.0) if run is None else (run.prompt, run.prompt_at_s)
         note = (
             ""
-            if picture.in_control or picture.control is None
-            else f"{_holder(picture)} answers; c takes control"
+            if engine.in_control or engine.control is None
+            else f"{engine.control.text} answers; c takes control"
         )
-        layout = (picture.bench or {}).get("layout") or {}
-        self.query_one(PromptPanel).show(prompt, at_s, now_s, speed, note, layout.get("reflectors", []))
+        self.query_one(PromptPanel).show(prompt, at_s, now_s, speed, note, engine.reflectors)
 
     def action_move(self) -> None:
         """Agree to the motion of the open question."""
@@ -211,22 +211,22 @@ class RunScreen(MainScreen):
     def action_ask_to_move(self) -> None:
         """Show the motion of the open question; F8 confirms it there too. From the palette Enter leads here."""
         panel = self._panel
-        asked, text = panel.prompt, panel.motion
+        asked, text = panel.asked, panel.motion
         if not text:
             self.notify("no motion waits for an answer", severity="warning")
             return
 
         def confirmed(move: bool | None) -> None:
-            if move and asked is not None and panel.prompt is asked:
-                self.on_prompt_panel_answered(PromptPanel.Answered(str(asked["id"]), panel.agreement))
+            if move and asked is not None and panel.asked is asked:
+                self.on_prompt_panel_answered(PromptPanel.Answered(asked.id, panel.agreement))
 
         self.app.push_screen(MotionDialog("The arm moves", text), confirmed)
 
     def action_walk(self) -> None:
         """Keep a walk going for another moment; the key has to repeat."""
-        picture = self.session.link.picture
-        run = picture.run
-        if run is not None and run.active and run.procedure == WALK and picture.in_control:
+        engine = self.session.link.engine
+        run = engine.run
+        if run is not None and run.active and run.procedure == WALK and engine.in_control:
             self._feeder.press()
 
     def action_yes(self) -> None:
@@ -243,15 +243,15 @@ class RunScreen(MainScreen):
 
     def action_control(self) -> None:
         """Take control, or give it back."""
-        if self.session.link.picture.in_control:
+        if self.session.link.engine.in_control:
             self.catseye.action_release()
         else:
             self.catseye.action_take_control()
 
     def action_override(self) -> None:
         """Ask for a lower override."""
-        robot = (self.session.link.picture.bench or {}).get("robot") or {}
-        self.app.push_screen(OverrideDialog(robot.get("override_percent")), self._lower)
+        robot = self.session.link.engine.robot
+        self.app.push_screen(OverrideDialog(None if robot is None else robot.override_percent), self._lower)
 
     def action_view(self) -> None:
         """Show the other plot; where both have room nothing changes."""
@@ -277,7 +277,7 @@ class RunScreen(MainScreen):
 
     def action_after(self, kind: str) -> None:
         """Do what is sensible after the end."""
-        run = self.session.link.picture.run
+        run = self.session.link.engine.run
         found = next((each for each in self._advice(run) if each.kind == kind), None)
         if found is None:
             self.notify(f"{kind}: not now", severity="warning")
@@ -315,45 +315,52 @@ class RunScreen(MainScreen):
                 each.scroll_relative(y=pages * each.size.height, animate=False)
                 return
         steps = self.query_one(StepList)
-        steps.move(pages * max(steps.size.height - 1, 1), self.session.link.picture.run)
+        steps.move(pages * max(steps.size.height - 1, 1), self.session.link.engine.run)
         self.show_now()
 
     async def _answer(self, prompt: str, text: str) -> None:
+        from catseye.app.protocol.message import MessageError
+        from catseye.app.protocol.requests import request_of
         from catseye.app.service.errors import RefusedError, ServiceError
 
-        link = self.session.link
         try:
-            if link.picture.control is None:
-                await link.request("control", take=True)
-            await link.request("answer", prompt=prompt, text=text)
-        except (RefusedError, ServiceError) as error:
+            # What is typed may be longer than an answer is.
+            reply = request_of({"op": "answer", "prompt": prompt, "text": text})
+            await self.session.take_free_control()
+            await self.session.link.request(reply)
+        except (MessageError, RefusedError, ServiceError) as error:
             self._panel.refuse(prompt, str(error))
 
     def _lower(self, percent: float | None) -> None:
         if percent is not None:
+            from catseye.app.protocol.requests import Override
+
             done = f"override at most {percent:g} % from the next motion on"
             self.catseye.order(
-                "override", "The override is not lowered", control=True, done=done, percent=percent
+                Override(percent=percent), "The override is not lowered", control=True, done=done
             )
 
-    def _advice(self, run: RunPicture | None) -> list[Advice]:
+    def _advice(self, run: RunState | None) -> list[Advice]:
         if run is not None and run.active:
             return []
-        first = [CLEAR] if self.session.link.picture.aborted else []
+        first = [CLEAR] if self.session.link.engine.aborted else []
         if run is None or run.ended is None:
             return first
-        return [*first, *after_run(run.procedure, str(run.ended["status"]), run.name, self.session.root)]
+        return [*first, *after_run(run.procedure, run.ended.status, run.name, self.session.root)]
 
-    def _ask_to_resume(self, run: RunPicture) -> None:
-        bench = self.session.link.picture.bench or {}
+    def _ask_to_resume(self, run: RunState) -> None:
+        engine = self.session.link.engine
         text = f"{run.name}\nSteps that are done are not repeated. What may have changed meanwhile is asked first."
-        simulated = run.simulated if run.simulated is not None else bench.get("simulated")
-        dialog = StartDialog(f"Go on: {run.title}", text, str(bench.get("cell") or ""), simulated=simulated)
+        simulated = run.simulated if run.simulated is not None else engine.bench_simulated
+        dialog = StartDialog(f"Go on: {run.title}", text, engine.cell_name, simulated=simulated)
         self.app.push_screen(dialog, partial(self._resume, run.name))
 
     def _resume(self, name: str, permission: Permission | None) -> None:
         if permission is not None:
-            self.catseye.order("resume", "The run does not go on", control=True, run=name, arm=permission.arm)
+            from catseye.app.protocol.requests import Resume
+
+            request = Resume(run=name, arm=permission.arm)
+            self.catseye.order(request, "The run does not go on", control=True)
 
     async def _do(self, advice: Advice, wanted: Path) -> None:
         """Run a command; what it says last is shown meanwhile."""
@@ -370,12 +377,12 @@ class RunScreen(MainScreen):
         finally:
             self._doing = ""
         if done.code:
-            self.catseye.tell_error(f"{advice.kind} failed", done.fault)
+            self.catseye.show_error(f"{advice.kind} failed", done.fault)
         else:
             self._doing = f"written: {file}"
             self.notify(str(file), title=f"{advice.kind}: written", markup=False)
 
-    def _plan_of(self, run: RunPicture | None) -> None:
+    def _plan_of(self, run: RunState | None) -> None:
         """Rehearse the run that is shown, once, to know the steps to come."""
         if run is None or run is self._planned_for:
             return
@@ -387,7 +394,7 @@ class RunScreen(MainScreen):
         if run.active and run.command and not self._planned:
             self.run_worker(self._rehearse(run), group="plan", exclusive=True, exit_on_error=False)
 
-    async def _rehearse(self, run: RunPicture) -> None:
+    async def _rehearse(self, run: RunState) -> None:
         done = await self.session.work.do(*run.command)
         if done.code == 0:
             self._planned = _planned(done.data())
@@ -400,39 +407,39 @@ def _planned(facts: dict[str, Any]) -> list[PlannedStep]:
     ]
 
 
-def _holder(picture: Picture) -> str:
-    if picture.control is None:
+def _holder_text(engine: EngineState) -> str:
+    if engine.control is None:
         return "nobody"
-    return "you" if picture.in_control else f"{picture.control.get('who')} ({picture.control.get('client')})"
+    return "you" if engine.in_control else engine.control.text
 
 
-def _instruction(picture: Picture) -> Content:
+def _instruction(engine: EngineState) -> Content:
     """Return what to do now, in one sentence."""
-    run = picture.run
-    if run is None and picture.aborted:
+    run = engine.run
+    if run is None and engine.aborted:
         return Content.styled(
-            f"Look at the bench, then press x to clear the abort: {picture.aborted}", "$warning"
+            f"Look at the bench, then press x to clear the abort: {engine.aborted}", "$warning"
         )
     if run is None:
         return Content("Start a procedure on Procedures (F3).")
     if not run.active:
         return Content("")
-    if run.prompt is not None and run.state not in {"STOPPING", "ABORTING"}:
+    if run.prompt is not None and run.state not in ENDING:
         return Content.styled("Answer the question below.", "$warning")
     match run.state:
-        case "HELD" | "HOLDING":
+        case ControlState.HELD | ControlState.HOLDING:
             return Content.styled(
                 f"Press g to go on; {run.reason}" if run.reason else "Press g to go on.", "$warning"
             )
-        case "SUSPENDED":
+        case ControlState.SUSPENDED:
             return Content.styled(f"Suspended: {run.reason}", "$warning")
-        case "SUSPENDING":
+        case ControlState.SUSPENDING:
             return Content.styled(f"Keep clear until the arm stands: {run.reason}", "$error")
-        case "UNSUSPENDING":
+        case ControlState.UNSUSPENDING:
             return Content.styled(f"Stopped, and nothing moves before you agree: {run.reason}", "$warning")
-        case "STOPPING" | "ABORTING":
+        case ControlState.STOPPING | ControlState.ABORTING:
             return Content.styled(f"Wait for standstill: {run.reason}", "$error")
-        case "STARTING" | "IDLE":
+        case ControlState.STARTING | ControlState.IDLE:
             return Content("Wait while the devices are connected.")
     if run.procedure == WALK:
         to = "" if run.current is None else f" {run.current.title}"

@@ -22,8 +22,8 @@ from catseye.app.tui.run_rows import STATES, cells, columns, passes
 from catseye.app.tui.screens.working import WorkScreen, free_name, typed_path, why_not_written
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.row_table import RowTable
+from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.task_line import TaskLine
-from catseye.app.tui.widgets.told import Told
 from catseye.app.tui.work import Done, command_line
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ _NOT_RESUMED: Final = {
 class RunsScreen(WorkScreen):
     """A table of all runs; below it, or in its place where there is little room, the story of one."""
 
-    PLACE = "runs"
+    SCREEN = "runs"
     AUTO_FOCUS = "#table"
 
     DEFAULT_CSS = """
@@ -96,10 +96,10 @@ class RunsScreen(WorkScreen):
         """Filter, table, story."""
         with Horizontal(id="line"):
             yield Input(id="filter", compact=True, placeholder="/ filter: words of a row")
-            yield Told(id="count")
+            yield StaticText(id="count")
         yield RowTable(id="table")
         with VerticalScroll(id="story-panel", classes="panel"):
-            yield Told(id="story")
+            yield StaticText(id="story")
         yield TaskLine(self.session.now_s)
 
     def commands(self) -> Iterable[SystemCommand]:
@@ -198,7 +198,7 @@ class RunsScreen(WorkScreen):
         if line is None:
             return
         if line.status in _NOT_RESUMED:
-            self.catseye.tell_error(f"{line.name} cannot go on", _NOT_RESUMED[line.status])
+            self.catseye.show_error(f"{line.name} cannot go on", _NOT_RESUMED[line.status])
             return
         text = (
             f"{line.name}\n{line.status}, {line.rows} points stored\n\n"
@@ -226,7 +226,7 @@ class RunsScreen(WorkScreen):
                 f"report {line.id}",
                 "The report was not written",
                 *("report", line.name, "--runs", self.session.root, "-o", page),
-                done=lambda _: self.tell_written(page, "report"),
+                done=lambda _: self.show_written(page, "report"),
             )
 
     def action_export(self) -> None:
@@ -257,10 +257,10 @@ class RunsScreen(WorkScreen):
 
     def action_attach(self) -> None:
         """Watch the run under the cursor, if it is under way."""
-        line, picture = self._chosen(), self.session.link.picture
+        line, engine = self._chosen(), self.session.link.engine
         if line is None:
             return
-        if picture.running and picture.run is not None and picture.run.name == line.name:
+        if engine.running and engine.run is not None and engine.run.name == line.name:
             self.catseye.action_go("run")
         elif line.status == "running":
             typed = command_line(("attach", line.name, "--runs", str(self.session.root)))
@@ -291,14 +291,14 @@ class RunsScreen(WorkScreen):
     def _resume(self, name: str, permission: Permission | None) -> None:
         if permission is None:
             return
-        arm = {} if permission.arm is None else {"arm": permission.arm}
-        self.catseye.order(
-            "resume", f"{name} does not go on", control=True, then=self._resumed, run=name, **arm
-        )
+        from catseye.app.protocol.requests import Resume
 
-    def _resumed(self, answer: object) -> None:
-        del answer
-        self.catseye.action_go("run")
+        self.catseye.order(
+            Resume(run=name, arm=permission.arm),
+            f"{name} does not go on",
+            control=True,
+            then=lambda: self.catseye.action_go("run"),
+        )
 
     def _export(self, line: "RunLine", answers: Answers | None) -> None:
         if answers is not None:
@@ -307,7 +307,7 @@ class RunsScreen(WorkScreen):
                 f"export {line.id}",
                 "Nothing was exported",
                 *("export", line.name, "--runs", self.session.root, "-o", file),
-                done=lambda _: self.tell_written(file, "export"),
+                done=lambda _: self.show_written(file, "export"),
             )
 
     def _identify(self, names: list[str], answers: Answers | None) -> None:
@@ -331,18 +331,18 @@ class RunsScreen(WorkScreen):
         for line in marked:
             self._show_line(line)
         self._count()
-        self.tell_written(file, "identified; F6 shows it")
+        self.show_written(file, "identified; F6 shows it")
 
     async def _tell_story(self, line: "RunLine") -> None:
-        panel, story = self.query_one("#story-panel"), self.query_one("#story", Told)
+        panel, story = self.query_one("#story-panel"), self.query_one("#story", StaticText)
         panel.border_title = f"Story of {line.id}"
         self.add_class("story")
-        story.tell(Content("…"))
+        story.set_text(Content("…"))
         done = await self.session.work.do("show", line.name, "--runs", self.session.root)
         if done.code:
-            story.tell(Content.styled(f"✗ {done.fault}", "$error"))
+            story.set_text(Content.styled(f"✗ {done.fault}", "$error"))
         else:
-            story.tell(Content(done.out.rstrip()))
+            story.set_text(Content(done.out.rstrip()))
         panel.focus()
 
     def _set_columns(self) -> None:
@@ -426,7 +426,7 @@ class RunsScreen(WorkScreen):
             parts.append(f"{len(self._marked)} marked")
         if not known:
             parts = [f"no runs in {self.session.root}" if self._looked else "looking …"]
-        self.query_one("#count", Told).tell(Content(" · ".join(parts)))
+        self.query_one("#count", StaticText).set_text(Content(" · ".join(parts)))
 
 
 def _identify_fault(answers: Answers) -> str:

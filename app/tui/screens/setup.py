@@ -15,7 +15,7 @@ from catseye.app.files.documents import read_text
 from catseye.app.tui.cell_change import use_cell
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.screens.working import WorkScreen
 from catseye.app.tui.session import DEMO_FOLDER, Session
 from catseye.app.tui.setup.start import CHOICES, Start
@@ -33,7 +33,7 @@ _NARROW: Final = 70
 class SetupScreen(WorkScreen):
     """Offers the ways to a bench; the wizard takes their place."""
 
-    PLACE = "setup"
+    SCREEN = "setup"
 
     DEFAULT_CSS = """
     SetupScreen #place { height: 1fr; }
@@ -112,9 +112,9 @@ class SetupScreen(WorkScreen):
         """Say what there is."""
         self.query_one("#choices", OptionList).focus()
 
-    def show_picture(self, picture: Picture, now_s: float) -> None:
+    def show_state(self, engine: EngineState, now_s: float) -> None:
         """Say what there is."""
-        del picture, now_s
+        del engine, now_s
         self.set_class(self.size.width < _NARROW, "-narrow")
         cell = self.session.cell
         self.query_one(Start).show(cell, None in self._drafts, cell is not None and cell in self._drafts)
@@ -197,7 +197,7 @@ class SetupScreen(WorkScreen):
         try:
             draft = await asyncio.to_thread(_draft_of, source)
         except (CatseyeError, OSError, UnicodeDecodeError) as error:
-            self.catseye.tell_error(f"{source} cannot be changed here", str(error))
+            self.catseye.show_error(f"{source} cannot be changed here", str(error))
             return
         if left is not None and left.beginning == draft.beginning:
             draft = left
@@ -231,7 +231,7 @@ class SetupScreen(WorkScreen):
         if faults or device not in data:
             self.notify("answer the questions of this device first", severity="warning")
             return
-        if self.session.link.picture.running:
+        if self.session.link.engine.running:
             self.notify("a run is under way: its devices are not touched", severity="warning")
             return
         # Controllers serve one link; an engine that nobody watches lets its links go.
@@ -243,10 +243,11 @@ class SetupScreen(WorkScreen):
     async def _watch(self, *, on: bool) -> None:
         from contextlib import suppress
 
+        from catseye.app.protocol.requests import Watch
         from catseye.app.service.errors import RefusedError, ServiceError
 
         with suppress(RefusedError, ServiceError):
-            await self.session.link.request("watch", on=on)
+            await self.session.link.request(Watch(op="watch", on=on))
 
     async def _save(self) -> None:
         from catseye.app.cell.wizard.pages import PAGES
@@ -263,17 +264,17 @@ class SetupScreen(WorkScreen):
         try:
             await asyncio.to_thread(require_output, path)
         except CatseyeError as error:
-            self.catseye.tell_error("The cell file was not written", str(error))
+            self.catseye.show_error("The cell file was not written", str(error))
             return
         text, commented = wizard.draft.written()
         if not commented and self._source is not None and path.absolute() == self._source.absolute():
             path = path.with_name(f"{path.stem}-new.toml")
-            told = (
+            shown = (
                 f"{self._source} is written in a way that cannot be changed line by line: its comments cannot be "
                 f"kept. It stays as it is, and {path} is written beside it, without comments."
             )
             if not await self.app.push_screen_wait(
-                ConfirmDialog("A new file", told, "write it", "do not write")
+                ConfirmDialog("A new file", shown, "write it", "do not write")
             ):
                 return
         if await asyncio.to_thread(path.exists) and not await self._may_replace(path):
@@ -293,7 +294,7 @@ class SetupScreen(WorkScreen):
         try:
             await asyncio.to_thread(write_atomically, path, text)
         except (CatseyeError, OSError) as error:
-            self.catseye.tell_error("The cell file was not written", str(error))
+            self.catseye.show_error("The cell file was not written", str(error))
             return
         await self.query("Wizard").remove()
         self._drafts.pop(self._source, None)
@@ -304,7 +305,7 @@ class SetupScreen(WorkScreen):
         """Have a command check a cell file as anybody would, then go on with it."""
         done = await self.session.work.do("config", "validate", path)
         if done.code != 0:
-            self.catseye.tell_error(f"{path} cannot be used", done.talk.strip().removeprefix("catseye: "))
+            self.catseye.show_error(f"{path} cannot be used", done.talk.strip().removeprefix("catseye: "))
             return
         warnings = [line for line in done.talk.splitlines() if line.startswith("warning: ")]
         self.notify("\n".join([str(path), *warnings]), title="this cell is used now", markup=False)
@@ -334,7 +335,7 @@ class SetupScreen(WorkScreen):
             if not await asyncio.to_thread(path.exists):
                 await asyncio.to_thread(write_atomically, path, await asyncio.to_thread(emulated_cell))
         except CatseyeError as error:
-            self.catseye.tell_error("The emulated bench was not set up", str(error))
+            self.catseye.show_error("The emulated bench was not set up", str(error))
             return
         self.query_one(TaskLine).begin("SIMULATION: starting the emulators")
         ready = asyncio.Event()
@@ -352,18 +353,18 @@ class SetupScreen(WorkScreen):
 
     async def _serve_emulators(self, path: Path, ready: asyncio.Event) -> None:
         """Keep the emulators until the program ends."""
-        from catseye.app.emulation import emulator_process
         from catseye.app.errors import CatseyeError
+        from catseye.app.service.emulation import emulator_process
 
         try:
             async with emulator_process(path, self.session.speed, _SEED, None) as emulators:
                 ready.set()
                 code = await emulators.process.wait()
-                self.catseye.tell_error(
+                self.catseye.show_error(
                     "The emulators have ended", f"they ended with code {code}: start them again (F10, e)"
                 )
         except CatseyeError as error:
-            self.catseye.tell_error("The emulators did not start", str(error))
+            self.catseye.show_error("The emulators did not start", str(error))
 
 
 _SEED: Final = 2

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, ClassVar, Final
+from typing import ClassVar, Final
 
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
@@ -12,16 +12,17 @@ from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.widgets import Input
 
+from catseye.app.protocol.raw_text import LineEnd, encoded
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
-from catseye.app.tui.widgets.told import Told
+from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.wire_view import WireView
 from catseye.app.tui.wire_lines import saved_line
 
-_ENDS: Final = ("crlf", "cr", "lf", "none")
+_ENDS: Final[tuple[LineEnd, ...]] = ("crlf", "cr", "lf", "none")
 _HISTORY: Final = 100
 _GIVES_BACK: Final = "esc, then r: the driver has its link again"
 
@@ -29,7 +30,7 @@ _GIVES_BACK: Final = "esc, then r: the driver has its link again"
 class TerminalScreen(MainScreen):
     """Shows what goes over the wires while it is shown; sends only between runs."""
 
-    PLACE = "terminal"
+    SCREEN = "terminal"
     AUTO_FOCUS = "WireView"
 
     DEFAULT_CSS = """
@@ -62,7 +63,7 @@ class TerminalScreen(MainScreen):
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._device = ""
-        self._end = "crlf"
+        self._end: LineEnd = "crlf"
         self._hex = False
         self._history: list[str] = []
         self._recalled = 0
@@ -71,11 +72,11 @@ class TerminalScreen(MainScreen):
     def body(self) -> ComposeResult:
         """Put facts, lines and the line to send together."""
         with Horizontal(id="top"):
-            yield Told(id="facts")
+            yield StaticText(id="facts")
             yield Input(id="filter", compact=True, placeholder="/ filter: text or hex")
         yield WireView(id="wire")
         with Vertical(id="sender"):
-            yield Told(id="how")
+            yield StaticText(id="how")
             yield Input(id="line", compact=True, disabled=True)
 
     def commands(self) -> Iterable[SystemCommand]:
@@ -97,25 +98,25 @@ class TerminalScreen(MainScreen):
 
     def on_screen_suspend(self) -> None:
         """Give the link back and ask for no more traffic when another screen is shown; a dialog changes nothing."""
-        if self.app.current_mode == self.PLACE:
+        if self.app.current_mode == self.SCREEN:
             return
-        if self._is_mine(self.session.link.picture):
-            self.catseye.order("raw", "The link was not given back", device=self._device, on=False)
+        if self._is_mine(self.session.link.engine):
+            self._give_back()
             self.notify(f"{self._device} has its link again")
         if self._subscribed is not None:
             self._subscribed = None
             self.run_worker(self._ask_for_traffic(on=False), exit_on_error=False)
 
-    def show_picture(self, picture: Picture, now_s: float) -> None:
+    def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show what is new, and whether something may be sent."""
         del now_s
-        self._subscribe(picture)
+        self._subscribe(engine)
         view = self.query_one(WireView)
-        view.take(picture.wire, picture.wire_seen)
-        self.query_one("#facts", Told).tell(self._facts(picture, view))
-        self.query_one("#how", Told).tell(self._how(picture))
+        view.take(engine.wire, engine.wire_seen)
+        self.query_one("#facts", StaticText).set_text(self._facts(engine, view))
+        self.query_one("#how", StaticText).set_text(self._how(engine))
         line = self.query_one("#line", Input)
-        line.disabled = not self._is_mine(picture)
+        line.disabled = not self._is_mine(engine)
         line.placeholder = "" if line.disabled else _GIVES_BACK
         if line.disabled and line.has_focus:
             view.focus()
@@ -178,13 +179,13 @@ class TerminalScreen(MainScreen):
 
     def action_link(self) -> None:
         """Take the device's link from its driver, or give it back."""
-        picture = self.session.link.picture
-        if self._is_mine(picture):
-            self.catseye.order("raw", "The link was not given back", device=self._device, on=False)
+        engine = self.session.link.engine
+        if self._is_mine(engine):
+            self._give_back()
         elif reason := self._why_not():
             self.notify(reason, severity="warning")
         elif self._moves(self._device):
-            self._ask_to_arm(picture)
+            self._ask_to_arm(engine)
         else:
             self._take(None)
 
@@ -222,55 +223,62 @@ class TerminalScreen(MainScreen):
         self.query_one(WireView).choose(self._device, self.query_one("#filter", Input).value)
         self.show_now()
 
-    def _subscribe(self, picture: Picture) -> None:
+    def _subscribe(self, engine: EngineState) -> None:
         """Ask for traffic; again when the connection is another."""
-        if not picture.connected:
+        if not engine.connected:
             self._subscribed = None
-        elif self._subscribed is not picture.facts and self.app.current_mode == self.PLACE:
-            self._subscribed = picture.facts
+        elif self._subscribed is not engine.snapshot and self.app.current_mode == self.SCREEN:
+            self._subscribed = engine.snapshot
             self.run_worker(self._ask_for_traffic(on=True), exit_on_error=False)
 
     async def _ask_for_traffic(self, *, on: bool) -> None:
+        from catseye.app.protocol.requests import Watch
         from catseye.app.service.errors import RefusedError, ServiceError
 
-        # An engine that is gone tells nothing; the status line says so.
+        # An engine that is gone sends nothing; the status line says so.
         with suppress(RefusedError, ServiceError):
-            await self.session.link.request("traffic", on=on)
-
-    def _bench_devices(self) -> list[dict[str, Any]]:
-        bench = self.session.link.picture.bench
-        return list(bench.get("devices") or []) if bench else []
+            await self.session.link.request(Watch(op="traffic", on=on))
 
     def _devices(self) -> list[str]:
         """Return the names of all devices, those of the cell file first."""
-        told = [str(device["name"]) for device in self._bench_devices()]
+        bench = self.session.link.engine.bench
+        known = [] if bench is None else [device.name for device in bench.devices]
         passed = {line.device for line in self.query_one(WireView).lines}
-        return told + sorted(passed - set(told))
+        return known + sorted(passed - set(known))
 
     def _moves(self, name: str) -> bool:
-        driver = next((str(d.get("driver")) for d in self._bench_devices() if d["name"] == name), "")
-        return name == "robot" or driver.startswith("melfa-")
+        """Return whether bytes to a device may move an arm; so they may where nobody knows the device."""
+        bench = self.session.link.engine.bench
+        device = None if bench is None else bench.device(name)
+        return device is None or device.moves_arm
 
-    def _is_mine(self, picture: Picture) -> bool:
-        by = picture.raw.get(self._device)
-        return by is not None and by.endswith(f"({picture.you})")
+    def _is_mine(self, engine: EngineState) -> bool:
+        taken = engine.raw.get(self._device)
+        return taken is not None and taken.client == engine.you
+
+    def _give_back(self) -> None:
+        from catseye.app.protocol.requests import Raw
+
+        self.catseye.order(Raw(device=self._device, on=False), "The link was not given back")
 
     def _why_not(self) -> str:
         """Return why nothing can be sent now; empty when the link can be taken."""
-        picture = self.session.link.picture
-        if not picture.connected:
+        engine = self.session.link.engine
+        if not engine.connected:
             return "nothing can be sent: no engine is connected"
-        if picture.running:
+        if engine.running:
             return "nothing can be sent while a run is under way: its driver has the link"
-        if picture.jogging:
+        if engine.jogging:
             return "nothing can be sent during a jog: end it first (F5, Esc)"
         if not self._device:
             return "choose a device first: d"
-        by = picture.raw.get(self._device)
-        return f"{by} has the link of {self._device}" if by and not self._is_mine(picture) else ""
+        taken = engine.raw.get(self._device)
+        if taken is None or self._is_mine(engine):
+            return ""
+        return f"{taken.by} has the link of {self._device}"
 
-    def _facts(self, picture: Picture, view: WireView) -> Content:
-        missed = picture.missed.get("wire", 0)
+    def _facts(self, engine: EngineState, view: WireView) -> Content:
+        missed = engine.missed.get("wire", 0)
         state = "following" if view.following else f"PAUSED, {view.waiting} new"
         return Content.assemble(
             (f"{self._device or 'all devices'}  ", "bold"),
@@ -279,9 +287,9 @@ class TerminalScreen(MainScreen):
             ("UTC", "dim"),
         )
 
-    def _how(self, picture: Picture) -> Content:
+    def _how(self, engine: EngineState) -> Content:
         form = "hex bytes" if self._hex else r"text, \r \n \xNN"
-        if self._is_mine(picture):
+        if self._is_mine(engine):
             key = "F8 sends: it may move the arm" if self._moves(self._device) else "Enter sends"
             return Content.assemble(
                 (f"→ {self._device}  ", "bold $accent"),
@@ -293,16 +301,16 @@ class TerminalScreen(MainScreen):
             ("not sending  ", "dim"), reason or f"r takes the link of {self._device} from its driver"
         )
 
-    def _ask_to_arm(self, picture: Picture) -> None:
-        bench = picture.bench or {}
-        device = next(d for d in self._bench_devices() if d["name"] == self._device)
-        simulated = (device.get("identity") or {}).get("simulated")
+    def _ask_to_arm(self, engine: EngineState) -> None:
+        device = None if engine.bench is None else engine.bench.device(self._device)
+        identity = None if device is None else device.identity
+        simulated = None if identity is None else identity.simulated
         text = (
             "What is sent to it may move the arm, past every check of this program. Nobody inside; a hand on the "
             "emergency stop. What was started by hand goes on when the link is given back."
         )
         dialog = StartDialog(
-            f"Bytes to the {self._device} by hand", text, str(bench.get("cell")), simulated=simulated
+            f"Bytes to the {self._device} by hand", text, engine.cell_name, simulated=simulated
         )
         self.app.push_screen(dialog, self._armed)
 
@@ -311,18 +319,12 @@ class TerminalScreen(MainScreen):
             self._take(permission.arm)
 
     def _take(self, arm: str | None) -> None:
-        fields = {} if arm is None else {"arm": arm}
-        self.catseye.order(
-            "raw",
-            f"The link of {self._device} was not taken",
-            control=True,
-            then=self._taken,
-            device=self._device,
-            on=True,
-            **fields,
-        )
+        from catseye.app.protocol.requests import Raw
 
-    def _taken(self, _answer: dict[str, Any]) -> None:
+        failure = f"The link of {self._device} was not taken"
+        self.catseye.order(Raw(device=self._device, arm=arm), failure, control=True, then=self._taken)
+
+    def _taken(self) -> None:
         self.call_after_refresh(self._begin_typing)
 
     def _begin_typing(self) -> None:
@@ -332,19 +334,21 @@ class TerminalScreen(MainScreen):
             line.focus()
 
     def _send(self, text: str) -> None:
-        from catseye.app.commands.terminal import encoded
+        from catseye.app.protocol.requests import request_of
 
         try:
-            data = encoded(text, self._end, as_hex=self._hex)  # type: ignore[arg-type]  # one of _ENDS
+            data = encoded(text, self._end, as_hex=self._hex)
+            if not data:
+                return
+            # More may be typed than one request carries.
+            request = request_of({"op": "send", "device": self._device, "hex": data.hex()})
         except ValueError as error:
             self.notify(f"not sent: {error}", severity="error")
-            return
-        if not data:
             return
         self._history = [*(old for old in self._history if old != text), text][-_HISTORY:]
         self._recalled = 0
         self.query_one("#line", Input).value = ""
-        self.catseye.order("send", "The bytes were not sent", device=self._device, hex=data.hex())
+        self.catseye.order(request, "The bytes were not sent")
 
     def _recall(self, by: int) -> None:
         line = self.query_one("#line", Input)
@@ -368,6 +372,6 @@ class TerminalScreen(MainScreen):
                 raise UsageError(f"{path} exists already: choose another name")
             await asyncio.to_thread(write_atomically, path, text)
         except CatseyeError as error:
-            self.catseye.tell_error("The lines were not saved", str(error))
+            self.catseye.show_error("The lines were not saved", str(error))
             return
         self.notify(f"saved: {path}")

@@ -113,7 +113,7 @@ class WorkScreen(MainScreen):
         self._work.cancel()
         return True
 
-    def tell_written(self, path: Path, text: str = "") -> None:
+    def show_written(self, path: Path, text: str = "") -> None:
         """Say which file was written; a page can be opened with `action_open_page`."""
         page = path.suffix == ".html"
         if page:
@@ -134,7 +134,7 @@ class WorkScreen(MainScreen):
     async def _open(self, uri: str) -> None:
         fault = await open_page(uri)
         if fault:
-            self.catseye.tell_error("The page is not shown", f"{uri}: {fault}")
+            self.catseye.show_error("The page is not shown", f"{uri}: {fault}")
 
     async def _let_work(
         self,
@@ -156,7 +156,7 @@ class WorkScreen(MainScreen):
                 self.notify(f"{title}: cancelled", markup=False)
             raise
         except OSError as error:
-            self.catseye.tell_error(failure, f"catseye could not be started: {error}")
+            self.catseye.show_error(failure, f"catseye could not be started: {error}")
             return
         finally:
             line.end()
@@ -165,4 +165,4 @@ class WorkScreen(MainScreen):
         elif ended.code in _INTERRUPTED:
             self.notify(f"{title}: interrupted from outside", markup=False)
         else:
-            self.catseye.tell_error(failure, ended.fault)
+            self.catseye.show_error(failure, ended.fault)

@@ -15,7 +15,7 @@ from textual.widgets import Label
 
 from catseye.app.results.numbers import duration_text
 from catseye.app.tui.widgets.key_line import KeyLine
-from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.work import Work
 
 _NOT_USABLE = 3
@@ -61,7 +61,7 @@ class DeviceTest(ModalScreen[None]):
         with Vertical():
             yield Label(f"Connection test: {self._device}", markup=False)
             with VerticalScroll():
-                yield Told(id="found")
+                yield StaticText(id="found")
             yield KeyLine()
 
     def on_mount(self) -> None:
@@ -82,20 +82,22 @@ class DeviceTest(ModalScreen[None]):
 
     def action_copy(self) -> None:
         """Put the findings on the clipboard."""
-        self.app.copy_to_clipboard(self.query_one("#found", Told).told.plain)
+        self.app.copy_to_clipboard(self.query_one("#found", StaticText).text.plain)
         self.notify("copied")
 
     def _show_time(self) -> None:
         if self._running:
             gone = duration_text(self._now_s() - self._begun_s)
-            self.query_one("#found", Told).tell(Content(f"asking who answers … {gone}   Esc cancels"))
+            self.query_one("#found", StaticText).set_text(
+                Content(f"asking who answers … {gone}   Esc cancels")
+            )
 
     async def _look(self) -> None:
         try:
-            told = await self._findings()
+            shown = await self._findings()
         finally:
             self._running = False
-        self.query_one("#found", Told).tell(told)
+        self.query_one("#found", StaticText).set_text(shown)
 
     async def _findings(self) -> Content:
         with tempfile.TemporaryDirectory(prefix="catseye-test-") as folder:
@@ -111,6 +113,6 @@ def _lines_of(device: dict[str, Any]) -> list[Content]:
     sign = ("✓ ", "$success bold") if device["ok"] else ("✗ ", "$error bold")
     emulated = ("  SIMULATION", "black on yellow") if device["simulated"] else ""
     first = Content.assemble(sign, device["identity"] or "nobody answers as this device would", emulated)
-    told = [first, Content.assemble((str(device["endpoint"]), "dim"))]
-    told += [Content(f"  {fact}") for fact in device["status"]]
-    return told + [Content.assemble(("→ ", "$warning"), text) for text in device["advice"]]
+    shown = [first, Content.assemble((str(device["endpoint"]), "dim"))]
+    shown += [Content(f"  {fact}") for fact in device["status"]]
+    return shown + [Content.assemble(("→ ", "$warning"), text) for text in device["advice"]]

@@ -12,21 +12,21 @@ from textual.widget import Widget
 from textual.widgets import Input, Label, Select
 
 from catseye.app.cell.wizard.question import Question
-from catseye.app.tui.widgets.told import Told
+from catseye.app.tui.widgets.static_text import StaticText
 
 
-class Fault(Told):
+class Fault(StaticText):
     """What is wrong, below what it is about."""
 
     DEFAULT_CSS = """
     Fault { height: auto; color: $error; display: none; padding-left: 2; }
-    Fault.told { display: block; }
+    Fault.shown { display: block; }
     """
 
-    def tell_fault(self, text: str) -> None:
+    def show_fault(self, text: str) -> None:
         """Show a fault; an empty text hides it."""
-        self.set_class(bool(text), "told")
-        self.tell(Content(f"✗ {text}" if text else ""))
+        self.set_class(bool(text), "shown")
+        self.set_text(Content(f"✗ {text}" if text else ""))
 
 
 class Choice(Select[str], inherit_bindings=False):
@@ -85,9 +85,9 @@ class QuestionRow(Vertical):
         """Where the answer is typed or chosen."""
         return self.query_one(Select if self.question.choices else Input)
 
-    def tell_fault(self, text: str) -> None:
+    def show_fault(self, text: str) -> None:
         """Show what is wrong with the answer."""
-        self.query_one(Fault).tell_fault(text)
+        self.query_one(Fault).show_fault(text)
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Take what is typed."""

@@ -81,7 +81,7 @@ class ReflectorRows(Vertical):
         """
         for number in range(len(self._reflectors)):
             mine = [text for key, text in faults.items() if key.startswith(f"reflector.{number}.")]
-            self.query_one(f"#fault{number}", Fault).tell_fault("; ".join(mine))
+            self.query_one(f"#fault{number}", Fault).show_fault("; ".join(mine))
 
     def on_descendant_focus(self, event: DescendantFocus) -> None:
         """Note which reflector is meant."""

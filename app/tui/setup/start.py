@@ -9,7 +9,7 @@ from textual.content import Content
 from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
-from catseye.app.tui.widgets.told import Told
+from catseye.app.tui.widgets.static_text import StaticText
 
 CHOICES: Final = {
     "wizard": (
@@ -37,7 +37,7 @@ class Start(Vertical):
 
     def compose(self) -> ComposeResult:
         """What there is, and the choices."""
-        yield Told(id="present")
+        yield StaticText(id="present")
         yield OptionList(*(Option(_prompt(name), id=name) for name in CHOICES), id="choices")
 
     def show(self, cell: Path | None, describing: bool, changing: bool) -> None:
@@ -55,7 +55,7 @@ class Start(Vertical):
         )
         left = " ".join(key for key, half_way in (("w", describing), ("c", changing)) if half_way)
         more = Content(f"\nThe questions were left half-way: {left} goes on with them." if left else "")
-        self.query_one("#present", Told).tell(there + more)
+        self.query_one("#present", StaticText).set_text(there + more)
         choices = self.query_one(OptionList)
         if cell is None:
             choices.disable_option("change")

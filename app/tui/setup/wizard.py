@@ -14,9 +14,10 @@ from textual.timer import Timer
 
 from catseye.app.cell.wizard.draft import Draft, default_text
 from catseye.app.cell.wizard.pages import PAGES, Page
+from catseye.app.engine.instruments import require_drivers
 from catseye.app.tui.setup.question_row import Answered, Fault, QuestionRow
 from catseye.app.tui.setup.reflector_rows import HELP, ReflectorRows
-from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.tui.widgets.static_text import StaticText, lines
 
 _PAUSE_S: Final = 0.15
 """After the last key, before the answers are judged."""
@@ -64,14 +65,14 @@ class Wizard(Horizontal):
 
     def compose(self) -> ComposeResult:
         """Pages to the left, questions to the right, help below."""
-        yield Told(id="pages")
+        yield StaticText(id="pages")
         with Vertical(id="asked"):
-            yield Told(id="intro")
+            yield StaticText(id="intro")
             # Not a scrollable widget of its own: page up and page down turn the pages.
             with Container(id="form"):
                 yield Vertical(id="rows")
                 yield Fault(id="page-fault")
-            yield Told(id="help")
+            yield StaticText(id="help")
 
     async def on_mount(self) -> None:
         """Show the first page."""
@@ -112,7 +113,7 @@ class Wizard(Horizontal):
         with self.app.batch_update():
             await rows.remove_children()
             if page.name == "summary":
-                await rows.mount(Told(id="summary"))
+                await rows.mount(StaticText(id="summary"))
             elif page.name == "reflector":
                 await rows.mount(ReflectorRows(self.draft.reflectors))
             else:
@@ -124,8 +125,8 @@ class Wizard(Horizontal):
                     )
                     for question in self.draft.questions(page)
                 )
-        self.query_one("#intro", Told).tell(Content(page.intro))
-        self.query_one("#help", Told).tell(Content(HELP if page.name == "reflector" else ""))
+        self.query_one("#intro", StaticText).set_text(Content(page.intro))
+        self.query_one("#help", StaticText).set_text(Content(HELP if page.name == "reflector" else ""))
         self._show_faults()
         self._focus(key)
 
@@ -142,7 +143,7 @@ class Wizard(Horizontal):
     async def judge(self) -> None:
         """Have the model judge all answers, beside the screen."""
         draft = copy.deepcopy(self.draft)
-        self.faults = await asyncio.to_thread(draft.faults)
+        self.faults = await asyncio.to_thread(draft.faults, require_drivers)
         if self.is_attached:
             self._show_faults()
 
@@ -164,10 +165,10 @@ class Wizard(Horizontal):
         if row is None:
             return
         question = row.question
-        told = [Content(question.help)]
+        shown = [Content(question.help)]
         if question.find_out and not self.draft.answer(question.key):
-            told.append(Content.assemble(("to find out: ", "$warning"), question.find_out))
-        self.query_one("#help", Told).tell(lines(*told))
+            shown.append(Content.assemble(("to find out: ", "$warning"), question.find_out))
+        self.query_one("#help", StaticText).set_text(lines(*shown))
 
     def _focus(self, key: str) -> None:
         for row in self.query(QuestionRow):
@@ -191,13 +192,13 @@ class Wizard(Horizontal):
     def _show_faults(self) -> None:
         mine = self.draft.page_faults(self.page, self.faults)
         for row in self.query(QuestionRow):
-            row.tell_fault(mine.get(row.question.key, ""))
+            row.show_fault(mine.get(row.question.key, ""))
         for rows in self.query(ReflectorRows):
             rows.tell_faults(mine)
-        self.query_one("#page-fault", Fault).tell_fault(mine.get(self.page.name, ""))
-        self.query_one("#pages", Told).tell(lines(*(self._page_line(page) for page in PAGES)))
-        for summary in self.query("#summary").results(Told):
-            summary.tell(self._summary())
+        self.query_one("#page-fault", Fault).show_fault(mine.get(self.page.name, ""))
+        self.query_one("#pages", StaticText).set_text(lines(*(self._page_line(page) for page in PAGES)))
+        for summary in self.query("#summary").results(StaticText):
+            summary.set_text(self._summary())
 
     def _page_line(self, page: Page) -> Content:
         wrong = self.draft.page_faults(page, self.faults)
@@ -208,12 +209,14 @@ class Wizard(Horizontal):
         )
 
     def _summary(self) -> Content:
-        told: list[Content] = [Content.assemble("file  ", (str(self.path), "bold"))]
+        shown: list[Content] = [Content.assemble("file  ", (str(self.path), "bold"))]
         for page in PAGES:
             for key, text in self.draft.page_faults(page, self.faults).items():
-                told.append(Content.assemble(("✗ ", "$error"), f"{page.title}: {key}: {text}"))
+                shown.append(Content.assemble(("✗ ", "$error"), f"{page.title}: {key}: {text}"))
         if not self.faults:
-            told.append(Content.assemble(("✓ ", "$success"), "every check is passed: ctrl+s writes the file"))
+            shown.append(
+                Content.assemble(("✓ ", "$success"), "every check is passed: ctrl+s writes the file")
+            )
         for text in self.draft.to_find_out():
-            told.append(Content.assemble(("? ", "$warning"), text))
-        return lines(*told)
+            shown.append(Content.assemble(("? ", "$warning"), text))
+        return lines(*shown)

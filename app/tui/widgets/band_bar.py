@@ -1,8 +1,12 @@
 """A value against its acceptance band, as a bar with marks."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from catseye.app.tui.run_picture import LiveValue, Seen
+from catseye.procedures.kit.live import in_band
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.events import LiveData
 
 _ROOM: Final = 0.35
 """Room on either side of a band, as a share of its width."""
@@ -19,7 +23,7 @@ def band_text(low: float | None, high: float | None, unit: str) -> str:
     return "" if high is None else f"at most {high:.4g} {unit}".strip()
 
 
-def band_bar(live: LiveValue, width: int) -> str:
+def band_bar(live: "LiveData", width: int) -> str:
     """Return a bar: the band between its marks, the value on it; an arrow where the value lies outside the bar.
 
     Args:
@@ -34,7 +38,8 @@ def band_bar(live: LiveValue, width: int) -> str:
         return round((value - low) / (high - low) * (width - 1))
 
     cells = [
-        "░" if _inside(live, low + (high - low) * number / (width - 1)) else "─" for number in range(width)
+        "░" if in_band(low + (high - low) * number / (width - 1), live.low, live.high) else "─"
+        for number in range(width)
     ]
     for limit in (live.low, live.high):
         if limit is not None:
@@ -51,11 +56,7 @@ def value_text(value: float) -> str:
     return f"{value:.{digits}f}"
 
 
-def _inside(live: LiveValue, value: float) -> bool:
-    return Seen(0.0, value, live.low, live.high).accepted
-
-
-def _ends(live: LiveValue) -> tuple[float, float]:
+def _ends(live: "LiveData") -> tuple[float, float]:
     if live.low is not None and live.high is not None:
         room = _ROOM * (live.high - live.low)
         return live.low - room, live.high + room

@@ -3,10 +3,10 @@
 from textual.app import ComposeResult
 from textual.containers import Vertical
 
-from catseye.app.tui.bench_words import beam_lines
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.bench_text import beam_lines
+from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.strip import Strip
-from catseye.app.tui.widgets.told import Told, lines
 
 
 class BeamPanel(Vertical):
@@ -14,7 +14,7 @@ class BeamPanel(Vertical):
 
     DEFAULT_CSS = """
     BeamPanel { height: 1fr; }
-    BeamPanel Told { height: auto; text-wrap: nowrap; text-overflow: ellipsis; }
+    BeamPanel StaticText { height: auto; text-wrap: nowrap; text-overflow: ellipsis; }
     """
 
     def __init__(self, *, id: str | None = None) -> None:
@@ -23,14 +23,14 @@ class BeamPanel(Vertical):
 
     def compose(self) -> ComposeResult:
         """Numbers above, strip below."""
-        yield Told()
+        yield StaticText()
         yield Strip()
 
     def next_window(self) -> None:
         """Show another length of time."""
         self.query_one(Strip).next_window()
 
-    def show(self, picture: Picture, now_s: float) -> None:
+    def show(self, engine: EngineState, now_s: float) -> None:
         """Show the beam."""
-        self.query_one(Told).tell(lines(*beam_lines(picture.bench or {}, now_s - picture.bench_at_s)))
-        self.query_one(Strip).show(picture, now_s)
+        self.query_one(StaticText).set_text(lines(*beam_lines(engine.bench, now_s - engine.bench_at_s)))
+        self.query_one(Strip).show(engine, now_s)

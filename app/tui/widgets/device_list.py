@@ -1,12 +1,16 @@
-"""The devices of the bench, one a line; the chosen one is told in full."""
+"""The devices of the bench, one a line; the chosen one is shown in full."""
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from textual.content import Content
 from textual.widgets import OptionList
 
-from catseye.app.tui.bench_words import alarm_text, device_line, device_text
+from catseye.app.tui.bench_text import alarm_text, device_line, device_text
 from catseye.app.tui.dialogs.text_dialog import TextDialog
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.bench import BenchStatus
 
 
 class DeviceList(OptionList):
@@ -25,14 +29,14 @@ class DeviceList(OptionList):
         super().__init__(classes="panel", compact=True, markup=False)
         self.border_title = "Devices"
         self.border_subtitle = "Enter: all about one"
-        self._bench: dict[str, Any] = {}
+        self._bench: BenchStatus | None = None
         self._since_s = 0.0
         self._shown: list[Content] = []
 
-    def show(self, bench: dict[str, Any], since_s: float) -> None:
+    def show(self, bench: "BenchStatus | None", since_s: float) -> None:
         """Show the devices; what is chosen stays so."""
         self._bench, self._since_s = bench, since_s
-        lines = [device_line(device, since_s) for device in bench.get("devices", ())]
+        lines = [] if bench is None else [device_line(device, since_s) for device in bench.devices]
         if len(lines) != len(self._shown):
             self.set_options(lines)
             self.highlighted = 0 if lines else None
@@ -43,11 +47,9 @@ class DeviceList(OptionList):
         self._shown = lines
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """Tell everything about a device."""
+        """Show everything about a device."""
         event.stop()
-        devices = self._bench.get("devices", ())
-        if event.option_index < len(devices):
-            device = devices[event.option_index]
-            alarm = alarm_text(self._bench.get("robot") or {}) if device["name"] == "robot" else ""
-            text = device_text(device, alarm, self._since_s)
-            self.app.push_screen(TextDialog(str(device["name"]), text))
+        if self._bench is not None and event.option_index < len(self._bench.devices):
+            device, robot = self._bench.devices[event.option_index], self._bench.robot
+            alarm = alarm_text(robot) if device.name == "robot" and robot is not None else ""
+            self.app.push_screen(TextDialog(device.name, device_text(device, alarm, self._since_s)))

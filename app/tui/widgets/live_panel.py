@@ -1,16 +1,20 @@
 """The value that is watched, big, with its acceptance band."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.content import Content
 from textual.widgets import Digits
 
-from catseye.app.tui.run_picture import LiveValue, RunPicture
+from catseye.app.tui.run_state import RunState
 from catseye.app.tui.widgets.band_bar import band_bar, band_text, value_text
+from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.status_bar import STALE_S, age_style
-from catseye.app.tui.widgets.told import Told, lines
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.events import LiveData
 
 _NUMBER_ROOM: Final = 28
 """Cells beside the bar: the number, and margins."""
@@ -33,43 +37,43 @@ class LivePanel(Horizontal):
     def compose(self) -> ComposeResult:
         """The number, then band and what to do."""
         yield Digits("")
-        yield Told(id="band")
+        yield StaticText(id="band")
 
-    def show(self, run: RunPicture | None, now_s: float) -> None:
+    def show(self, run: RunState | None, now_s: float) -> None:
         """Show the newest value.
 
         Args:
             run: that is shown.
             now_s: monotonic time, s.
         """
-        live = None if run is None else run.live.get(run.newest_live)
-        number, band = self.query_one(Digits), self.query_one("#band", Told)
+        live = None if run is None else run.newest
+        number, band = self.query_one(Digits), self.query_one("#band", StaticText)
         if live is None or run is None:
             number.update("")
-            band.tell(Content.styled("nothing is watched now", "dim"))
+            band.set_text(Content.styled("nothing is watched now", "dim"))
             self.border_title = "Live value"
             return
         since_s = now_s - live.at_s
         stale = run.active and since_s > STALE_S
-        text = value_text(live.value)
+        text = value_text(live.data.value)
         if number.value != text:
             number.update(text)
         number.set_class(stale, "stale")
-        self.border_title = f"{live.name}{f' / {live.unit}' if live.unit else ''}"
+        self.border_title = f"{live.data.name}{f' / {live.data.unit}' if live.data.unit else ''}"
         age = age_style(0.0, since_s)[1] if run.active else " (the last one)"
-        band.tell(_band(live, self.size.width - _NUMBER_ROOM, age, stale=stale))
+        band.set_text(_band(live.data, self.size.width - _NUMBER_ROOM, age, stale=stale))
 
 
-def _band(live: LiveValue, width: int, age: str, *, stale: bool) -> Content:
+def _band(live: "LiveData", width: int, age: str, *, stale: bool) -> Content:
     accepted = band_text(live.low, live.high, live.unit)
     if not accepted:
         return Content(live.text + age)
     word, style = ("IN", "$success") if live.accepted else ("OUT", "bold $error")
     style = "dim" if stale else style
-    told = [
+    shown = [
         Content.styled(band_bar(live, width), style),
         Content.assemble((word, style), f"  {accepted}{age}"),
     ]
     if live.text and not live.accepted:
-        told.append(Content(live.text))
-    return lines(*told)
+        shown.append(Content(live.text))
+    return lines(*shown)

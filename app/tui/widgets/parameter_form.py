@@ -8,8 +8,8 @@ from textual.events import DescendantFocus
 from textual.message import Message
 from textual.widgets import Input, Label, Select
 
-from catseye.app.parameter_words import default_text, param_text, range_text, typed_fault
-from catseye.app.tui.widgets.told import Told
+from catseye.app.protocol.parameters import default_text, param_text, range_text, typed_fault
+from catseye.app.tui.widgets.static_text import StaticText
 
 Schema = dict[str, dict[str, Any]]
 """JSON schema of each parameter by its name."""
@@ -66,7 +66,7 @@ class ParameterRow(Horizontal):
         else:
             placeholder = default_text(self.facts) or _CHOSEN
             yield Input(self.text, placeholder=placeholder, compact=True, select_on_focus=False)
-        yield Told(classes="range")
+        yield StaticText(classes="range")
 
     def on_mount(self) -> None:
         """Say what it may be."""
@@ -103,9 +103,9 @@ class ParameterRow(Horizontal):
         self.post_message(self.Changed())
 
     def _judge(self) -> None:
-        told = self.query_one(Told)
-        told.set_class(bool(self.fault), "bad")
-        told.update(("✗ " if self.fault else "") + _short(range_text(self.facts)) + self.unit)
+        shown = self.query_one(StaticText)
+        shown.set_class(bool(self.fault), "bad")
+        shown.update(("✗ " if self.fault else "") + _short(range_text(self.facts)) + self.unit)
 
 
 class ParameterForm(VerticalScroll):

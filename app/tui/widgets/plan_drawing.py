@@ -1,13 +1,15 @@
 """The bench from above, to scale: column, arm, beam, reflectors."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
+from catseye.app.protocol.bench import Layout, ReflectorPlace
 from catseye.app.tui.widgets.braille import Canvas
-from catseye.calibration.kinematics import forward
+from catseye.calibration.scara.planar import forward
 
 ARM: Final = "arm"
 BASE: Final = "base"
@@ -66,26 +68,31 @@ class Pose:
     beam_rad: float
 
 
-def pose_of(layout: dict[str, Any], joints: list[float]) -> Pose:
+def pose_of(layout: Layout, joints: Sequence[float]) -> Pose:
     """Return where the nominal arm is.
 
     Args:
-        layout: of the message about the bench.
+        layout: of the bench.
         joints: J1 deg, J2 deg, J3 mm, J4 deg.
     """
     one, two, four = (math.radians(joints[place]) for place in (0, 1, 3))
-    link1_mm, link2_mm = float(layout["link1_mm"]), float(layout["link2_mm"])
+    link1_mm, link2_mm = layout.link1_mm, layout.link2_mm
     x_mm, y_mm = forward(np.array(one), np.array(two), link1_mm, link2_mm).tolist()
     elbow_mm = link1_mm * math.cos(one), link1_mm * math.sin(one)
-    beam_rad = one + two + four + math.radians(float(layout["theta40_deg"]))
+    beam_rad = one + two + four + math.radians(layout.theta40_deg)
     return Pose(elbow_mm, (x_mm, y_mm), one, one + two, beam_rad)
 
 
-def view_of(layout: dict[str, Any], canvas: Canvas) -> View:
-    """Return the largest scale at which the arm's whole reach and every reflector are seen, wherever the arm is."""
-    reach_mm = float(layout["link1_mm"]) + float(layout["link2_mm"])
-    across = [-reach_mm, reach_mm, *(float(each["x_mm"]) for each in layout["reflectors"])]
-    upwards = [-reach_mm, reach_mm, *(float(each["y_mm"]) for each in layout["reflectors"])]
+def view_within(reach_mm: float, places_mm: Sequence[tuple[float, float]], canvas: Canvas) -> View:
+    """Return the largest scale at which the arm's whole reach and every reflector are seen, wherever the arm is.
+
+    Args:
+        reach_mm: of the arm.
+        places_mm: x and y of the reflectors.
+        canvas: that is drawn on.
+    """
+    across = [-reach_mm, reach_mm, *(x_mm for x_mm, _ in places_mm)]
+    upwards = [-reach_mm, reach_mm, *(y_mm for _, y_mm in places_mm)]
     width_mm, height_mm = max(across) - min(across), max(upwards) - min(upwards)
     # Names stand right of the reflectors.
     wide = max(canvas.width - 2.0 * _MARGIN_DOTS - 2.0 * _NAME_CELLS, 1.0)
@@ -100,13 +107,19 @@ def view_of(layout: dict[str, Any], canvas: Canvas) -> View:
     )
 
 
+def view_of(layout: Layout, canvas: Canvas) -> View:
+    """Return the scale at which a bench is drawn."""
+    places_mm = [(each.x_mm, each.y_mm) for each in layout.reflectors]
+    return view_within(layout.link1_mm + layout.link2_mm, places_mm, canvas)
+
+
 def draw_plan(
-    layout: dict[str, Any], joints: list[float] | None, beam_ok: bool | None, columns: int, rows: int
+    layout: Layout, joints: Sequence[float] | None, beam_ok: bool | None, columns: int, rows: int
 ) -> Canvas:
     """Return the bench from above.
 
     Args:
-        layout: of the message about the bench.
+        layout: of the bench.
         joints: J1 deg, J2 deg, J3 mm, J4 deg; None when they are not known.
         beam_ok: the beam comes back; None when that is not known.
         columns: width in cells.
@@ -120,8 +133,8 @@ def draw_plan(
     if rows >= _ROOMY_ROWS:
         _draw_limits(canvas, view, layout, pose)
     _draw_base(canvas, view, layout)
-    for reflector in layout["reflectors"]:
-        _draw_reflector(canvas, view, reflector, aimed=reflector["name"] == layout.get("aim"))
+    for reflector in layout.reflectors:
+        _draw_reflector(canvas, view, reflector, aimed=reflector.name == layout.aim)
     if pose is not None:
         _draw_beam(canvas, view, layout, pose, beam_ok)
         _draw_arm(canvas, view, pose)
@@ -129,8 +142,8 @@ def draw_plan(
     return canvas
 
 
-def _draw_base(canvas: Canvas, view: View, layout: dict[str, Any]) -> None:
-    canvas.circle(view.dot(0.0, 0.0), float(layout["column_radius_mm"]) / view.mm_per_dot, BASE)
+def _draw_base(canvas: Canvas, view: View, layout: Layout) -> None:
+    canvas.circle(view.dot(0.0, 0.0), layout.column_radius_mm / view.mm_per_dot, BASE)
 
 
 def _draw_arm(canvas: Canvas, view: View, pose: Pose) -> None:
@@ -141,7 +154,7 @@ def _draw_arm(canvas: Canvas, view: View, pose: Pose) -> None:
     canvas.circle(place, 1.5, ARM)
 
 
-def _draw_beam(canvas: Canvas, view: View, layout: dict[str, Any], pose: Pose, beam_ok: bool | None) -> None:
+def _draw_beam(canvas: Canvas, view: View, layout: Layout, pose: Pose, beam_ok: bool | None) -> None:
     """Draw the beam to the reflector that it is meant for, else to the edge; one that is lost is dashed."""
     length_mm = _beam_length_mm(layout, pose) or (canvas.width + canvas.height) * view.mm_per_dot
     ink = {True: BEAM_OK, False: BEAM_LOST, None: BEAM_UNKNOWN}[beam_ok]
@@ -150,38 +163,34 @@ def _draw_beam(canvas: Canvas, view: View, layout: dict[str, Any], pose: Pose, b
     canvas.line(view.dot(x_mm, y_mm), end, ink, 0 if beam_ok else _DASH)
 
 
-def _beam_length_mm(layout: dict[str, Any], pose: Pose) -> float | None:
-    for reflector in layout["reflectors"]:
-        if reflector["name"] == layout.get("aim"):
-            return math.hypot(
-                float(reflector["x_mm"]) - pose.place_mm[0], float(reflector["y_mm"]) - pose.place_mm[1]
-            )
-    return None
+def _beam_length_mm(layout: Layout, pose: Pose) -> float | None:
+    reflector = layout.aimed
+    if reflector is None:
+        return None
+    return math.hypot(reflector.x_mm - pose.place_mm[0], reflector.y_mm - pose.place_mm[1])
 
 
-def _draw_reflector(canvas: Canvas, view: View, reflector: dict[str, Any], *, aimed: bool) -> None:
+def _draw_reflector(canvas: Canvas, view: View, reflector: ReflectorPlace, *, aimed: bool) -> None:
     """Draw a reflector's place, and the arc from which it sends a beam back."""
     ink = AIMED if aimed else REFLECTOR
-    x, y = view.dot(float(reflector["x_mm"]), float(reflector["y_mm"]))
-    facing_rad = math.radians(float(reflector["facing_deg"]))
-    half_rad = math.radians(float(reflector["field_half_angle_deg"]))
+    x, y = view.dot(reflector.x_mm, reflector.y_mm)
+    facing_rad = math.radians(reflector.facing_deg)
+    half_rad = math.radians(reflector.field_half_angle_deg)
     canvas.arc((x, y), _FIELD_MM / view.mm_per_dot, facing_rad - half_rad, facing_rad + half_rad, ink, 1)
     canvas.points(np.array([x, x + 1.0, x, x + 1.0]), np.array([y, y, y + 1.0, y + 1.0]), ink)
     column, row = round(x) // 2 + 2, round(y) // 4
-    canvas.text(column, row, f"{'►' if aimed else ''}{reflector['name']}", ink)
+    canvas.text(column, row, f"{'►' if aimed else ''}{reflector.name}", ink)
 
 
-def _draw_limits(canvas: Canvas, view: View, layout: dict[str, Any], pose: Pose | None) -> None:
+def _draw_limits(canvas: Canvas, view: View, layout: Layout, pose: Pose | None) -> None:
     """Draw the ranges of J1 about the base and of J2 about the elbow."""
-    limits = layout["limits_deg"]
-    first_mm = float(layout["column_radius_mm"]) + 0.2 * float(layout["link1_mm"])
+    limits = layout.limits_deg
+    first_mm = layout.column_radius_mm + 0.2 * layout.link1_mm
     _draw_range(canvas, view, (0.0, 0.0), first_mm, limits["j1"], 0.0)
     if pose is not None:
-        second_mm = 0.45 * float(layout["link2_mm"])
+        second_mm = 0.45 * layout.link2_mm
         _draw_range(canvas, view, pose.elbow_mm, second_mm, limits["j2"], pose.link1_rad)
-        _draw_range(
-            canvas, view, pose.place_mm, 0.3 * float(layout["link2_mm"]), limits["j4"], pose.link2_rad
-        )
+        _draw_range(canvas, view, pose.place_mm, 0.3 * layout.link2_mm, limits["j4"], pose.link2_rad)
 
 
 def _draw_range(
@@ -189,7 +198,7 @@ def _draw_range(
     view: View,
     centre_mm: tuple[float, float],
     radius_mm: float,
-    limits_deg: list[float],
+    limits_deg: tuple[float, float],
     zero_rad: float,
 ) -> None:
     low_deg, high_deg = limits_deg

@@ -1,14 +1,19 @@
 """The bench from above."""
 
-from typing import Any, Final
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
 
 from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.widgets.inks import painted
 from catseye.app.tui.widgets.status_bar import STALE_S
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.bench import Layout
 
 _STYLES: Final = {
     "arm": "$primary bold",
@@ -35,28 +40,28 @@ class PlanView(Widget):
         self.border_title = "From above"
         self._key: object = None
         self._shown = Content("")
-        self._last: tuple[Picture, float] | None = None
+        self._last: tuple[EngineState, float] | None = None
 
     @property
     def shown(self) -> Content:
         """What is painted."""
         return self._shown
 
-    def show(self, picture: Picture, now_s: float) -> None:
+    def show(self, engine: EngineState, now_s: float) -> None:
         """Show where everything is."""
-        self._last = picture, now_s
-        bench = picture.bench or {}
-        since_s = now_s - picture.bench_at_s
-        robot, beam = bench.get("robot"), bench.get("beam")
-        stale = not _is_fresh(robot, since_s)
-        beam_ok = bool(beam["beam_ok"]) if isinstance(beam, dict) and _is_fresh(beam, since_s) else None
-        joints = robot.get("joints") if isinstance(robot, dict) else None
-        key = (repr(bench.get("layout")), repr(joints), beam_ok, stale, self.size)
+        self._last = engine, now_s
+        bench, robot, beam = engine.bench, engine.robot, None if engine.bench is None else engine.bench.beam
+        since_s = now_s - engine.bench_at_s
+        layout = None if bench is None else bench.layout
+        joints = None if robot is None else robot.known_joints
+        stale = robot is None or not _is_fresh(robot.age_s, since_s)
+        beam_ok = beam.beam_ok if beam is not None and _is_fresh(beam.age_s, since_s) else None
+        key = (layout, joints, beam_ok, stale, self.size)
         if key == self._key:
             return
         self._key = key
-        self._shown = self._drawn(bench.get("layout"), joints, beam_ok, stale=stale)
-        self.border_subtitle = _caption(bench.get("layout"), joints, beam_ok, stale=stale)
+        self._shown = self._drawn(layout, joints, beam_ok, stale=stale)
+        self.border_subtitle = _caption(layout, joints, beam_ok, stale=stale)
         self.refresh()
 
     def on_resize(self) -> None:
@@ -68,8 +73,10 @@ class PlanView(Widget):
         """Return the drawing."""
         return self._shown
 
-    def _drawn(self, layout: Any, joints: Any, beam_ok: bool | None, *, stale: bool) -> Content:
-        if not isinstance(layout, dict):
+    def _drawn(
+        self, layout: "Layout | None", joints: Sequence[float] | None, beam_ok: bool | None, *, stale: bool
+    ) -> Content:
+        if layout is None:
             return Content.styled("no bench is told yet", "dim")
         from catseye.app.tui.widgets.plan_drawing import draw_plan
 
@@ -77,18 +84,19 @@ class PlanView(Widget):
         return painted(canvas.lines(), _STYLES, faded=stale)
 
 
-def _is_fresh(part: Any, since_s: float) -> bool:
-    age_s = part.get("age_s") if isinstance(part, dict) else None
-    return isinstance(age_s, (int, float)) and age_s + since_s <= STALE_S
+def _is_fresh(age_s: float, since_s: float) -> bool:
+    return age_s + since_s <= STALE_S
 
 
-def _caption(layout: Any, joints: Any, beam_ok: bool | None, *, stale: bool) -> str:
+def _caption(
+    layout: "Layout | None", joints: Sequence[float] | None, beam_ok: bool | None, *, stale: bool
+) -> str:
     """Return the beam's state as word and sign."""
-    if not isinstance(layout, dict):
+    if layout is None:
         return ""
     if joints is None:
         return "arm unknown"
     if stale:
         return "arm as it was: old"
     beam = {True: "── beam ok", False: "╌╌ NO BEAM", None: "╌╌ beam unknown"}[beam_ok]
-    return f"{beam} → {layout['aim']}" if layout.get("aim") else beam
+    return f"{beam} → {layout.aim}" if layout.aim else beam

@@ -3,20 +3,20 @@
 from textual.content import Content
 
 from catseye.app.results.numbers import duration_text
-from catseye.app.tui.run_picture import RunPicture
-from catseye.app.tui.widgets.told import Told
+from catseye.app.tui.run_state import RunState
+from catseye.app.tui.widgets.static_text import StaticText
 
 _EIGHTHS = " ▏▎▍▌▋▊▉█"
 
 
-class ProgressLine(Told):
+class ProgressLine(StaticText):
     """One line."""
 
     DEFAULT_CSS = """
     ProgressLine { height: 1; padding: 0 1; text-wrap: nowrap; text-overflow: ellipsis; }
     """
 
-    def show(self, run: RunPicture | None, planned: int, skipped: int, *, fast: bool) -> None:
+    def show(self, run: RunState | None, planned: int, skipped: int, *, fast: bool) -> None:
         """Show what is known.
 
         Args:
@@ -26,26 +26,25 @@ class ProgressLine(Told):
             fast: bench time runs faster than real time.
         """
         if run is None:
-            self.tell(Content.styled("no run yet: start one on Procedures (F3)", "dim"))
+            self.set_text(Content.styled("no run yet: start one on Procedures (F3)", "dim"))
             return
         parts: list[Content | str | tuple[str, str]] = []
         if run.progress is not None and run.active:
-            share = _share(run.progress)
+            share = run.progress.share
             parts += [(bar(share, max(10, self.size.width // 5)), "$primary"), f" {100.0 * share:3.0f} %  "]
         done = sum(step.status == "done" for step in run.steps.values())
         parts.append(f"{done} of {planned} steps" if planned >= done > 0 else f"{done} steps")
         if run.progress is not None:
-            passed_s, left_s = (float(run.progress[key]) for key in ("elapsed_s", "remaining_s"))
-            parts.append(f"  passed {duration_text(passed_s)}")
+            parts.append(f"  passed {duration_text(run.progress.elapsed_s)}")
             if run.active:
-                parts.append(f"  left {duration_text(left_s)}")
+                parts.append(f"  left {duration_text(run.progress.remaining_s)}")
             if fast:
                 parts.append(" bench time")
-            if run.active and run.progress.get("text"):
-                parts.append((f"  {run.progress['text']}", "$text-muted"))
+            if run.active and run.progress.text:
+                parts.append((f"  {run.progress.text}", "$text-muted"))
         if skipped:
             parts.append((f"  {skipped} updates skipped here, all are in the record", "dim"))
-        self.tell(Content.assemble(*parts))
+        self.set_text(Content.assemble(*parts))
 
 
 def bar(share: float, width: int) -> str:
@@ -58,8 +57,3 @@ def bar(share: float, width: int) -> str:
     eighths = round(min(max(share, 0.0), 1.0) * width * 8)
     full, rest = divmod(eighths, 8)
     return ("█" * full + (_EIGHTHS[rest] if rest else "")).ljust(width, "░")
-
-
-def _share(progress: dict[str, float]) -> float:
-    total = float(progress["total"])
-    return float(progress["done"]) / total if total > 0.0 else 0.0

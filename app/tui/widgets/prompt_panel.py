@@ -1,8 +1,8 @@
 """The open question: what is asked, what to do, and how to answer. Nothing is answered by leaning on a key."""
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -11,13 +11,17 @@ from textual.message import Message
 from textual.widgets import Button, Input, Label
 
 from catseye.app.results.numbers import duration_text
+from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.task_picture import task_picture
-from catseye.app.tui.widgets.told import Told, lines
 
 SETTLE_S: Final = 0.5
 """A key that was meant for something else, pressed as the question came onto the screen, answers nothing."""
 
-Prompt = Mapping[str, Any]
+if TYPE_CHECKING:
+    # The first screen is painted before these are imported.
+    from catseye.app.protocol.bench import ReflectorPlace
+    from catseye.app.protocol.events import PromptAsked
+    from catseye.procedures.kit.context import Prompt
 
 
 class PromptPanel(Vertical):
@@ -54,10 +58,11 @@ class PromptPanel(Vertical):
 
     def __init__(self) -> None:
         super().__init__(id="prompt")
+        self._asked: PromptAsked | None = None
         self._prompt: Prompt | None = None
         self._at_s = 0.0
         self._now_s = 0.0
-        self._laid_out: Prompt | None = None
+        self._laid_out: PromptAsked | None = None
         self._seen_s: float | None = None
         self._chosen = ""
 
@@ -65,48 +70,49 @@ class PromptPanel(Vertical):
         """Question, task, motion, answers, refusal."""
         # However long a question is, the keys that answer it stay in sight.
         with VerticalScroll(id="asked", can_focus=False):
-            yield Told(id="question")
-        yield Told(id="task")
-        yield Told(id="motion")
+            yield StaticText(id="question")
+        yield StaticText(id="task")
+        yield StaticText(id="motion")
         yield Horizontal(id="answers")
-        yield Told(id="refused")
+        yield StaticText(id="refused")
 
     @property
-    def prompt(self) -> Prompt | None:
+    def asked(self) -> "PromptAsked | None":
         """The open question."""
-        return self._prompt
+        return self._asked
 
     def show(
         self,
-        prompt: Prompt | None,
+        asked: "PromptAsked | None",
         at_s: float,
         now_s: float,
         speed: float,
         note: str,
-        reflectors: Sequence[Mapping[str, Any]],
+        reflectors: "Sequence[ReflectorPlace]",
     ) -> None:
         """Show the open question, or nothing.
 
         Args:
-            prompt: as the engine told it.
+            asked: the question; None where none is open.
             at_s: when it came, monotonic s.
             now_s: monotonic time, s.
             speed: bench seconds in one real second; the time to answer is bench time.
             note: who may answer, when that is not this client.
-            reflectors: of the bench, as the engine tells them.
+            reflectors: of the bench.
         """
         self._now_s = now_s
-        if (prompt or {}).get("id") != (self._prompt or {}).get("id") or at_s != self._at_s:
-            self._prompt, self._at_s, self._seen_s = prompt, at_s, None
+        if (asked and asked.id) != (self._asked and self._asked.id) or at_s != self._at_s:
+            self._asked, self._at_s, self._seen_s = asked, at_s, None
+            self._prompt = None if asked is None else asked.prompt
             self._chosen = ""
-            self.set_class(prompt is not None, "open")
-            self.run_worker(self._lay_out(prompt), group="prompt", exclusive=True, exit_on_error=False)
-        if prompt is not None:
-            drawn = task_picture(prompt.get("task"), reflectors)
-            self._tell("task", Content("\n".join(drawn)))
-            self.border_title = f"Question {prompt['id']}" + (f"  ({note})" if note else "")
-            self.border_subtitle = _time_left(prompt, now_s - at_s, speed)
-        if self._seen_s is None and self._laid_out is prompt and self.screen.is_current:
+            self.set_class(asked is not None, "open")
+            self.run_worker(self._lay_out(asked), group="prompt", exclusive=True, exit_on_error=False)
+        if asked is not None:
+            drawn = task_picture(asked.task, reflectors)
+            self._show_part("task", Content("\n".join(drawn)))
+            self.border_title = f"Question {asked.id}" + (f"  ({note})" if note else "")
+            self.border_subtitle = _time_left(asked, now_s - at_s, speed)
+        if self._seen_s is None and self._laid_out is asked and self.screen.is_current:
             self._seen_s = now_s
 
     def refuse(self, prompt: str, text: str) -> None:
@@ -116,8 +122,8 @@ class PromptPanel(Vertical):
             prompt: id of the question that was answered.
             text: why it was refused.
         """
-        if self._prompt is not None and self._prompt["id"] == prompt:
-            self._tell("refused", Content(f"✗ {text}"))
+        if self._asked is not None and self._asked.id == prompt:
+            self._show_part("refused", Content(f"✗ {text}"))
 
     def come_up(self) -> None:
         """Be seen from now on: another screen was before it. What is typed, or the safe answer, has the focus."""
@@ -131,8 +137,8 @@ class PromptPanel(Vertical):
 
     def yes(self) -> None:
         """Answer yes where no motion follows."""
-        if self._kind() == "confirm" and self._motion():
-            self._say("the arm moves after this: F8 confirms it, n refuses")
+        if self._kind() == "confirm" and self._moves("yes"):
+            self._refuse("the arm moves after this: F8 confirms it, n refuses")
         elif self._kind() == "confirm":
             self._answer("yes")
 
@@ -143,42 +149,51 @@ class PromptPanel(Vertical):
 
     def choose(self, number: int) -> None:
         """Choose by number, from 1."""
-        choices = self._choices()
+        choices = () if self._prompt is None else self._prompt.choices
         if self._kind() != "choice" or not 1 <= number <= len(choices):
             return
         chosen = choices[number - 1]
-        if self._prompt is not None and _moves(self._prompt, chosen):
+        if self._moves(chosen):
             self._chosen = chosen
-            self._say(f"the arm moves after {chosen}: F8 confirms it")
+            self._refuse(f"the arm moves after {chosen}: F8 confirms it")
         else:
             self._answer(chosen)
 
     @property
     def motion(self) -> str:
         """The open question and the motion that follows on it; empty where none does."""
-        if self._prompt is None or not self.agreement:
+        if self._asked is None or not self.agreement:
             return ""
-        told = f"{self._prompt['text']}\n{_motion_text(self._prompt).plain}"
-        return told if self._kind() == "confirm" else f"{told}\nThe answer is: {self.agreement}"
+        text = f"{self._asked.text}\n{_motion_text(self._asked).plain}"
+        return text if self._asked.kind == "confirm" else f"{text}\nThe answer is: {self.agreement}"
 
     @property
     def agreement(self) -> str:
         """The answer that lets the arm move; empty where none does."""
-        if not self._motion():
+        prompt = self._prompt
+        if prompt is None:
             return ""
-        match self._kind():
+        match prompt.kind:
             case "confirm":
-                return "yes"
+                answer = "yes"
             case "choice":
-                return self._chosen or self._choices()[0]
-        return self._typed() if not self._fault_of_typed() else ""
+                answer = self._chosen or prompt.choices[0]
+            case _:
+                answer = "" if self._fault_of_typed() else self._typed()
+        return answer if answer and prompt.moves_after(answer) else ""
 
     def move(self) -> None:
         """Agree to a motion."""
         if self.agreement:
             self._answer(self.agreement)
-        elif self._motion():
-            self._say(self._fault_of_typed())
+        elif self._asked is not None and self._asked.motion:
+            self._refuse(self._why_not_moving())
+
+    def _why_not_moving(self) -> str:
+        """Return why F8 answers nothing."""
+        if self._kind() == "choice":
+            return "choose by its number first what the arm moves after"
+        return self._fault_of_typed() or "the arm does not move after this: Enter answers"
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
         """Take the answer of a button."""
@@ -188,17 +203,17 @@ class PromptPanel(Vertical):
     def on_input_changed(self, event: Input.Changed) -> None:
         """Judge a number as it is typed."""
         event.stop()
-        self._tell("refused", Content(""))
+        self._show_part("refused", Content(""))
         if self._kind() == "number" and event.value.strip() and not _is_number(event.value):
-            self._say(f"{event.value!r} is no number{self._in_unit()}")
+            self._refuse(f"{event.value!r} is no number{self._in_unit()}")
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Take what was typed; an empty line answers nothing."""
         event.stop()
         if fault := self._fault_of_typed():
-            self._say(fault)
-        elif self._motion():
-            self._say(f"the arm moves after {self._typed()}: F8 confirms it")
+            self._refuse(fault)
+        elif self._moves(self._typed()):
+            self._refuse(f"the arm moves after {self._typed()}: F8 confirms it")
         else:
             self._answer(self._typed())
 
@@ -213,79 +228,69 @@ class PromptPanel(Vertical):
         return f"{text!r} is no number{self._in_unit()}" if number and not _is_number(text) else ""
 
     def _answer(self, text: str) -> None:
-        if self._prompt is None or self._seen_s is None or self._now_s - self._seen_s < SETTLE_S:
+        if self._asked is None or self._seen_s is None or self._now_s - self._seen_s < SETTLE_S:
             return
-        self._tell("refused", Content(""))
-        self.post_message(self.Answered(str(self._prompt["id"]), text))
+        self._show_part("refused", Content(""))
+        self.post_message(self.Answered(self._asked.id, text))
 
-    def _tell(self, name: str, text: Content) -> None:
+    def _show_part(self, name: str, text: Content) -> None:
         """Show a part; an empty one takes no room."""
-        part = self.query_one(f"#{name}", Told)
-        part.tell(text)
+        part = self.query_one(f"#{name}", StaticText)
+        part.set_text(text)
         part.display = bool(text.plain)
 
-    def _say(self, text: str) -> None:
-        self._tell("refused", Content(f"✗ {text}"))
+    def _refuse(self, text: str) -> None:
+        self._show_part("refused", Content(f"✗ {text}"))
 
     def _kind(self) -> str:
-        return "" if self._prompt is None else str(self._prompt["kind"])
+        return "" if self._prompt is None else self._prompt.kind
 
-    def _motion(self) -> bool:
-        return self._prompt is not None and self._prompt.get("motion") is True
-
-    def _choices(self) -> list[str]:
-        return [] if self._prompt is None else [str(choice) for choice in self._prompt.get("choices") or ()]
+    def _moves(self, answer: str) -> bool:
+        return self._prompt is not None and self._prompt.moves_after(answer)
 
     def _in_unit(self) -> str:
-        unit = "" if self._prompt is None else str(self._prompt.get("unit") or "")
-        return f" in {unit}" if unit else ""
+        return f" in {self._prompt.unit}" if self._prompt is not None and self._prompt.unit else ""
 
-    async def _lay_out(self, prompt: Prompt | None) -> None:
+    async def _lay_out(self, asked: "PromptAsked | None") -> None:
         for name in ("question", "task", "motion", "refused"):
-            self._tell(name, Content(""))
+            self._show_part(name, Content(""))
         answers = self.query_one("#answers")
         await answers.remove_children()
-        if prompt is None:
+        if asked is None:
             return
-        self._tell("question", Content(str(prompt["text"])))
-        self._tell("motion", _motion_text(prompt))
-        await answers.mount_all(_answers(prompt, self._choices()))
-        self._laid_out = prompt
+        self._show_part("question", Content(asked.text))
+        self._show_part("motion", _motion_text(asked))
+        await answers.mount_all(_answers(asked.prompt))
+        self._laid_out = asked
         if self.screen.is_current:
             self.take_focus()
 
 
-def _answers(prompt: Prompt, choices: list[str]) -> list[Button | Input | Label]:
+def _answers(prompt: "Prompt") -> list[Button | Input | Label]:
     """Return what an answer is given by; the safe one has the keyboard's focus, so Enter moves nothing."""
-    motion = prompt.get("motion") is True
-    match prompt["kind"]:
+    match prompt.kind:
         case "confirm":
-            safe = str(prompt.get("safe_answer") or ("" if motion else "no"))
+            moves = prompt.moves_after("yes")
+            safe = prompt.safe_answer or ("" if moves else "no")
             agree = (
                 Label("F8  done: the arm may move", classes="motion")
-                if motion
+                if moves
                 else _button("y", "yes", "yes", safe)
             )
             return [_button("n", "no", "no", safe), agree]
         case "choice":
-            safe = str(prompt.get("safe_answer") or "")
             return [
                 Label(_motion_label(number, choice), classes="motion", markup=False)
-                if _moves(prompt, choice)
-                else _button(str(number), choice, choice, safe)
-                for number, choice in enumerate(choices, 1)
+                if prompt.moves_after(choice)
+                else _button(str(number), choice, choice, prompt.safe_answer or "")
+                for number, choice in enumerate(prompt.choices, 1)
             ]
         case "number":
-            unit = Label(str(prompt.get("unit") or ""), id="unit", markup=False)
-            then = ", then F8" if motion else ""
+            unit = Label(prompt.unit, id="unit", markup=False)
+            then = ", then F8" if prompt.motion else ""
             return [Input(placeholder=f"number{then}", compact=True, classes="first short"), unit]
-    then = "F8: the arm may move" if motion else "Enter"
+    then = "F8: the arm may move" if prompt.motion else "Enter"
     return [Input(placeholder=f"text, then {then}", compact=True, classes="first")]
-
-
-def _moves(prompt: Prompt, choice: str) -> bool:
-    """Return whether the arm moves after a choice: after each but those that the engine names."""
-    return prompt.get("motion") is True and choice not in (prompt.get("rests_after") or ())
 
 
 def _motion_label(number: int, choice: str) -> str:
@@ -303,34 +308,27 @@ def _button(key: str, label: str, answer: str, safe: str) -> Button:
     return button
 
 
-def _motion_text(prompt: Prompt) -> Content:
+def _motion_text(asked: "PromptAsked") -> Content:
     """Say where the arm goes, how fast, at which override."""
-    if prompt.get("motion") is not True:
+    if not asked.motion:
         return Content("")
-    target, percent, speeds = (prompt.get(key) for key in ("target", "override_percent", "speed_deg_s"))
-    where = (
-        "to the next pose of the plan" if prompt["kind"] in {"confirm", "choice"} else "as the answer says"
-    )
-    if target:
-        one, two, three, four = target
+    where = "to the next pose of the plan" if asked.kind in {"confirm", "choice"} else "as the answer says"
+    if asked.target:
+        one, two, three, four = asked.target
         where = f"to J1 {one:.2f}°, J2 {two:.2f}°, J3 {three:.1f} mm, J4 {four:.2f}°"
-    told = [Content(f"THE ARM MOVES then, {where}")]
-    if percent is not None:
-        fast = (
-            ""
-            if not speeds
-            else "; joints up to " + ", ".join(f"{speed:.0f}" for speed in speeds) + " deg/s (J1, J2, J4)"
-        )
-        told.append(Content(f"at {percent:g} % override{fast}"))
-    return lines(*told)
+    shown = [Content(f"THE ARM MOVES then, {where}")]
+    if asked.override_percent is not None:
+        speeds = ", ".join(f"{speed:.0f}" for speed in asked.speed_deg_s or ())
+        fast = f"; joints up to {speeds} deg/s (J1, J2, J4)" if speeds else ""
+        shown.append(Content(f"at {asked.override_percent:g} % override{fast}"))
+    return lines(*shown)
 
 
-def _time_left(prompt: Prompt, open_s: float, speed: float) -> str:
-    timeout_s, safe = prompt.get("timeout_s"), prompt.get("safe_answer")
-    if timeout_s is None:
+def _time_left(asked: "PromptAsked", open_s: float, speed: float) -> str:
+    if asked.timeout_s is None:
         return ""
-    left_s = max(float(timeout_s) / speed - open_s, 0.0)
-    return f"{duration_text(left_s)} left, then " + (f"{safe}" if safe else "the run ends")
+    left_s = max(asked.timeout_s / speed - open_s, 0.0)
+    return f"{duration_text(left_s)} left, then {asked.safe_answer or 'the run ends'}"
 
 
 def _is_number(text: str) -> bool:

@@ -11,7 +11,7 @@ from catseye.app.results.numbers import EXPANDED
 from catseye.app.tui.widgets.braille import Canvas, Floats
 from catseye.app.tui.widgets.chart import AXIS, Chart, ends_of
 from catseye.app.tui.widgets.inks import Line
-from catseye.app.tui.widgets.plan_drawing import view_of
+from catseye.app.tui.widgets.plan_drawing import view_within
 
 UP: Final = "up"
 DOWN: Final = "down"
@@ -157,8 +157,7 @@ def draw_layout(
     canvas = Canvas(width, height)
     if not (canvas.columns and canvas.rows):
         return []
-    places = [{"name": name, "x_mm": x_mm, "y_mm": y_mm} for name, x_mm, y_mm in reflectors]
-    view = view_of({"link1_mm": links_mm[0], "link2_mm": links_mm[1], "reflectors": places}, canvas)
+    view = view_within(sum(links_mm), [(x_mm, y_mm) for _, x_mm, y_mm in reflectors], canvas)
     one, two = np.deg2rad(commands_deg).T
     x_mm = links_mm[0] * np.cos(one) + links_mm[1] * np.cos(one + two)
     y_mm = links_mm[0] * np.sin(one) + links_mm[1] * np.sin(one + two)

@@ -9,7 +9,7 @@ from textual.content import Content
 from textual.widget import Widget
 
 from catseye.app.tui.widgets.drawing import Drawing
-from catseye.app.tui.widgets.told import Told
+from catseye.app.tui.widgets.static_text import StaticText
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
@@ -27,7 +27,7 @@ class MapsPart(Vertical):
         with Horizontal(classes="charts"):
             yield Drawing(id="map1")
             yield Drawing(id="map2")
-        yield Told(id="map-legend", classes="legend")
+        yield StaticText(id="map-legend", classes="legend")
 
     def show(self, result: "Result") -> None:
         """Show the maps of a result; of a conventional model its offset."""
@@ -49,7 +49,7 @@ class LayoutPart(Horizontal):
         """Plan and places."""
         yield Drawing(id="plan")
         with VerticalScroll(id="places-text", classes="text beside"):
-            yield Told(id="places")
+            yield StaticText(id="places")
 
     def show(self, result: "Result") -> None:
         """Show where a result has its reflectors."""
@@ -77,7 +77,7 @@ class ResidualsPart(Vertical):
         """Chart and list."""
         yield Drawing(id="scatter")
         with VerticalScroll(id="outliers-text", classes="text short"):
-            yield Told(id="outliers")
+            yield StaticText(id="outliers")
 
     def show(self, result: "Result", diagnosis: dict[str, Any] | None) -> None:
         """Show the residuals of a result.
@@ -109,9 +109,9 @@ class PathPart(Vertical):
         with Horizontal(classes="charts"):
             yield Drawing(id="path1")
             yield Drawing(id="path2")
-        yield Told(id="path-legend", classes="legend")
+        yield StaticText(id="path-legend", classes="legend")
         with VerticalScroll(id="validation-text", classes="text short"):
-            yield Told(id="validation")
+            yield StaticText(id="validation")
 
     def show(self, facts: dict[str, Any] | None) -> None:
         """Show a validation.
@@ -145,9 +145,9 @@ class ComparePart(Vertical):
         with Horizontal(id="differences", classes="charts"):
             yield Drawing(id="difference1")
             yield Drawing(id="difference2")
-        yield Told(id="difference-legend", classes="legend")
+        yield StaticText(id="difference-legend", classes="legend")
         with VerticalScroll(id="comparison-text", classes="text below"):
-            yield Told(id="comparison")
+            yield StaticText(id="comparison")
 
     def show_nothing(self) -> None:
         """Say how a comparison is made."""
@@ -177,4 +177,4 @@ class ComparePart(Vertical):
 
 
 def _tell(part: Widget, widget: str, text: str) -> None:
-    part.query_one(widget, Told).tell(Content(text))
+    part.query_one(widget, StaticText).set_text(Content(text))

@@ -7,9 +7,9 @@ from textual.app import ComposeResult
 from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 
-from catseye.app.guidance.after_run import Advice
-from catseye.app.tui.run_picture import RunPicture
-from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.results.readiness.after_run import Advice
+from catseye.app.tui.run_state import RunState
+from catseye.app.tui.widgets.static_text import StaticText, lines
 
 KEYS: Final = {"identify": "i", "report": "p", "resume": "e", "clear": "x", "next": "F3"}
 
@@ -21,7 +21,7 @@ class RunEnd(Vertical):
     RunEnd { height: auto; border: round $primary; padding: 0 1; display: none; }
     RunEnd.open { display: block; }
     RunEnd #how { height: auto; max-height: 7; scrollbar-size-vertical: 1; }
-    RunEnd Told { height: auto; }
+    RunEnd StaticText { height: auto; }
     """
 
     def __init__(self) -> None:
@@ -31,10 +31,10 @@ class RunEnd(Vertical):
     def compose(self) -> ComposeResult:
         """How it ended, and the keys for what is sensible now, which stay in sight however long the cause is."""
         with VerticalScroll(id="how", can_focus=False):
-            yield Told(id="outcome")
-        yield Told(id="advice")
+            yield StaticText(id="outcome")
+        yield StaticText(id="advice")
 
-    def show(self, run: RunPicture | None, advice: Sequence[Advice], doing: str) -> None:
+    def show(self, run: RunState | None, advice: Sequence[Advice], doing: str) -> None:
         """Show the end of a run, or nothing.
 
         Args:
@@ -46,20 +46,20 @@ class RunEnd(Vertical):
         self.set_class(ended, "open")
         if run is None or not ended:
             return
-        told = [
+        shown = [
             Content.assemble((f"{KEYS[each.kind]:>3}  ", "bold $accent"), f"{each.kind:<9} {each.text}")
             for each in advice
         ]
         if doing:
-            told.append(Content.styled(doing, "$text-muted"))
-        self.query_one("#outcome", Told).tell(_outcome(run))
-        self.query_one("#advice", Told).tell(lines(*told))
+            shown.append(Content.styled(doing, "$text-muted"))
+        self.query_one("#outcome", StaticText).set_text(_outcome(run))
+        self.query_one("#advice", StaticText).set_text(lines(*shown))
 
 
-def _outcome(run: RunPicture) -> Content:
+def _outcome(run: RunState) -> Content:
     if run.ended is None:
         return Content("it ended while nobody here was connected: Runs (F7) has its record")
-    status, text = str(run.ended["status"]), str(run.ended.get("text") or "")
+    status, text = run.ended.status, run.ended.text
     done = sum(step.status == "done" for step in run.steps.values())
     facts = f"  {done} steps" + (f", {run.points_seen} distances" if run.points_seen else "")
     style = "bold $success" if status == "complete" else "bold $error"

@@ -4,15 +4,15 @@ from typing import Final
 
 from textual.content import Content
 
-from catseye.app.tui.run_picture import LogLine, RunPicture
-from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.tui.run_state import LogLine, RunState
+from catseye.app.tui.widgets.static_text import StaticText, lines
 
 LEVELS: Final = ("info", "warning", "error")
 _SIGNS: Final = {"info": " ", "warning": "!", "error": "✗"}
 _STYLES: Final = {"info": "", "warning": "$warning", "error": "bold $error"}
 
 
-class RunLog(Told):
+class RunLog(StaticText):
     """The last lines that have room, from a chosen level upwards."""
 
     DEFAULT_CSS = """
@@ -30,7 +30,7 @@ class RunLog(Told):
         self.least = (self.least + 1) % len(LEVELS)
         self.border_title = "Log" if self.least == 0 else f"Log: {LEVELS[self.least]} and worse"
 
-    def show(self, run: RunPicture | None, control: str) -> None:
+    def show(self, run: RunState | None, control: str) -> None:
         """Show the last lines.
 
         Args:
@@ -45,19 +45,19 @@ class RunLog(Told):
             if room <= 0:
                 break
             if line.level in wanted:
-                found.append(_told(line))
+                found.append(_line(line))
                 room -= self._height(found[-1])
         if room < 0:
             # Rather the oldest line is away than the end of the newest one.
             found = found[:-1] or found
-        self.tell(lines(*reversed(found)))
+        self.set_text(lines(*reversed(found)))
 
     def _height(self, line: Content) -> int:
         wrapped = self.styles.text_wrap == "wrap" and self.size.width > 0
         return len(line.wrap(self.size.width)) if wrapped else 1
 
 
-def _told(line: LogLine) -> Content:
+def _line(line: LogLine) -> Content:
     return Content.assemble(
         (line.t[11:19], "dim"), (f" {_SIGNS[line.level]} {line.text}", _STYLES[line.level])
     )

@@ -1,17 +1,18 @@
 """Two small plots of a run: innovation by point with its band, and the uncertainty of the maps as points come in."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from catseye.app.tui.run_picture import LiveValue, RunPicture, Seen
+from catseye.app.tui.run_state import LiveValue, MapKnowledge, RunState
 from catseye.app.tui.widgets.inks import Line, painted
 
 if TYPE_CHECKING:
-    # numpy is not loaded before the first screen is painted.
+    # numpy and pydantic are not loaded before the first screen is painted.
+    from catseye.app.protocol.events import LiveData
     from catseye.app.tui.widgets.braille import Canvas, Floats
 
 INNOVATION: Final = "innovation"
@@ -42,7 +43,7 @@ class RunPlot(Widget):
         self._of: tuple[object, ...] = ()
         self._shown = Content("")
 
-    def show(self, run: RunPicture | None) -> None:
+    def show(self, run: RunState | None) -> None:
         """Show what is known of a run."""
         key = (None if run is None else run.name, self.key_of(run), self.size)
         if key != self._of:
@@ -52,11 +53,11 @@ class RunPlot(Widget):
             self._shown = self.drawn(run)
             self.refresh()
 
-    def key_of(self, run: RunPicture | None) -> object:
+    def key_of(self, run: RunState | None) -> object:
         """Return what the drawing follows from, or a number that changes with it."""
         raise NotImplementedError
 
-    def drawn(self, run: RunPicture | None) -> Content:
+    def drawn(self, run: RunState | None) -> Content:
         """Return the drawing."""
         raise NotImplementedError
 
@@ -71,18 +72,20 @@ class ResidualPlot(RunPlot):
     def __init__(self) -> None:
         super().__init__("Innovation", id="residuals")
 
-    def key_of(self, run: RunPicture | None) -> object:
+    def key_of(self, run: RunState | None) -> object:
         """Return the newest value."""
         live = _watched(run)
-        return None if live is None else live.history[-1]
+        return None if live is None else (live.data, live.at_s)
 
-    def drawn(self, run: RunPicture | None) -> Content:
+    def drawn(self, run: RunState | None) -> Content:
         """Return the values that have room."""
         live = _watched(run)
         if live is None:
             return Content.styled("nothing yet", "dim")
-        unit = f" / {live.unit}" if live.unit else ""
-        self.border_title = f"Innovation{unit}, band ±3u" if live.name == INNOVATION else f"{live.name}{unit}"
+        unit = f" / {live.data.unit}" if live.data.unit else ""
+        self.border_title = (
+            f"Innovation{unit}, band ±3u" if live.data.name == INNOVATION else f"{live.data.name}{unit}"
+        )
         width = max(self.size.width - _AXIS, 1)
         outliers = sum(not each.accepted for each in live.history)
         if outliers:
@@ -96,30 +99,30 @@ class MapPlot(RunPlot):
     def __init__(self) -> None:
         super().__init__("Largest u of the maps / mdeg", id="maps")
 
-    def key_of(self, run: RunPicture | None) -> object:
+    def key_of(self, run: RunState | None) -> object:
         """Return how often it was told, and the last."""
-        return None if run is None or not run.map_known else (len(run.map_known), id(run.map_known[-1]))
+        return None if run is None or not run.map_known else (len(run.map_known), run.map_known[-1])
 
-    def drawn(self, run: RunPicture | None) -> Content:
+    def drawn(self, run: RunState | None) -> Content:
         """Return both curves."""
         known = [] if run is None else list(run.map_known)
         if not known:
             return Content.styled("none yet: it is told after each row of J2", "dim")
         last = known[-1]
         self.border_subtitle = (
-            f"{_told('Δθ1', last.get('u_theta1_mdeg'))} ●  {_told('Δθ2', last.get('u_theta2_mdeg'))} ○"
+            f"{_u_text('Δθ1', last.u_theta1_mdeg)} ●  {_u_text('Δθ2', last.u_theta2_mdeg)} ○"
         )
         drawn = _uncertainties(known, max(self.size.width - _AXIS, 1), max(self.size.height, 1))
-        return painted(drawn, _STYLES) if drawn else Content(str(last.get("text", "")))
+        return painted(drawn, _STYLES) if drawn else Content(last.text)
 
 
-def _watched(run: RunPicture | None) -> LiveValue | None:
+def _watched(run: RunState | None) -> LiveValue | None:
     if run is None:
         return None
-    return run.live.get(INNOVATION) or run.live.get(run.newest_live)
+    return run.live.get(INNOVATION) or run.newest
 
 
-def _values(seen: Sequence[Seen], width: int, rows: int) -> list[Line]:
+def _values(seen: Sequence["LiveData"], width: int, rows: int) -> list[Line]:
     """Draw one cell a value: dots within their bands, a cross for what is outside."""
     import numpy as np
 
@@ -148,7 +151,7 @@ def _values(seen: Sequence[Seen], width: int, rows: int) -> list[Line]:
     return _with_numbers(canvas, {0: f"{high:.3g}", rows - 1: f"{low:.3g}"})
 
 
-def _scale(seen: Sequence[Seen]) -> tuple[float, float]:
+def _scale(seen: Sequence["LiveData"]) -> tuple[float, float]:
     """Return the ends of the upright axis; one wild value does not flatten the others, a far limit is left out."""
     widths = [each.high - each.low for each in seen if each.low is not None and each.high is not None]
     values = [each.value for each in seen if each.accepted or not widths] or [seen[-1].value]
@@ -167,15 +170,15 @@ def _scale(seen: Sequence[Seen]) -> tuple[float, float]:
     return (low, high) if high > low else (low - 0.5, high + 0.5)
 
 
-def _uncertainties(known: Sequence[dict[str, Any]], width: int, rows: int) -> list[Line]:
+def _uncertainties(known: Sequence[MapKnowledge], width: int, rows: int) -> list[Line]:
     """Draw both curves against the rows of J2 that were measured."""
     import numpy as np
 
     from catseye.app.tui.widgets.braille import DOTS_DOWN, Canvas
 
     curves = [
-        np.array([np.nan if each.get(key) is None else float(each[key]) for each in known])
-        for key in ("u_theta1_mdeg", "u_theta2_mdeg")
+        np.array([np.nan if u_mdeg is None else u_mdeg for u_mdeg in curve])
+        for curve in ([each.u_theta1_mdeg for each in known], [each.u_theta2_mdeg for each in known])
     ]
     values = np.concatenate(curves)
     values = values[np.isfinite(values) & (values > 0.0)]
@@ -207,5 +210,5 @@ def _with_numbers(canvas: "Canvas", labels: dict[int, str]) -> list[Line]:
     ]
 
 
-def _told(name: str, u_mdeg: float | None) -> str:
+def _u_text(name: str, u_mdeg: float | None) -> str:
     return f"{name} –" if u_mdeg is None else f"{name} {u_mdeg:.1f}"

@@ -1,33 +1,41 @@
 """The two lines above every screen: what runs, in which state, on what; and the banner of a simulation."""
 
+from typing import TYPE_CHECKING, Final
+
 from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
+from catseye.app.protocol.state import ControlState
 from catseye.app.results.numbers import duration_text
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.words import bytes_text
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.bench import BenchStatus, RobotStatus
 
 Part = tuple[str, str]
 """Text and style."""
 
-_STATES = {
-    "EXECUTE": "$success bold",
-    "STARTING": "$primary bold",
-    "HELD": "$warning bold",
-    "HOLDING": "$warning bold",
-    "SUSPENDED": "$warning bold",
-    "SUSPENDING": "$error bold",
-    "UNSUSPENDING": "$warning bold",
-    "ABORTED": "$error bold",
-    "ABORTING": "$error bold",
-    "STOPPING": "$error bold",
-    "STOPPED": "$error bold",
-    "COMPLETE": "$success bold",
+_STATES: Final[dict[ControlState, str]] = {
+    ControlState.EXECUTE: "$success bold",
+    ControlState.STARTING: "$primary bold",
+    ControlState.HELD: "$warning bold",
+    ControlState.HOLDING: "$warning bold",
+    ControlState.SUSPENDED: "$warning bold",
+    ControlState.SUSPENDING: "$error bold",
+    ControlState.UNSUSPENDING: "$warning bold",
+    ControlState.ABORTED: "$error bold",
+    ControlState.ABORTING: "$error bold",
+    ControlState.STOPPING: "$error bold",
+    ControlState.STOPPED: "$error bold",
+    ControlState.COMPLETE: "$success bold",
 }
 _BANNER = "bold black on orange"
 _ALARM = "bold white on darkred"
-_LITTLE_BYTES = 1_000_000_000
+LITTLE_BYTES = 1_000_000_000
+"""Less free disk than this stands out."""
 
 
 class StatusBar(Widget):
@@ -39,13 +47,13 @@ class StatusBar(Widget):
 
     def __init__(self) -> None:
         super().__init__()
-        self._picture = Picture()
+        self._engine = EngineState()
         self._now_s = 0.0
         self._lines: tuple[list[Part], ...] = ()
 
-    def show(self, picture: Picture, now_s: float) -> None:
+    def show(self, engine: EngineState, now_s: float) -> None:
         """Show what is known now; drawn anew only where it says something else, as a dialog is with it."""
-        self._picture, self._now_s = picture, now_s
+        self._engine, self._now_s = engine, now_s
         lines = (self._first_line(), self._second_line())
         if lines != self._lines:
             self._lines = lines
@@ -56,88 +64,83 @@ class StatusBar(Widget):
         return Content("\n").join([Content.assemble(*line) for line in self._lines])
 
     def _first_line(self) -> list[Part]:
-        picture = self._picture
+        engine = self._engine
         text: list[Part] = []
-        if picture.simulated:
+        if engine.simulated:
             text.append((" SIMULATION ", _BANNER))
             text.append((" ", ""))
-        if not picture.connected:
+        if not engine.connected:
             text.append(("no engine ", "$error bold"))
-            if picture.run_out_of_sight and picture.run is not None:
-                text.append((f"{picture.run.name} is out of sight ", "$error bold"))
+            if engine.run_out_of_sight and engine.run is not None:
+                text.append((f"{engine.run.name} is out of sight ", "$error bold"))
             # An engine that did not start says it in several lines.
-            text.append((" ".join(picture.trouble.split()), ""))
+            text.append((" ".join(engine.trouble.split()), ""))
             return text
-        if picture.silent_since_s is not None:
-            silent = duration_text(self._now_s - picture.silent_since_s)
+        if engine.silent_since_s is not None:
+            silent = duration_text(self._now_s - engine.silent_since_s)
             text.append((f"THE ENGINE HAS NOT ANSWERED FOR {silent}", _ALARM))
-            text.append((f" before: {picture.state}; F12 tries every way", "dim"))
+            text.append((f" before: {engine.state}; F12 tries every way", "dim"))
             return text
-        text.append((f"{picture.state} ", _STATES.get(picture.state, "bold")))
-        if picture.jogging:
+        text.append((f"{engine.state} ", _STATES.get(engine.state, "bold")))
+        if engine.jogging:
             text.append(("JOG ", "$secondary bold"))
-        if picture.run is not None and picture.run.prompt is not None:
+        if engine.run is not None and engine.run.prompt is not None:
             text.append(("QUESTION: F4", _BANNER))
             text.append((" ", ""))
-        if picture.run is not None:
-            text.append((f"{picture.run.name} ", "" if picture.run.active else "dim"))
+        if engine.run is not None:
+            text.append((f"{engine.run.name} ", "" if engine.run.active else "dim"))
         # "aborted" stands before its reason, below.
-        if picture.run is not None and not picture.run.active and not picture.aborted:
-            ended = picture.run.ended
-            word = str(ended["status"]) if ended else "ended unseen"
+        if engine.run is not None and not engine.run.active and not engine.aborted:
+            ended = engine.run.ended
+            word = "ended unseen" if ended is None else ended.status
             text.append((f"{word} ", "$success bold" if word == "complete" else "$error bold"))
-        if picture.aborted:
-            text.append((f"aborted: {picture.aborted} ", "$error"))
-        elif picture.reason and picture.state not in {"EXECUTE", "COMPLETE"}:
-            text.append((picture.reason, ""))
+        if engine.aborted:
+            text.append((f"aborted: {engine.aborted} ", "$error"))
+        elif engine.reason and engine.state not in {ControlState.EXECUTE, ControlState.COMPLETE}:
+            text.append((engine.reason, ""))
         return text
 
     def _second_line(self) -> list[Part]:
-        picture = self._picture
+        engine = self._engine
         text: list[Part] = []
-        if picture.drives_off_at_s is not None:
-            left_s = max(0.0, picture.drives_off_at_s - self._now_s)
+        if engine.drives_off_at_s is not None:
+            left_s = max(0.0, engine.drives_off_at_s - self._now_s)
             text.append((f"DRIVES ON, off in {duration_text(left_s, whole=True)} ", _BANNER))
             text.append((" ", ""))
-        bench = picture.bench
+        bench = engine.bench
         if bench is None:
-            text.append(("bench: no sample yet" if picture.connected else "", "dim"))
+            text.append(("bench: no sample yet" if engine.connected else "", "dim"))
             return text
-        since_s = self._now_s - picture.bench_at_s
+        since_s = self._now_s - engine.bench_at_s
         for part, style in _bench_parts(bench, since_s):
             text.append((part, style))
             text.append(("  ", ""))
-        holder = picture.control
-        if holder is not None and not picture.in_control:
-            text.append((f"control: {holder.get('who')}", "$warning"))
+        holder = engine.control
+        if holder is not None and not engine.in_control:
+            text.append((f"control: {holder.who}", "$warning"))
         return text
 
 
-def _bench_parts(bench: dict[str, object], since_s: float) -> list[Part]:
+def _bench_parts(bench: "BenchStatus", since_s: float) -> list[Part]:
     """Return pieces of the second line with their styles; what is old is dim and says how old it is."""
-    parts: list[Part] = [(str(bench.get("cell") or ""), "bold")]
-    robot, beam = bench.get("robot"), bench.get("beam")
-    if isinstance(robot, dict):
-        style, age = age_style(robot.get("age_s"), since_s)
-        alarm = f" ALARM {robot['alarm_number']}" if robot.get("alarm_number") else ""
-        servo = "on" if robot.get("servo_on") else "off"
-        parts.append((f"servo {servo} {robot.get('override_percent', 0):g} %{age}", style))
-        if alarm:
-            parts.append((alarm.strip(), "$error bold"))
-        if robot.get("emergency_stop"):
+    parts: list[Part] = [(bench.cell, "bold")]
+    robot, beam, free = bench.robot, bench.beam, bench.disk_free_bytes
+    if robot is not None:
+        style, age = age_style(robot.age_s, since_s)
+        servo = "on" if robot.servo_on else "off"
+        parts.append((f"servo {servo} {override_text(robot)}{age}", style))
+        if robot.alarm_number:
+            parts.append((f"ALARM {robot.alarm_number}", "$error bold"))
+        if robot.emergency_stop:
             parts.append(("E-STOP", _ALARM))
-    if isinstance(beam, dict):
-        style, age = age_style(beam.get("age_s"), since_s)
-        word = "beam ok" if beam.get("beam_ok") else "NO BEAM"
+    if beam is not None:
+        style, age = age_style(beam.age_s, since_s)
+        word = "beam ok" if beam.beam_ok else "NO BEAM"
         parts.append(
-            (
-                f"{word} {100 * float(beam.get('signal') or 0):.0f} %{age}",
-                style if beam.get("beam_ok") else "$error bold",
-            )
+            (f"{word} {100 * (beam.signal or 0.0):.0f} %{age}", style if beam.beam_ok else "$error bold")
         )
-    free = bench.get("disk_free_bytes")
-    if isinstance(free, (int, float)):
-        parts.append((f"disk {bytes_text(free)}", "$error bold" if free < _LITTLE_BYTES else ""))
+    if free is not None:
+        parts.append((f"disk {bytes_text(free)}", "$error bold" if free < LITTLE_BYTES else ""))
     return parts
 
 
@@ -145,7 +148,7 @@ STALE_S = 2.0
 """A value older than this is greyed and says its age."""
 
 
-def age_style(age_s: object, since_s: float, stale_s: float = STALE_S) -> tuple[str, str]:
+def age_style(age_s: float | None, since_s: float, stale_s: float = STALE_S) -> tuple[str, str]:
     """Return style and text for the age of a value.
 
     Args:
@@ -153,7 +156,12 @@ def age_style(age_s: object, since_s: float, stale_s: float = STALE_S) -> tuple[
         since_s: time since then.
         stale_s: older than this it is greyed and says its age.
     """
-    if not isinstance(age_s, (int, float)):
+    if age_s is None:
         return "dim", " (no sample)"
     total_s = age_s + max(since_s, 0.0)
     return ("", "") if total_s <= stale_s else ("dim", f" ({duration_text(total_s)} old)")
+
+
+def override_text(robot: "RobotStatus") -> str:
+    """Return the speed override now; a dash where the controller gives no number."""
+    return "—" if robot.override_percent is None else f"{robot.override_percent:g} %"

@@ -8,8 +8,8 @@ from typing import Final
 from textual.content import Content
 
 from catseye.app.results.numbers import duration_text
-from catseye.app.tui.run_picture import RunPicture
-from catseye.app.tui.widgets.told import Told, lines
+from catseye.app.tui.run_state import RunState
+from catseye.app.tui.widgets.static_text import StaticText, lines
 
 DONE: Final = "✓"
 STORED: Final = "↺"
@@ -32,7 +32,7 @@ class PlannedStep:
     duration_s: float
 
 
-class StepList(Told):
+class StepList(StaticText):
     """As many steps around the one under way as there is room for; it can be moved to earlier and later ones."""
 
     DEFAULT_CSS = """
@@ -45,7 +45,7 @@ class StepList(Told):
         self.moved = 0
         """Lines by which the view is moved from the step under way."""
 
-    def show(self, run: RunPicture | None, planned: Sequence[PlannedStep]) -> None:
+    def show(self, run: RunState | None, planned: Sequence[PlannedStep]) -> None:
         """Show the steps.
 
         Args:
@@ -53,7 +53,7 @@ class StepList(Told):
             planned: all steps of its rehearsal, in order; empty where there is none.
         """
         if run is None:
-            self.tell(Content(""))
+            self.set_text(Content(""))
             return
         rows = max(self.size.height, 1)
         following = [] if not run.active else [step for step in planned if step.id not in run.steps]
@@ -64,16 +64,16 @@ class StepList(Told):
         shown = [_begun(run, step_id) for step_id in islice(run.steps, start, start + rows)]
         first = max(start - done, 0)
         shown += [_to_come(step) for step in following[first : first + rows - len(shown)]]
-        self.tell(lines(*shown) if shown else Content.styled("none yet", "dim"))
+        self.set_text(lines(*shown) if shown else Content.styled("none yet", "dim"))
         self.border_subtitle = f"{NEXT} {len(following)} to come" if following else ""
 
-    def move(self, by: int, run: RunPicture | None) -> None:
+    def move(self, by: int, run: RunState | None) -> None:
         """Move the view by lines; beyond the newest it is back at the step under way."""
         most = 0 if run is None else len(run.steps)
         self.moved = max(min(self.moved + by, most), -most)
 
 
-def _begun(run: RunPicture, step_id: str) -> Content:
+def _begun(run: RunState, step_id: str) -> Content:
     step = run.steps[step_id]
     if step.status == "current" and run.active:
         return Content.styled(f"{CURRENT} {step.title}", "bold $primary")

@@ -4,7 +4,8 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.widgets import Button, Static
 
-from catseye.app.tui.picture import Picture
+from catseye.app.protocol.state import HELD
+from catseye.app.tui.engine_state import EngineState
 
 
 class StopBar(Horizontal):
@@ -27,9 +28,9 @@ class StopBar(Horizontal):
             yield button
         yield Static("The software stop is no emergency stop.", id="warning")
 
-    def show(self, picture: Picture) -> None:
+    def show(self, engine: EngineState) -> None:
         """Say what HOLD does now."""
-        held = picture.state in {"HELD", "HOLDING"} and picture.running
+        held = engine.state in HELD and engine.running
         button = self.query_one("#hold", Button)
         button.label = "GO ON g" if held else "HOLD h"
         button.action = "app.ask_to_go_on" if held else "app.hold"

@@ -7,7 +7,7 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.widgets.inks import Line, painted
 from catseye.app.tui.widgets.status_bar import STALE_S, age_style
 
@@ -36,7 +36,7 @@ class Strip(Widget):
         self.window_s: float = WINDOWS_S[0]
         self._shown = Content("")
         self._scale: Scale | None = None
-        self._last: tuple[Picture, float] | None = None
+        self._last: tuple[EngineState, float] | None = None
 
     @property
     def scale(self) -> "Scale | None":
@@ -53,10 +53,10 @@ class Strip(Widget):
         later = [each for each in WINDOWS_S if each > self.window_s]
         self.window_s = later[0] if later else WINDOWS_S[0]
 
-    def show(self, picture: Picture, now_s: float) -> None:
+    def show(self, engine: EngineState, now_s: float) -> None:
         """Show the samples that came."""
-        self._last = picture, now_s
-        shown = self._drawn(picture, now_s)
+        self._last = engine, now_s
+        shown = self._drawn(engine, now_s)
         if not shown.is_same(self._shown):
             self._shown = shown
             self.refresh()
@@ -70,23 +70,23 @@ class Strip(Widget):
         """Return the chart."""
         return self._shown
 
-    def _drawn(self, picture: Picture, now_s: float) -> Content:
-        if not picture.strip:
+    def _drawn(self, engine: EngineState, now_s: float) -> Content:
+        if not engine.strip:
             return Content.styled("no sample of the beam yet", "dim")
         from catseye.app.tui.widgets import strip_chart
 
         dots, rows = strip_chart.dots_of(self.size.width), self.size.height - _OWN_LINES
         if dots <= 0 or rows <= 0:
             return Content("")
-        per_dot = max(1, math.ceil(self.window_s / picture.strip_period_s / dots))
-        low_mm, high_mm = _folded(picture, per_dot, dots)
+        per_dot = max(1, math.ceil(self.window_s / engine.strip_period_s / dots))
+        low_mm, high_mm = _folded(engine, per_dot, dots)
         lowest_mm, highest_mm = _extremes(low_mm, high_mm)
         self._scale = strip_chart.next_scale(self._scale, lowest_mm, highest_mm)
         if self._scale is None:
             return Content.styled("no beam in the last seconds", "dim")
-        since_s = now_s - picture.strip_at_s
+        since_s = now_s - engine.strip_at_s
         chart = strip_chart.draw(low_mm, high_mm, self._scale, self.size.width, rows)
-        span_s = per_dot * dots * picture.strip_period_s
+        span_s = per_dot * dots * engine.strip_period_s
         return painted(
             [
                 [(self._scale.title + age_style(0.0, since_s)[1], "axis")],
@@ -98,15 +98,15 @@ class Strip(Widget):
         )
 
 
-def _folded(picture: Picture, per_dot: int, dots: int) -> "tuple[Floats, Floats]":
+def _folded(engine: EngineState, per_dot: int, dots: int) -> "tuple[Floats, Floats]":
     from itertools import islice
 
     from catseye.app.tui.widgets.strip_chart import arrays, fold
 
-    wanted = min(per_dot * dots, len(picture.strip))
-    newest = list(islice(reversed(picture.strip), wanted))[::-1]
+    wanted = min(per_dot * dots, len(engine.strip))
+    newest = list(islice(reversed(engine.strip), wanted))[::-1]
     low_mm, high_mm = arrays([each.low_mm for each in newest], [each.high_mm for each in newest])
-    return fold(low_mm, high_mm, picture.strip_seen, per_dot, dots)
+    return fold(low_mm, high_mm, engine.strip_seen, per_dot, dots)
 
 
 def _extremes(low_mm: "Floats", high_mm: "Floats") -> tuple[float, float]:

@@ -7,13 +7,13 @@ from textual.content import Content
 from catseye.app.results.numbers import duration_text
 from catseye.app.tui.command_progress import CommandProgress, ProgressReader
 from catseye.app.tui.widgets.progress_line import bar
-from catseye.app.tui.widgets.told import Told
+from catseye.app.tui.widgets.static_text import StaticText
 
 _REFRESH_S = 0.5
 _SHORTEST_BAR = 8
 
 
-class TaskLine(Told):
+class TaskLine(StaticText):
     """Hidden while nothing is under way.
 
     Args:
@@ -76,7 +76,7 @@ class TaskLine(Told):
             parts += [(bar(share, width), "$primary"), f" {100.0 * share:.0f} %"]
             parts.append(f"  {self._left()}  {self._progress.text}")
         parts.append(("   Esc cancels", "$text-muted"))
-        self.tell(Content.assemble(*parts))
+        self.set_text(Content.assemble(*parts))
 
     def _left(self) -> str:
         """Return the time left: what the command said, less the time since."""

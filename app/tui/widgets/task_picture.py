@@ -1,15 +1,21 @@
 """What hands have to do, as a small picture of characters."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING
+
+from catseye.procedures.kit.context import Json
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.bench import ReflectorPlace
 
 
-def task_picture(task: Mapping[str, Any] | None, reflectors: Sequence[Mapping[str, Any]] = ()) -> list[str]:
+def task_picture(task: Mapping[str, Json] | None, reflectors: "Sequence[ReflectorPlace]" = ()) -> list[str]:
     """Return lines that show a task; none for a mere question.
 
     Args:
         task: of the prompt.
-        reflectors: of the bench, as the engine tells them.
+        reflectors: of the bench.
     """
     match dict(task or {}):
         case {"do": "turn-screw", "turns": int() | float() as turns, **rest}:
@@ -32,10 +38,8 @@ def _screw(turns: float, screw: str) -> list[str]:
     ]
 
 
-def _nests(name: str, reflectors: Sequence[Mapping[str, Any]]) -> list[str]:
-    names = [str(each["name"]) for each in reflectors] or [name]
+def _nests(name: str, reflectors: "Sequence[ReflectorPlace]") -> list[str]:
+    names = [each.name for each in reflectors] or [name]
     line = "   ".join(f"[◗] {each}" if each == name else f"[ ] {each}" for each in names)
-    places = [
-        f"x {each['x_mm']:.0f} mm, y {each['y_mm']:.0f} mm" for each in reflectors if each["name"] == name
-    ]
+    places = [f"x {each.x_mm:.0f} mm, y {each.y_mm:.0f} mm" for each in reflectors if each.name == name]
     return [line + (f"      {name}: {places[0]}" if places else "")]

@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Iterable
 from itertools import islice
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 from rich.segment import Segment
 from rich.style import Style
@@ -12,7 +12,11 @@ from textual.geometry import Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
-from catseye.app.tui.wire_lines import Row, WireLine, bytes_a_row, rows_of, wire_line
+from catseye.app.tui.wire_lines import Row, ShownLine, bytes_a_row, rows_of, shown_line
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.bench import WireLine
 
 _HEAD: Final = Style(dim=True)
 _SENT: Final = Style(color="cyan", bold=True)
@@ -35,14 +39,14 @@ class WireView(ScrollView, can_focus=True):
         super().__init__(id=id)
         self.following = True
         self.waiting = 0
-        self._lines: deque[WireLine] = deque(maxlen=5000)
+        self._lines: deque[ShownLine] = deque(maxlen=5000)
         self._rows: list[Row] = []
         self._seen = 0
         self._device = ""
         self._part = ""
 
     @property
-    def lines(self) -> list[WireLine]:
+    def lines(self) -> list[ShownLine]:
         """What passes the filter, oldest first."""
         return [line for line in self._lines if line.fits(self._device, self._part)]
 
@@ -52,7 +56,7 @@ class WireView(ScrollView, can_focus=True):
         top = self.scroll_offset.y
         return "\n".join(row.plain for row in self._rows[top : top + self.size.height])
 
-    def take(self, wire: deque[dict[str, Any]], seen: int) -> None:
+    def take(self, wire: "deque[WireLine]", seen: int) -> None:
         """Show what is new.
 
         Args:
@@ -63,7 +67,7 @@ class WireView(ScrollView, can_focus=True):
         if new <= 0:
             return
         self._seen = seen
-        come = [wire_line(told) for told in islice(wire, len(wire) - new, None)]
+        come = [shown_line(line) for line in islice(wire, len(wire) - new, None)]
         self._lines.extend(come)
         if not self.following:
             self.waiting += sum(line.fits(self._device, self._part) for line in come)
@@ -132,7 +136,7 @@ class WireView(ScrollView, can_focus=True):
         strip = Strip(parts).crop_extend(0, self.size.width, self.rich_style)
         return strip.apply_style(self.rich_style)
 
-    def _rows_of(self, lines: Iterable[WireLine]) -> list[Row]:
+    def _rows_of(self, lines: Iterable[ShownLine]) -> list[Row]:
         return list(rows_of(lines, bytes_a_row(self.size.width)))
 
     def _show_all(self) -> None:

@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass
 
 from catseye.drivers.roles.errors import ProtocolError
-from catseye.drivers.roles.readings import Joints
+from catseye.drivers.roles.pose import Pose
 
 ADD, DRIVE, TELL, FORGET, WHO, SPEED, FINISH = range(1, 8)
 UNKNOWN, REFUSED = -1, -2
@@ -74,7 +74,7 @@ def parse(line: bytes) -> Record:
     return Record(int(number), int(command), (a, b, c, d))
 
 
-def joints_of(record: Record) -> Joints:
+def joints_of(record: Record) -> Pose:
     """Return the feedback in a record: J1 deg, J2 deg, J3 mm, J4 deg."""
     return record.values
 

@@ -15,7 +15,6 @@ from pydantic import Field
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.healing import Repeat, reopened
 from catseye.drivers.links.link import RequestLink, uninterrupted
-from catseye.drivers.links.record import Sink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.melfa.datalink import codec
 from catseye.drivers.melfa.datalink.codec import Record, RecordDecoder
@@ -24,6 +23,7 @@ from catseye.drivers.melfa.motion import LOOK_WHY, STILL_LOOKS, asking_under_way
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.melfa.settings import MelfaSettings
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Identity, Sink
 from catseye.drivers.roles.errors import (
     AlarmError,
     LinkError,
@@ -33,7 +33,8 @@ from catseye.drivers.roles.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from catseye.drivers.roles.readings import Identity, Joints
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import RobotAbilities
 
 _VERSION = 1
 _LOOK_S = 0.2
@@ -66,7 +67,10 @@ class MelfaDatalink(LedArm):
     """
 
     Settings: ClassVar[type[DatalinkSettings]] = DatalinkSettings
-    following: ClassVar[str] = "blended"
+    summary: ClassVar[str] = "MELFA with program CATSDL: passes targets in one motion"
+    abilities: ClassVar[RobotAbilities] = RobotAbilities(
+        following="blended", jogs=True, takes_guard=True, further_endpoint="datalink_endpoint"
+    )
 
     def __init__(self, controller: MelfaR3, transport: Transport, settings: DatalinkSettings) -> None:
         super().__init__(controller)
@@ -147,7 +151,7 @@ class MelfaDatalink(LedArm):
         await self._link.close()
         await self._controller.close()
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         """Return the joints by encoder feedback; while a way is driven those that the R-protocol reports.
 
         Raises:
@@ -158,7 +162,7 @@ class MelfaDatalink(LedArm):
             return await self._controller.joints()
         return codec.joints_of(await self._link.repeated(partial(self._ask, codec.TELL)))
 
-    async def follow(self, way: Sequence[Joints]) -> None:
+    async def follow(self, way: Sequence[Pose]) -> None:
         """Pass all targets and return when the robot stands at the last one; it stands at every 60th, too.
 
         The way is driven once. When its answer is lost, the controller is asked where the robot is. A cancellation
@@ -180,7 +184,7 @@ class MelfaDatalink(LedArm):
         async with self._controller.guarded():
             await self._follow(way, permit)
 
-    async def _follow(self, way: Sequence[Joints], permit: Callable[[], None]) -> None:
+    async def _follow(self, way: Sequence[Pose], permit: Callable[[], None]) -> None:
         try:
             for first in range(0, len(way), codec.MAX_POINTS):
                 part = way[first : first + codec.MAX_POINTS]
@@ -195,11 +199,11 @@ class MelfaDatalink(LedArm):
         self._link.distrust("the program was stopped")
         await self._controller.stop()
 
-    async def _lead(self, part: Sequence[Joints], permit: Callable[[], None]) -> None:
+    async def _lead(self, part: Sequence[Pose], permit: Callable[[], None]) -> None:
         # An answer to a point that came twice keeps the way back, and nothing moves.
         await sent_once(partial(self._prepare, part, permit), partial(self._drive, part[-1], permit))
 
-    async def _prepare(self, part: Sequence[Joints], permit: Callable[[], None]) -> None:
+    async def _prepare(self, part: Sequence[Pose], permit: Callable[[], None]) -> None:
         await self._ready(permit)
         await self._link.repeated(partial(self._send, part))
 
@@ -240,7 +244,7 @@ class MelfaDatalink(LedArm):
             raise LinkError(f"{self._link.where}: the program was stopped or the link closed: connect again")
         await self._link.open()
 
-    async def _send(self, way: Sequence[Joints]) -> None:
+    async def _send(self, way: Sequence[Pose]) -> None:
         await self._ask(codec.FORGET)
         for count, target in enumerate(way, start=1):
             answer = await self._ask(codec.ADD, target)
@@ -251,7 +255,7 @@ class MelfaDatalink(LedArm):
                     "nothing was moved; check that no other program talks to this port"
                 )
 
-    async def _drive(self, target: Joints, permit: Callable[[], None]) -> None:
+    async def _drive(self, target: Pose, permit: Callable[[], None]) -> None:
         # Asked here too: a stop may have left the link out of step, and is the reason that counts.
         permit()
         self._driving = True
@@ -282,7 +286,7 @@ class MelfaDatalink(LedArm):
             self._ask(codec.DRIVE, timeout_s=self._settings.move_timeout_s, permit=permit)
         )
         standing = still = 0
-        last: Joints | None = None
+        last: Pose | None = None
         try:
             while not drive.done():
                 await asyncio.wait({drive}, timeout=_LOOK_S)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from catseye.drivers.roles.errors import ProtocolError
-from catseye.drivers.roles.readings import Joints
+from catseye.drivers.roles.pose import Pose
 
 PACKET_BYTES = 196
 
@@ -57,7 +57,7 @@ class Reply:
     c_count: int
     axes: dict[int, tuple[float, ...]]
 
-    def joints(self, kind: Kind) -> Joints | None:
+    def joints(self, kind: Kind) -> Pose | None:
         """Return one kind of joint data: J1 deg, J2 deg, J3 mm, J4 deg; None when it did not come."""
         axes = self.axes.get(kind)
         if axes is None:
@@ -65,7 +65,7 @@ class Reply:
         return math.degrees(axes[0]), math.degrees(axes[1]), axes[2], math.degrees(axes[3])
 
 
-def encode(command: Command, count: int, target: Joints | None = None) -> bytes:
+def encode(command: Command, count: int, target: Pose | None = None) -> bytes:
     """Return a datagram that asks for command, filtered command, feedback and current in the answer.
 
     Args:
@@ -108,7 +108,7 @@ def decode(data: bytes) -> Reply:
 _JOINT_KINDS = {Kind.JOINT_COMMAND, Kind.JOINT_FILTERED, Kind.JOINT_FEEDBACK, Kind.CURRENT_FEEDBACK}
 
 
-def _joints_data(target: Joints) -> bytes:
+def _joints_data(target: Pose) -> bytes:
     if not all(map(math.isfinite, target)):
         raise ValueError(f"joints of a set point must be finite numbers, got {target}")
     j1, j2, j3, j4 = target

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.drivers.roles.readings import Joints
+from catseye.drivers.roles.pose import Pose
 
 Floats = NDArray[np.float64]
 
@@ -19,8 +19,8 @@ _NOTHING = 1e-9
 class Bounds:
     """What each joint may do: deg/s and deg/s², J3 mm/s and mm/s²."""
 
-    speed: Joints
-    acceleration: Joints
+    speed: Pose
+    acceleration: Pose
 
 
 class WayProfile:
@@ -35,7 +35,7 @@ class WayProfile:
         bounds: of every joint.
     """
 
-    def __init__(self, start: Joints, way: Sequence[Joints], bounds: Bounds) -> None:
+    def __init__(self, start: Pose, way: Sequence[Pose], bounds: Bounds) -> None:
         knots = np.array([start, *way], dtype=np.float64)
         steps = np.abs(np.diff(knots, axis=0))
         keep = np.append(True, steps.max(axis=1) > _NOTHING)
@@ -60,7 +60,7 @@ class WayProfile:
         """From standstill to standstill, s."""
         return 2.0 * self._ramp_s + self._flat_s
 
-    def set_points(self, cycle_s: float) -> list[Joints]:
+    def set_points(self, cycle_s: float) -> list[Pose]:
         """Return the joints at the end of each cycle; the last one is the last target."""
         count = math.ceil(self.duration_s / cycle_s)
         times = np.minimum(np.arange(1, count + 1) * cycle_s, self.duration_s)

@@ -14,7 +14,6 @@ from typing import Any, ClassVar, Self
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import LinkGuard, guarded
 from catseye.drivers.links.link import uninterrupted
-from catseye.drivers.links.record import Sink
 from catseye.drivers.melfa.codec import parse_number
 from catseye.drivers.melfa.led import LedArm, parted, require_way
 from catseye.drivers.melfa.motion import LOOK_WHY, off_target
@@ -25,6 +24,7 @@ from catseye.drivers.melfa.mxt.settings import MxtSettings
 from catseye.drivers.melfa.mxt.stream import SetPointStream
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Identity, Sink
 from catseye.drivers.roles.errors import (
     DeviceError,
     LinkError,
@@ -34,7 +34,8 @@ from catseye.drivers.roles.errors import (
     ProtocolError,
     RefusedError,
 )
-from catseye.drivers.roles.readings import Identity, Joints
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import RobotAbilities
 
 LONGEST_TIMEOUT_S = 0.5
 """A real arm that gets no set point any more ends the control by itself after so long at most."""
@@ -53,13 +54,16 @@ class MelfaMxt(LedArm):
     """
 
     Settings: ClassVar[type[MxtSettings]] = MxtSettings
-    following: ClassVar[str] = "streamed"
+    summary: ClassVar[str] = "MELFA with program CATSMXT: streams set points"
+    abilities: ClassVar[RobotAbilities] = RobotAbilities(
+        following="streamed", jogs=True, takes_guard=True, further_endpoint="mxt_endpoint"
+    )
 
     def __init__(self, controller: MelfaR3, stream: SetPointStream, settings: MxtSettings) -> None:
         super().__init__(controller)
         self._stream = stream
         self._settings = settings
-        self._feedback: Joints | None = None
+        self._feedback: Pose | None = None
         self._halted = False
         self._simulated = False
         self._timeout_read = False
@@ -140,7 +144,7 @@ class MelfaMxt(LedArm):
         await self._stream.close()
         await self._controller.close()
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         """Return the joints: the encoder feedback at the end of the last way while the arm still stands there.
 
         Raises:
@@ -153,7 +157,7 @@ class MelfaMxt(LedArm):
             return reported
         return feedback
 
-    async def follow(self, way: Sequence[Joints]) -> None:
+    async def follow(self, way: Sequence[Pose]) -> None:
         """Lead the arm through all targets; return when it stands at the last one.
 
         No set point is sent twice on purpose. When the link fails on the way, the controller is asked where the robot
@@ -232,7 +236,7 @@ class MelfaMxt(LedArm):
             self._halted = True
             raise
 
-    async def _lead(self, way: Sequence[Joints], require_no_stop: Callable[[], None]) -> None:
+    async def _lead(self, way: Sequence[Pose], require_no_stop: Callable[[], None]) -> None:
         bounds = await self._bounds()
         self._feedback = None
         try:
@@ -266,10 +270,10 @@ class MelfaMxt(LedArm):
         fast, slow = settings.follow_acceleration_deg_s2, settings.follow_acceleration_mm_s2
         return Bounds((j1, j2, j3, j4), (fast, fast, slow, fast))
 
-    async def _rest(self, target: Joints, require_no_stop: Callable[[], None]) -> Joints:
+    async def _rest(self, target: Pose, require_no_stop: Callable[[], None]) -> Pose:
         """Hold the last set point until the feedback stays the same."""
         still = 0
-        last: Joints | None = None
+        last: Pose | None = None
         try:
             async with asyncio.timeout(self._settings.arrival_timeout_s):
                 while True:
@@ -287,11 +291,11 @@ class MelfaMxt(LedArm):
             ) from None
 
 
-def _near(one: Joints, other: Joints) -> bool:
+def _near(one: Pose, other: Pose) -> bool:
     return all(abs(a - b) < _REST_DEG for a, b in zip(one, other, strict=True))
 
 
-def _until_a_stop(points: Iterable[Joints], require_no_stop: Callable[[], None]) -> Iterator[Joints]:
+def _until_a_stop(points: Iterable[Pose], require_no_stop: Callable[[], None]) -> Iterator[Pose]:
     """Hand out set points; none once a stop has begun, which does not wait for the end of the way.
 
     Raises:

@@ -9,7 +9,7 @@ from catseye.drivers.melfa.mxt.codec import Command, Kind, Reply
 from catseye.drivers.melfa.mxt.settings import MxtSettings
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, ProtocolError, WrongDeviceError
-from catseye.drivers.roles.readings import Joints
+from catseye.drivers.roles.pose import Pose
 
 _TIMED_CYCLES = 8
 _SHORTEST = 0.75
@@ -48,7 +48,7 @@ class SetPointStream:
         """Device and endpoint, for texts."""
         return f"{self._name} at {self._transport.endpoint}"
 
-    async def begin(self) -> Joints:
+    async def begin(self) -> Pose:
         """Open the link and ask where the arm stands (command side): J1 deg, J2 deg, J3 mm, J4 deg.
 
         Raises:
@@ -73,7 +73,7 @@ class SetPointStream:
             "the controller (key at AUTO), check the PC's address in it and the first element of NETPORT (10000)"
         )
 
-    async def send(self, points: Iterable[Joints]) -> Joints | None:
+    async def send(self, points: Iterable[Pose]) -> Pose | None:
         """Send set points, one a cycle; return the feedback that came last, None when every answer was lost.
 
         Raises:
@@ -81,7 +81,7 @@ class SetPointStream:
             LinkError: the link is lost.
             ProtocolError: garbage came.
         """
-        feedback: Joints | None = None
+        feedback: Pose | None = None
         for point in points:
             reply = await self._exchange(Command.MOVE, point)
             if reply is None:
@@ -143,7 +143,7 @@ class SetPointStream:
             )
         self._in_time = True
 
-    async def _exchange(self, command: Command, target: Joints | None) -> Reply | None:
+    async def _exchange(self, command: Command, target: Pose | None) -> Reply | None:
         """Send one datagram; return the answer, None when no valid one comes in time."""
         self._count += 1
         self._garbage = None
@@ -171,7 +171,7 @@ class SetPointStream:
             )
             return None
 
-    def _joints(self, reply: Reply, kind: Kind) -> Joints:
+    def _joints(self, reply: Reply, kind: Kind) -> Pose:
         joints = reply.joints(kind)
         if joints is None:
             raise ProtocolError(

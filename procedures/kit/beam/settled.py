@@ -2,8 +2,10 @@
 
 from dataclasses import replace
 
+from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.procedures.kit.bench import Timing
-from catseye.procedures.kit.context import Context, Live, Measurement, Prompt
+from catseye.procedures.kit.context import Context, Measurement, Prompt
+from catseye.procedures.kit.live import Live
 
 _LASER = (
     "the laser is not ready: it warms up or has lost its lock, and the count is worthless; look at the laser's lamp. "
@@ -25,16 +27,16 @@ async def settled_measurement(ctx: Context, timing: Timing, where: str) -> Measu
         where: what is measured, unique in the run; part of the question's id.
 
     Returns:
-        The measurement; `beam_ok` is for the caller to look at. None when the operator leaves the point out.
+        The measurement, whose count need not be valid; None when the operator leaves the point out.
     """
     question = 0
     while True:
         measured = await _tried(ctx, timing)
-        if not measured.laser_ready:
-            await ctx.wait_until(_LASER, lambda: _laser_ready(ctx))
+        if not measured.beam.laser_ready:
+            await _laser_is_ready(ctx)
             return measured
         # Readings of a lost beam say nothing about settling.
-        if measured.spread_mm <= timing.spread_limit_mm or not measured.beam_ok:
+        if measured.spread_mm <= timing.spread_limit_mm or not measured.beam.count_valid:
             return measured
         question += 1
         answer = await ctx.ask(_prompt(measured, timing, f"unsettled/{where}/{question}", where))
@@ -52,7 +54,7 @@ async def _tried(ctx: Context, timing: Timing) -> Measurement:
         waiting = replace(timing, settle_time_s=timing.settle_time_s * 2**number)
         measured = await ctx.measure(waiting.settle_time_s, waiting.dwell_time_s, waiting.readings)
         settled = measured.spread_mm <= timing.spread_limit_mm
-        if settled or not measured.beam_ok or not measured.laser_ready:
+        if settled or not measured.beam.count_valid:
             break
         ctx.show(_spread(measured, timing))
     return measured
@@ -86,5 +88,17 @@ def _prompt(measured: Measurement, timing: Timing, prompt_id: str, where: str) -
     )
 
 
-async def _laser_ready(ctx: Context) -> bool:
-    return (await ctx.beam()).laser_ready
+async def beam_when_ready(ctx: Context) -> BeamStatus:
+    """Return the state of the beam; a laser that is not ready suspends the run until it is."""
+    status = await ctx.beam()
+    if status.laser_ready:
+        return status
+    await _laser_is_ready(ctx)
+    return await ctx.beam()
+
+
+async def _laser_is_ready(ctx: Context) -> None:
+    async def ready() -> bool:
+        return (await ctx.beam()).laser_ready
+
+    await ctx.wait_until(_LASER, ready)

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catseye.calibration.kinematics.bodies import outermost_levers
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 
 
@@ -18,7 +18,7 @@ def top_speed_mm_s(bench: Bench, percent: float) -> float:
     return float(_full_speeds(bench) @ _levers(bench)) * percent / 100.0
 
 
-def fastest_mm_s(bench: Bench, start: Joints, end: Joints, percent: float) -> float:
+def fastest_mm_s(bench: Bench, start: Pose, end: Pose, percent: float) -> float:
     """Return what no point of the arm exceeds during a motion, mm/s.
 
     All joints begin and end together, so the one that needs longest sets the pace of the others. Every joint is

@@ -12,7 +12,7 @@ import numpy as np
 
 from catseye.calibration.kinematics.bodies import Box, Capsule, Gaps, Scene, Table
 from catseye.calibration.kinematics.sweep import Contact, first_contact
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench, Reflector, Workspace
 from catseye.procedures.kit.errors import PlanError
 
@@ -28,7 +28,7 @@ _STUCK = (
 )
 
 
-def require_clear_way(way: Sequence[Joints], bench: Bench) -> None:
+def require_clear_way(way: Sequence[Pose], bench: Bench) -> None:
     """Refuse a way on which bodies come nearer to each other than the clearance.
 
     All reflectors stand on the bench while any one is measured.
@@ -44,7 +44,7 @@ def require_clear_way(way: Sequence[Joints], bench: Bench) -> None:
         raise PlanError(refusal)
 
 
-def require_clear_legs(start: Joints, legs: Sequence[Sequence[Joints]], bench: Bench) -> None:
+def require_clear_legs(start: Pose, legs: Sequence[Sequence[Pose]], bench: Bench) -> None:
     """Refuse legs, at whose ends the arm stands still, as `require_clear_way` refuses a way.
 
     Args:
@@ -59,7 +59,7 @@ def require_clear_legs(start: Joints, legs: Sequence[Sequence[Joints]], bench: B
         raise PlanError(refusal)
 
 
-def legs_refusal(start: Joints, legs: Sequence[Sequence[Joints]], bench: Bench) -> str | None:
+def legs_refusal(start: Pose, legs: Sequence[Sequence[Pose]], bench: Bench) -> str | None:
     """Return why legs, at whose ends the arm stands still, are not clear; None when they are."""
     way = [start, *(target for leg in legs for target in leg)]
     passed = [False, *(number + 1 < len(leg) for leg in legs for number in range(len(leg)))]
@@ -67,14 +67,14 @@ def legs_refusal(start: Joints, legs: Sequence[Sequence[Joints]], bench: Bench) 
     return None if contact is None else _refusal(contact, way, bench)
 
 
-def way_check(bench: Bench) -> Callable[[Sequence[Joints]], str | None]:
+def way_check(bench: Bench) -> Callable[[Sequence[Pose]], str | None]:
     """Return what tells why a way is not clear whose targets before the last one are passed; None when it is.
 
     A gate asks before each motion: the scene is looked up once.
     """
     known = _known(bench)
 
-    def refusal(way: Sequence[Joints]) -> str | None:
+    def refusal(way: Sequence[Pose]) -> str | None:
         passed = [0 < number < len(way) - 1 for number in range(len(way))]
         contact = _contact(way, bench, passed, known)
         return None if contact is None else _refusal(contact, way, bench)
@@ -82,13 +82,13 @@ def way_check(bench: Bench) -> Callable[[Sequence[Joints]], str | None]:
     return refusal
 
 
-def way_refusal(way: Sequence[Joints], bench: Bench) -> str | None:
+def way_refusal(way: Sequence[Pose], bench: Bench) -> str | None:
     """Return why a way is not clear; None when it is. See `require_clear_way`."""
     contact = _contact(way, bench)
     return None if contact is None else _refusal(contact, way, bench)
 
 
-def refused_target(way: Sequence[Joints], bench: Bench) -> tuple[int, str] | None:
+def refused_target(way: Sequence[Pose], bench: Bench) -> tuple[int, str] | None:
     """Return the target, from 0, to which a way is not clear, and what is in the way there; None when it is.
 
     Target 0 is where the way begins: one that begins too near something is refused there. The remedy is the caller's.
@@ -100,7 +100,7 @@ def refused_target(way: Sequence[Joints], bench: Bench) -> tuple[int, str] | Non
     return None
 
 
-def clear_part(here: Joints, target: Joints, bench: Bench) -> tuple[Joints, str | None]:
+def clear_part(here: Pose, target: Pose, bench: Bench) -> tuple[Pose, str | None]:
     """Return how far a straight joint move may go, and why not farther; None when its target can be reached.
 
     Args:
@@ -117,7 +117,7 @@ def clear_part(here: Joints, target: Joints, bench: Bench) -> tuple[Joints, str 
 
 
 def _contact(
-    way: Sequence[Joints], bench: Bench, passed: Sequence[bool] = (), known: "_KnownScene | None" = None
+    way: Sequence[Pose], bench: Bench, passed: Sequence[bool] = (), known: "_KnownScene | None" = None
 ) -> Contact | None:
     _require_places(way)
     known = known or _known(bench)
@@ -132,13 +132,13 @@ def _contact(
     return contact
 
 
-def _hashable(place: Joints) -> Joints:
+def _hashable(place: Pose) -> Pose:
     """Return joints as a tuple: a driver of somebody else may report them as a list."""
     one, two, three, four = place
     return one, two, three, four
 
 
-def _require_places(way: Sequence[Joints]) -> None:
+def _require_places(way: Sequence[Pose]) -> None:
     """Refuse joints that no arm has: distances from there would mean nothing."""
     # Written so that what is not a number is refused too.
     wrong = [place for place in way if not all(abs(joint) <= _LARGEST for joint in place)]
@@ -159,7 +159,7 @@ class _KnownScene:
     """
 
     gaps: Gaps
-    clear: set[tuple[Joints, Joints]] = field(default_factory=set)
+    clear: set[tuple[Pose, Pose]] = field(default_factory=set)
 
 
 def _known(bench: Bench) -> _KnownScene:
@@ -186,7 +186,7 @@ def _named(what: str, boxes: tuple[Box, ...]) -> tuple[Box, ...]:
     return tuple(Box(f"{what} {box.name}", box.low_mm, box.high_mm) for box in boxes)
 
 
-def _refusal(contact: Contact, way: Sequence[Joints], bench: Bench) -> str:
+def _refusal(contact: Contact, way: Sequence[Pose], bench: Bench) -> str:
     target = _target(contact, way)
     remedy = _STUCK if _begins_blocked(contact) else _remedy(contact.pair[1])
     return (
@@ -208,7 +208,7 @@ def _begins_blocked(contact: Contact) -> bool:
     return contact.leg == 0 and contact.clear_share == 0.0
 
 
-def _target(contact: Contact, way: Sequence[Joints]) -> int:
+def _target(contact: Contact, way: Sequence[Pose]) -> int:
     return min(contact.leg + 1, len(way) - 1)
 
 

@@ -2,16 +2,19 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.calibration.alignment import PitchFit, fit_pitch
-from catseye.drivers.roles.protocols import Joints
+from catseye.calibration.scara.alignment import PitchFit, fit_pitch
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Context, Live, Row
+from catseye.procedures.kit.context import Context, Row
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError, PlanError
+from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import way_refusal
+from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.stored import numbers_of
 from catseye.procedures.scara.alignment.beam_to_j4 import named_reflectors
 from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw
@@ -77,8 +80,7 @@ class BeamLevel:
 
     name = "beam-level"
     title = "Levelling of the beam"
-    needs_aim = False
-    needs_tracker = False
+    needs: ClassVar[Needs] = Needs()
     params_type = BeamLevelParams
 
     def __init__(self) -> None:
@@ -201,7 +203,7 @@ def _spaced(
 def _free(poses: Sequence[SearchPose], half_range_deg: float, bench: Bench) -> bool:
     """Return whether ways between poses are clear, with J4 and J3 anywhere in the ranges that are scanned."""
     heights = bench.arm.j3_range_mm or (bench.arm.j3_mm,)
-    way: list[Joints] = []
+    way: list[Pose] = []
     for pose in poses:
         ends = pose.turned(half_range_deg, bench)
         way += [(one, two, height, four) for height in heights for one, two, _, four in ends]
@@ -232,7 +234,7 @@ class _Rounds:
         self._arrival = Arrival(ctx, plan.bench)
 
     @property
-    def start(self) -> Joints:
+    def start(self) -> Pose:
         """Where each round begins."""
         first = self._plan.poses[0]
         return (first.theta1_deg, first.theta2_deg, self._plan.bench.arm.j3_mm, first.j4_deg)
@@ -319,7 +321,7 @@ class _Rounds:
             return self._fit(nearer).height_mm(pose.beam_mm)
         return nearer[0].j3_mm if nearer else self._plan.bench.arm.j3_mm
 
-    async def _centred(self, pose: SearchPose, at: Joints) -> _Found:
+    async def _centred(self, pose: SearchPose, at: Pose) -> _Found:
         optics, (low, high) = self._plan.bench.optics, self._plan.j3_range_mm
         window = await find_height(self._ctx, at, 0.0, optics.acceptance_mm, (low, high), optics.signal_min)
         if window is None:

@@ -5,15 +5,16 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain
+from typing import ClassVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.calibration.alignment import OffsetFit, fit_offset
-from catseye.drivers.roles.protocols import Joints
+from catseye.calibration.scara.alignment import OffsetFit, fit_offset
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.settled import settled_measurement
 from catseye.procedures.kit.bench import Bench, Reflector
-from catseye.procedures.kit.context import Context, Live, Measurement, Row
+from catseye.procedures.kit.context import Context, Measurement, Row
 from catseye.procedures.kit.errors import (
     AlignmentError,
     BeamLostError,
@@ -21,11 +22,14 @@ from catseye.procedures.kit.errors import (
     PlanError,
     PlanLimitError,
 )
+from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import require_clear_way
+from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
 from catseye.procedures.scara.beam.nests import Nests
+from catseye.procedures.scara.before import LEVELLED
 from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.search.search_plan import SearchPose, looking_poses
 
@@ -90,8 +94,7 @@ class BeamToJ4:
 
     name = "beam-to-j4"
     title = "Alignment of the beam to the J4 axis"
-    needs_aim = False
-    needs_tracker = False
+    needs: ClassVar[Needs] = Needs(after=(LEVELLED,))
     params_type = BeamToJ4Params
 
     def plan(self, bench: Bench, params: BeamToJ4Params) -> BeamToJ4Plan:
@@ -210,7 +213,7 @@ class _Rounds:
         self._arrival = Arrival(ctx, plan.bench)
 
     @property
-    def start(self) -> Joints:
+    def start(self) -> Pose:
         """Where each round begins."""
         return self._at(self._plan.pose.j4_deg)
 
@@ -286,15 +289,15 @@ class _Rounds:
                 measured = await settled_measurement(self._ctx, plan.bench.timing, name)
                 if measured is None:
                     continue
-                self._ctx.show(signal_live(measured.signal, plan.bench.optics.signal_min))
-                if not measured.beam_ok:
+                self._ctx.show(signal_live(measured.beam.signal, plan.bench.optics.signal_min))
+                if not measured.beam.count_valid:
                     return None
                 # Too weak a return is no distance, but it keeps the count.
-                if measured.signal >= plan.bench.optics.signal_min:
+                if measured.beam.signal >= plan.bench.optics.signal_min:
                     taken.append((number, measured))
         return taken
 
-    def _at(self, j4_deg: float) -> Joints:
+    def _at(self, j4_deg: float) -> Pose:
         pose = self._plan.pose
         return (pose.theta1_deg, pose.theta2_deg, self._plan.bench.arm.j3_mm, j4_deg)
 

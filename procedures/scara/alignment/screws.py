@@ -5,16 +5,18 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
-from catseye.drivers.roles.protocols import Joints
-from catseye.procedures.kit.context import Context, Live, Prompt, Row
+from catseye.drivers.roles.pose import Pose
+from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, LossLog
+from catseye.procedures.kit.context import Context, Prompt, Row
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError
+from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.stored import number_of
 
 _ROUND_S: Final = 60.0
 """Expected time of a round, hands included; the run's own pace corrects it."""
 
-_MOST_QUESTIONS = 3
-"""So often a run asks for a free beam: an answers file must not keep an arm moving for ever."""
+_POLICY: Final = BeamLossPolicy(attempts=1, most_questions=3)
+"""A measurement looks for the beam by itself before it gives up."""
 
 _CLEAR = 3.0
 """A change is judged where it exceeds this many of its standard uncertainties."""
@@ -154,7 +156,7 @@ class GuidedScrew:
         measure: Measure,
         watch: Watch,
         max_rounds: int,
-        target: Joints | None = None,
+        target: Pose | None = None,
     ) -> None:
         self._ctx = ctx
         self._screw = screw
@@ -167,7 +169,8 @@ class GuidedScrew:
         self._told: list[str] = []
         self._turned: float | None = None
         self._fresh = False
-        self._questions = 0
+        self._losses = LossLog(ctx)
+        self._beam = BeamLoss(ctx, _POLICY, "the reflector", lambda number: f"{screw.name}/beam/{number}")
 
     @property
     def turned(self) -> bool:
@@ -235,27 +238,9 @@ class GuidedScrew:
             try:
                 return await self._measure(number, expected, self._last)
             except BeamLostError as error:
-                if not await self._freed(error):
-                    raise
-
-    async def _freed(self, error: BeamLostError) -> bool:
-        """Return whether the operator has freed the beam."""
-        if self._questions >= _MOST_QUESTIONS:
-            return False
-        self._questions += 1
-        answer = await self._ctx.ask(
-            Prompt(
-                id=f"{self._screw.name}/beam/{self._questions}",
-                kind="choice",
-                text=f"Free the beam: {error}. Then choose retry; or stop.",
-                choices=("retry", "stop"),
-                safe_answer="stop",
-                task={"do": "clear-beam"},
-                motion=True,
-                target=self._target,
-            )
-        )
-        return answer == "retry"
+                cause, where = Cause("lost", str(error)), f"{self._screw.quantity}, round {number}"
+                await self._losses.note(cause, where, where=where)
+                await self._beam.decide(cause, where, goal=self._target)
 
     async def _judge(self, number: int) -> None:
         """Look what the last turn did, and take the screw as it acts from then on."""

@@ -4,8 +4,9 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from catseye.drivers.roles.protocols import Joints
-from catseye.procedures.kit.context import Context, Live
+from catseye.drivers.roles.pose import Pose
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.live import Live
 
 _J3, _J4 = 2, 3
 
@@ -74,7 +75,7 @@ def scan_offsets_deg(half_range_deg: float, step_deg: float) -> list[float]:
 
 async def find_return(
     ctx: Context,
-    pose: Joints,
+    pose: Pose,
     half_range_deg: float,
     half_window: float,
     j4_limits_deg: tuple[float, float],
@@ -101,7 +102,7 @@ async def find_return(
 
 async def find_height(
     ctx: Context,
-    pose: Joints,
+    pose: Pose,
     half_range_mm: float,
     half_window_mm: float,
     j3_range_mm: tuple[float, float],
@@ -138,7 +139,7 @@ class _Scan:
     def __init__(
         self,
         ctx: Context,
-        pose: Joints,
+        pose: Pose,
         joint: int,
         limits: tuple[float, float],
         half_window: float,
@@ -213,7 +214,7 @@ class _Scan:
         return beam.beam_ok
 
 
-def with_joint(pose: Joints, joint: int, value: float) -> Joints:
+def with_joint(pose: Pose, joint: int, value: float) -> Pose:
     """Return a pose with another value of one joint, 0...3."""
     one, two, three, four = (value if n == joint else own for n, own in enumerate(pose))
     return one, two, three, four

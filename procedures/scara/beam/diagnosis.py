@@ -1,48 +1,19 @@
 """Why a beam was lost, as far as that can be known, and what to do about it."""
 
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.kinematics import forward
-from catseye.calibration.pointing import column_clearance, field_angle
-from catseye.drivers.roles.protocols import BeamStatus, Joints
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.pointing import column_clearance, field_angle
+from catseye.drivers.roles.pose import Pose
+from catseye.procedures.kit.beam.loss import Cause
 from catseye.procedures.kit.bench import Bench, Reflector
-from catseye.procedures.kit.context import Json, Measurement
-
-CauseName = Literal[
-    "overspeed",
-    "laser",
-    "column",
-    "field",
-    "aim",
-    "weak-signal",
-    "interrupted",
-    "no-return",
-    "moved-by-hand",
-    "not-subdivided",
-]
 
 _NEAR_COLUMN_MM = 20.0
 """A beam that passes the column's stated margin by less is suspected to be cut off by the real column."""
 
 _NEAR_FIELD_DEG = 5.0
-
-
-@dataclass(frozen=True)
-class Cause:
-    """Why a beam was lost.
-
-    Attributes:
-        name: for programs.
-        text: what is wrong and what to do about it.
-        facts: numbers that belong to it.
-    """
-
-    name: CauseName
-    text: str
-    facts: dict[str, Json] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -59,14 +30,13 @@ class Loss:
 NOT_SUBDIVIDED = Cause(
     "not-subdivided",
     "the way is driven without sub-steps (param subdivide), so the beam misses the reflector",
+    said_once=True,
 )
 
 MOVED_BY_HAND = Cause(
     "moved-by-hand",
     "the arm no longer stands where it was sent: somebody has moved it; leave it alone while a run is under way",
 )
-
-LASER = Cause("laser", "the laser was not ready, so its count is worthless; look at the laser's lamp")
 
 INTERRUPTED = Cause(
     "interrupted",
@@ -105,20 +75,7 @@ def off_aim(off_deg: float, beam_mm: float) -> Cause:
     )
 
 
-def told_by(status: BeamStatus | Measurement, bench: Bench) -> Cause | None:
-    """Return the cause that the interferometer itself tells."""
-    if not status.laser_ready:
-        return LASER
-    if status.overspeed:
-        return Cause(
-            "overspeed",
-            "the beam's length changed faster than the counter counts: lower override_cap_percent (now "
-            f"{bench.arm.override_percent:g} %) or the speed of following",
-        )
-    return None
-
-
-def hidden(joints: Joints, bench: Bench, reflector: Reflector) -> Cause | None:
+def hidden(joints: Pose, bench: Bench, reflector: Reflector) -> Cause | None:
     """Return the cause that geometry lets suspect where nothing returns: base column or field.
 
     Args:

@@ -1,6 +1,6 @@
 """One cat's eye for several nests: it is carried from one to the next."""
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import ReflectorNotFoundError
@@ -19,7 +19,7 @@ class Nests:
         self._carried = bench.optics.one_reflector
         self._place: str | None = None
 
-    async def place(self, reflector: Reflector, number: int = 1, target: Joints | None = None) -> None:
+    async def place(self, reflector: Reflector, number: int = 1, target: Pose | None = None) -> None:
         """Have the cat's eye put into a reflector's nest unless this process knows it to be there.
 
         Args:

@@ -1,6 +1,6 @@
 """What J4 is turned by beyond the plan's aim, and finding that without losing the beam."""
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context
 
 _FIRST_STEP = 1.0 / 12.0
@@ -43,7 +43,7 @@ class AimCorrection:
             self.present_deg = self._kept_deg
         self._just_found = False
 
-    def applied(self, target: Joints, j4_limits_deg: tuple[float, float]) -> Joints:
+    def applied(self, target: Pose, j4_limits_deg: tuple[float, float]) -> Pose:
         """Return a target with J4 corrected, unless a limit of J4 forbids that."""
         low, high = j4_limits_deg
         j4 = target[3] + self.present_deg
@@ -51,7 +51,7 @@ class AimCorrection:
 
 
 async def brighten(
-    ctx: Context, pose: Joints, half_window_deg: float, j4_limits_deg: tuple[float, float]
+    ctx: Context, pose: Pose, half_window_deg: float, j4_limits_deg: tuple[float, float]
 ) -> float | None:
     """Turn J4 in small steps to where the signal is strongest, with the beam kept all the time.
 
@@ -73,7 +73,7 @@ async def brighten(
                 break
             await ctx.move((*pose[:3], trial_deg))
             status = await ctx.beam()
-            if status.beam_lost or not status.beam_ok:
+            if not status.count_valid:
                 return None
             if status.signal <= best:
                 break
@@ -82,4 +82,4 @@ async def brighten(
             break
     await ctx.move((*pose[:3], best_deg))
     status = await ctx.beam()
-    return None if status.beam_lost or not status.beam_ok else best_deg
+    return best_deg if status.count_valid else None

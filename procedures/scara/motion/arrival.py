@@ -1,9 +1,9 @@
 """The first way of a process: it is planned and checked when it is known where the arm stands."""
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose, is_at
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context
-from catseye.procedures.scara.motion.entry import stands_at, way_in
+from catseye.procedures.scara.motion.entry import way_in
 
 
 class Arrival:
@@ -19,7 +19,7 @@ class Arrival:
         self._bench = bench
         self._over = False
 
-    async def at(self, pose: Joints) -> None:
+    async def at(self, pose: Pose) -> None:
         """Go to a pose by a free way, once.
 
         Raises:
@@ -28,7 +28,7 @@ class Arrival:
         if self._over:
             return
         here = await self._ctx.joints()
-        if not stands_at(here, pose):
+        if not is_at(here, pose):
             for target in way_in(here, pose, self._bench):
                 await self._ctx.move(target)
         self._over = True

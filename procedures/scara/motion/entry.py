@@ -4,23 +4,15 @@ import math
 
 import numpy as np
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import SAME_PLACE, Pose
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import WayBlockedError
 from catseye.procedures.kit.motion.clear_way import way_refusal
 from catseye.procedures.scara.motion.tracking import aimed_along
 from catseye.procedures.scara.motion.visits import Visit
 
-_SAME_PLACE = 0.03
-"""Joints that differ by more, deg or mm, were moved by somebody else: encoders and rounding stay far below."""
 
-
-def stands_at(joints: Joints, target: Joints) -> bool:
-    """Return whether an arm stands where it was sent."""
-    return max(abs(a - b) for a, b in zip(joints, target, strict=True)) <= _SAME_PLACE
-
-
-def approach(visit: Visit, bench: Bench, reflector: Reflector) -> tuple[Joints, Joints]:
+def approach(visit: Visit, bench: Bench, reflector: Reflector) -> tuple[Pose, Pose]:
     """Return take-up pose and node: from the one to the other both joints move in the point's directions.
 
     Args:
@@ -38,7 +30,7 @@ def approach(visit: Visit, bench: Bench, reflector: Reflector) -> tuple[Joints, 
     return (one, two, bench.arm.j3_mm, j4 if low <= j4 <= high else node[3]), node
 
 
-def way_in(here: Joints, take_up: Joints, bench: Bench) -> tuple[Joints, ...]:
+def way_in(here: Pose, take_up: Pose, bench: Bench) -> tuple[Pose, ...]:
     """Return the targets that lead from where the arm stands to a take-up pose, that pose included.
 
     J3 goes to its height first, where the arm stands. Then the joints move straight if that way is free; otherwise
@@ -71,8 +63,8 @@ def way_in(here: Joints, take_up: Joints, bench: Bench) -> tuple[Joints, ...]:
     )
 
 
-def _lift(here: Joints, bench: Bench) -> tuple[Joints, ...]:
-    if abs(here[2] - bench.arm.j3_mm) <= _SAME_PLACE:
+def _lift(here: Pose, bench: Bench) -> tuple[Pose, ...]:
+    if abs(here[2] - bench.arm.j3_mm) <= SAME_PLACE:
         return ()
     lifted = (here[0], here[1], bench.arm.j3_mm, here[3])
     if not _within_limits((lifted,), bench):
@@ -83,12 +75,12 @@ def _lift(here: Joints, bench: Bench) -> tuple[Joints, ...]:
     return (lifted,)
 
 
-def _folded(start: Joints, take_up: Joints, two: float) -> tuple[Joints, ...]:
+def _folded(start: Pose, take_up: Pose, two: float) -> tuple[Pose, ...]:
     _, _, three, four = take_up
     return (start[0], two, three, four), (take_up[0], two, three, four), take_up
 
 
-def _within_limits(way: tuple[Joints, ...], bench: Bench) -> bool:
+def _within_limits(way: tuple[Pose, ...], bench: Bench) -> bool:
     arm = bench.arm
     ranges = ((0, arm.j1_limits_deg), (1, arm.j2_limits_deg), (3, arm.j4_limits_deg))
     return all(low <= target[n] <= high for target in way for n, (low, high) in ranges)

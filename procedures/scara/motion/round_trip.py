@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import PlanLimitError
 from catseye.procedures.kit.motion.clear_way import require_clear_legs
@@ -13,7 +13,7 @@ from catseye.procedures.scara.motion.approach import Waypoint, require_joint_lim
 from catseye.procedures.scara.motion.tracking import Track, plan_track
 from catseye.procedures.scara.motion.visits import Leg, driving_time_s, leg_targets
 
-Pose = tuple[float, float]
+LinkPose = tuple[float, float]
 """J1 and J2, deg."""
 
 _PIECE_DEG = 20.0
@@ -35,15 +35,15 @@ class RoundTrip:
     """
 
     reflector: Reflector
-    stops: tuple[Pose, ...]
-    start: Joints
+    stops: tuple[LinkPose, ...]
+    start: Pose
     legs: tuple[Leg, ...]
     beam_mm: tuple[float, ...]
     j4_range_deg: tuple[float, float]
     driving_s: float
 
 
-def beam_lasts(stops: Sequence[Pose], bench: Bench, reflector: Reflector) -> bool:
+def beam_lasts(stops: Sequence[LinkPose], bench: Bench, reflector: Reflector) -> bool:
     """Return whether limits permit a closed way, nothing stands in it, and the reflector is seen all along.
 
     Args:
@@ -57,7 +57,7 @@ def beam_lasts(stops: Sequence[Pose], bench: Bench, reflector: Reflector) -> boo
         return False
 
 
-def plan_round_trip(stops: Sequence[Pose], bench: Bench, reflector: Reflector) -> RoundTrip | None:
+def plan_round_trip(stops: Sequence[LinkPose], bench: Bench, reflector: Reflector) -> RoundTrip | None:
     """Plan a closed way.
 
     Args:
@@ -99,7 +99,7 @@ def plan_round_trip(stops: Sequence[Pose], bench: Bench, reflector: Reflector) -
     )
 
 
-def _closed(stops: Sequence[Pose]) -> tuple[tuple[Waypoint, ...], list[int]]:
+def _closed(stops: Sequence[LinkPose]) -> tuple[tuple[Waypoint, ...], list[int]]:
     """Return the closed way with long legs in pieces, and which of its places are the stops."""
     way, ends = [Waypoint(*stops[0], None)], [0]
     for start, end in pairwise((*stops, stops[0])):

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.kinematics import forward
-from catseye.calibration.pointing import beam_direction, unwrap, visible
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.pointing import beam_direction, unwrap, visible
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import PlanError, PlanLimitError
 from catseye.procedures.scara.motion.approach import Waypoint

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.motion.clear_way import require_clear_legs
 from catseye.procedures.kit.motion.motion_time import way_time_s
 from catseye.procedures.scara.motion.approach import Command, Waypoint
 from catseye.procedures.scara.motion.tracking import Track, aimed_along
 
-Leg = tuple[Joints, ...]
+Leg = tuple[Pose, ...]
 """Joint targets of a straight way in J1 and J2; J4 follows the reflector."""
 
 
@@ -37,12 +37,12 @@ class Visit:
     beam_mm: float
 
     @property
-    def moves(self) -> tuple[Joints, ...]:
+    def moves(self) -> tuple[Pose, ...]:
         """All joint targets in order."""
         return tuple(target for leg in self.legs for target in leg)
 
     @property
-    def node(self) -> Joints:
+    def node(self) -> Pose:
         """Joints at the node."""
         return self.legs[-1][-1]
 
@@ -72,7 +72,7 @@ def leg_targets(
     )
 
 
-def driving_time_s(start: Joints, legs: tuple[Leg, ...], bench: Bench) -> float:
+def driving_time_s(start: Pose, legs: tuple[Leg, ...], bench: Bench) -> float:
     """Return the expected time of a way in legs, each of which ends at a standstill, s."""
     motion_s = 0.0
     for leg in legs:

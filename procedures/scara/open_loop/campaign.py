@@ -4,18 +4,19 @@ import math
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 
-from catseye.procedures.kit.context import Context, Live, Measurement, Prompt, Row
+from catseye.procedures.kit.context import Context, Measurement, Prompt, Row
 from catseye.procedures.kit.errors import BeamLostError
+from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.bench_time import BenchTime
 from catseye.procedures.kit.stored import integer, number_of
 from catseye.procedures.scara.beam.diagnosis import Loss
-from catseye.procedures.scara.beam.recovery import LeftOut, Recovery
-from catseye.procedures.scara.motion.follower import Follower
+from catseye.procedures.scara.following.follower import Follower
+from catseye.procedures.scara.following.recovery import LeftOut, Recovery
+from catseye.procedures.scara.motion.point_row import point_row, title_of
 from catseye.procedures.scara.motion.visits import Visit
 from catseye.procedures.scara.open_loop.closures import Closure, trip_within_reach
 from catseye.procedures.scara.open_loop.live_knowledge import Knowledge
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, ReflectorPlan
-from catseye.procedures.scara.point_row import point_row, title_of
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,11 @@ from collections import deque
 
 import numpy as np
 
-from catseye.calibration.live_map import LiveMap, MapKnowledge
-from catseye.calibration.uncertainty.radial import RadialBudget
+from catseye.calibration.scara.live_map import LiveMap, MapKnowledge
+from catseye.calibration.scara.radial import RadialBudget
 from catseye.procedures.kit.bench import Bench, Reflector
-from catseye.procedures.kit.context import Context, Live
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.live import Live
 from catseye.procedures.scara.motion.approach import Command
 
 _COVERAGE = 3.0

@@ -1,12 +1,15 @@
 """The automated open-loop tracking measurement."""
 
 from dataclasses import replace
+from typing import ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.motion.bench_time import BenchTime
+from catseye.procedures.kit.needs import Needs
+from catseye.procedures.scara.before import ALIGNED, WARM
 from catseye.procedures.scara.open_loop.campaign import ReflectorCampaign
 from catseye.procedures.scara.open_loop.live_knowledge import Knowledge
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, Rules, plan_open_loop
@@ -38,8 +41,7 @@ class OpenLoop:
 
     name = "open-loop"
     title = "Automated open-loop tracking measurement"
-    needs_aim = True
-    needs_tracker = False
+    needs: ClassVar[Needs] = Needs(after=(ALIGNED, WARM), aim=True)
     params_type = OpenLoopParams
 
     def plan(self, bench: Bench, params: OpenLoopParams) -> OpenLoopPlan:

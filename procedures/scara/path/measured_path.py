@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.comparison import rigid_fit
+from catseye.calibration.scara.comparison import rigid_fit
 from catseye.procedures.kit.context import MeasuredPoint, Row
 from catseye.procedures.kit.errors import MeasuredFileError
 from catseye.procedures.scara.path.tracked_path import PathPoint

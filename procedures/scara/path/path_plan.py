@@ -6,8 +6,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.kinematics import Hand, inverse
-from catseye.drivers.roles.protocols import Joints
+from catseye.calibration.scara.planar import Hand, inverse
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import PlanError, PlanLimitError
 from catseye.procedures.kit.motion.clear_way import require_clear_way
@@ -41,7 +41,7 @@ class PathPlan:
     """
 
     bench: Bench
-    run_in: Joints
+    run_in: Pose
     points: tuple[PathPoint, ...]
     passes: int
     duration_s: float
@@ -88,7 +88,7 @@ def plan_path(
     chosen = chosen_instrument(bench, instrument)
     points = path_points(bench, x_mm, (y_from_mm, y_to_mm), step_mm, hand)
     theta = np.array([[point.theta1_deg, point.theta2_deg] for point in points])
-    run_in: Joints = (*_unclipped(points[0], bench), bench.arm.j3_mm, 0.0)
+    run_in: Pose = (*_unclipped(points[0], bench), bench.arm.j3_mm, 0.0)
     require_path_limits(np.vstack([run_in[:2], theta]), bench)
     if chosen == "interferometer":
         require_path_limits(np.array([_unclipped(point, bench) for point in points]), bench)
@@ -139,7 +139,7 @@ def path_points(
     )
 
 
-def take_up_of(point: PathPoint, bench: Bench) -> Joints:
+def take_up_of(point: PathPoint, bench: Bench) -> Pose:
     """Return where a point is approached from with its directions; at a limit of a joint the way is shorter."""
     limits = (bench.arm.j1_limits_deg, bench.arm.j2_limits_deg)
     one, two = (

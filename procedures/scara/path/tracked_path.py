@@ -2,18 +2,18 @@
 
 from dataclasses import dataclass
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.context import Context, Measurement, Row
 from catseye.procedures.kit.errors import PlanError
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.beam.nests import Nests
-from catseye.procedures.scara.beam.recovery import Recovery
+from catseye.procedures.scara.following.follower import Follower
+from catseye.procedures.scara.following.recovery import Recovery
 from catseye.procedures.scara.motion.approach import Command, Waypoint
-from catseye.procedures.scara.motion.follower import Follower
+from catseye.procedures.scara.motion.point_row import point_row
 from catseye.procedures.scara.motion.tracking import plan_track
 from catseye.procedures.scara.motion.visits import Visit, break_warnings, plan_visits
-from catseye.procedures.scara.point_row import point_row
 
 _FEWEST_SEEN = 0.5
 """A reflector that sees less than this share of the path says too little about it."""
@@ -88,7 +88,7 @@ class TrackedPath:
 
 
 def plan_tracked_path(
-    run_in: Joints, points: tuple[PathPoint, ...], passes: int, bench: Bench, name: str = ""
+    run_in: Pose, points: tuple[PathPoint, ...], passes: int, bench: Bench, name: str = ""
 ) -> TrackedPath:
     """Plan how the beam follows a reflector over all passes.
 
@@ -184,7 +184,7 @@ class TrackedCampaign:
         self._ctx.record("path", {**row, **point.as_row(), "pass_number": pass_number})
 
 
-def _stops(run_in: Joints, points: tuple[PathPoint, ...], passes: int) -> tuple[Waypoint, ...]:
+def _stops(run_in: Pose, points: tuple[PathPoint, ...], passes: int) -> tuple[Waypoint, ...]:
     stops: list[Waypoint] = []
     for pass_number in range(passes):
         stops.append(Waypoint(run_in[0], run_in[1], None))

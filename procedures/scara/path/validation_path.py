@@ -1,16 +1,19 @@
 """A straight path both ways, measured by an independent instrument (Sec. 4.3 of the SCARA paper) or by distances."""
 
 from functools import partial
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.calibration.kinematics import Hand
-from catseye.drivers.roles.protocols import Joints
+from catseye.calibration.scara.planar import Hand
+from catseye.drivers.roles.pose import Pose, is_at
+from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Context, Location, Prompt, Row
+from catseye.procedures.kit.context import Context, Prompt, Row
 from catseye.procedures.kit.errors import ArmMovedError, MeasuredFileError
-from catseye.procedures.scara.motion.entry import stands_at, way_in
+from catseye.procedures.kit.needs import Needs
+from catseye.procedures.scara.before import ALIGNED
+from catseye.procedures.scara.motion.entry import way_in
 from catseye.procedures.scara.path.joint_rows import plan_joint_rows
 from catseye.procedures.scara.path.measured_path import matched_rows
 from catseye.procedures.scara.path.path_plan import Instrument, PathPlan, plan_path, take_up_of
@@ -63,8 +66,7 @@ class ValidationPath:
 
     name = "validation-path"
     title = "Validation path"
-    needs_aim = True
-    needs_tracker = False
+    needs: ClassVar[Needs] = Needs(after=(ALIGNED,), aim=True, tracker=True)
     params_type = PathParams
 
     def plan(self, bench: Bench, params: PathParams) -> PathPlan:
@@ -120,8 +122,8 @@ class _Drive:
     def __init__(self, ctx: Context, plan: PathPlan) -> None:
         self._ctx = ctx
         self._plan = plan
-        self._left: Joints | None = None
-        self._next: Joints | None = None
+        self._left: Pose | None = None
+        self._next: Pose | None = None
 
     async def run_in(self) -> Row:
         """Go to where the first point is approached from."""
@@ -158,7 +160,7 @@ class _Drive:
         duration_s = self._plan.duration_s
         self._ctx.progress(duration_s * done / total, duration_s, f"path point {done}/{total}")
 
-    def _joints_of(self, number: int) -> Joints | None:
+    def _joints_of(self, number: int) -> Pose | None:
         """Return the joints at a point; None after the last one of a pass."""
         if number >= len(self._plan.points):
             return None
@@ -171,22 +173,22 @@ class _Drive:
         for pose in way_in(await self._ctx.joints(), target, bench):
             await self._move(pose)
 
-    async def _move(self, target: Joints) -> None:
+    async def _move(self, target: Pose) -> None:
         await self._ctx.move(target)
         self._left = target
 
     async def _undisturbed(self) -> bool:
         """Return whether the arm stands where this process left it."""
-        return self._left is not None and stands_at(await self._ctx.joints(), self._left)
+        return self._left is not None and is_at(await self._ctx.joints(), self._left)
 
-    async def _measured(self, point: PathPoint, prompt_id: str, attempt: int) -> Location | None:
+    async def _measured(self, point: PathPoint, prompt_id: str, attempt: int) -> Position | None:
         """Let the instrument measure; None when it tells later, by its file."""
         if self._plan.instrument != "file":
             return await self._ctx.locate(self._plan.bench.timing.settle_time_s)
         await self._hold(point, prompt_id + (f"/again{attempt}" if attempt else ""))
         return None
 
-    def _kept(self, point: PathPoint, pass_number: int, found: Location | None) -> Row:
+    def _kept(self, point: PathPoint, pass_number: int, found: Position | None) -> Row:
         if found is None:
             return {}
         measured = {"x_meas_mm": found.x_mm, "y_meas_mm": found.y_mm}
@@ -207,7 +209,7 @@ class _Drive:
             number += 1
 
 
-def _point_prompt(point: PathPoint, prompt_id: str, number: int, target: Joints | None) -> Prompt:
+def _point_prompt(point: PathPoint, prompt_id: str, number: int, target: Pose | None) -> Prompt:
     return Prompt(
         prompt_id if number == 1 else f"{prompt_id}/{number}",
         "confirm",

@@ -2,15 +2,17 @@
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Json, Measurement, Row
+from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.stored import integer
 from catseye.procedures.scara.beam.nests import Nests
-from catseye.procedures.scara.motion.rounds import Rounds
+from catseye.procedures.scara.before import ALIGNED, WARM
+from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.repeats.repeatability_plan import (
     ReflectorCycles,
     RepeatabilityPlan,
@@ -39,8 +41,7 @@ class Repeatability:
 
     name = "repeatability"
     title = "Pose repeatability"
-    needs_aim = True
-    needs_tracker = False
+    needs: ClassVar[Needs] = Needs(after=(ALIGNED, WARM), aim=True)
     params_type = RepeatabilityParams
 
     def plan(self, bench: Bench, params: RepeatabilityParams) -> RepeatabilityPlan:
@@ -131,7 +132,7 @@ def _record(
         "direction2": 1,
         "displacement_mm": measured.displacement_mm,
         "spread_mm": measured.spread_mm,
-        "signal": measured.signal,
+        "signal": measured.beam.signal,
         "temperature_c": measured.air.temperature_c,
         "time_utc": measured.time_utc,
     }

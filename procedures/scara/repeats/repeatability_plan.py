@@ -7,12 +7,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.kinematics import forward
-from catseye.calibration.pointing import beam_direction
-from catseye.calibration.repeatability import GOOD_CONDITIONING, conditioning
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.pointing import beam_direction
+from catseye.calibration.standards.repeatability import GOOD_CONDITIONING, conditioning
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import PlanError
-from catseye.procedures.scara.motion.round_trip import Pose, RoundTrip, beam_lasts, plan_round_trip
+from catseye.procedures.scara.motion.round_trip import LinkPose, RoundTrip, beam_lasts, plan_round_trip
 from catseye.procedures.scara.motion.visits import measuring_time_s
 
 Floats = NDArray[np.float64]
@@ -46,7 +46,7 @@ class RepeatabilityPlan:
     """
 
     bench: Bench
-    poses: tuple[Pose, ...]
+    poses: tuple[LinkPose, ...]
     cycles: int
     reflectors: tuple[ReflectorCycles, ...]
     cycle_s: tuple[float, ...]
@@ -58,7 +58,7 @@ class RepeatabilityPlan:
 
 
 def plan_repeatability(
-    bench: Bench, poses: int | tuple[Pose, ...], cycles: int, names: tuple[str, ...]
+    bench: Bench, poses: int | tuple[LinkPose, ...], cycles: int, names: tuple[str, ...]
 ) -> RepeatabilityPlan:
     """Plan a repeatability test.
 
@@ -89,19 +89,19 @@ def _reflectors(bench: Bench, names: tuple[str, ...]) -> tuple[Reflector, ...]:
     return tuple(known[name] for name in names) if names else bench.reflectors
 
 
-def _ordered(poses: tuple[Pose, ...]) -> tuple[Pose, ...]:
+def _ordered(poses: tuple[LinkPose, ...]) -> tuple[LinkPose, ...]:
     if len(set(poses)) != len(poses):
         raise PlanError("a pose is given twice; every pose is attained once in each cycle")
     return poses
 
 
-def _stops(poses: tuple[Pose, ...], bench: Bench) -> tuple[Pose, ...]:
+def _stops(poses: tuple[LinkPose, ...], bench: Bench) -> tuple[LinkPose, ...]:
     """Return run-in and pose in turns: both joints come up to every pose, whatever came before."""
     back = bench.take_up_deg
     return tuple(stop for one, two in poses for stop in ((one - back, two - back), (one, two)))
 
 
-def _cycles(bench: Bench, poses: tuple[Pose, ...], reflector: Reflector) -> ReflectorCycles:
+def _cycles(bench: Bench, poses: tuple[LinkPose, ...], reflector: Reflector) -> ReflectorCycles:
     trip = plan_round_trip(_stops(poses, bench), bench, reflector)
     if trip is None:
         listed = ", ".join(f"({one:g}°, {two:g}°)" for one, two in poses)
@@ -113,16 +113,16 @@ def _cycles(bench: Bench, poses: tuple[Pose, ...], reflector: Reflector) -> Refl
     return ReflectorCycles(reflector, trip, tuple(_direction(pose, bench, reflector) for pose in poses))
 
 
-def _direction(pose: Pose, bench: Bench, reflector: Reflector) -> float:
+def _direction(pose: LinkPose, bench: Bench, reflector: Reflector) -> float:
     return float(beam_direction(_position(pose, bench), reflector.xy_mm))
 
 
-def _position(pose: Pose, bench: Bench) -> Floats:
+def _position(pose: LinkPose, bench: Bench) -> Floats:
     one, two = (np.array(math.radians(angle)) for angle in pose)
     return forward(one, two, bench.arm.link1_mm, bench.arm.link2_mm)
 
 
-def _spread(bench: Bench, count: int, reflectors: tuple[Reflector, ...]) -> tuple[Pose, ...]:
+def _spread(bench: Bench, count: int, reflectors: tuple[Reflector, ...]) -> tuple[LinkPose, ...]:
     """Return poses among the nodes, far from one another, over which all beams last.
 
     Each next one is the farthest from those chosen that can be added, first among those whose beams stand
@@ -134,7 +134,7 @@ def _spread(bench: Bench, count: int, reflectors: tuple[Reflector, ...]) -> tupl
     left = [node for node in nodes if _lasts((node,), bench, reflectors)]
     apart = {node: _apart(node, bench, reflectors) for node in left}
     left.sort(key=lambda node: (not apart[node], math.dist(node, middle)))
-    chosen: list[Pose] = []
+    chosen: list[LinkPose] = []
     while left and len(chosen) < count:
         if chosen:
             left.sort(key=partial(_later, places=places, chosen=chosen, apart=apart))
@@ -151,12 +151,12 @@ def _spread(bench: Bench, count: int, reflectors: tuple[Reflector, ...]) -> tupl
 
 
 def _later(
-    node: Pose, places: dict[Pose, Floats], chosen: list[Pose], apart: dict[Pose, bool]
+    node: LinkPose, places: dict[LinkPose, Floats], chosen: list[LinkPose], apart: dict[LinkPose, bool]
 ) -> tuple[bool, float]:
     return not apart[node], -min(math.dist(places[node], places[own]) for own in chosen)
 
 
-def _apart(pose: Pose, bench: Bench, reflectors: tuple[Reflector, ...]) -> bool:
+def _apart(pose: LinkPose, bench: Bench, reflectors: tuple[Reflector, ...]) -> bool:
     """Return whether the beams at a pose stand so far apart that they tell the spread of a position."""
     if len(reflectors) < 2:
         return True
@@ -164,7 +164,7 @@ def _apart(pose: Pose, bench: Bench, reflectors: tuple[Reflector, ...]) -> bool:
     return conditioning(directions) >= GOOD_CONDITIONING
 
 
-def _lasts(poses: tuple[Pose, ...], bench: Bench, reflectors: tuple[Reflector, ...]) -> bool:
+def _lasts(poses: tuple[LinkPose, ...], bench: Bench, reflectors: tuple[Reflector, ...]) -> bool:
     stops = _stops(poses, bench)
     ranges = (bench.arm.j1_limits_deg, bench.arm.j2_limits_deg)
     inside = all(low <= stop[n] <= high for stop in stops for n, (low, high) in enumerate(ranges))

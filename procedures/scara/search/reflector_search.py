@@ -2,15 +2,17 @@
 
 import math
 from collections.abc import Mapping
-from typing import Final, Literal
+from typing import ClassVar, Final, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.calibration.reflector_search import SearchResult
+from catseye.calibration.scara.reflector_search import SearchResult
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Json, Row
 from catseye.procedures.kit.errors import ReflectorNotFoundError
+from catseye.procedures.kit.needs import Needs
+from catseye.procedures.scara.before import ALIGNED
 from catseye.procedures.scara.search.search_plan import Jogging, SearchPlan, SearchPose, plan_search
 from catseye.procedures.scara.search.search_solution import FEWEST_SIGHTINGS, Assessment, assess, weakest
 from catseye.procedures.scara.search.sighting import Announcement, Lookout
@@ -48,8 +50,7 @@ class ReflectorSearch:
 
     name = "reflector-search"
     title = "Reflector search"
-    needs_aim = False
-    needs_tracker = False
+    needs: ClassVar[Needs] = Needs(after=(ALIGNED,))
     params_type = SearchParams
 
     def plan(self, bench: Bench, params: SearchParams) -> SearchPlan:

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.kinematics import forward, wrap_rad
-from catseye.calibration.pointing import beam_direction, visible
-from catseye.drivers.roles.protocols import Joints
+from catseye.calibration.scara.planar import forward, wrap_rad
+from catseye.calibration.scara.pointing import beam_direction, visible
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import PlanError
 from catseye.procedures.kit.motion.clear_way import require_clear_way, way_refusal
@@ -40,7 +40,7 @@ class SearchPose:
     j4_deg: float
     beam_mm: float
 
-    def turned(self, half_range_deg: float, bench: Bench) -> tuple[Joints, Joints]:
+    def turned(self, half_range_deg: float, bench: Bench) -> tuple[Pose, Pose]:
         """Return the joints at both ends of a scan of J4, at the height of the cell file."""
         low, high = bench.arm.j4_limits_deg
         first, last = max(low, self.j4_deg - half_range_deg), min(high, self.j4_deg + half_range_deg)

@@ -7,11 +7,11 @@ from functools import partial
 
 import numpy as np
 
-from catseye.calibration.errors import CalibrationError
-from catseye.calibration.kinematics import forward
-from catseye.calibration.reflector_search import SearchResult, Sightings, locate_reflectors
-from catseye.calibration.search_outlier import Outlier, find_outlier
-from catseye.calibration.types import Floats
+from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.reflector_search import SearchResult, Sightings, locate_reflectors
+from catseye.calibration.scara.search_outlier import Outlier, find_outlier
 from catseye.procedures.kit.bench import Reflector
 from catseye.procedures.scara.search.search_plan import SearchPlan, SearchPose
 from catseye.procedures.scara.search.sighting import Sighting

@@ -5,13 +5,17 @@ from collections import Counter
 from dataclasses import dataclass
 from statistics import median
 
-from catseye.drivers.roles.protocols import Joints
-from catseye.procedures.kit.context import Context, Live, Prompt, Row
+from catseye.drivers.roles.pose import Pose
+from catseye.procedures.kit.beam.loss import Cause, LossLog
+from catseye.procedures.kit.context import Context, Prompt, Row
+from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.search.search_plan import Jogging, SearchPlan, SearchPose
+
+_REMEDY = "check that the beam is free, and the rough place and theta40_deg in the cell file"
 
 _MOST_QUESTIONS = 500
 """So many answers at one pose mean that nobody is there who looks at the signal."""
@@ -55,6 +59,7 @@ class Lookout:
         self._nests = Nests(ctx, plan.bench)
         self._arrival = Arrival(ctx, plan.bench)
         self._visits: list[str] = []
+        self._losses = LossLog(ctx)
 
     async def look(self, pose: SearchPose, said: "Announcement | None" = None) -> None:
         """Look from a pose, in a step of its own.
@@ -83,18 +88,20 @@ class Lookout:
     async def _find(self, pose: SearchPose, number: int) -> Row:
         start, half_range = self._aim(pose)
         await self._arrival.at(_within(start, self._plan.bench.arm.j4_limits_deg))
+        name, where = pose.reflector.name, f"θ1 = {pose.theta1_deg:g}°, θ2 = {pose.theta2_deg:g}°"
         if self._plan.jogging is None:
             window = await self._scan(start, pose, half_range)
-            remedy = f"not found within ±{half_range:g}° of J4 = {start[3]:.2f}°"
         else:
             window = await _Jog(self._ctx, self._plan, self._plan.jogging, pose, number).window(start)
-            remedy = "left out by the operator"
         if window is None:
-            await self._ctx.warn(
-                f"reflector {pose.reflector.name} {remedy} at θ1 = {pose.theta1_deg:g}°, "
-                f"θ2 = {pose.theta2_deg:g}°: check that the beam is free, and the rough place and theta40_deg in the "
-                "cell file"
-            )
+            if self._plan.jogging is None:
+                missing = f"not found within ±{half_range:g}° of J4 = {start[3]:.2f}°"
+                cause = Cause(
+                    "no-return", f"reflector {name} {missing}: {_REMEDY}", {"half_range_deg": half_range}
+                )
+                await self._losses.note(cause, where, reflector=name, where=where)
+            else:
+                await self._ctx.warn(f"reflector {name} left out by the operator at {where}: {_REMEDY}")
             return {"found": False}
         row: Row = {
             "reflector": pose.reflector.name,
@@ -108,7 +115,7 @@ class Lookout:
         self._ctx.record("search", row)
         return {"found": True, "j4_deg": window.centre_deg}
 
-    def _aim(self, pose: SearchPose) -> tuple[Joints, float]:
+    def _aim(self, pose: SearchPose) -> tuple[Pose, float]:
         """Return where the scan begins, as well as is known by now, and its half range."""
         same = [seen.offset_deg for seen in self.sightings if seen.pose.reflector == pose.reflector]
         expected = same or [seen.offset_deg for seen in self.sightings] or [0.0]
@@ -117,7 +124,7 @@ class Lookout:
         aim_deg = _on_a_branch(pose.j4_deg + median(expected), arm.j4_limits_deg)
         return (pose.theta1_deg, pose.theta2_deg, arm.j3_mm, aim_deg), half_range
 
-    async def _scan(self, start: Joints, pose: SearchPose, half_range_deg: float) -> ReturnWindow | None:
+    async def _scan(self, start: Pose, pose: SearchPose, half_range_deg: float) -> ReturnWindow | None:
         optics, limits = self._plan.bench.optics, self._plan.bench.arm.j4_limits_deg
         half_window = half_window_deg(optics.acceptance_mm, pose.beam_mm)
         return await find_return(self._ctx, start, half_range_deg, half_window, limits, optics.signal_min)
@@ -179,7 +186,7 @@ class _Jog:
         self._pose = pose
         self._number = number
 
-    async def window(self, start: Joints) -> ReturnWindow | None:
+    async def window(self, start: Pose) -> ReturnWindow | None:
         """Ask and turn until the beam is back and centred; None when the pose is left out."""
         at = _within(start, self._plan.bench.arm.j4_limits_deg)
         await self._ctx.move(at)
@@ -237,11 +244,11 @@ class _Jog:
     async def _taken(self, j4_deg: float) -> tuple[ReturnWindow | None, str]:
         """Take the present angle for the middle of the window if the beam returns."""
         beam, least = await self._ctx.beam(), self._plan.bench.optics.signal_min
-        if beam.beam_ok and beam.signal >= least:
+        if beam.returns(least):
             return ReturnWindow(j4_deg, j4_deg, beam.signal), ""
         return None, f"The beam does not return here (signal {beam.signal:.2f}, {least:g} is needed). "
 
-    async def _centred(self, at: Joints) -> ReturnWindow | None:
+    async def _centred(self, at: Pose) -> ReturnWindow | None:
         optics, limits = self._plan.bench.optics, self._plan.bench.arm.j4_limits_deg
         half_window = half_window_deg(optics.acceptance_mm, self._pose.beam_mm)
         return await find_return(self._ctx, at, 0.5 * half_window, half_window, limits, optics.signal_min)
@@ -251,7 +258,7 @@ class _Jog:
         return signal_live((await self._ctx.beam()).signal, least)
 
 
-def _within(pose: Joints, j4_limits_deg: tuple[float, float]) -> Joints:
+def _within(pose: Pose, j4_limits_deg: tuple[float, float]) -> Pose:
     """Return a pose with J4 brought inside its limits."""
     low, high = j4_limits_deg
     return (*pose[:3], min(max(pose[3], low), high))

@@ -2,16 +2,19 @@
 
 import math
 from functools import partial
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Context, Json, Live, Measurement, Row
+from catseye.procedures.kit.context import Context, Json, Measurement, Row
 from catseye.procedures.kit.errors import NotWarmError
+from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.stored import integer
 from catseye.procedures.scara.beam.nests import Nests
-from catseye.procedures.scara.motion.rounds import Rounds
+from catseye.procedures.scara.before import ALIGNED
+from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.warming.warmup_plan import Exercise, WarmupPlan, plan_warmup
 from catseye.procedures.scara.warming.warmup_watch import FEWEST_VISITS, Watch
 
@@ -50,8 +53,7 @@ class Warmup:
 
     name = "warmup"
     title = "Warm-up"
-    needs_aim = True
-    needs_tracker = False
+    needs: ClassVar[Needs] = Needs(after=(ALIGNED,), aim=True)
     params_type = WarmupParams
 
     def plan(self, bench: Bench, params: WarmupParams) -> WarmupPlan:

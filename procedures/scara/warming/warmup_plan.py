@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import PlanError
-from catseye.procedures.scara.motion.round_trip import Pose, RoundTrip, beam_lasts, plan_round_trip
+from catseye.procedures.scara.motion.round_trip import LinkPose, RoundTrip, beam_lasts, plan_round_trip
 from catseye.procedures.scara.motion.visits import measuring_time_s
 
 _SHARES = (1.0, 0.8, 0.6, 0.4, 0.25, 0.15)
@@ -59,7 +59,7 @@ class Exercise:
     """
 
     reflector: str
-    reference_deg: Pose | None
+    reference_deg: LinkPose | None
     amplitude_share: float
     cycle_s: float
 
@@ -135,7 +135,7 @@ def _reflectors(bench: Bench, name: str) -> tuple[Reflector, ...]:
     return found
 
 
-def _references(bench: Bench, exercise: Exercise) -> list[Pose]:
+def _references(bench: Bench, exercise: Exercise) -> list[LinkPose]:
     if exercise.reference_deg is not None:
         return [exercise.reference_deg]
     (middle1, half1), (middle2, half2) = _middle(bench.nodes1_deg), _middle(bench.nodes2_deg)
@@ -143,7 +143,7 @@ def _references(bench: Bench, exercise: Exercise) -> list[Pose]:
     return [(middle1 + a * half1, middle2 + b * half2) for a, b in places]
 
 
-def _stops(bench: Bench, reference: Pose, share: float) -> list[Pose]:
+def _stops(bench: Bench, reference: LinkPose, share: float) -> list[LinkPose]:
     """Return reference pose, the corners of the exercise, and the run-in that ends it from the same side always."""
     one, two = reference
     half1, half2 = share * _middle(bench.nodes1_deg)[1], share * _middle(bench.nodes2_deg)[1]
@@ -155,7 +155,7 @@ def _middle(nodes_deg: tuple[float, ...]) -> tuple[float, float]:
     return 0.5 * (nodes_deg[0] + nodes_deg[-1]), 0.5 * (nodes_deg[-1] - nodes_deg[0])
 
 
-def _inside(stops: list[Pose], bench: Bench) -> bool:
+def _inside(stops: list[LinkPose], bench: Bench) -> bool:
     ranges = (bench.arm.j1_limits_deg, bench.arm.j2_limits_deg)
     return all(low <= stop[n] <= high for stop in stops for n, (low, high) in enumerate(ranges))
 

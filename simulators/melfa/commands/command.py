@@ -6,7 +6,8 @@ from datetime import UTC, datetime, timedelta
 
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
-from catseye.simulators.melfa.controller import Controller, Run
+from catseye.simulators.melfa.arm_control import Run
+from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.melfa.values import number
 
 _EPOCH = datetime(2026, 1, 1, tzinfo=UTC)

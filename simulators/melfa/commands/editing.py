@@ -1,6 +1,6 @@
 """Program editing (sheet, section 1.14).
 
-LISTL answers like VALS: lines separated by VT, then their count and whether more follow; no source tells its
+LISTL answers like VALS: lines separated by VT, then their count and whether more follow; no source gives its
 layout.
 """
 

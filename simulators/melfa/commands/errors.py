@@ -8,6 +8,7 @@ from collections import Counter
 
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.arm_control import LogLine
 from catseye.simulators.melfa.commands.command import (
     Client,
     Command,
@@ -18,7 +19,7 @@ from catseye.simulators.melfa.commands.command import (
     say,
     whole,
 )
-from catseye.simulators.melfa.controller import Controller, LogLine
+from catseye.simulators.melfa.controller import Controller
 
 _LETTERS = {alarms.HIGH: "H", alarms.LOW: "L", alarms.CAUTION: "C"}
 

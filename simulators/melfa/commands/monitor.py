@@ -1,6 +1,6 @@
 """Clock and monitors (sheet, section 1.14).
 
-Eight axes are told, those that do not exist as 0. No source tells how many pulses an encoder gives, nor the
+Eight axes are answered, those that do not exist as 0. No source says how many pulses an encoder gives, nor the
 layout of PTIME (here: hours of power, servo and operation) and CYCLETIME (here: last, average, cycles). Currents
 are 0 at rest and in proportion to the joint's speed in motion; temperatures and voltages are constant.
 """

@@ -1,6 +1,6 @@
 """Positions (sheet, section 1.11).
 
-No source tells the axis names of XPOS and RPOS: they are assumed to be X, Y, Z and the wrist's joints, and radius
+No source gives the axis names of XPOS and RPOS: they are assumed to be X, Y, Z and the wrist's joints, and radius
 R, angle T and Z in the place of X, Y and Z.
 """
 

@@ -4,8 +4,9 @@ import re
 
 from catseye.simulators.melfa import alarms, statements
 from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.arm_control import Run
 from catseye.simulators.melfa.commands.command import Client, Command, do, required_number, say, whole
-from catseye.simulators.melfa.controller import Controller, Run
+from catseye.simulators.melfa.controller import Controller
 
 _LAST_TOOL = 16
 

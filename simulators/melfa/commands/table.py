@@ -9,6 +9,10 @@ import re
 
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.arm_control import Run
+from catseye.simulators.melfa.commands import (
+    connection as session,
+)
 from catseye.simulators.melfa.commands import (
     editing,
     errors,
@@ -18,13 +22,12 @@ from catseye.simulators.melfa.commands import (
     parameters,
     positions,
     running,
-    session,
     signals,
     state,
     variables,
 )
 from catseye.simulators.melfa.commands.command import Client, Command
-from catseye.simulators.melfa.controller import Controller, Run
+from catseye.simulators.melfa.controller import Controller
 
 COMMANDS: dict[str, Command] = {
     **session.COMMANDS,

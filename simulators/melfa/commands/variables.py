@@ -1,6 +1,6 @@
 """Variables (sheet, section 1.14).
 
-A name whose second letter is an underscore is global. VALS and GVALS tell as many variables as fit into one
+A name whose second letter is an underscore is global. VALS and GVALS answer as many variables as fit into one
 answer; the client asks on with +1.
 """
 

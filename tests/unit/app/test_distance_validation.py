@@ -13,14 +13,14 @@ from catseye.app.results.scara.distance_validation import DistancePath, validate
 from catseye.app.results.scara.path_rows import distance_path, path_measurement
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
-from catseye.calibration.errors import InsufficientPointsError
-from catseye.calibration.extension import j4_map, thermal_drift
-from catseye.calibration.identification import Identification, identify
-from catseye.calibration.layout import ModelName
-from catseye.calibration.points import Commands, Points
+from catseye.calibration.core.errors import InsufficientPointsError
+from catseye.calibration.scara.extension import j4_map, thermal_drift
+from catseye.calibration.scara.identification import Identification, identify
+from catseye.calibration.scara.layout import ModelName
+from catseye.calibration.scara.points import Commands, Points
 from catseye.procedures.kit.context import Row
 from tests.unit.app.store.fakes import TickingClock
-from tests.unit.calibration.paper import (
+from tests.unit.calibration.scara.paper import (
     NODES1_DEG,
     NODES2_DEG,
     NOMINAL_REFLECTORS,

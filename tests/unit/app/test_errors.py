@@ -6,7 +6,8 @@ import pytest
 
 from catseye.app import errors
 from catseye.app.errors import exit_code_of, text_of
-from catseye.calibration.errors import ConvergenceError, OutOfReachError
+from catseye.calibration.core.errors import ConvergenceError
+from catseye.calibration.scara.errors import OutOfReachError
 from catseye.drivers.roles.errors import AlarmError, LinkTimeoutError, ProfileError
 from catseye.procedures.kit.errors import BeamLostError, PlanError, PlanLimitError
 

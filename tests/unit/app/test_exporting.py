@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.commands.export import export_command, form_of
+from catseye.app.cli.export import export, form_of
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.measured_csv import read_measured_csv
 from catseye.app.files.points_csv import read_points_csv
@@ -148,7 +148,7 @@ def test_parquet_is_read_back_as_it_was_written() -> None:
 def test_parquet_of_a_result_holds_its_numbers_as_numbers(tmp_path: Path) -> None:
     parquet = importlib.import_module("pyarrow.parquet")
     write_result(sample.hand_made(), tmp_path / "result.json")
-    export_command(str(tmp_path / "result.json"), tmp_path / "result.parquet", None, None)
+    export(str(tmp_path / "result.json"), tmp_path / "result.parquet", None, None)
     # From bytes: a path is closed by a thread of the reader's own, some time after it returns.
     table = parquet.read_table(io.BytesIO((tmp_path / "result.parquet").read_bytes()))
     assert [str(table.schema.field(name).type) for name in ("node_deg", "direction", "value", "unit")] == [
@@ -171,7 +171,7 @@ def test_parquet_without_its_package_names_the_remedy(monkeypatch: pytest.Monkey
 
 async def test_json_holds_the_whole_record(tmp_path: Path) -> None:
     reader = await stored(tmp_path, "validation-path", distances())
-    export_command(str(reader.path), tmp_path / "path.json", None, None)
+    export(str(reader.path), tmp_path / "path.json", None, None)
     document = json.loads((tmp_path / "path.json").read_text(encoding="utf-8"))
     assert (document["run"], document["meta"]["cell"]) == (reader.path.name, "lab-1")
     assert len(document["path"]) == len(distances())
@@ -191,10 +191,10 @@ def test_a_result_is_never_overwritten_by_its_own_export(tmp_path: Path) -> None
     write_result(sample.hand_made(), path)
     before = path.read_bytes()
     with pytest.raises(UsageError, match="is the result itself"):
-        export_command(str(path), path, "json", None)
+        export(str(path), path, "json", None)
     assert path.read_bytes() == before
     with pytest.raises(UsageError, match="there is no such file"):
-        export_command(str(tmp_path / "missing.json"), tmp_path / "a.csv", None, None)
+        export(str(tmp_path / "missing.json"), tmp_path / "a.csv", None, None)
 
 
 def test_names_with_commas_and_quotes_survive() -> None:

@@ -11,9 +11,10 @@ import pytest
 from catseye.app.files.points_csv import PointRow
 from catseye.app.results.scara.identify import identify_rows
 from catseye.app.results.scara.truth import compare_with_truth, gauge_turn_rad, turned_places
-from catseye.calibration.errors import InsufficientPointsError, MapRangeError, UnidentifiableError
-from catseye.calibration.identification import Identification
-from tests.unit.calibration.paper import (
+from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
+from catseye.calibration.scara.errors import MapRangeError
+from catseye.calibration.scara.identification import Identification
+from tests.unit.calibration.scara.paper import (
     MDEG,
     NAMES,
     NODES1_DEG,

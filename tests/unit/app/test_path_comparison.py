@@ -15,7 +15,7 @@ from catseye.procedures.kit.context import Json, Row
 from tests.unit.app.engine.fakes import point
 from tests.unit.app.store.fakes import TickingClock
 from tests.unit.app.test_distance_validation import COUNT, TRUTH, commands, true_length, true_place
-from tests.unit.calibration.paper import NODES1_DEG, NODES2_DEG, sequence, true_position
+from tests.unit.calibration.scara.paper import NODES1_DEG, NODES2_DEG, sequence, true_position
 
 META: dict[str, Json] = {
     "cell": "lab-1",

@@ -8,12 +8,12 @@ import pytest
 
 from catseye import app
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.commands.compensate import compensate_command
-from catseye.app.commands.design import DesignOptions, design_command
-from catseye.app.commands.export import export_command
-from catseye.app.commands.predict import predict_command
+from catseye.app.cli.compensate import compensate
+from catseye.app.cli.design import design
+from catseye.app.cli.export import export
+from catseye.app.cli.predict import predict
 from catseye.procedures.kit.context import Row
-from tests.unit.app.commands.arms import bare, estimate, stored, text_file
+from tests.unit.app.cli.arms import bare, estimate, stored, text_file
 from tests.unit.app.engine.fakes import point
 from tests.unit.app.files.spreadsheet import formulas
 from tests.unit.app.store.fakes import PATH_ROW, SEARCH_ROW
@@ -43,7 +43,7 @@ def written(output: Path) -> str:
 async def test_an_exported_run(tmp_path: Path, row: tuple[str, Row]) -> None:
     run = (await stored_run(tmp_path, "open-loop", [row])).path
     (run / f"log,=1+1;=2;{HOSTILE.replace('/', '')}").touch()
-    export_command(str(run), tmp_path / "run.csv", None, None, unverified=True)
+    export(str(run), tmp_path / "run.csv", None, None, unverified=True)
     text = written(tmp_path / "run.csv")
     assert text.startswith("# UNVERIFIED: ")
     assert formulas(text) == []
@@ -53,7 +53,7 @@ def test_an_exported_result(tmp_path: Path) -> None:
     content = bare()
     content["reflectors"] = [{"name": HOSTILE, "x_mm": estimate(1.0, 0.1), "y_mm": estimate(2.0, 0.1)}]
     content["provenance"]["unverified"] = ["a,=1+1", HOSTILE]
-    export_command(str(stored(tmp_path, content)), tmp_path / "result.csv", None, None)
+    export(str(stored(tmp_path, content)), tmp_path / "result.csv", None, None)
     text = written(tmp_path / "result.csv")
     assert "HYPERLINK" in text
     assert formulas(text) == []
@@ -61,16 +61,14 @@ def test_an_exported_result(tmp_path: Path) -> None:
 
 def test_predicted_commands(tmp_path: Path) -> None:
     path = text_file(tmp_path, "theta1_deg,theta2_deg,direction1,direction2\n45,60,1,1\n")
-    predict_command(
-        stored(tmp_path, bare(), RESULT), path, tmp_path / "out.csv", "right", "1,1", as_json=False
-    )
+    predict(stored(tmp_path, bare(), RESULT), path, tmp_path / "out.csv", "right", "1,1", as_json=False)
     assert formulas(written(tmp_path / "out.csv")) == []
 
 
 def test_compensated_commands(tmp_path: Path) -> None:
     path = text_file(tmp_path, "x_mm,y_mm\n300,300\n")
     result, output = stored(tmp_path, bare(), RESULT), tmp_path / "out.csv"
-    compensate_command(result, output, path, "csv", "right", "1,1", None, 0.0, as_json=False)
+    compensate(result, output, path, "csv", "right", "1,1", None, 0.0, as_json=False)
     assert "HYPERLINK" in written(output)
     assert formulas(written(output)) == []
 
@@ -78,7 +76,7 @@ def test_compensated_commands(tmp_path: Path) -> None:
 def test_chosen_commands(tmp_path: Path) -> None:
     cell = text_file(tmp_path, TEMPLATE, "cell.toml")
     options: dict[str, Any] = {"places": 30, "random_only": True, "commands": 60}
-    design_command(cell, DesignOptions(**options), None, None, True, tmp_path / "out.csv")
+    design(cell, **options, write_commands=tmp_path / "out.csv")
     assert written(tmp_path / "out.csv").startswith("theta1_deg,theta2_deg,direction1,direction2\n")
     assert formulas(written(tmp_path / "out.csv")) == []
 

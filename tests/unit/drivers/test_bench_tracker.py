@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import LinkTimeoutError, ProtocolError, WrongDeviceError
+from catseye.drivers.roles.tracker import Position
 from catseye.drivers.tracker.bench_tracker import (
     BenchTracker,
     BenchTrackerSettings,
     ObjectDecoder,
-    TrackerPosition,
 )
 from tests.unit.drivers.peers import Peer
 
@@ -46,7 +46,7 @@ async def test_it_tells_who_it_is_and_where_the_axis_is() -> None:
     async with bench(Port()) as (tracker, peer):
         identity = await tracker.connect()
         assert (identity.model, identity.simulated) == ("catseye bench EMULATOR", True)
-        assert await tracker.locate() == TrackerPosition(12.5, -3.25, 0.0075)
+        assert await tracker.locate() == Position(12.5, -3.25, 0.0075)
         assert peer.requests == [b'{"op": "identify"}\n', b'{"op": "tracker"}\n']
 
 

@@ -78,7 +78,7 @@ async def test_a_stream_is_started_read_and_stopped() -> None:
 async def test_whoever_watches_sees_each_value_since_the_zero_and_no_error() -> None:
     async with connected() as (counter, peer):
         seen_mm: list[float] = []
-        counter.on_value = lambda _time_s, displacement_mm: seen_mm.append(displacement_mm)
+        counter.listen(lambda _time_s, displacement_mm: seen_mm.append(displacement_mm))
         await asked(counter.zero(), peer, b"+20000\r\n")
         await asked(counter.status(), peer, b"E07\r\n")
         await asked(counter.read(), peer, b"+20010\r\n+20030\r\n")

@@ -20,13 +20,12 @@ from catseye.drivers.roles.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from catseye.drivers.roles.protocols import JogRobot
-from catseye.drivers.roles.readings import Joints
+from catseye.drivers.roles.pose import Pose
 from tests.patience import HANG_S, until
 from tests.unit.drivers.melfa_bench import JPOS, STATE, Controller
 from tests.unit.drivers.peers import Peer, StepClock
 
-WAY: tuple[Joints, ...] = ((1.0, 2.0, 5.0, -3.0), (2.0, 4.0, 5.0, -6.5), (3.0, 6.0, 5.0, -10.0))
+WAY: tuple[Pose, ...] = ((1.0, 2.0, 5.0, -3.0), (2.0, 4.0, 5.0, -6.5), (3.0, 6.0, 5.0, -10.0))
 QUICK = {"quiet_s": 0.001, "answer_timeout_s": 0.2}
 
 
@@ -127,7 +126,7 @@ async def test_a_way_is_sent_and_driven_in_one_go(form: str) -> None:
 
 
 async def test_a_way_of_more_targets_than_the_program_keeps_is_driven_in_parts() -> None:
-    way: list[Joints] = [(0.1 * number, 0.0, 0.0, 0.0) for number in range(1, 126)]
+    way: list[Pose] = [(0.1 * number, 0.0, 0.0, 0.0) for number in range(1, 126)]
     driven: list[tuple[float, ...]] = []
     async with linked() as bench:
 
@@ -515,7 +514,7 @@ async def test_a_cancelled_way_is_stopped() -> None:
 
 
 @pytest.mark.parametrize("way", [(), ((math.nan, 0.0, 0.0, 0.0),)])
-async def test_ways_that_cannot_be_are_refused(way: tuple[Joints, ...]) -> None:
+async def test_ways_that_cannot_be_are_refused(way: tuple[Pose, ...]) -> None:
     async with linked() as bench:
         with pytest.raises(ValueError, match=r"targets|finite"):
             await bench.robot.follow(way)
@@ -546,6 +545,6 @@ async def test_a_jog_while_no_program_runs_needs_no_stop_before_it() -> None:
         assert any(b"STOP" in request for request in bench.aside.requests)
 
 
-def test_it_jogs_by_shape() -> None:
-    assert issubclass(MelfaDatalink, JogRobot)
-    assert issubclass(MelfaR3, JogRobot)
+def test_melfa_drivers_jog() -> None:
+    assert MelfaDatalink.abilities.jogs
+    assert MelfaR3.abilities.jogs

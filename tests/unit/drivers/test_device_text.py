@@ -7,8 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from catseye.drivers.melfa.texts import LogEntry, ProgramEntry
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import AlarmError, DeviceError, LinkError, ProtocolError, RefusedError
-from catseye.drivers.roles.readings import CounterReading, CounterStatus, Identity, RobotStatus
+from catseye.drivers.roles.interferometer import BeamStatus, LengthReading
+from catseye.drivers.roles.robot import RobotStatus
 from catseye.drivers.roles.text import LONGEST, harmless, harmless_lines
 
 HOSTILE = "\x1b]0;owned\x07\x9b31m\u202eesrever\u2028two\n\r\x00\x7f\ud800\u200b"
@@ -41,8 +43,8 @@ def test_any_text_is_printable_and_bounded(text: str) -> None:
     [
         Identity(HOSTILE, HOSTILE, HOSTILE, True),
         RobotStatus(True, False, True, False, False, 10.0, 7, HOSTILE, HOSTILE),
-        CounterReading(1.0, HOSTILE, 0.0),
-        CounterStatus(True, False, False, True, 1.0, HOSTILE),
+        LengthReading(1.0, HOSTILE, 0.0),
+        BeamStatus(True, False, False, True, 1.0, HOSTILE),
         ProgramEntry(HOSTILE, 1, HOSTILE, 1, 1),
         LogEntry(HOSTILE, 1, HOSTILE, HOSTILE, HOSTILE, HOSTILE, HOSTILE),
     ],

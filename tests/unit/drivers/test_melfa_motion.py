@@ -16,7 +16,7 @@ from catseye.drivers.roles.errors import (
     NotReadyError,
     RefusedError,
 )
-from catseye.drivers.roles.readings import RobotStatus
+from catseye.drivers.roles.robot import RobotStatus
 from tests.patience import until
 from tests.unit.drivers.melfa_bench import JPOS, QUICK, START, STATE, TARGET, Controller, bench
 from tests.unit.drivers.peers import Peer

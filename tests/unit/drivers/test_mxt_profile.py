@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from catseye.drivers.melfa.mxt.profile import Bounds, WayProfile
-from catseye.drivers.roles.readings import Joints
+from catseye.drivers.roles.pose import Pose
 
 CYCLE_S = 0.0071
 BOUNDS = Bounds((20.0, 20.0, 50.0, 20.0), (200.0, 200.0, 500.0, 200.0))
@@ -17,7 +17,7 @@ angle = st.floats(-100.0, 100.0)
 joints = st.tuples(angle, angle, st.floats(0.0, 150.0), angle)
 
 
-def rates(start: Joints, points: list[Joints]) -> tuple[np.ndarray, np.ndarray]:
+def rates(start: Pose, points: list[Pose]) -> tuple[np.ndarray, np.ndarray]:
     """Return the largest speed and acceleration of each joint, the standstills before and behind included."""
     positions = np.array([start, start, *points, points[-1], points[-1]])
     speed = np.diff(positions, axis=0) / CYCLE_S
@@ -25,7 +25,7 @@ def rates(start: Joints, points: list[Joints]) -> tuple[np.ndarray, np.ndarray]:
 
 
 @given(joints, joints)
-def test_a_straight_way_stays_within_the_bounds_and_ends_at_its_target(start: Joints, target: Joints) -> None:
+def test_a_straight_way_stays_within_the_bounds_and_ends_at_its_target(start: Pose, target: Pose) -> None:
     points = WayProfile(start, [target], BOUNDS).set_points(CYCLE_S)
     if max(abs(b - a) for a, b in zip(start, target, strict=True)) < 1e-9:
         assert points == []

@@ -26,12 +26,12 @@ from catseye.drivers.roles.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from catseye.drivers.roles.readings import Joints
+from catseye.drivers.roles.pose import Pose
 from tests.patience import until
 from tests.unit.drivers.melfa_bench import Controller
 from tests.unit.drivers.peers import Peer, StepClock
 
-WAY: tuple[Joints, ...] = ((1.0, 2.0, 5.0, -3.0), (2.0, 4.0, 5.0, -6.5), (3.0, 6.0, 5.0, -10.0))
+WAY: tuple[Pose, ...] = ((1.0, 2.0, 5.0, -3.0), (2.0, 4.0, 5.0, -6.5), (3.0, 6.0, 5.0, -10.0))
 QUICK = {"quiet_s": 0.001, "answer_timeout_s": 0.2}
 
 

@@ -13,6 +13,7 @@ ENTRIES = metadata.EntryPoints(
         metadata.EntryPoint("melfa-r3", "catseye.drivers.melfa.robot:MelfaR3", registry.GROUP),
         metadata.EntryPoint("line-counter", "catseye.drivers.counter.counter:LineCounter", registry.GROUP),
         metadata.EntryPoint("modbus-air", "catseye.drivers.air.modbus_air:ModbusAir", registry.GROUP),
+        metadata.EntryPoint("no-driver", "collections:OrderedDict", registry.GROUP),
         metadata.EntryPoint("other", "elsewhere:Thing", "other.group"),
     ]
 )
@@ -29,10 +30,23 @@ def installed(entries: metadata.EntryPoints, monkeypatch: pytest.MonkeyPatch) ->
 
 def test_built_in_drivers_are_found_and_described(monkeypatch: pytest.MonkeyPatch) -> None:
     installed(ENTRIES, monkeypatch)
-    assert registry.driver_names() == ("line-counter", "melfa-r3", "modbus-air")
+    assert registry.driver_names() == ("line-counter", "melfa-r3", "modbus-air", "no-driver")
     assert registry.load_driver("melfa-r3") is MelfaR3
-    for name in registry.driver_names():
+    for name in ("line-counter", "melfa-r3", "modbus-air"):
         assert registry.load_driver(name).Settings.model_fields
+
+
+def test_a_driver_of_another_role_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    installed(ENTRIES, monkeypatch)
+    assert registry.load_driver("melfa-r3", "robot") is MelfaR3
+    with pytest.raises(LookupError, match="'line-counter' is a driver of role interferometer, not robot"):
+        registry.load_driver("line-counter", "robot")
+
+
+def test_what_declares_no_role_is_no_driver(monkeypatch: pytest.MonkeyPatch) -> None:
+    installed(ENTRIES, monkeypatch)
+    with pytest.raises(LookupError, match="has no attribute 'role'; a driver subclasses its role"):
+        registry.load_driver("no-driver")
 
 
 def test_an_unknown_driver_names_the_nearest_one(monkeypatch: pytest.MonkeyPatch) -> None:

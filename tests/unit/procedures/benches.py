@@ -10,19 +10,14 @@ from numpy.typing import NDArray
 
 from catseye.calibration.kinematics.bodies import Capsule
 from catseye.calibration.kinematics.chain import Chain, Joint
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.air import AirSample
+from catseye.drivers.roles.interferometer import BeamStatus
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Arm, Bench, Optics, Reflector, Timing, Workspace
-from catseye.procedures.kit.context import (
-    Json,
-    Live,
-    Location,
-    MeasuredPoint,
-    Measurement,
-    Prompt,
-    Row,
-    Table,
-)
+from catseye.procedures.kit.context import Json, MeasuredPoint, Measurement, Prompt, Row, Table
 from catseye.procedures.kit.errors import MeasuredFileError
+from catseye.procedures.kit.live import Live
 
 LINK1_MM, LINK2_MM = 325.0, 225.0
 NODES1_DEG = tuple(-140.0 + 20.0 * i for i in range(11))
@@ -121,7 +116,7 @@ def clearance_mm(start: tuple[float, float], end: tuple[float, float]) -> float:
     return abs(start[0] * dy - start[1] * dx) / length
 
 
-def miss_along(start: Joints, end: Joints, place: tuple[float, float], parts: int = 60) -> Floats:
+def miss_along(start: Pose, end: Pose, place: tuple[float, float], parts: int = 60) -> Floats:
     """Return the beam's distance from a place along a straight joint move, zero direction 0, mm."""
     share = np.linspace(0.0, 1.0, parts + 1)
     one, two, _, four = (np.radians(a + share * (b - a)) for a, b in zip(start, end, strict=True))
@@ -133,24 +128,8 @@ def miss_along(start: Joints, end: Joints, place: tuple[float, float], parts: in
     return np.asarray(np.where(ahead > 0.0, aside, np.inf), dtype=np.float64)
 
 
-@dataclass(frozen=True)
-class StillAir:
-    """Air that never changes."""
-
-    temperature_c: float | None = 21.5
-    pressure_hpa: float | None = 1002.0
-    humidity_percent: float | None = 44.0
-
-
-@dataclass(frozen=True)
-class BeamState:
-    """State of the beam."""
-
-    beam_ok: bool
-    beam_lost: bool
-    signal: float
-    overspeed: bool = False
-    laser_ready: bool = True
+STILL_AIR = AirSample(21.5, 1002.0, 44.0)
+"""Air that never changes."""
 
 
 @dataclass
@@ -178,12 +157,12 @@ class IdealContext:
     acceptance_mm: float = 1.0
     j4_limits_deg: tuple[float, float] = (-360.0, 360.0)
     j4_error_deg: Callable[[float, float], float] = lambda _one, _two: 0.0
-    blocked: Callable[[Joints], bool] = lambda _pose: False
+    blocked: Callable[[Pose], bool] = lambda _pose: False
     breaks_at: set[int] = field(default_factory=set)
     dark_at: set[int] = field(default_factory=set)
     stored: dict[str, Row] = field(default_factory=dict)
-    pose: Joints = (0.0, 0.0, 12.5, 0.0)
-    moves: list[Joints] = field(default_factory=list)
+    pose: Pose = (0.0, 0.0, 12.5, 0.0)
+    moves: list[Pose] = field(default_factory=list)
     rows: list[tuple[str, Row]] = field(default_factory=list)
     events: list[tuple[str, dict[str, Json]]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
@@ -191,7 +170,7 @@ class IdealContext:
     prompts: list[Prompt] = field(default_factory=list)
     answers: dict[str, str | Callable[[Prompt], str]] = field(default_factory=dict)
     shown: list[Live] = field(default_factory=list)
-    pauses: list[tuple[Joints, float]] = field(default_factory=list)
+    pauses: list[tuple[Pose, float]] = field(default_factory=list)
     files: dict[str, Sequence[MeasuredPoint] | str] = field(default_factory=dict)
     suspensions: list[str] = field(default_factory=list)
     resumed: bool = False
@@ -233,7 +212,7 @@ class IdealContext:
     async def checkpoint(self) -> None:
         """Nothing stops here."""
 
-    async def move(self, target: Joints) -> None:
+    async def move(self, target: Pose) -> None:
         """Stand at the target at once."""
         low, high = self.j4_limits_deg
         assert low <= target[3] <= high, f"J4 {target[3]} outside {low}…{high}"
@@ -242,12 +221,12 @@ class IdealContext:
         if self.length_mm() is None:
             self.lost = True
 
-    async def follow(self, way: Sequence[Joints]) -> None:
+    async def follow(self, way: Sequence[Pose]) -> None:
         """Stand at each target."""
         for target in way:
             await self.move(target)
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         """Return the pose."""
         return self.pose
 
@@ -258,23 +237,24 @@ class IdealContext:
         if self.measurements in self.breaks_at:
             self.lost = True
         length = None if self.measurements in self.dark_at else self.length_mm()
-        ok = length is not None and not self.lost
         return Measurement(
             displacement_mm=(length or 0.0) - self.zero_mm,
             spread_mm=0.0001,
             readings=readings,
-            signal=0.75 if ok else 0.0,
-            beam_ok=ok,
+            beam=self._status(length),
             reported=self.pose,
-            air=StillAir(),
+            air=STILL_AIR,
             time_utc="2026-01-02T03:04:05+00:00",
             duration_s=dwell_time_s,
         )
 
-    async def beam(self) -> BeamState:
+    async def beam(self) -> BeamStatus:
         """Return the state of the beam."""
-        there = self.length_mm() is not None
-        return BeamState(there, self.lost, 0.75 if there else 0.0)
+        return self._status(self.length_mm())
+
+    def _status(self, length_mm: float | None) -> BeamStatus:
+        there = length_mm is not None
+        return BeamStatus(there, self.lost, overspeed=False, laser_ready=True, signal=0.75 if there else 0.0)
 
     async def zero(self, dead_path_mm: float) -> None:
         """Begin a new count."""
@@ -284,11 +264,11 @@ class IdealContext:
         self.lost = length is None
         self.zero_mm = length or 0.0
 
-    async def locate(self, settle_time_s: float) -> Location:
+    async def locate(self, settle_time_s: float) -> Position:
         """Return the true position, shifted as another instrument's frame is."""
         self.waits.append((settle_time_s, 0.0, 0))
         x, y = arm_xy(self.pose[0], self.pose[1])
-        return Location(x + 1000.0, y - 500.0, 0.004)
+        return Position(x + 1000.0, y - 500.0, 0.004)
 
     async def pause(self, duration_s: float) -> None:
         """Stand still."""

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catseye.calibration.kinematics.bodies import Box, Capsule
-from catseye.drivers.roles.protocols import Joints
-from catseye.procedures.kit.bench import Bench, Following, Reflector, Workspace
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import Following
+from catseye.procedures.kit.bench import Bench, Reflector, Workspace
 from tests.unit.procedures.benches import LINK1_MM, LINK2_MM, WORKSPACE, bench
 
 Floats = NDArray[np.float64]
@@ -71,7 +72,7 @@ def judged(stations: Floats, scene: Bench) -> Verdict:
     return Verdict(found[pair], (pair[0].name, pair[1].name))
 
 
-def refined(way: list[Joints], scene: Bench) -> Verdict:
+def refined(way: list[Pose], scene: Bench) -> Verdict:
     """Return the least distance over a way; pairs that come near are looked at closely."""
     coarse, fine = _places(sampled(way, _COARSE_MM)), _places(sampled(way, _FINE_MM))
     worst = judged(sampled(way, _COARSE_MM), scene)
@@ -84,12 +85,12 @@ def refined(way: list[Joints], scene: Bench) -> Verdict:
     return min([worst, *closely], key=lambda one: one.distance_mm)
 
 
-def least_mm(way: list[Joints], pair: tuple[Capsule, Obstacle]) -> float:
+def least_mm(way: list[Pose], pair: tuple[Capsule, Obstacle]) -> float:
     """Return the least distance of a pair over a way."""
     return float(distances(_places(sampled(way, _FINE_MM)), pair).min())
 
 
-def sampled(way: list[Joints], step_mm: float) -> Floats:
+def sampled(way: list[Pose], step_mm: float) -> Floats:
     """Return joints along straight joint moves, no point of the arm moving farther than a step in between."""
     parts = [np.array(way[:1])]
     for start, end in pairwise(way):
@@ -101,7 +102,7 @@ def sampled(way: list[Joints], step_mm: float) -> Floats:
     return np.vstack(parts)
 
 
-def with_cut_corners(way: list[Joints], share: float) -> Floats:
+def with_cut_corners(way: list[Pose], share: float) -> Floats:
     """Return a motion that leaves each leg a share before its target and joins the next one as far behind it."""
     points = np.array(way)
     stations = [points[:1]]
@@ -114,7 +115,7 @@ def with_cut_corners(way: list[Joints], share: float) -> Floats:
     return np.vstack(stations)
 
 
-def generated(seed: int, count: int) -> Iterator[tuple[Bench, list[Joints]]]:
+def generated(seed: int, count: int) -> Iterator[tuple[Bench, list[Pose]]]:
     """Yield benches with ways, about half of them with something in the way."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
@@ -152,7 +153,7 @@ def _box(rng: np.random.Generator, name: str) -> Box:
     return Box(name, tuple(middle - half), tuple(middle + half))
 
 
-def _way(rng: np.random.Generator, scene: Bench) -> list[Joints]:
+def _way(rng: np.random.Generator, scene: Bench) -> list[Pose]:
     wide = rng.random() < 0.2
     j2_deg = _WIDE_J2_DEG if wide else 145.0
     reach = rng.uniform(10.0, 120.0)
@@ -169,7 +170,7 @@ def _way(rng: np.random.Generator, scene: Bench) -> list[Joints]:
     return [_joints(row) for row in way]
 
 
-def _joints(row: Floats) -> Joints:
+def _joints(row: Floats) -> Pose:
     one, two, three, four = (float(value) for value in row)
     return one, two, three, four
 

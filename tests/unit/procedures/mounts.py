@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from catseye.procedures.kit.bench import Alignment, Bench
-from catseye.procedures.kit.context import Live, Measurement, Prompt
-from tests.unit.procedures.benches import IdealContext, StillAir, arm_xy, bench
+from catseye.procedures.kit.context import Measurement, Prompt
+from catseye.procedures.kit.live import Live
+from tests.unit.procedures.benches import STILL_AIR, IdealContext, arm_xy, bench
 
 
 def mounted_bench(**alignment: Any) -> Bench:
@@ -65,7 +66,7 @@ class MountContext(IdealContext):
         """Return the distance with its noise."""
         measured = await super().measure(settle_time_s, dwell_time_s, readings)
         noisy = measured.displacement_mm + float(self.rng.normal(0.0, self.noise_mm))
-        return replace(measured, displacement_mm=noisy, air=StillAir())
+        return replace(measured, displacement_mm=noisy, air=STILL_AIR)
 
     async def zero(self, dead_path_mm: float) -> None:
         """Begin a new count."""

@@ -222,7 +222,9 @@ async def test_hands_that_held_something_into_the_beam_have_it_measured_again() 
         MountContext(offset_mm=0.02, breaks_at={5, 12, 20}, answers={"stage/beam/1": "retry"})
     )
     (prompt,) = context.prompts
-    assert prompt.text.startswith("Free the beam: the beam was lost 3 times while J4 turned")
+    assert prompt.text.startswith("Clear the beam to the reflector")
+    assert "the beam was lost 3 times while J4 turned" in prompt.text
+    assert prompt.task == {"do": "clear-beam"}
     assert (prompt.motion, prompt.safe_answer) == (True, "stop")
     assert prompt.target == (
         planned().pose.theta1_deg,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from catseye.calibration.kinematics.bodies import Box
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import PlanError
 from catseye.procedures.kit.motion.clear_way import clear_part, legs_refusal, require_clear_way, way_refusal
@@ -17,7 +17,7 @@ from catseye.procedures.scara.path.path_plan import plan_path
 from tests.unit.procedures.benches import arm_xy, bench
 from tests.unit.procedures.collision_trial import tried
 
-HOME: Joints = (0.0, 0.0, 12.5, 0.0)
+HOME: Pose = (0.0, 0.0, 12.5, 0.0)
 
 
 def wide_j2() -> Bench:
@@ -50,7 +50,7 @@ def test_a_box_between_two_targets_is_found_with_its_distance() -> None:
     x, y = arm_xy(20.0, 0.0)
     box = Box("press", (x - 1.0, y - 1.0, 0.0), (x + 1.0, y + 1.0, 300.0))
     boxed = replace(bench(), workspace=replace(bench().workspace, keep_out=(box,)))
-    ends: list[Joints] = [HOME, (40.0, 0.0, 12.5, 0.0)]
+    ends: list[Pose] = [HOME, (40.0, 0.0, 12.5, 0.0)]
     assert all(way_refusal([end], boxed) is None for end in ends)
     refusal = way_refusal(ends, boxed)
     assert refusal is not None
@@ -70,7 +70,7 @@ def test_a_distance_below_the_clearance_is_told_in_mm() -> None:
 
 def test_the_head_is_checked_where_j4_turns_it() -> None:
     beside = bench(places={"near": (550.0, 72.0), "far": (900.0, 0.0)})
-    turned: Joints = (0.0, 0.0, 12.5, -90.0)
+    turned: Pose = (0.0, 0.0, 12.5, -90.0)
     assert way_refusal([HOME, (0.0, 0.0, 12.5, 90.0)], beside) is None
     assert way_refusal([HOME, turned], beside) is not None
 
@@ -94,7 +94,7 @@ def test_generated_ways_are_judged_as_the_oracle_does() -> None:
 
 
 def test_a_check_of_the_targets_alone_would_be_found_out() -> None:
-    def at_targets(start: Joints, legs: Sequence[Sequence[Joints]], scene: Bench) -> str | None:
+    def at_targets(start: Pose, legs: Sequence[Sequence[Pose]], scene: Bench) -> str | None:
         for number, target in enumerate([start, *(target for leg in legs for target in leg)]):
             if (text := way_refusal([target], scene)) is not None:
                 return text.replace("to target 0 of", f"to target {max(number, 1)} of")

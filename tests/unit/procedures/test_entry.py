@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose, is_at
 from catseye.procedures.kit.errors import WayBlockedError
 from catseye.procedures.scara.beam.re_aim import AimCorrection
-from catseye.procedures.scara.motion.entry import approach, stands_at, way_in
+from catseye.procedures.scara.motion.entry import approach, way_in
 from catseye.procedures.scara.open_loop.open_loop import OpenLoop
 from catseye.procedures.scara.open_loop.open_loop_plan import plan_open_loop
 from tests.unit.procedures.benches import PLACES, arm_xy, bench, miss_along
@@ -18,7 +18,7 @@ from tests.unit.procedures.troubles import TroubledContext
 NODES = (-40.0, -20.0), (20.0, 40.0, 60.0)
 
 
-def nearest_mm(way: tuple[Joints, ...], place: tuple[float, float]) -> float:
+def nearest_mm(way: tuple[Pose, ...], place: tuple[float, float]) -> float:
     """Return how near the J4 axis comes to a place."""
     return min(
         math.dist(arm_xy(a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])), place)
@@ -52,12 +52,12 @@ def test_at_a_limit_of_j4_the_take_up_does_without_the_aim() -> None:
 
 
 def test_a_free_way_is_driven_straight() -> None:
-    target: Joints = (-41.0, 19.0, 12.5, 40.0)
+    target: Pose = (-41.0, 19.0, 12.5, 40.0)
     assert way_in((10.0, 50.0, 12.5, 0.0), target, bench()) == (target,)
 
 
 def test_j3_goes_to_its_height_before_the_arm_turns() -> None:
-    target: Joints = (-41.0, 19.0, 12.5, 40.0)
+    target: Pose = (-41.0, 19.0, 12.5, 40.0)
     way = way_in((10.0, 50.0, -80.0, 7.0), target, bench())
     assert way == ((10.0, 50.0, 12.5, 7.0), target)
 
@@ -74,7 +74,7 @@ def test_a_reflector_in_the_way_is_gone_round() -> None:
 
 
 def test_without_a_free_way_the_arm_stays_and_says_what_to_do() -> None:
-    here: Joints = (-30.0, 0.0, 12.5, 0.0)
+    here: Pose = (-30.0, 0.0, 12.5, 0.0)
     x, y = arm_xy(*here[:2])
     paper = bench(places={"P1": PLACES["P1"], "near": (x + 20.0, y)})
     with pytest.raises(WayBlockedError) as caught:
@@ -89,12 +89,12 @@ def test_an_arm_outside_its_limits_at_another_height_is_not_lifted() -> None:
 
 
 def test_rounding_of_encoders_is_no_jog() -> None:
-    assert stands_at((1.0, 2.0, 12.5, 4.0), (1.005, 1.99, 12.49, 4.005))
-    assert not stands_at((1.0, 2.0, 12.5, 4.0), (1.0, 2.0, 12.5, 4.2))
+    assert is_at((1.0, 2.0, 12.5, 4.0), (1.005, 1.99, 12.49, 4.005))
+    assert not is_at((1.0, 2.0, 12.5, 4.0), (1.0, 2.0, 12.5, 4.2))
 
 
 @pytest.mark.parametrize("start", [(150.0, -120.0, 12.5, 300.0), (60.0, 140.0, 12.5, -200.0)])
-async def test_a_measurement_begins_wherever_the_arm_stands(start: Joints) -> None:
+async def test_a_measurement_begins_wherever_the_arm_stands(start: Pose) -> None:
     context = TroubledContext(pose=start)
     plan = plan_open_loop(bench(*NODES), reflectors=("P2",))
     await OpenLoop().run(context, plan)

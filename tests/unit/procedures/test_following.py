@@ -6,7 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from catseye.procedures.kit.bench import Bench, Following
+from catseye.drivers.roles.robot import Following
+from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.motion.motion_time import way_time_s
 from catseye.procedures.scara.motion.visits import Visit
 from catseye.procedures.scara.open_loop.open_loop_plan import plan_open_loop

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from catseye.calibration.live_map import MapKnowledge
+from catseye.calibration.scara.live_map import MapKnowledge
 from catseye.procedures.kit.context import Row
 from catseye.procedures.kit.errors import BeamLostError
 from catseye.procedures.scara.open_loop.open_loop import OpenLoop

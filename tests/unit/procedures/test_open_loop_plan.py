@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import PlanError, PlanLimitError
 from catseye.procedures.scara.open_loop.open_loop import OpenLoop, OpenLoopParams
@@ -29,16 +29,16 @@ def papers_plan() -> OpenLoopPlan:
     return plan_open_loop(bench())
 
 
-def legs(part: ReflectorPlan, tracked: bool) -> list[tuple[Joints, Joints]]:
+def legs(part: ReflectorPlan, tracked: bool) -> list[tuple[Pose, Pose]]:
     """Return the straight moves of the visits that keep the beam, or of all."""
-    found: list[tuple[Joints, Joints]] = []
+    found: list[tuple[Pose, Pose]] = []
     for before, visit in pairwise(part.visits):
         if visit.tracked or not tracked:
             found += pairwise([before.moves[-1], *visit.moves])
     return found
 
 
-def between(start: Joints, end: Joints, share: float) -> tuple[float, float]:
+def between(start: Pose, end: Pose, share: float) -> tuple[float, float]:
     return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
 
 

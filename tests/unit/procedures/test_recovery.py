@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Prompt, Row
 from catseye.procedures.kit.errors import BeamLostError
 from catseye.procedures.scara.beam.beam_geometry import look_around_deg
@@ -231,7 +231,7 @@ async def test_attempts_are_a_matter_of_choice() -> None:
 
 
 async def test_a_point_may_be_skipped_and_is_told_of_at_the_end() -> None:
-    def stands_in_the_way(pose: Joints) -> bool:
+    def stands_in_the_way(pose: Pose) -> bool:
         return abs(pose[0] + 20.0) < 0.5 and abs(pose[1] - 40.0) < 0.5
 
     context = TroubledContext(blocked=stands_in_the_way)
@@ -347,7 +347,7 @@ def test_geometry_lets_suspect_column_and_field() -> None:
     paper = bench()
     reflector = paper.reflectors[1]
     # Straight behind the column, seen from the reflector, the beam would pass the J1 axis itself.
-    behind: Joints = (180.0, 0.0, 12.5, 0.0)
+    behind: Pose = (180.0, 0.0, 12.5, 0.0)
     near = hidden(behind, paper, reflector)
     assert near is not None
     assert near.name == "column"
@@ -363,7 +363,7 @@ def test_geometry_lets_suspect_column_and_field() -> None:
 
 
 def test_j4_never_looks_as_far_as_another_reflector() -> None:
-    pose: Joints = (-40.0, 60.0, 12.5, 0.0)
+    pose: Pose = (-40.0, 60.0, 12.5, 0.0)
     x, y = arm_xy(-40.0, 60.0)
     ahead = math.atan2(PLACES["P2"][1] - y, PLACES["P2"][0] - x)
     beside = ahead + math.radians(0.6)

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from catseye.calibration.errors import InsufficientPointsError
-from catseye.drivers.roles.protocols import Joints
+from catseye.calibration.core.errors import InsufficientPointsError
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Measurement, Prompt
 from catseye.procedures.kit.errors import BeamLostError, PlanError, ReflectorNotFoundError
@@ -61,7 +61,7 @@ def positions(ctx: IdealContext) -> list[dict[str, Any]]:
     return list(found)
 
 
-def way(plan: RepeatabilityPlan, number: int = 0) -> list[Joints]:
+def way(plan: RepeatabilityPlan, number: int = 0) -> list[Pose]:
     trip = plan.reflectors[number].trip
     return [trip.start, *(target for leg in trip.legs for target in leg)]
 
@@ -193,7 +193,7 @@ def test_an_arm_that_was_moved_beside_its_pose_is_no_repeat_of_it() -> None:
             return replace(measured, displacement_mm=measured.displacement_mm + 0.8, reported=beside)
 
     ctx = run(planned(), PushedContext())
-    assert [data["cause"] for kind, data in ctx.events if kind == "beam-lost"] == ["moved by hand"]
+    assert [data["cause"] for kind, data in ctx.events if kind == "beam-lost"] == ["moved-by-hand"]
     assert len([row for _, row in ctx.rows]) == 20
     assert all(beam["s_um"] < 20.0 for beam in beams(ctx))
     assert ctx.zeros == 2

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import PlanError, ReflectorNotFoundError
 from catseye.procedures.scara.beam.beam_scan import find_return, half_window_deg, scan_offsets_deg
@@ -17,10 +17,10 @@ from tests.unit.procedures.benches import IdealContext, arm_xy, bench, clearance
 
 TRUE_PLACES = {"P1": (657.0, -409.0), "P2": (669.0, 12.0), "P3": (646.0, 391.0)}
 TRUE_THETA40 = 1.4
-POSE: Joints = (10.0, 30.0, 12.5, 0.0)
+POSE: Pose = (10.0, 30.0, 12.5, 0.0)
 
 
-def looking_from(pose: Joints, centre_deg: float, half_deg: float) -> IdealContext:
+def looking_from(pose: Pose, centre_deg: float, half_deg: float) -> IdealContext:
     """Return a bench whose beam returns at exactly the J4 angles centre ± half."""
     return IdealContext(
         places={"wall": (0.0, 0.0)},
@@ -87,7 +87,7 @@ async def test_nothing_is_found_where_nothing_returns() -> None:
 
 
 async def test_the_scan_keeps_inside_the_limits_of_j4() -> None:
-    pose: Joints = (10.0, 30.0, 12.5, 178.0)
+    pose: Pose = (10.0, 30.0, 12.5, 178.0)
     context = sees_backwards(looking_from(pose, 176.0, 0.085))
     context.j4_limits_deg = (-179.0, 179.0)
     window = await find_return(context, pose, 4.0, 0.08, (-179.0, 179.0))
@@ -97,7 +97,7 @@ async def test_the_scan_keeps_inside_the_limits_of_j4() -> None:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 async def test_a_window_cut_off_by_the_limits_of_j4_has_no_middle(sign: float) -> None:
-    pose: Joints = (10.0, 30.0, 12.5, 178.9 * sign)
+    pose: Pose = (10.0, 30.0, 12.5, 178.9 * sign)
     context = sees_backwards(looking_from(pose, 178.97 * sign, 0.085))
     context.j4_limits_deg = (-179.0, 179.0)
     assert await find_return(context, pose, 4.0, 0.08, (-179.0, 179.0)) is None

@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 import pytest
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import PlanError, ReflectorNotFoundError
 from catseye.procedures.scara.search.reflector_search import ReflectorSearch, SearchParams
@@ -176,7 +176,7 @@ async def test_a_reflector_that_seldom_returns_is_not_looked_for_for_ever() -> N
     plan = plan_search(bench())
     mine = [(p.theta1_deg, p.theta2_deg) for p in plan.poses if p.reflector.name == "P2"]
 
-    def high(pose: Joints) -> bool:
+    def high(pose: Pose) -> bool:
         return pose[:2] in mine[:6]
 
     context = IdealContext(TRUE_PLACES, 1.4, blocked=high)

@@ -7,8 +7,9 @@ from typing import Any
 import pytest
 
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Live, Prompt
+from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import ReflectorNotFoundError
+from catseye.procedures.kit.live import Live
 from catseye.procedures.scara.search.reflector_search import ReflectorSearch, SearchParams
 from tests.unit.procedures.benches import IdealContext, arm_xy, bench, with_optics
 

@@ -4,10 +4,11 @@ from dataclasses import dataclass, field, replace
 
 import pytest
 
+from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.procedures.kit.beam.settled import settled_measurement
 from catseye.procedures.kit.bench import Timing
 from catseye.procedures.kit.context import Measurement
-from tests.unit.procedures.benches import BeamState, IdealContext
+from tests.unit.procedures.benches import IdealContext
 
 TIMING = Timing(settle_time_s=0.5, dwell_time_s=0.25, readings=4, spread_limit_mm=0.005)
 
@@ -28,9 +29,9 @@ class ShakingContext(IdealContext):
         measured = await super().measure(settle_time_s, dwell_time_s, readings)
         spread_mm = self.spreads_mm.pop(0) if self.spreads_mm else 1e-4
         ready = self.unready == 0
-        return replace(measured, spread_mm=spread_mm, beam_ok=measured.beam_ok and ready, laser_ready=ready)
+        return replace(measured, spread_mm=spread_mm, beam=replace(measured.beam, laser_ready=ready))
 
-    async def beam(self) -> BeamState:
+    async def beam(self) -> BeamStatus:
         self.unready = max(0, self.unready - 1)
         return replace(await super().beam(), laser_ready=self.unready == 0)
 
@@ -46,7 +47,7 @@ async def test_readings_that_scatter_are_taken_again_after_longer_settling(bench
     bench.spreads_mm = [0.02, 0.006, 0.004]
     measured = await settled_measurement(bench, TIMING, "P1/0000")
     assert measured is not None
-    assert (measured.spread_mm, measured.beam_ok) == (0.004, True)
+    assert (measured.spread_mm, measured.beam.count_valid) == (0.004, True)
     assert [wait[0] for wait in bench.waits] == [0.5, 1.0, 2.0]
     assert [(live.value, live.high, live.accepted) for live in bench.shown] == [
         (20.0, 5.0, False),
@@ -82,7 +83,7 @@ async def test_a_lost_beam_is_no_matter_of_settling(bench: ShakingContext) -> No
     bench.lost = True
     measured = await settled_measurement(bench, TIMING, "x")
     assert measured is not None
-    assert not measured.beam_ok
+    assert not measured.beam.count_valid
     assert bench.measurements == 1
 
 
@@ -90,6 +91,6 @@ async def test_a_laser_that_is_not_ready_suspends_and_its_count_is_not_used(benc
     bench.unready = 3
     measured = await settled_measurement(bench, TIMING, "x")
     assert measured is not None
-    assert (measured.laser_ready, measured.beam_ok) == (False, False)
+    assert (measured.beam.laser_ready, measured.beam.count_valid) == (False, False)
     assert ["laser is not ready" in reason for reason in bench.suspensions] == [True]
     assert bench.unready == 0

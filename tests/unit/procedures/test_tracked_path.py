@@ -6,6 +6,7 @@ from functools import partial
 
 import pytest
 
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Row
 from catseye.procedures.kit.errors import BeamLostError, PlanError, PlanLimitError
 from catseye.procedures.scara.path.path_plan import PathPlan, plan_path
@@ -170,7 +171,7 @@ async def test_after_three_failures_the_operator_is_asked(answer: str) -> None:
     stuck = (plan.points[6].theta1_deg, plan.points[6].theta2_deg)
     standing = {"there": True}
 
-    def blocked(pose: tuple[float, float, float, float]) -> bool:
+    def blocked(pose: Pose) -> bool:
         return standing["there"] and math.dist(pose[:2], stuck) < 1e-6
 
     context = TroubledContext(blocked=blocked)

@@ -9,9 +9,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from catseye.calibration.errors import OutOfReachError
+from catseye.calibration.scara.errors import OutOfReachError
+from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Location, MeasuredPoint, Prompt, Row, Table
+from catseye.procedures.kit.context import MeasuredPoint, Prompt, Row, Table
 from catseye.procedures.kit.errors import ArmMovedError, MeasuredFileError, PlanError, PlanLimitError
 from catseye.procedures.kit.motion.motion_time import move_time_s
 from catseye.procedures.scara.path.path_plan import PathPlan, plan_path, states_of_approach
@@ -204,11 +205,11 @@ class PushedContext(IdealContext):
     after: dict[int, float] = field(default_factory=dict)
     located: list[tuple[float, float]] = field(default_factory=list)
 
-    async def locate(self, settle_time_s: float) -> Location:
+    async def locate(self, settle_time_s: float) -> Position:
         """Return where the arm stands by then."""
         number = len(self.located)
         self._push(self.pushes.get(number, 0.0))
-        self.located.append(self.pose[:2])
+        self.located.append((self.pose[0], self.pose[1]))
         return await super().locate(settle_time_s)
 
     def record(self, table: Table, row: Row) -> None:

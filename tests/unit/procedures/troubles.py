@@ -4,10 +4,11 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.interferometer import BeamStatus
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Measurement
 from catseye.procedures.kit.errors import ArmMovedError, NoBeamError
-from tests.unit.procedures.benches import BeamState, IdealContext, arm_xy
+from tests.unit.procedures.benches import IdealContext, arm_xy
 
 
 @dataclass
@@ -44,7 +45,7 @@ class TroubledContext(IdealContext):
         length = super().length_mm()
         return None if length is None else length + self.grown_mm
 
-    async def move(self, target: Joints) -> None:
+    async def move(self, target: Pose) -> None:
         """Move, with what happens on the way."""
         await super().move(target)
         if len(self.moves) in self.breaks_on_move:
@@ -64,7 +65,7 @@ class TroubledContext(IdealContext):
         await super().zero(dead_path_mm)
         self.overspeed = False
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         """Return where the arm stands now."""
         self.looks += 1
         self.before_joints(self.looks)
@@ -79,14 +80,15 @@ class TroubledContext(IdealContext):
         ready = self.measurements not in self.laser_off_at
         if not ready:
             self.lost = True
-        ok = measured.beam_ok and ready and not self.overspeed
-        signal = self.level() if ok else 0.0
-        return replace(measured, beam_ok=ok, laser_ready=ready, overspeed=self.overspeed, signal=signal)
+        status = replace(measured.beam, beam_lost=self.lost, laser_ready=ready, overspeed=self.overspeed)
+        return replace(measured, beam=replace(status, signal=self.level() if status.count_valid else 0.0))
 
-    async def beam(self) -> BeamState:
+    async def beam(self) -> BeamStatus:
         """Return the state of the beam."""
         there = self.length_mm() is not None
-        return BeamState(there, self.lost, self.level() if there else 0.0, self.overspeed)
+        return BeamStatus(
+            there, self.lost, self.overspeed, laser_ready=True, signal=self.level() if there else 0.0
+        )
 
     def level(self) -> float:
         """Return the level of the returning beam."""

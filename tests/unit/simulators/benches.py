@@ -5,10 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from catseye.calibration.error_map import BidirectionalMap
-from catseye.simulators.bench.bench import Bench
+from catseye.calibration.scara.error_map import BidirectionalMap
 from catseye.simulators.config import EmulationConfig, ErrorBudget, Joints, ReflectorPlace
-from catseye.simulators.truth import TrueArm
+from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.scara.axis_errors import JointMap
+from catseye.simulators.world.scara.bench import scara_bench
+from catseye.simulators.world.scara.truth import TrueArm
 
 P1 = ReflectorPlace("P1", 650.0, -400.0)
 P2 = ReflectorPlace("P2", 680.0, 0.0)
@@ -20,29 +22,32 @@ QUIET = EmulationConfig(
 """The paper's layout without any error."""
 
 
-def constant_map(positive_mdeg: float = 0.0, negative_mdeg: float = 0.0) -> BidirectionalMap:
+def constant_map(positive_mdeg: float = 0.0, negative_mdeg: float = 0.0) -> JointMap:
     """Return a map that is the same everywhere."""
     to_rad = math.pi / 180e3
-    return BidirectionalMap(
-        np.zeros(1), np.array([positive_mdeg * to_rad]), np.array([negative_mdeg * to_rad])
-    )
+    return JointMap(np.zeros(1), np.array([positive_mdeg * to_rad]), np.array([negative_mdeg * to_rad]))
+
+
+def calibration_map(table: JointMap) -> BidirectionalMap:
+    """Return a true map as the calibration reads it."""
+    return BidirectionalMap(table.nodes_rad, table.positive_rad, table.negative_rad)
 
 
 def perfect_arm(config: EmulationConfig = QUIET) -> TrueArm:
     """Return the nominal arm with the reflectors where the configuration has them."""
     places = {place.name: (place.x_mm, place.y_mm) for place in config.reflectors}
-    return TrueArm(config.link1_mm, config.link2_mm, constant_map(), constant_map(), places)
+    return TrueArm(config.scara.link1_mm, config.scara.link2_mm, constant_map(), constant_map(), places)
 
 
 def without_j4_play(config: EmulationConfig) -> EmulationConfig:
     """Return the configuration with a J4 that points exactly."""
-    return replace(config, dynamics=replace(config.dynamics, j4_backlash_mdeg=0.0))
+    return replace(config, scara=replace(config.scara, j4_backlash_mdeg=0.0))
 
 
 def quiet_bench(config: EmulationConfig = QUIET, truth: TrueArm | None = None) -> Bench:
     """Return a bench of the nominal arm, J4 without play."""
     config = without_j4_play(config)
-    return Bench(truth or perfect_arm(config), config)
+    return scara_bench(truth or perfect_arm(config), config)
 
 
 def axis_mm(j1_deg: float, j2_deg: float) -> complex:
@@ -67,7 +72,7 @@ def go(bench: Bench, target: Joints, override_percent: float = 20.0) -> None:
 
 def driven_mm(bench: Bench, target: Joints) -> float:
     """Drive to a target and let a moment pass; return by how much the beam has become longer, mm."""
-    before_mm = bench.insight().length_mm
+    before_mm = bench.true_state().length_mm
     go(bench, target)
     bench.advance(0.01)
-    return bench.insight().length_mm - before_mm
+    return bench.true_state().length_mm - before_mm

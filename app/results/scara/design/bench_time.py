@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.types import Bools
+from catseye.calibration.core.types import Bools
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import PlanError, PlanLimitError
 from catseye.procedures.scara.motion.approach import Command, require_joint_limits, with_take_up

@@ -8,10 +8,10 @@ from catseye.app.errors import UsageError
 from catseye.app.results.scara.design.bench_time import BenchCost, bench_cost
 from catseye.app.results.scara.design.layouts import Layout
 from catseye.app.results.scara.design.problem import with_reflectors
-from catseye.calibration.design.command_choice import CommandPool, choose_commands
-from catseye.calibration.design.criteria import CriterionName, covariances
-from catseye.calibration.design.information import Information
-from catseye.calibration.types import Bools
+from catseye.calibration.core.design.criteria import CriterionName, covariances
+from catseye.calibration.core.design.information import Information
+from catseye.calibration.core.design.row_choice import CommandPool, choose_commands
+from catseye.calibration.core.types import Bools
 
 _NEAR_ENOUGH = 4
 """Commands by which a choice for a bench time may stay below what would just fit."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.app.cluster.sharing import Share
+from catseye.app.cluster.share import Share
 from catseye.app.results.scara.design.commands import CommandChoice, choose, choose_for_time
 from catseye.app.results.scara.design.layouts import (
     Layout,
@@ -16,13 +16,12 @@ from catseye.app.results.scara.design.layouts import (
     layout_of,
 )
 from catseye.app.results.scara.design.problem import Problem
-from catseye.calibration.arm import arm_design
-from catseye.calibration.design.criteria import covariances
-from catseye.calibration.design.exchange import Pool
-from catseye.calibration.design.front import pareto_front
-from catseye.calibration.design.information import Information
-from catseye.calibration.points import Commands
-from catseye.calibration.types import Floats
+from catseye.calibration.core.design.criteria import covariances, pareto_front
+from catseye.calibration.core.design.exchange import Pool
+from catseye.calibration.core.design.information import Information
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.arm import arm_design
+from catseye.calibration.scara.points import Commands
 
 Done = Callable[[float, float, str], None]
 """Is told how much of how much is done, and what is under way."""

@@ -7,17 +7,17 @@ from functools import cached_property
 
 import numpy as np
 
-from catseye.app.cluster.sharing import Share
+from catseye.app.cluster.share import Share
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.design.bench_time import BenchCost, bench_cost
 from catseye.app.results.scara.design.problem import PAPER_MM, Problem, with_reflectors
-from catseye.calibration.design.candidates import apart, grid
-from catseye.calibration.design.criteria import CriterionName, covariances
-from catseye.calibration.design.exchange import Chosen, Pool, exchange, greedy_start, random_start
-from catseye.calibration.design.information import Information
-from catseye.calibration.design.refinement import refine
-from catseye.calibration.design.sight import Reason, Sight
-from catseye.calibration.types import Floats, Ints
+from catseye.calibration.core.design.criteria import CriterionName, covariances
+from catseye.calibration.core.design.exchange import Chosen, Pool, exchange, greedy_start, random_start
+from catseye.calibration.core.design.information import Information
+from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.scara.design.candidates import apart, grid
+from catseye.calibration.scara.design.refinement import refine
+from catseye.calibration.scara.design.sight import Reason, Sight
 
 _STARTS = 12
 """Random starts of the exchange, beside the greedy one and the layouts that are known."""

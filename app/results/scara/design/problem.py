@@ -6,18 +6,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from catseye.app.errors import UsageError
-from catseye.calibration.arm import arm_design
-from catseye.calibration.design.candidates import Floor
-from catseye.calibration.design.criteria import Criterion, CriterionName
-from catseye.calibration.design.information import Study
-from catseye.calibration.design.sight import Rules, Sight, Way, sight_of
-from catseye.calibration.errors import OutOfReachError
-from catseye.calibration.kinematics import forward
-from catseye.calibration.layout import Layout
-from catseye.calibration.points import Commands
-from catseye.calibration.prediction import inside_range
-from catseye.calibration.types import Floats
-from catseye.calibration.uncertainty.budget import Budget
+from catseye.calibration.core.design.criteria import CriterionName
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.arm import arm_design
+from catseye.calibration.scara.budget import Budget
+from catseye.calibration.scara.design.candidates import Floor
+from catseye.calibration.scara.design.criterion import Criterion
+from catseye.calibration.scara.design.sight import Rules, Sight, Way, sight_of
+from catseye.calibration.scara.design.study import Study
+from catseye.calibration.scara.errors import OutOfReachError
+from catseye.calibration.scara.layout import Layout
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.points import Commands
+from catseye.calibration.scara.prediction import inside_range
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.scara.motion.approach import Command, Waypoint, bidirectional_sequence, with_take_up
 from catseye.procedures.scara.path.path_plan import path_points

@@ -33,7 +33,7 @@ from catseye.app.results.scara.design.figures.places import places_figure
 from catseye.app.results.scara.design.figures.weakness import node_figure, position_figure
 from catseye.app.results.scara.design.layouts import Layout
 from catseye.app.results.scara.names import node_name
-from catseye.calibration.design.criteria import CriterionName
+from catseye.calibration.core.design.criteria import CriterionName
 
 CRITERIA: tuple[CriterionName, ...] = ("A", "D", "E", "path")
 

@@ -15,9 +15,9 @@ from catseye.app.results.figures import (
 )
 from catseye.app.results.scara.diagnosis import outlier_limit
 from catseye.app.results.scara.names import ANGLES, VARYING
-from catseye.calibration.diagnostics.diagnosis import Diagnosis
-from catseye.calibration.diagnostics.harmonics import HarmonicSeries
-from catseye.calibration.diagnostics.joint_angles import AnglePattern
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
+from catseye.calibration.scara.diagnostics.harmonics import HarmonicSeries
+from catseye.calibration.scara.diagnostics.joint_angles import AnglePattern
 
 
 def diagnosis_figures(diagnosis: Diagnosis) -> list[Figure]:

@@ -5,7 +5,7 @@ import numpy as np
 from catseye.app.results.figures import Axis, Figure, Panel, Points, Role
 from catseye.app.results.scara.distance_validation import DistanceValidation, ModelOnDistances
 from catseye.app.results.scara.names import MODEL_TITLES
-from catseye.calibration.types import Bools, Floats
+from catseye.calibration.core.types import Bools, Floats
 
 
 def distance_figure(distances: DistanceValidation) -> Figure:

@@ -7,8 +7,8 @@ import numpy as np
 from catseye.app.results.figures import Axis, Figure, Line, Mark, Panel, Points, Role, Shape, Text, columns
 from catseye.app.results.numbers import counted
 from catseye.app.results.scara.layout import Scene, Target
-from catseye.calibration.kinematics import forward
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.planar import forward
 
 _FIELD_MM = 130.0
 """Radius of the wedge that shows where a reflector looks."""

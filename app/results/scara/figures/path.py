@@ -9,7 +9,7 @@ from catseye.app.results.figures import Axis, Band, Figure, Level, Line, Mark, P
 from catseye.app.results.numbers import EXPANDED
 from catseye.app.results.scara.path_view import Gap, PathAxis, model_title, path_axis, there
 from catseye.app.results.scara.validation import ModelOnPath, PathValidation
-from catseye.calibration.types import Bools
+from catseye.calibration.core.types import Bools
 
 _DENSE = 60
 """More rows a way are drawn as a line with a band, fewer as markers with error bars."""

@@ -20,7 +20,7 @@ from catseye.app.results.figures import (
     Text,
 )
 from catseye.app.results.scara.residuals import PoseMeans, Reference, pose_means
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
 
 _LETTERS = "efghijklmn"
 """Of the panels of poses, one a reflector; more reflectors have none."""

@@ -7,7 +7,7 @@ import numpy as np
 from catseye.app.results.figures import Axis, Figure, Line, Mark, Panel, Point, Points, Role, Text, columns
 from catseye.app.results.scara.path_view import model_title, there
 from catseye.app.results.scara.validation import PathMeasurement, PathValidation
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
 
 MAGNIFICATION = 1000
 """Of errors, where it shows them well: an error of 200 µm is drawn 200 mm long."""

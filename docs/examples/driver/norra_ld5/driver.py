@@ -1,7 +1,7 @@
 """Driver of the LD5."""
 
 from collections.abc import Callable
-from typing import Any, ClassVar, Literal, Self, TypeVar
+from typing import Any, ClassVar, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -9,11 +9,11 @@ from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.latches import Latches
 from catseye.drivers.links.link import RequestLink
-from catseye.drivers.links.record import Sink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Identity, Sink
 from catseye.drivers.roles.errors import ProtocolError, RefusedError, WrongDeviceError
-from catseye.drivers.roles.readings import CounterReading, CounterStatus, Identity
+from catseye.drivers.roles.interferometer import BeamStatus, Compensated, Interferometer, LengthReading
 from norra_ld5 import codec
 
 T = TypeVar("T")
@@ -33,7 +33,7 @@ class Ld5Settings(BaseModel):
     connect_timeout_s: float = Field(default=5.0, gt=0)
 
 
-class NorraLd5:
+class NorraLd5(Interferometer):
     """Interferometer driver.
 
     Args:
@@ -43,7 +43,7 @@ class NorraLd5:
     """
 
     Settings: ClassVar[type[Ld5Settings]] = Ld5Settings
-    compensated: ClassVar[Literal["none", "instrument"]] = "instrument"
+    summary: ClassVar[str] = "Norra LD5, text commands over TCP or serial"
 
     def __init__(self, transport: Transport, clock: Clock, settings: Ld5Settings) -> None:
         self._clock = clock
@@ -69,6 +69,11 @@ class NorraLd5:
         checked = Ld5Settings(**settings)
         transport = open_transport(endpoint, connect_timeout_s=checked.connect_timeout_s, sink=sink)
         return cls(transport, clock, checked)
+
+    @property
+    def compensated(self) -> Compensated:
+        """Who corrects the lengths for the air: the display."""
+        return "instrument"
 
     async def connect(self) -> Identity:
         """Open the link and check who answers.
@@ -98,7 +103,7 @@ class NorraLd5:
         await self._link.repeated(self._zero)
         return self._latches.zeroed()
 
-    async def read(self) -> CounterReading:
+    async def read(self) -> LengthReading:
         """Return one reading.
 
         Raises:
@@ -107,11 +112,11 @@ class NorraLd5:
         """
         value = await self._ask(codec.POSITION)
         time_s = self._clock.monotonic_s()
-        return CounterReading(
+        return LengthReading(
             self._parsed(codec.parse_position_mm, value), value, time_s, self._latches.zero_id
         )
 
-    async def status(self) -> CounterStatus:
+    async def status(self) -> BeamStatus:
         """Return the state of the beam.
 
         Raises:
@@ -120,7 +125,7 @@ class NorraLd5:
         """
         status = self._parsed(codec.parse_status, await self._ask(codec.STATUS))
         self._latches.note(beam_lost=status.lost or not status.beam, overspeed=status.fast)
-        return CounterStatus(
+        return BeamStatus(
             beam_ok=status.beam,
             beam_lost=self._latches.beam_lost,
             overspeed=self._latches.overspeed,

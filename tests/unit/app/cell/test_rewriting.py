@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from catseye.app.cell.rewriting import CommentsLostError, plain, rewritten, toml_value
+from catseye.app.cell.rewriting import CommentsLostError, plain, rewritten
 from catseye.app.cell.template import TEMPLATE
 
 TEXTS = st.text(st.characters(codec="utf-8"), max_size=12)
@@ -19,7 +19,7 @@ TABLES = st.dictionaries(TEXTS, VALUES, max_size=4)
 @settings(max_examples=60)
 @given(VALUES | TABLES)
 def test_a_value_is_read_as_it_was(value: Any) -> None:
-    assert tomllib.loads(f"key = {toml_value(value)}")["key"] == value
+    assert tomllib.loads(plain({"key": value}))["key"] == value
 
 
 @settings(max_examples=40)
@@ -77,22 +77,46 @@ def test_a_hash_in_a_text_is_no_comment() -> None:
 def test_values_over_several_lines_are_replaced_whole() -> None:
     text = "[m]\nnodes = [\n  1,\n  2,\n]  # deg\nmore = 1\n"
     new = rewritten(text, {"m": {"nodes": [1, 3], "more": 1}})
-    assert new == f"[m]\n{'nodes = [1, 3]':<39} # deg\nmore = 1\n"
+    assert new == "[m]\nnodes = [1, 3] # deg\nmore = 1\n"
 
 
 def test_a_removed_reflector_takes_its_lines_and_leaves_those_of_others() -> None:
     text = '# above\n[[reflector]]  # one\nname = "A"\nx = 1  # mm\n\n# two\n[[reflector]]\nname = "B"\nx = 2  # mm\n'
     assert rewritten(text, {"reflector": [{"name": "B", "x": 3}]}) == (
-        f'# above\n\n# two\n[[reflector]]\nname = "B"\n{"x = 3":<39} # mm\n'
+        '# above\n\n# two\n[[reflector]]\nname = "B"\nx = 3  # mm\n'
     )
 
 
-def test_forms_that_cannot_be_changed_are_told() -> None:
+def test_a_removed_table_takes_the_comments_above_it() -> None:
+    text = "# head\n[a]\nx = 1\n\n# about b\n[b]\ny = 2\n\n# about c\n[c]\nz = 3\n"
+    wanted = {"a": {"x": 1}, "c": {"z": 3}}
+    assert rewritten(text, wanted) == "# head\n[a]\nx = 1\n\n# about c\n[c]\nz = 3\n"
+
+
+def test_a_new_key_stands_with_those_of_its_table() -> None:
+    text = "[a]\nx = 1\n\n# about b\n[b]\ny = 2\n"
+    assert rewritten(text, {"a": {"x": 1, "new": 5}, "b": {"y": 2}}) == (
+        "[a]\nx = 1\nnew = 5\n\n# about b\n[b]\ny = 2\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted", "expected"),
+    [
+        (
+            "robot.limits.j1 = [1, 2]  # deg\n",
+            {"robot": {"limits": {"j1": [1, 3]}}},
+            "robot.limits.j1 = [1, 3]  # deg\n",
+        ),
+        ('reflector = [{ name = "A" }]\n', {"reflector": [{"name": "B"}]}, '\n[[reflector]]\nname = "B"\n'),
+        ("reflector = 5\n", {"reflector": [{"name": "B"}]}, '\n[[reflector]]\nname = "B"\n'),
+        ('[[reflector]]\nname = "A"\n', {"reflector": "B"}, 'reflector = "B"\n'),
+    ],
+)
+def test_any_form_of_a_value_is_changed(text: str, wanted: dict[str, Any], expected: str) -> None:
+    assert rewritten(text, wanted) == expected
+
+
+def test_a_table_in_several_parts_loses_its_comments() -> None:
     with pytest.raises(CommentsLostError, match="comments"):
-        rewritten("robot.limits.j1 = [1, 2]\n", {"robot": {"limits": {"j1": [1, 3]}}})
-    with pytest.raises(CommentsLostError, match="comments"):
-        rewritten('reflector = [{ name = "A" }]\n', {"reflector": [{"name": "B"}]})
-    with pytest.raises(CommentsLostError, match="comments"):
-        rewritten("reflector = 5\n", {"reflector": [{"name": "B"}]})
-    with pytest.raises(CommentsLostError, match="comments"):
-        rewritten('[[reflector]]\nname = "A"\n', {"reflector": "B"})
+        rewritten("[a.b]\nx = 1\n[c]\ny = 2\n[a.d]\nz = 3\n", {"a": {"b": {"x": 2}, "d": {}}, "c": {"y": 2}})

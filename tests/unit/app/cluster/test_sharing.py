@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from catseye.app.cluster.errors import WorkerLostError
-from catseye.app.cluster.sharing import Share, cores, sharing
+from catseye.app.cluster.share import Share
+from catseye.app.cluster.sharing import cores, sharing
 from catseye.app.errors import ConfigError
-from catseye.calibration.errors import UnidentifiableError
+from catseye.calibration.core.errors import UnidentifiableError
 from tests.unit.app.cluster.work import (
     drawn,
     fails_at_three,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from catseye.calibration.errors import UnidentifiableError
+from catseye.calibration.core.errors import UnidentifiableError
 
 
 def drawn(seed: np.random.SeedSequence) -> float:

@@ -6,31 +6,29 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, ClassVar
 
 from catseye.app.engine.devices import Devices, WireRecorder
 from catseye.app.engine.gate import JointLimits
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.request import RunRequest
+from catseye.app.protocol.events import RunEvent
+from catseye.drivers.roles.air import AirSample, AirSensor
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import DeviceError
-from catseye.drivers.roles.readings import (
-    AirSample,
-    CounterReading,
-    CounterStatus,
-    Identity,
-    Joints,
-    RobotStatus,
-)
+from catseye.drivers.roles.interferometer import BeamStatus, Compensated, Interferometer, LengthReading
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import Robot, RobotAbilities, RobotStatus
 from catseye.procedures.kit.context import Context, Json, Row
 
 LIMITS = JointLimits(j1_deg=(-170.0, 170.0), j2_deg=(-145.0, 145.0), j4_deg=(-360.0, 360.0))
-HOME: Joints = (0.0, 0.0, 0.0, 0.0)
-AWAY: Joints = (10.0, 20.0, 0.0, 30.0)
+HOME: Pose = (0.0, 0.0, 0.0, 0.0)
+AWAY: Pose = (10.0, 20.0, 0.0, 30.0)
 
 _SHORT_S = 0.99
 
 
-def free_way(_way: Sequence[Joints]) -> str | None:
+def free_way(_way: Sequence[Pose]) -> str | None:
     """Let every motion pass: what bodies do is shown elsewhere."""
     return None
 
@@ -69,13 +67,15 @@ def identity(simulated: bool) -> Identity:
 
 
 @dataclass
-class FakeRobot:
+class FakeRobot(Robot):
     """Moves in one second of the clock, or not before it is released."""
+
+    abilities: ClassVar[RobotAbilities] = RobotAbilities()
 
     clock: ManualClock
     calls: list[str] = field(default_factory=list)
     simulated: bool = True
-    pose: Joints = HOME
+    pose: Pose = HOME
     state: RobotStatus = field(
         default_factory=lambda: RobotStatus(False, False, True, False, False, 100.0, 0, "")
     )
@@ -114,7 +114,7 @@ class FakeRobot:
         self.state = replace(self.state, override_percent=read_back)
         return read_back
 
-    async def move_joints(self, target: Joints) -> None:
+    async def move_joints(self, target: Pose) -> None:
         self.calls.append("move")
         self.state = replace(self.state, running=True)
         if self.move_error:
@@ -130,7 +130,7 @@ class FakeRobot:
         self.pose = target
         self.state = replace(self.state, running=False)
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         if self.creeps and self.state.servo_on:
             self.pose = (self.pose[0] + 0.5, *self.pose[1:])
         return self.pose
@@ -144,16 +144,16 @@ class FakeRobot:
 
 
 @dataclass
-class FakeCounter:
+class FakeCounter(Interferometer):
     """Counts up by a micrometre a reading."""
 
     clock: ManualClock
     simulated: bool = True
     connect_error: DeviceError | None = None
-    beam: CounterStatus = field(default_factory=lambda: CounterStatus(True, False, False, True, 0.8))
+    beam: BeamStatus = field(default_factory=lambda: BeamStatus(True, False, False, True, 0.8))
     count: int = 0
     zeros: int = 0
-    compensated: Literal["none", "instrument"] = "instrument"
+    compensated: Compensated = "instrument"
 
     async def connect(self) -> Identity:
         if self.connect_error:
@@ -167,16 +167,16 @@ class FakeCounter:
         self.zeros += 1
         return self.zeros
 
-    async def read(self) -> CounterReading:
+    async def read(self) -> LengthReading:
         self.count += 1
-        return CounterReading(self.count * 1e-3, "", self.clock.monotonic_s())
+        return LengthReading(self.count * 1e-3, "", self.clock.monotonic_s())
 
-    async def status(self) -> CounterStatus:
+    async def status(self) -> BeamStatus:
         return self.beam
 
 
 @dataclass
-class FakeAir:
+class FakeAir(AirSensor):
     """Gives one state of the air and counts how often."""
 
     clock: ManualClock
@@ -244,8 +244,8 @@ class FakeBench:
         record("robot", "tx", b"hello\r")
         return Devices(self.robot, self.counter, self.air)
 
-    def publish(self, event: dict[str, Json]) -> None:
-        self.published.append(event)
+    def publish(self, event: RunEvent) -> None:
+        self.published.append(event.json_object())
 
     def install(self, on_signal: Callable[[int], None]) -> AbstractContextManager[None]:
         @contextmanager

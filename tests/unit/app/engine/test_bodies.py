@@ -13,14 +13,14 @@ from catseye.app.engine.gate import MotionGate
 from catseye.app.errors import LimitError
 from catseye.app.exitcode import ExitCode
 from catseye.drivers.roles.errors import RefusedError
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.motion.clear_way import way_check
 from tests.unit.app.engine.fakes import HOME, LIMITS, FakeBench, FakeRobot, ManualClock
 from tests.unit.app.engine.runs import measuring, run
 from tests.unit.procedures.benches import arm_xy, bench
 
 PAPER = bench()
-STANDING: Joints = (0.0, 0.0, 12.5, 0.0)
+STANDING: Pose = (0.0, 0.0, 12.5, 0.0)
 OWN = ((-170.0, 170.0), (-145.0, 145.0), (0.0, 150.0), (-360.0, 360.0))
 
 
@@ -47,9 +47,9 @@ async def test_the_gate_refuses_what_lies_between_two_targets(robot: FakeRobot) 
 
 
 async def test_the_gate_asks_where_the_arm_stands_unless_it_is_told(robot: FakeRobot) -> None:
-    seen: list[Sequence[Joints]] = []
+    seen: list[Sequence[Pose]] = []
 
-    def note(way: Sequence[Joints]) -> None:
+    def note(way: Sequence[Pose]) -> None:
         seen.append(way)
 
     gate = MotionGate(robot, LIMITS, note, 20.0)

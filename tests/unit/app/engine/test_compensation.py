@@ -2,10 +2,11 @@
 
 import pytest
 
-from catseye.app.engine.compensation import AirRule, Compensation
+from catseye.app.cell.air import AirRule
+from catseye.app.engine.compensation import Compensation
 from catseye.app.errors import MeasurementRejectedError
-from catseye.calibration.counted_length import compensated_mm
-from catseye.drivers.roles.readings import AirSample
+from catseye.calibration.air import compensated_mm
+from catseye.drivers.roles.air import AirSample
 
 ROOM = AirSample(20.0, 1013.25, 50.0, 0.0)
 WARMER = AirSample(25.0, 1013.25, 50.0, 0.0)

@@ -8,17 +8,18 @@ from typing import Any
 
 import pytest
 
-from catseye.app.engine.conditions import AirInRange, AirLimits, Condition, Watchman
+from catseye.app.cell.air import AirLimits
+from catseye.app.engine.conditions import AirInRange, Condition, Watchman
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.gate import require_ready
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.measuring import AirCache
-from catseye.app.engine.states import State
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import InterruptionError, SafetyError
+from catseye.app.protocol.state import ControlState
+from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.errors import LinkError
-from catseye.drivers.roles.protocols import ControllerStatus
-from catseye.drivers.roles.readings import AirSample, RobotStatus
+from catseye.drivers.roles.robot import RobotStatus
 from tests.unit.app.engine.fakes import FakeAir, FakeRobot, ManualClock
 
 LIMITS = AirLimits({"temperature_c": (15.0, 25.0), "pressure_hpa": (800.0, 1100.0)})
@@ -55,12 +56,12 @@ class Surroundings:
         # Longer than what the clock lets pass at once: the test decides when the watchman looks.
         self.watchman = Watchman(self.control, self.robot, conditions, self.ready, self.clock, 5.0)
 
-    def ready(self, status: ControllerStatus) -> None:
+    def ready(self, status: RobotStatus) -> None:
         require_ready(status)
         if status.override_percent > 20.0:
             raise InterruptionError("the override was raised")
 
-    async def look(self) -> State:
+    async def look(self) -> ControlState:
         """Let the watchman look once."""
         await turns()
         self.clock.advance(5.0)
@@ -102,32 +103,32 @@ async def test_air_outside_its_range_is_named_with_value_and_unit(
 
 
 async def test_air_suspends_a_run_that_stands_and_lets_it_go_on(around: Surroundings) -> None:
-    assert await around.look() == State.EXECUTE
+    assert await around.look() == ControlState.EXECUTE
     around.air.temperature_c = 30.0
-    assert await around.look() == State.SUSPENDED
-    assert await around.look() == State.SUSPENDED
+    assert await around.look() == ControlState.SUSPENDED
+    assert await around.look() == ControlState.SUSPENDED
     around.air.temperature_c = 20.0
-    assert await around.look() == State.EXECUTE
+    assert await around.look() == ControlState.EXECUTE
     assert around.told[2:] == ["SUSPENDED", "EXECUTE"]
 
 
 async def test_air_that_comes_back_does_not_end_the_operators_hold(around: Surroundings) -> None:
     around.air.temperature_c = 30.0
-    assert await around.look() == State.SUSPENDED
+    assert await around.look() == ControlState.SUSPENDED
     around.control.hold("operator")
     around.air.temperature_c = 20.0
-    assert await around.look() == State.HOLDING
+    assert await around.look() == ControlState.HOLDING
     with pytest.raises(TimeoutError):
         async with asyncio.timeout(0.01):
             await around.control.checkpoint()
-    assert around.control.state == State.HELD
+    assert around.control.state == ControlState.HELD
 
 
 async def test_the_watchman_ends_only_what_he_began(around: Surroundings) -> None:
     around.control.suspend("the laser is not ready")
-    assert await around.look() == State.SUSPENDED
+    assert await around.look() == ControlState.SUSPENDED
     around.control.condition_back("the laser is ready")
-    assert await around.look() == State.EXECUTE
+    assert await around.look() == ControlState.EXECUTE
 
 
 @pytest.mark.parametrize(
@@ -147,7 +148,7 @@ async def test_a_controller_that_may_not_move_any_more_aborts_at_rest_too(
     assert isinstance(around.control.ending, SafetyError)
     assert words in str(around.control.ending)
     await around.control.halted()
-    assert around.control.state == State.ABORTED
+    assert around.control.state == ControlState.ABORTED
 
 
 async def test_a_link_that_does_not_answer_is_told_once_and_left_to_the_next_command(
@@ -158,8 +159,8 @@ async def test_a_link_that_does_not_answer_is_told_once_and_left_to_the_next_com
 
     caplog.set_level(logging.WARNING)
     monkeypatch.setattr(around.robot, "status", silent)
-    assert await around.look() == State.EXECUTE
-    assert await around.look() == State.EXECUTE
+    assert await around.look() == ControlState.EXECUTE
+    assert await around.look() == ControlState.EXECUTE
     assert [record.message for record in caplog.records] == [
         "the surroundings cannot be watched: robot at tcp://x: no answer"
     ]
@@ -174,17 +175,17 @@ async def test_a_silent_sensor_hides_no_other_and_proves_nothing_back(
     answering = around.air.sample
     monkeypatch.setattr(around.air, "sample", silent)
     around.elsewhere.temperature_c = 30.0
-    assert await around.look() == State.SUSPENDED
+    assert await around.look() == ControlState.SUSPENDED
     around.elsewhere.temperature_c = 20.0
-    assert await around.look() == State.SUSPENDED
+    assert await around.look() == ControlState.SUSPENDED
     monkeypatch.setattr(around.air, "sample", answering)
-    assert await around.look() == State.EXECUTE
+    assert await around.look() == ControlState.EXECUTE
 
 
 async def test_the_air_is_not_looked_at_during_a_motion(around: Surroundings) -> None:
     around.control.moving = True
     around.air.temperature_c = 30.0
-    assert await around.look() == State.EXECUTE
+    assert await around.look() == ControlState.EXECUTE
 
 
 async def test_an_override_raised_during_a_motion_stops_it(around: Surroundings) -> None:
@@ -193,7 +194,7 @@ async def test_an_override_raised_during_a_motion_stops_it(around: Surroundings)
     await around.look()
     await around.control.halted()
     assert around.robot.calls == ["stop"]
-    assert around.control.state == State.UNSUSPENDING
+    assert around.control.state == ControlState.UNSUSPENDING
 
 
 @pytest.mark.parametrize("change", [{"emergency_stop": True}, {"servo_on": False}, {"teach_mode": True}])
@@ -205,4 +206,4 @@ async def test_a_controller_that_may_not_move_aborts_during_a_motion(
     await around.look()
     await around.control.halted()
     assert around.robot.calls[0] == "stop"
-    assert around.control.state == State.ABORTED
+    assert around.control.state == ControlState.ABORTED

@@ -34,27 +34,25 @@ class Asked:
     safe: str | None = None
 
 
-_RETRY = Asked("choice", ("retry",), ("stop",), "stop")
 _YES = Asked("confirm", ("yes",), ("no",))
 
 QUESTIONS: dict[tuple[str, str], Asked] = {
     ("app/engine/acknowledging.py", "_asked_once"): _YES,
     ("app/engine/reentry.py", "clear"): _YES,
     ("app/engine/reentry.py", "ask_for_reflectors"): Asked("choice", ("untouched",), ("moved",)),
-    ("procedures/scara/alignment/screws.py", "_freed"): _RETRY,
     ("procedures/scara/alignment/screws.py", "_ask_sense"): Asked(
         "choice", (), ("reversed", "turned the wrong way"), "reversed"
     ),
     ("procedures/scara/alignment/screws.py", "_ask_to_turn"): _YES,
-    ("procedures/scara/beam/recovery.py", "_asked"): Asked("choice", ("retry", "skip"), ("stop",), "stop"),
+    # Where nothing can be left out, without "skip".
+    ("procedures/kit/beam/loss.py", "_prompt"): Asked("choice", ("retry", "skip"), ("stop",), "stop"),
     ("procedures/scara/beam/nests.py", "place"): _YES,
     # The run drives on in any case, as it would have without the question.
     ("procedures/kit/beam/settled.py", "_prompt"): Asked("choice", ("again", "take", "skip"), (), "skip"),
     ("procedures/scara/search/sighting.py", "_prompt"): Asked("text", ("1.5", "here", "skip"), (), "skip"),
-    ("procedures/scara/motion/rounds.py", "_ask"): _RETRY,
     ("procedures/scara/path/validation_path.py", "_point_prompt"): _YES,
     # Why the arm may be driven where it was not walked.
-    ("app/walk/rule.py", "_asked"): Asked("text", ("it was walked yesterday",), ("no",)),
+    ("app/engine/walked/rule.py", "_asked"): Asked("text", ("it was walked yesterday",), ("no",)),
     # The whole path is driven by then.
     ("procedures/scara/path/validation_path.py", "_file_prompt"): Asked("text", (), ("measured.csv",)),
     ("procedures/scara/open_loop/campaign.py", "_place"): _YES,
@@ -91,7 +89,6 @@ def _found() -> dict[tuple[str, str], Prompt]:
                 if isinstance(call, ast.Call) and ast.unparse(call.func) == "Prompt":
                     found[path.relative_to(_ROOT).as_posix(), function.name] = _prompt(call)
     # Read back from an event for a front end; it asks nothing of its own.
-    del found["app/service/questions.py", "prompt_of"]
     del found["app/protocol/prompts.py", "prompt"]
     return found
 

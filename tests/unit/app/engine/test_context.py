@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import pytest
 
@@ -13,10 +13,9 @@ from catseye.app.engine.context import RunContext
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.gate import JointLimits, MotionGate
-from catseye.app.engine.hands import Hands
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answer, Operator
-from catseye.app.engine.states import State
+from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.errors import (
     ConfigError,
     InterruptedRunError,
@@ -27,18 +26,22 @@ from catseye.app.errors import (
     SafetyError,
 )
 from catseye.app.exitcode import ExitCode
+from catseye.app.protocol.state import ControlState
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
-from catseye.drivers.roles.readings import CounterStatus, Joints, RobotStatus
-from catseye.procedures.kit.context import Context, Json, Live, Prompt, Row
+from catseye.drivers.roles.interferometer import BeamStatus
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import RobotAbilities, RobotStatus
+from catseye.procedures.kit.context import Context, Json, Prompt, Row
 from catseye.procedures.kit.errors import MeasuredFileError
+from catseye.procedures.kit.live import Live
 from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, free_way, point
 
 READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
 
 
-class Willing(Hands):
-    """Hands that do whatever they are told, or break."""
+class Willing(SimulatedOperator):
+    """SimulatedOperator that do whatever they are told, or break."""
 
     async def do(self, task: Mapping[str, Json]) -> dict[str, Json]:
         if task["do"] == "break":
@@ -185,7 +188,7 @@ async def test_steps_do_not_nest(parts: Parts) -> None:
         ((0.0, 0.0, float("inf"), 0.0), "J3 = inf"),
     ],
 )
-async def test_limits_hold_at_the_gate(parts: Parts, target: Joints, text: str) -> None:
+async def test_limits_hold_at_the_gate(parts: Parts, target: Pose, text: str) -> None:
     with pytest.raises(LimitError, match=text):
         await parts.ctx.move(target)
     assert "move" not in parts.bench.robot.calls
@@ -236,7 +239,9 @@ async def test_an_override_that_stays_up_is_never_driven_with(parts: Parts) -> N
 class WayFakeRobot(FakeRobot):
     """Passes the targets of a way in one motion."""
 
-    async def follow(self, way: Sequence[Joints]) -> None:
+    abilities: ClassVar[RobotAbilities] = RobotAbilities(following="blended")
+
+    async def follow(self, way: Sequence[Pose]) -> None:
         self.calls.append(f"follow {len(way)}")
         self.pose = way[-1]
 
@@ -272,28 +277,28 @@ async def test_a_measurement_averages_readings_over_the_dwell(parts: Parts) -> N
     assert measured.spread_mm == pytest.approx(1.5811e-3, rel=1e-4)
     assert measured.duration_s == pytest.approx(0.8)
     assert measured.time_utc == "2026-01-02T03:04:05.500000+00:00"
-    assert (measured.readings, measured.reported, measured.signal) == (5, AWAY, 0.8)
-    assert measured.beam_ok
+    assert (measured.readings, measured.reported, measured.beam.signal) == (5, AWAY, 0.8)
+    assert measured.beam.count_valid
 
 
 @pytest.mark.parametrize(
     "beam",
     [
-        CounterStatus(False, True, False, True, 0.0),
-        CounterStatus(True, True, False, True, 0.8),
-        CounterStatus(True, False, True, True, 0.8),
+        BeamStatus(False, True, False, True, 0.0),
+        BeamStatus(True, True, False, True, 0.8),
+        BeamStatus(True, False, True, True, 0.8),
     ],
 )
 async def test_a_count_that_was_lost_is_not_ok_even_if_the_beam_is_back(
-    parts: Parts, beam: CounterStatus
+    parts: Parts, beam: BeamStatus
 ) -> None:
     await parts.ctx.zero(500.0)
     parts.bench.counter.beam = beam
-    assert not (await parts.ctx.measure(0.5, 0.5, 2)).beam_ok
+    assert not (await parts.ctx.measure(0.5, 0.5, 2)).beam.count_valid
 
 
 async def test_a_count_that_this_process_has_not_zeroed_is_not_ok(parts: Parts) -> None:
-    assert not (await parts.ctx.measure(0.5, 0.5, 2)).beam_ok
+    assert not (await parts.ctx.measure(0.5, 0.5, 2)).beam.count_valid
 
 
 async def test_the_air_is_sampled_anew_when_it_is_old(parts: Parts) -> None:
@@ -355,14 +360,14 @@ async def test_a_count_whose_zero_failed_for_want_of_the_air_is_not_ok(tmp_path:
 
     async def body(ctx: Context) -> None:
         await ctx.zero(500.0)
-        seen.append((await ctx.measure(0.1, 0.1, 1)).beam_ok)
+        seen.append((await ctx.measure(0.1, 0.1, 1)).beam.count_valid)
         bench.air.pressure_hpa = None
         bench.clock.advance(10.0)
         with pytest.raises(MeasurementRejectedError, match="no pressure"):
             await ctx.zero(600.0)
         bench.air.pressure_hpa = 1013.0
         bench.clock.advance(10.0)
-        seen.append((await ctx.measure(0.1, 0.1, 1)).beam_ok)
+        seen.append((await ctx.measure(0.1, 0.1, 1)).beam.count_valid)
 
     await run_procedure(bench.request(Script(body)), bench.build, bench.clock, bench.publish, bench.install)
     assert seen == [True, False]
@@ -460,7 +465,7 @@ async def test_a_stop_beside_a_live_value_stays_a_stop(parts: Parts, monkeypatch
     """The look and the question are dropped together, and a look that ends slowly must not abort the run."""
     looking = asyncio.Event()
 
-    async def slow_status() -> CounterStatus:
+    async def slow_status() -> BeamStatus:
         looking.set()
         try:
             await asyncio.Event().wait()
@@ -481,5 +486,5 @@ async def test_a_stop_beside_a_live_value_stays_a_stop(parts: Parts, monkeypatch
     with pytest.raises(InterruptedRunError, match="F12"):
         await asking
     await parts.control.halted()
-    assert parts.control.state == State.STOPPED
+    assert parts.control.state == ControlState.STOPPED
     assert parts.bench.robot.calls == ["stop"]

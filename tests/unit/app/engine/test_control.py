@@ -10,10 +10,11 @@ import pytest
 from catseye.app.engine import control
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.halt import HaltLimits, HaltReport
-from catseye.app.engine.states import State
 from catseye.app.errors import InterruptedRunError, SafetyError, TerminatedRunError
+from catseye.app.protocol.state import ControlState
 from catseye.drivers.roles.errors import LinkError, RefusedError
-from catseye.drivers.roles.readings import Joints, RobotStatus
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import RobotStatus
 from tests.unit.app.engine.fakes import AWAY, FakeRobot, ManualClock
 
 
@@ -22,7 +23,7 @@ class Bench:
         self.clock = ManualClock()
         self.robot = FakeRobot(self.clock)
         self.robot.state = replace(self.robot.state, servo_on=True)
-        self.told: list[tuple[State, str]] = []
+        self.told: list[tuple[ControlState, str]] = []
         self.control = RunControl(
             self.clock, lambda state, reason: self.told.append((state, reason)), HaltLimits(standstill_s=0.5)
         )
@@ -48,7 +49,7 @@ async def turns(count: int = 20) -> None:
         await asyncio.sleep(0)
 
 
-async def until(bench: Bench, state: State) -> None:
+async def until(bench: Bench, state: ControlState) -> None:
     await turns()
     assert bench.control.state == state
 
@@ -62,8 +63,25 @@ async def test_a_stop_during_a_move_reaches_the_robot_before_anything_else(bench
         await move
     await bench.control.halted()
     assert bench.robot.calls == ["move", "stop", "move cancelled"]
-    assert bench.control.state == State.STOPPED
+    assert bench.control.state == ControlState.STOPPED
     assert bench.control.reports[0].standstill
+
+
+async def test_a_stop_needs_no_event_that_can_be_built(bench: Bench) -> None:
+    def broken(_state: ControlState, _reason: str) -> None:
+        raise ValueError("no event can be built")
+
+    control = RunControl(bench.clock, broken, HaltLimits(standstill_s=0.5))
+    control.attach(bench.robot)
+    control.state = ControlState.HELD
+    held = asyncio.create_task(control.checkpoint())
+    await turns()
+    with pytest.raises(ValueError, match="no event"):
+        control.stop("F12")
+    with pytest.raises(InterruptedRunError, match="F12"):
+        await held
+    await turns()
+    assert "stop" in bench.robot.calls
 
 
 async def test_no_motion_follows_a_stop(bench: Bench) -> None:
@@ -94,9 +112,9 @@ async def test_a_stop_while_the_gate_looks_keeps_the_move_from_beginning(bench: 
 async def test_a_hold_lets_the_move_end_and_takes_effect_at_the_checkpoint(bench: Bench) -> None:
     bench.robot.blocks = False
     bench.control.hold("h")
-    assert bench.control.state == State.HOLDING
+    assert bench.control.state == ControlState.HOLDING
     waiting = asyncio.create_task(bench.move())
-    await until(bench, State.HELD)
+    await until(bench, ControlState.HELD)
     assert bench.robot.calls == []
     bench.control.unhold("go on")
     await waiting
@@ -124,7 +142,7 @@ class EndsAtStop(FakeRobot):
     turns_later: int = 0
     stopped: asyncio.Event = field(default_factory=asyncio.Event)
 
-    async def move_joints(self, target: Joints) -> None:
+    async def move_joints(self, target: Pose) -> None:
         self.calls.append(f"move to {target}")
         await self.stopped.wait()
         await turns(self.turns_later)
@@ -143,7 +161,7 @@ async def test_a_motion_refused_at_any_turn_of_a_halt(bench: Bench, turns_later:
     motion = asyncio.create_task(bench.control.motion(bench.gate, lambda: robot.move_joints(AWAY)))
     await turns()
     bench.control.interrupt("the door is open")
-    await until(bench, State.UNSUSPENDING)
+    await until(bench, ControlState.UNSUSPENDING)
     bench.control.stop("over")
     with pytest.raises(InterruptedRunError):
         await motion
@@ -158,13 +176,13 @@ async def test_a_halt_that_fails_calls_for_the_emergency_stop(
 
     monkeypatch.setattr(control, "halt", failing)
     bench.control.interrupt("the door is open")
-    await until(bench, State.ABORTED)
+    await until(bench, ControlState.ABORTED)
     assert "PRESS THE EMERGENCY STOP" in str(bench.control.ending)
     assert "PRESS THE EMERGENCY STOP" in bench.told[-1][1]
 
 
-@pytest.mark.parametrize(("anew", "state"), [(True, State.SUSPENDING), (False, State.EXECUTE)])
-async def test_a_door_opened_while_starting_has_to_be_acknowledged(anew: bool, state: State) -> None:
+@pytest.mark.parametrize(("anew", "state"), [(True, ControlState.SUSPENDING), (False, ControlState.EXECUTE)])
+async def test_a_door_opened_while_starting_has_to_be_acknowledged(anew: bool, state: ControlState) -> None:
     starting = RunControl(ManualClock(), lambda _state, _reason: None, HaltLimits())
     starting.starting()
     starting.interrupt("the door is open", anew=anew)
@@ -192,7 +210,7 @@ async def test_after_a_hold_the_gate_looks_again(bench: Bench) -> None:
             bench.control.hold("h")
 
     waiting = asyncio.create_task(bench.control.motion(gate, lambda: bench.robot.move_joints(AWAY)))
-    await until(bench, State.HELD)
+    await until(bench, ControlState.HELD)
     bench.control.unhold("go on")
     await waiting
     assert looks == 2
@@ -201,11 +219,11 @@ async def test_after_a_hold_the_gate_looks_again(bench: Bench) -> None:
 
 async def test_the_ladder_of_ctrl_c_holds_then_stops_then_aborts(bench: Bench) -> None:
     bench.control.on_signal(signal.SIGINT)
-    assert bench.control.state == State.HOLDING
+    assert bench.control.state == ControlState.HOLDING
     bench.control.on_signal(signal.SIGINT)
     stopping = bench.control.state
     bench.control.on_signal(signal.SIGINT)
-    assert (stopping, bench.control.state.value) == (State.STOPPING, "ABORTING")
+    assert (stopping, bench.control.state.value) == (ControlState.STOPPING, "ABORTING")
     with pytest.raises(InterruptedRunError, match="third"):
         await bench.control.checkpoint()
     await bench.control.halted()
@@ -215,13 +233,13 @@ async def test_the_ladder_of_ctrl_c_holds_then_stops_then_aborts(bench: Bench) -
 async def test_a_second_ctrl_c_while_held_stops(bench: Bench) -> None:
     bench.control.on_signal(signal.SIGINT)
     waiting = asyncio.create_task(bench.control.checkpoint())
-    await until(bench, State.HELD)
+    await until(bench, ControlState.HELD)
     bench.control.on_signal(signal.SIGINT)
     with pytest.raises(InterruptedRunError):
         await waiting
     await bench.control.halted()
     assert bench.robot.calls[0] == "stop"
-    assert bench.control.state == State.STOPPED
+    assert bench.control.state == ControlState.STOPPED
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
@@ -230,16 +248,16 @@ async def test_termination_aborts(bench: Bench, number: signal.Signals) -> None:
     with pytest.raises(TerminatedRunError, match=number.name):
         await bench.control.checkpoint()
     await bench.control.halted()
-    assert bench.control.state == State.ABORTED
+    assert bench.control.state == ControlState.ABORTED
 
 
 async def test_sigusr1_ends_a_hold(bench: Bench) -> None:
     bench.control.on_signal(signal.SIGINT)
     waiting = asyncio.create_task(bench.control.checkpoint())
-    await until(bench, State.HELD)
+    await until(bench, ControlState.HELD)
     bench.control.on_signal(signal.SIGUSR1)
     await waiting
-    assert bench.control.state == State.EXECUTE
+    assert bench.control.state == ControlState.EXECUTE
 
 
 async def test_a_suspension_waits_for_the_condition(bench: Bench) -> None:
@@ -264,7 +282,7 @@ async def suspended(bench: Bench, back: list[bool]) -> None:
 
 async def test_a_suspension_ends_when_a_look_finds_the_condition_back(bench: Bench) -> None:
     await suspended(bench, [False, False, True])
-    assert [state for state, _ in bench.told[2:]] == [State.SUSPENDED, State.EXECUTE]
+    assert [state for state, _ in bench.told[2:]] == [ControlState.SUSPENDED, ControlState.EXECUTE]
     assert bench.told[-1][1] == "over: the air is too warm"
     assert bench.clock.time_s == 1.0
     await bench.move()
@@ -274,29 +292,29 @@ async def test_a_suspension_ends_when_a_look_finds_the_condition_back(bench: Ben
 async def test_a_hold_outlasts_a_suspension_that_is_over_and_one_that_is_not(bench: Bench) -> None:
     back = [False]
     waiting = asyncio.create_task(suspended(bench, back))
-    await until(bench, State.SUSPENDED)
+    await until(bench, ControlState.SUSPENDED)
     bench.control.hold("operator")
-    await until(bench, State.HELD)
+    await until(bench, ControlState.HELD)
     bench.control.unhold("operator")
     # The condition is not back: after the hold the run is suspended again, not moving.
-    await until(bench, State.SUSPENDED)
+    await until(bench, ControlState.SUSPENDED)
     bench.control.hold("operator")
     back[0] = True
-    await until(bench, State.HELD)
+    await until(bench, ControlState.HELD)
     assert not waiting.done()
     bench.control.unhold("operator")
     await waiting
-    assert bench.control.state == State.EXECUTE
+    assert bench.control.state == ControlState.EXECUTE
 
 
 async def test_a_stop_ends_a_suspension(bench: Bench) -> None:
     waiting = asyncio.create_task(suspended(bench, [False]))
-    await until(bench, State.SUSPENDED)
+    await until(bench, ControlState.SUSPENDED)
     bench.control.stop("F12")
     with pytest.raises(InterruptedRunError, match="F12"):
         await waiting
     await bench.control.halted()
-    assert bench.control.state == State.STOPPED
+    assert bench.control.state == ControlState.STOPPED
 
 
 async def test_a_motion_that_met_a_short_suspension_at_its_gate_looks_again(bench: Bench) -> None:
@@ -419,7 +437,7 @@ async def test_a_cancelled_caller_stops_the_robot_before_it_ends(bench: Bench) -
     with pytest.raises(asyncio.CancelledError):
         await move
     assert bench.robot.calls == ["move", "stop", "move cancelled"]
-    assert bench.control.state == State.ABORTED
+    assert bench.control.state == ControlState.ABORTED
 
 
 async def test_motion_after_the_end_is_refused(bench: Bench) -> None:
@@ -430,11 +448,11 @@ async def test_motion_after_the_end_is_refused(bench: Bench) -> None:
 
 async def test_a_request_that_means_nothing_is_told(bench: Bench) -> None:
     bench.control.unhold("SIGUSR1")
-    assert bench.told[-1] == (State.EXECUTE, "unhold means nothing in state EXECUTE (SIGUSR1)")
+    assert bench.told[-1] == (ControlState.EXECUTE, "unhold means nothing in state EXECUTE (SIGUSR1)")
 
 
 async def test_only_a_clear_leaves_aborted(bench: Bench) -> None:
     bench.control.abort(SafetyError("alarm"))
     await bench.control.halted()
     bench.control.clear("the operator has looked")
-    assert bench.control.state == State.STOPPED
+    assert bench.control.state == ControlState.STOPPED

@@ -11,24 +11,25 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.halt import HaltLimits
-from catseye.app.engine.states import ENDED, State
 from catseye.app.errors import CatseyeError, SafetyError
+from catseye.app.protocol.state import ENDED, ControlState
+from catseye.drivers.roles.pose import Pose
 from tests.unit.app.engine.fakes import AWAY, FakeRobot, ManualClock
 
-MAY_BEGIN = {State.EXECUTE}
-MAY_GO_ON = MAY_BEGIN | {State.HOLDING, State.SUSPENDED}
+MAY_BEGIN = {ControlState.EXECUTE}
+MAY_GO_ON = MAY_BEGIN | {ControlState.HOLDING, ControlState.SUSPENDED}
 """A move that is under way when a hold or a suspension comes ends by itself."""
 
 
-class Robot(FakeRobot):
+class WatchedRobot(FakeRobot):
     """Tells in which state of the run each of its motions began."""
 
     def watch(self, control: RunControl) -> None:
         """Look at this run."""
         self.control = control
-        self.began: list[State] = []
+        self.began: list[ControlState] = []
 
-    async def move_joints(self, target: tuple[float, float, float, float]) -> None:
+    async def move_joints(self, target: Pose) -> None:
         """Note the state, then move."""
         self.began.append(self.control.state)
         await super().move_joints(target)
@@ -41,7 +42,7 @@ class EngineMachine(RuleBasedStateMachine):
         super().__init__()
         self.loop = asyncio.new_event_loop()
         self.clock = ManualClock()
-        self.robot = Robot(self.clock)
+        self.robot = WatchedRobot(self.clock)
         self.robot.state = replace(self.robot.state, servo_on=True)
         self.back = True
         self.stops_asked = self.began_at_stop = 0
@@ -129,7 +130,7 @@ class EngineMachine(RuleBasedStateMachine):
 
     async def _acknowledge(self) -> None:
         # Asked in the very turn: a halt that ends in the turns before makes the acknowledgement count.
-        if self.control.state == State.UNSUSPENDING:
+        if self.control.state == ControlState.UNSUSPENDING:
             self.acknowledged_at.append(len(self.robot.began))
         self.control.acknowledge("test")
 
@@ -182,7 +183,7 @@ class EngineMachine(RuleBasedStateMachine):
     def a_move_goes_on_only_where_it_may(self) -> None:
         """While the arm moves the run executes, holds or is suspended, or a stop is on its way."""
         if self.robot.state.running and not self.stops_asked:
-            assert self.control.state in MAY_GO_ON | {State.SUSPENDING}
+            assert self.control.state in MAY_GO_ON | {ControlState.SUSPENDING}
 
     def teardown(self) -> None:
         """A stop ends every run, whatever came before, and it reaches the robot."""

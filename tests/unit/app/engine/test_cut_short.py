@@ -5,10 +5,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from catseye.app.engine.cut_short import rest_of_way
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 
-START: Joints = (0.0, 0.0, 0.0, 0.0)
-WAY: tuple[Joints, ...] = ((10.0, 20.0, 0.0, 40.0), (10.0, -20.0, 0.0, 40.0), (30.0, -20.0, 5.0, 0.0))
+START: Pose = (0.0, 0.0, 0.0, 0.0)
+WAY: tuple[Pose, ...] = ((10.0, 20.0, 0.0, 40.0), (10.0, -20.0, 0.0, 40.0), (30.0, -20.0, 5.0, 0.0))
 
 
 @given(leg=st.integers(0, 2), share=st.floats(0.02, 0.98))
@@ -19,7 +19,7 @@ def test_an_arm_on_a_leg_goes_on_to_its_end(leg: int, share: float) -> None:
 
 
 @pytest.mark.parametrize("here", [(10.0, 0.0, 0.0, 60.0), (0.0, 0.0, -1.0, 0.0), (40.0, -20.0, 5.0, -20.0)])
-def test_an_arm_beside_its_way_has_none(here: Joints) -> None:
+def test_an_arm_beside_its_way_has_none(here: Pose) -> None:
     assert rest_of_way(START, WAY, here) is None
 
 

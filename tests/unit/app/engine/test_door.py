@@ -14,23 +14,23 @@ from catseye.app.engine.request import RunOutcome
 from catseye.app.engine.waiting import cancel
 from catseye.app.exitcode import ExitCode
 from catseye.drivers.roles.errors import LinkError
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import ArmMovedError
 from tests.unit.app.engine.fakes import AWAY, HOME, FakeRobot, Script
 from tests.unit.app.engine.test_interlock import Block, GuardedBench
 
-HALFWAY: Joints = (5.0, 10.0, 0.0, 15.0)
+HALFWAY: Pose = (5.0, 10.0, 0.0, 15.0)
 
 
 @dataclass
 class HalfwayRobot(FakeRobot):
     """The first motion stands still halfway until it is stopped there."""
 
-    targets: list[Joints] = field(default_factory=list)
-    stopped_at: Joints = HALFWAY
+    targets: list[Pose] = field(default_factory=list)
+    stopped_at: Pose = HALFWAY
 
-    async def move_joints(self, target: Joints) -> None:
+    async def move_joints(self, target: Pose) -> None:
         self.targets.append(target)
         self.blocks = len(self.targets) == 1
         await super().move_joints(target)
@@ -158,11 +158,11 @@ async def test_a_count_is_worth_nothing_after_the_door(bench: GuardedBench) -> N
 
     async def body(ctx: Context) -> None:
         await ctx.zero(0.0)
-        found.append((await ctx.measure(0.0, 0.0, 1)).beam_ok)
+        found.append((await ctx.measure(0.0, 0.0, 1)).beam.count_valid)
         await ctx.move(AWAY)
-        found.append((await ctx.measure(0.0, 0.0, 1)).beam_ok)
+        found.append((await ctx.measure(0.0, 0.0, 1)).beam.count_valid)
         await ctx.zero(0.0)
-        found.append((await ctx.measure(0.0, 0.0, 1)).beam_ok)
+        found.append((await ctx.measure(0.0, 0.0, 1)).beam.count_valid)
 
     await opened(bench, body)
     assert found == [True, False, True]

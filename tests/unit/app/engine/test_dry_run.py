@@ -9,8 +9,9 @@ import pytest
 from catseye.app.engine.arm_model import ArmModel
 from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.errors import LimitError, MeasurementRejectedError
-from catseye.drivers.roles.protocols import Joints
-from catseye.procedures.kit.bench import Arm, Bench, Following
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import Following
+from catseye.procedures.kit.bench import Arm, Bench
 from catseye.procedures.kit.context import Context, Prompt, Row
 from tests.unit.app.engine.fakes import HOME, LIMITS, point
 from tests.unit.procedures.benches import bench
@@ -40,7 +41,7 @@ def following(way: Following) -> Bench:
     return replace(BENCH, arm=replace(ARM, following=way))
 
 
-def length_mm(pose: Joints) -> float | None:
+def length_mm(pose: Pose) -> float | None:
     hit = ArmModel(BENCH).hit(pose)
     return None if hit is None else hit.length_mm
 
@@ -150,7 +151,7 @@ async def test_a_turn_of_j4_alone_is_no_miss_but_can_lose_the_beam(dry: DryRunCo
         await dry.zero(100.0)
         for j4_deg in (0.3, -0.3, 0.0):
             await dry.move((0.0, 0.0, 0.0, j4_deg))
-            assert (await dry.measure(0.5, 0.5, 1)).beam_ok
+            assert (await dry.measure(0.5, 0.5, 1)).beam.count_valid
         await dry.move((0.0, 0.0, 0.0, 0.8))
         await dry.move(HOME)
         assert (await dry.beam()).beam_lost
@@ -206,7 +207,7 @@ async def test_limits_hold_at_every_move(dry: DryRunContext) -> None:
 async def test_the_displacement_is_relative_to_the_zero(dry: DryRunContext) -> None:
     await dry.zero(500.0)
     measured = await dry.measure(0.5, 0.5, 1)
-    assert (measured.displacement_mm, measured.beam_ok, measured.reported) == (0.0, True, HOME)
+    assert (measured.displacement_mm, measured.beam.count_valid, measured.reported) == (0.0, True, HOME)
     assert dry.total_s == pytest.approx(0.5)
 
 
@@ -214,9 +215,9 @@ async def test_a_beam_that_broke_on_the_way_stays_lost_until_a_zero(dry: DryRunC
     await dry.zero(500.0)
     await dry.move((0.0, 0.0, 0.0, 5.0))
     await dry.move(HOME)
-    assert not (await dry.measure(0.5, 0.5, 1)).beam_ok
+    assert not (await dry.measure(0.5, 0.5, 1)).beam.count_valid
     await dry.zero(500.0)
-    assert (await dry.measure(0.5, 0.5, 1)).beam_ok
+    assert (await dry.measure(0.5, 0.5, 1)).beam.count_valid
 
 
 @pytest.mark.parametrize(

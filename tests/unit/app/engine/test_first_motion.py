@@ -6,7 +6,7 @@ import pytest
 
 from catseye.app.engine.first_motion import PATIENCE_S, REST_S, require_rest
 from catseye.app.errors import SafetyError
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from tests.unit.app.engine.fakes import HOME, FakeRobot, ManualClock
 
 
@@ -15,7 +15,7 @@ class DriftingRobot(FakeRobot):
 
     until_s = 0.0
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         one = 0.5 * min(self.clock.monotonic_s(), self.until_s)
         return (one, *HOME[1:])
 
@@ -33,7 +33,7 @@ class SlowRobot(FakeRobot):
         super().__init__(clock)
         self.asked_s: list[float] = []
 
-    async def joints(self) -> Joints:
+    async def joints(self) -> Pose:
         self.asked_s.append(self.clock.monotonic_s())
         self.clock.advance(2.0)
         return HOME

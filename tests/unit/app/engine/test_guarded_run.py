@@ -11,7 +11,7 @@ from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answer
 from catseye.app.errors import ArmInUseError
 from catseye.app.exitcode import ExitCode
-from catseye.drivers.roles.protocols import Joints
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context, Prompt
 from tests.unit.app.engine.fakes import AWAY, FakeBench, FakeRobot, Script
 from tests.unit.app.guard.fakes import FakeGuard
@@ -34,7 +34,7 @@ class GuardStopsFirst(FakeRobot):
     guard: FakeGuard = field(default_factory=FakeGuard)
     asked: bool = False
 
-    async def move_joints(self, target: Joints) -> None:
+    async def move_joints(self, target: Pose) -> None:
         if not self.asked:
             self.asked = True
             self.guard.stopped = "the guard stopped the arm"

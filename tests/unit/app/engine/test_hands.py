@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from catseye.app.engine.hands import Hands
 from catseye.app.engine.operator import Answer, Operator, says_done
+from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.errors import ConfigError, LinkFailedError
 from catseye.procedures.kit.context import Json, Prompt
 from catseye.simulators.config import Screws
-from catseye.simulators.launch import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench
 from tests.unit.app.engine.fakes import ManualClock
 from tests.unit.simulators.benches import QUIET
 
@@ -33,19 +33,21 @@ def endpoint(bench: EmulatedBench) -> str:
 
 
 async def test_hands_turn_a_screw_clockwise(bench: EmulatedBench) -> None:
-    done = await Hands(endpoint(bench)).do(TURN)
+    done = await SimulatedOperator(endpoint(bench)).do(TURN)
     # Half a turn of a screw with 0.5 mm a turn.
     assert bench.bench.mount.offset_mm == pytest.approx(0.25)
     assert done == {"op": "turn_screw", "screw": "stage", "turns": 0.5}
 
 
 async def test_clumsy_hands_turn_it_the_wrong_way(bench: EmulatedBench) -> None:
-    await Hands(endpoint(bench), clumsy=True).do({"do": "turn-screw", "screw": "level", "turns": 1})
+    await SimulatedOperator(endpoint(bench), clumsy=True).do(
+        {"do": "turn-screw", "screw": "level", "turns": 1}
+    )
     assert 1e3 * bench.bench.mount.pitch_rad == pytest.approx(-2.0)
 
 
 async def test_hands_carry_the_reflector_and_clear_the_beam(bench: EmulatedBench) -> None:
-    hands = Hands(endpoint(bench))
+    hands = SimulatedOperator(endpoint(bench))
     assert bench.bench.in_place == ["P1"]
     await hands.do({"do": "place-reflector", "reflector": "P2"})
     assert bench.bench.in_place == ["P2"]
@@ -57,13 +59,13 @@ async def test_hands_carry_the_reflector_and_clear_the_beam(bench: EmulatedBench
 
 async def test_what_the_bench_refuses_is_said(bench: EmulatedBench) -> None:
     with pytest.raises(LinkFailedError, match="no reflector 'P9'; there are P1, P2, P3"):
-        await Hands(endpoint(bench)).do({"do": "place-reflector", "reflector": "P9"})
+        await SimulatedOperator(endpoint(bench)).do({"do": "place-reflector", "reflector": "P9"})
     with pytest.raises(LinkFailedError, match="turns"):
-        await Hands(endpoint(bench)).do({**TURN, "turns": 500.0})
+        await SimulatedOperator(endpoint(bench)).do({**TURN, "turns": 500.0})
 
 
 async def test_a_task_that_no_hands_know_is_a_fault_of_the_program() -> None:
-    hands = Hands("tcp://127.0.0.1:1")
+    hands = SimulatedOperator("tcp://127.0.0.1:1")
     with pytest.raises(ValueError, match="they know turn-screw"):
         await hands.do({"do": "dance"})
     with pytest.raises(ValueError, match="number"):
@@ -75,9 +77,9 @@ async def test_a_bench_that_is_not_there_is_said() -> None:
     port = server.sockets[0].getsockname()[1]
     async with server:
         with pytest.raises(LinkFailedError, match="does not do"):
-            await Hands(f"tcp://127.0.0.1:{port}").do(TURN)
+            await SimulatedOperator(f"tcp://127.0.0.1:{port}").do(TURN)
     with pytest.raises(LinkFailedError, match="catseye emulate"):
-        await Hands(f"tcp://127.0.0.1:{port}").do(TURN)
+        await SimulatedOperator(f"tcp://127.0.0.1:{port}").do(TURN)
 
 
 async def _hang_up(_reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
@@ -99,7 +101,7 @@ def test_which_answers_say_that_the_task_is_done(prompt: Prompt, text: str, *, d
 
 
 async def test_unattended_the_task_is_done_and_the_safe_answer_is_not_taken(bench: EmulatedBench) -> None:
-    operator = Operator(ManualClock(), {}, None, simulated=True, hands=Hands(endpoint(bench)))
+    operator = Operator(ManualClock(), {}, None, simulated=True, hands=SimulatedOperator(endpoint(bench)))
     answer = await operator.answer(STAGE)
     assert (answer.text, answer.who) == ("done", "emulated operator")
     assert answer.done == {"op": "turn_screw", "screw": "stage", "turns": 0.5}
@@ -110,7 +112,7 @@ async def test_the_hands_obey_a_person_and_the_answers_file_too(bench: EmulatedB
     async def person(_prompt: Prompt) -> Answer:
         return Answer("done", "Ada")
 
-    hands = Hands(endpoint(bench))
+    hands = SimulatedOperator(endpoint(bench))
     await Operator(ManualClock(), {}, person, simulated=True, hands=hands).answer(STAGE)
     assert bench.bench.mount.offset_mm == pytest.approx(0.25)
     stopped = await Operator(ManualClock(), {"stage/1": "stop"}, None, simulated=True, hands=hands).answer(
@@ -124,7 +126,7 @@ async def test_on_real_hardware_no_hands_move(bench: EmulatedBench) -> None:
     async def person(_prompt: Prompt) -> Answer:
         return Answer("done", "Ada")
 
-    operator = Operator(ManualClock(), {}, person, simulated=False, hands=Hands(endpoint(bench)))
+    operator = Operator(ManualClock(), {}, person, simulated=False, hands=SimulatedOperator(endpoint(bench)))
     assert await operator.answer(STAGE) == Answer("done", "Ada")
     assert bench.bench.mount.offset_mm == 0.0
 

@@ -17,6 +17,7 @@ from catseye.app.engine.host import run_procedure
 from catseye.app.engine.signals import loop_signals
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.exitcode import ExitCode
+from catseye.app.protocol.events import RunEvent, StateChanged, StepDone
 from catseye.app.store.reader import RunReader
 from catseye.app.store.verify import verify
 from catseye.drivers.roles.errors import AlarmError, LinkError
@@ -247,9 +248,9 @@ async def test_a_complete_run_is_not_resumed(bench: FakeBench) -> None:
 async def test_a_lost_front_end_holds_the_run(bench: FakeBench) -> None:
     events: list[Json] = []
 
-    def publish(event: dict[str, Json]) -> None:
-        events.append(event["event"])
-        if event["event"] == "step-done":
+    def publish(event: RunEvent) -> None:
+        events.append(event.event)
+        if isinstance(event, StepDone):
             asyncio.get_running_loop().call_later(0, bench.signal, signal.SIGTERM)
             raise BrokenPipeError("closed")
 
@@ -266,10 +267,11 @@ async def test_a_lost_front_end_holds_the_run(bench: FakeBench) -> None:
 async def test_a_front_end_that_is_lost_before_the_first_motion_holds_the_run(
     bench: FakeBench, lost_at: str
 ) -> None:
-    def publish(event: dict[str, Json]) -> None:
-        if event.get("state") == "HELD":
+    def publish(event: RunEvent) -> None:
+        state = event.state if isinstance(event, StateChanged) else None
+        if state == "HELD":
             asyncio.get_running_loop().call_later(0, bench.signal, signal.SIGTERM)
-        if lost_at in {event["event"], event.get("state")}:
+        if lost_at in {event.event, state}:
             raise BrokenPipeError("closed")
 
     request = bench.request(measuring(0))

@@ -7,15 +7,18 @@ import pytest
 
 from catseye.app.engine.devices import Devices, WireRecorder
 from catseye.app.engine.host import run_procedure
-from catseye.app.engine.interlock import Light, StackLight
+from catseye.app.engine.interlock import StackLight
 from catseye.app.exitcode import ExitCode
+from catseye.app.protocol.events import PromptAnswered, PromptAsked, RunEvent, StateChanged
+from catseye.app.protocol.state import ControlState
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import LinkTimeoutError
-from catseye.drivers.roles.readings import Identity
+from catseye.drivers.roles.io import Io, Light
 from catseye.procedures.kit.context import Context
 from tests.unit.app.engine.fakes import AWAY, FakeBench, Script, identity
 
 
-class Block:
+class Block(Io):
     """A scripted block of inputs and outputs."""
 
     def __init__(self) -> None:
@@ -104,21 +107,25 @@ async def test_states_and_questions_have_their_colours() -> None:
     block, told = Block(), list[str]()
     light = StackLight(block, told.append)
 
-    async def after(event: str, **fields: str) -> Light:
-        light.take({"event": event, **fields})
+    async def after(event: RunEvent) -> Light:
+        light.take(event)
         for _ in range(3):
             await asyncio.sleep(0)
         return block.shown[-1]
 
-    assert await after("state", state="EXECUTE") == "green"
-    assert await after("prompt") == "amber"
-    assert await after("answer") == "green"
-    assert await after("state", state="HELD") == "amber"
-    assert await after("state", state="ABORTING") == "red"
-    assert await after("prompt") == "red"
+    async def in_state(state: ControlState) -> Light:
+        return await after(StateChanged(state=state))
+
+    asked = PromptAsked(id="door", kind="confirm", text="Close the door.")
+    assert await in_state(ControlState.EXECUTE) == "green"
+    assert await after(asked) == "amber"
+    assert await after(PromptAnswered(id="door", answer="yes", who="Ada")) == "green"
+    assert await in_state(ControlState.HELD) == "amber"
+    assert await in_state(ControlState.ABORTING) == "red"
+    assert await after(asked) == "red"
     block.silent = True
     for _ in range(2):
-        await after("state", state="EXECUTE")
+        await in_state(ControlState.EXECUTE)
     assert len(told) == 1
     block.silent = False
     await light.end()

@@ -13,15 +13,16 @@ from catseye.app.engine.control import RunControl
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.operator import Operator
-from catseye.app.engine.states import State
+from catseye.app.protocol.state import ControlState
 from catseye.app.store.run_store import RunStore
-from catseye.drivers.roles.protocols import Joints
-from catseye.procedures.kit.context import Live, Prompt
+from catseye.drivers.roles.pose import Pose
+from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import ArmMovedError
+from catseye.procedures.kit.live import Live
 from tests.patience import until
 from tests.unit.app.engine.fakes import LIMITS, FakeBench, free_way
 
-WAY: tuple[Joints, ...] = tuple((float(n), 2.0 * n, 0.0, 3.0 * n) for n in range(1, 9))
+WAY: tuple[Pose, ...] = tuple((float(n), 2.0 * n, 0.0, 3.0 * n) for n in range(1, 9))
 
 
 @pytest.fixture
@@ -81,7 +82,7 @@ def jog(bench: FakeBench, by_deg: float) -> None:
 
 async def until_held(control: RunControl) -> None:
     control.hold("a person")
-    await until(lambda: control.state == State.HELD)
+    await until(lambda: control.state == ControlState.HELD)
 
 
 async def held_on_the_way(store: RunStore, tmp_path: Path, jogged_deg: float) -> FakeBench:

@@ -12,8 +12,8 @@ from catseye.app.engine.request import RunOutcome
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import AlarmError
-from catseye.drivers.roles.readings import Identity
 from catseye.procedures.kit.context import Context, Prompt, Row
 from tests.unit.app.engine.fakes import AWAY, FakeAir, FakeBench, FakeRobot, Script
 

@@ -13,8 +13,8 @@ from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.app.store.verify import verify
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import AlarmError, LinkError
-from catseye.drivers.roles.readings import Identity
 from catseye.procedures.kit.context import Context, Prompt, Row
 from tests.unit.app.engine.fakes import AWAY, FakeBench, FakeRobot, Script
 from tests.unit.app.engine.runs import measuring, run

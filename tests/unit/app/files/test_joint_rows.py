@@ -6,7 +6,7 @@ import pytest
 
 from catseye.app.errors import UsageError
 from catseye.app.files.joint_rows import read_joint_rows
-from catseye.app.procedure_list import parse_params
+from catseye.app.protocol.procedures import parse_params
 from catseye.procedures.scara.path.validation_path import PathParams
 
 HEADER = "x_mm,y_mm,theta1_deg,theta2_deg,direction1,direction2,u_x_um\n"

@@ -14,8 +14,8 @@ from catseye.app.errors import StorageError, UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.identified_arm import arm_of
 from catseye.app.files.result_json import Result, read_result, result_of, result_text, write_result
-from catseye.calibration.identification import IdentifiedArm, identify
-from tests.unit.calibration.paper import (
+from catseye.calibration.scara.identification import IdentifiedArm, identify
+from tests.unit.calibration.scara.paper import (
     MDEG,
     NODES1_DEG,
     NODES2_DEG,

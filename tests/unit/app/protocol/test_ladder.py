@@ -2,7 +2,7 @@
 
 import pytest
 
-from catseye.app.protocol.ladder import Press, Rung, ctrl_c_of_client, rung_of
+from catseye.app.protocol.ladder import Rung, ctrl_c_of_client, rung_of
 from catseye.app.protocol.loss import Consequence, LossPolicy, after_loss
 from catseye.app.protocol.state import ControlState as S
 
@@ -31,13 +31,7 @@ def test_the_table_has_every_state() -> None:
 
 @pytest.mark.parametrize(("state", "rung"), CTRL_C)
 def test_ctrl_c_climbs_one_rung(state: S, rung: Rung | None) -> None:
-    assert rung_of(state, Press.CTRL_C) == rung
-
-
-@pytest.mark.parametrize("state", S)
-def test_the_stop_key_only_ever_stops(state: S) -> None:
-    over = state in {S.ABORTING, S.STOPPED, S.ABORTED, S.COMPLETE}
-    assert rung_of(state, Press.STOP_KEY) == (None if over else Rung.STOP)
+    assert rung_of(state) == rung
 
 
 @pytest.mark.parametrize(
@@ -59,7 +53,7 @@ def test_a_client_without_answers_stops_by_every_way(
 LOSSES: list[tuple[LossPolicy, S, Consequence]] = [
     ("continue", S.EXECUTE, "warn"),
     ("stop", S.STARTING, "stop"),
-    ("hold", S.STARTING, "hold-before-motion"),
+    ("hold", S.STARTING, "hold"),
     ("hold", S.EXECUTE, "hold"),
     ("hold", S.UNHOLDING, "hold"),
     ("hold", S.UNSUSPENDING, "hold"),

@@ -9,7 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from catseye.app.render.compact_svg import compact
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
 
 SVG = "{http://www.w3.org/2000/svg}"
 XY = np.random.default_rng(4).uniform(-50.0, 50.0, (200, 2))

@@ -12,9 +12,9 @@ from catseye.app.files.result_json import Result, result_of
 from catseye.app.render.html import section_html
 from catseye.app.results.scara.uncertainty import by_jacobian
 from catseye.app.results.uncertainty_report import uncertainty_section
-from catseye.calibration.identification import identify
-from catseye.calibration.uncertainty.budget import Budget
-from tests.unit.calibration.paper import (
+from catseye.calibration.scara.budget import Budget
+from catseye.calibration.scara.identification import identify
+from tests.unit.calibration.scara.paper import (
     NODES1_DEG,
     NODES2_DEG,
     NOMINAL_REFLECTORS,

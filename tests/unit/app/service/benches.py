@@ -1,4 +1,4 @@
-"""A hub with a run on a scripted robot, and clients over socket pairs."""
+"""A registry with a run on a scripted robot, and clients over socket pairs."""
 
 import asyncio
 import json
@@ -7,16 +7,17 @@ from collections.abc import AsyncIterator, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.handle import RunHandle
-from catseye.app.engine.states import State
+from catseye.app.protocol.events import RunEvent, event_of
+from catseye.app.protocol.message import MAX_LINE_BYTES, JsonObject
+from catseye.app.protocol.state import ControlState
 from catseye.app.service.client import EngineClient, over
-from catseye.app.service.hub import Hub
-from catseye.app.service.messages import MAX_LINE_BYTES, Message
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.server import Server
 from catseye.procedures.kit.context import Json
 from tests.patience import HANG_S
@@ -65,8 +66,8 @@ class ServiceBench:
     warnings: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.hub = Hub(self.clock)
-        self.server = Server(self.hub, self.clock)
+        self.registry = ClientRegistry(self.clock)
+        self.server = Server(self.registry, self.clock)
         self.robot = FakeRobot(self.clock)
         self.robot.state = replace(self.robot.state, servo_on=True, override_percent=20.0)
         self.control = RunControl(self.clock, self._state_changed, HaltLimits(standstill_s=0.5))
@@ -84,11 +85,11 @@ class ServiceBench:
         )
 
     @asynccontextmanager
-    async def running(self, state: State = State.EXECUTE) -> AsyncIterator["ServiceBench"]:
+    async def running(self, state: ControlState = ControlState.EXECUTE) -> AsyncIterator["ServiceBench"]:
         """Serve a run in a state."""
-        with self.hub.running(self.handle):
+        with self.registry.running(self.handle):
             self.control.starting()
-            if state == State.EXECUTE:
+            if state == ControlState.EXECUTE:
                 self.control.started()
             try:
                 yield self
@@ -100,7 +101,8 @@ class ServiceBench:
         return self.control.state
 
     def publish(self, event: str, **fields: Json) -> None:
-        self.hub.publish({"t": "now", "event": event, "run": "run-1", **fields})
+        found = event_of({"t": "now", "event": event, "run": "run-1", **fields})
+        self.registry.publish(cast(RunEvent, found))
 
     def noted(self, kind: str) -> list[dict[str, Json]]:
         return [data for noted, data in self.notes if noted == kind]
@@ -135,15 +137,16 @@ class ServiceBench:
     def _note(self, kind: str, data: Mapping[str, Json]) -> None:
         self.notes.append((kind, dict(data)))
 
-    def _state_changed(self, state: State, reason: str) -> None:
+    def _state_changed(self, state: ControlState, reason: str) -> None:
         self.publish("state", state=state, reason=reason)
 
 
-async def event_of(client: EngineClient, event: str, **fields: Json) -> Message:
-    """Wait for an event with these fields."""
+async def next_event(client: EngineClient, event: str, **fields: Json) -> JsonObject:
+    """Wait for an event with these fields; return it as it is on the wire."""
     async with asyncio.timeout(HANG_S):
-        async for message in client.events():
-            if message["event"] == event and all(message.get(key) == value for key, value in fields.items()):
+        async for found in client.events():
+            message = found.json_object()
+            if found.event == event and all(message.get(key) == value for key, value in fields.items()):
                 return message
     raise AssertionError(f"the connection ended without {event}")
 

@@ -1,18 +1,19 @@
 """What whoever works by hand is told about the bench: nothing of devices that are not connected now."""
 
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 import pytest
 
-from catseye.app.bench.lending import HandBench
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.engine.devices import Devices
+from catseye.app.protocol.events import JogChanged
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.hub import Hub
+from catseye.app.service.manual.device_loan import ManualBench
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import LinkError
-from catseye.drivers.roles.readings import Identity
 from tests.unit.app.engine.fakes import ManualClock
 
 ROBOT = Identity("emulated", "1.0", "7", True)
@@ -25,15 +26,15 @@ class Known:
         self.cell = folder / "cell.toml"
         self.write()
         clock = ManualClock()
-        self.hub = Hub(clock)
-        self.bench = EngineBench(self.hub, clock, self.cell, folder / "runs")
+        self.registry = ClientRegistry(clock)
+        self.bench = EngineBench(self.registry, clock, self.cell, folder / "runs")
         self.bench.telemetry.describe(self.bench.facts())
-        self.bench.telemetry.gauges.connected("robot", ROBOT)
+        self.bench.telemetry.latest.connected("robot", ROBOT)
         self.awake: Devices | None = cast(Devices, object())
         monkeypatch.setattr(self.bench.idle, "devices", lambda: self.awake)
 
     @property
-    def hands(self) -> HandBench:
+    def hands(self) -> ManualBench:
         return self.bench.for_hands()
 
     def write(self, **edit: str) -> None:
@@ -71,16 +72,18 @@ async def test_other_devices_than_those_connected_are_refused(known: Known, old:
 
 def test_of_links_that_are_not_held_nothing_is_known(known: Known) -> None:
     assert known.hands.identities() == {"robot": ROBOT}
-    known.bench.telemetry.gauges.lost("robot", str(LinkError("gone")))
+    known.bench.telemetry.latest.lost("robot", str(LinkError("gone")))
     assert known.hands.identities() == {}
-    known.bench.telemetry.gauges.connected("robot", ROBOT)
+    known.bench.telemetry.latest.connected("robot", ROBOT)
     known.awake = None
     assert known.hands.identities() == {}
 
 
 def test_the_snapshot_has_the_jog_that_is_under_way(known: Known) -> None:
-    told: dict[str, Any] = {"by": "Ada", "percent": 5.0, "moving": None}
-    known.hands.tell("jog", on=True, **told)
-    assert known.hub.snapshot()["jog"] == {"on": True, **told}
-    known.hands.tell("jog", on=False, **told)
-    assert known.hub.snapshot()["jog"] is None
+    jog = JogChanged(on=True, by="Ada (test-1)", client="test-1", percent=5.0, moving=None)
+    known.hands.announce(jog)
+    snapshot = known.registry.snapshot().json_object()
+    fields = {"on": True, "by": "Ada (test-1)", "client": "test-1", "percent": 5.0, "moving": None}
+    assert snapshot["jog"] == fields
+    known.hands.announce(jog.model_copy(update={"on": False}))
+    assert known.registry.snapshot().jog is None

@@ -5,28 +5,30 @@ from typing import cast
 
 import pytest
 
-from catseye.app.engine.states import State
 from catseye.app.errors import SafetyError
+from catseye.app.protocol.answers import Answer
+from catseye.app.protocol.events import Client
+from catseye.app.protocol.loss import LossPolicy
+from catseye.app.protocol.requests import HandOver, Override, Plain, decode_request, request_of
+from catseye.app.protocol.state import ControlState
 from catseye.app.service.errors import RefusedError, ServiceError
-from catseye.app.service.hub import Policy
-from catseye.app.service.messages import decode_request
-from catseye.app.service.orders import Engine, Orders
+from catseye.app.service.request_handler import Engine, RequestHandler
 from tests.unit.app.engine.fakes import HOME
-from tests.unit.app.service.benches import ServiceBench, close, event_of, settled
+from tests.unit.app.service.benches import ServiceBench, close, next_event, settled
 
 
 async def test_the_first_who_asks_gets_control_and_everybody_hears_of_it() -> None:
     async with ServiceBench().running() as bench, bench.clients("Ada", "Ben") as (ada, ben):
         await ada.take_control()
-        told = await event_of(ben, "control", what="taken")
+        told = await next_event(ben, "control", what="taken")
         assert told["by"] == f"Ada ({ada.name})"
         with pytest.raises(RefusedError, match=r"Ada .* holds control"):
             await ben.take_control()
         await ben.take_control(force=True)
-        assert (await event_of(ada, "control", what="taken by force"))["by"] == f"Ben ({ben.name})"
+        assert (await next_event(ada, "control", what="taken by force"))["by"] == f"Ben ({ben.name})"
         with pytest.raises(RefusedError, match="needs control"):
             await ada.release()
-        await ben.request("hand-over", to=ada.name)
+        await ben.request(HandOver(to=ada.name))
         await ada.release()
         assert [note["what"] for note in bench.noted("control")] == [
             "taken",
@@ -41,26 +43,26 @@ async def test_control_is_handed_to_clients_that_are_there_only() -> None:
     async with ServiceBench().running() as bench, bench.client() as ada:
         await ada.take_control()
         with pytest.raises(RefusedError, match=f"there is no client 'ghost'; there are {ada.name}"):
-            await ada.request("hand-over", to="ghost")
-        assert bench.hub.controlled
+            await ada.request(HandOver(to="ghost"))
+        assert bench.registry.lease.holder is not None
 
 
 async def test_the_console_holds_control_until_it_is_taken_by_force() -> None:
     async with ServiceBench().running() as bench, bench.client("Ben") as ben:
-        bench.hub.console = "Ada"
+        bench.registry.lease.console = "Ada"
         with pytest.raises(RefusedError, match=r"Ada \(console\) holds control"):
             await ben.take_control()
         await ben.take_control(force=True)
         assert bench.noted("control")[0]["before"] == "Ada (console)"
         await ben.release()
-        assert bench.hub.snapshot()["control"] == {"client": "console", "who": "Ada"}
+        assert bench.registry.snapshot().control == Client(client="console", who="Ada")
 
 
 @pytest.mark.parametrize("op", ["unhold", "clear", "release"])
 async def test_what_steers_needs_control(op: str) -> None:
     async with ServiceBench().running() as bench, bench.client() as client:
         with pytest.raises(RefusedError, match="needs control"):
-            await client.request(op)
+            await client.request(request_of({"op": op}))
         assert bench.state() == "EXECUTE"
 
 
@@ -77,7 +79,7 @@ async def test_what_steers_needs_control(op: str) -> None:
 async def test_what_steers_with_words_needs_control(op: str, fields: dict[str, str | float]) -> None:
     async with ServiceBench().running() as bench, bench.client() as client:
         with pytest.raises(RefusedError, match="needs control"):
-            await client.request(op, **fields)
+            await client.request(request_of({"op": op, **fields}))
 
 
 @pytest.mark.parametrize(
@@ -87,9 +89,9 @@ async def test_what_steers_with_words_needs_control(op: str, fields: dict[str, s
 async def test_anybody_may_make_it_safe(op: str, states: list[str]) -> None:
     async with ServiceBench().running() as bench, bench.clients("Ada", "Ben") as (ada, ben):
         await ada.take_control()
-        await ben.request(op)
+        await ben.request(request_of({"op": op}))
         for state in states:
-            told = await event_of(ada, "state", state=state)
+            told = await next_event(ada, "state", state=state)
         assert op == "hold" or bench.robot.calls == ["stop"]
         assert "Ben" in str(told["reason"]) or told["state"] in {"STOPPED", "ABORTED"}
 
@@ -98,40 +100,40 @@ async def test_a_held_run_goes_on_for_whoever_has_control() -> None:
     async with ServiceBench().running() as bench, bench.client() as client:
         await client.take_control()
         with pytest.raises(RefusedError, match="not held, it is in state EXECUTE"):
-            await client.request("unhold")
-        await client.request("hold")
-        await client.request("hold")
-        await client.request("unhold")
+            await client.request(Plain(op="unhold"))
+        await client.request(Plain(op="hold"))
+        await client.request(Plain(op="hold"))
+        await client.request(Plain(op="unhold"))
         assert bench.state() == "EXECUTE"
 
 
 async def test_a_hold_before_anything_moves_is_refused_with_the_reason() -> None:
-    async with ServiceBench().running(State.STARTING) as bench, bench.client() as client:
+    async with ServiceBench().running(ControlState.STARTING) as bench, bench.client() as client:
         with pytest.raises(RefusedError, match="nothing moves"):
-            await client.request("hold")
-        await client.request("stop")
+            await client.request(Plain(op="hold"))
+        await client.request(Plain(op="stop"))
         await bench.control.halted()
         with pytest.raises(RefusedError, match="has ended"):
-            await client.request("stop")
+            await client.request(Plain(op="stop"))
 
 
 async def test_an_aborted_run_that_waits_to_be_cleared_can_be_stopped() -> None:
     bench = ServiceBench()
-    with bench.hub.running(bench.handle):
+    with bench.registry.running(bench.handle):
         async with bench.client() as client:
             with pytest.raises(RefusedError, match="nothing moves"):
-                await client.request("hold")
-            await client.request("stop")
+                await client.request(Plain(op="hold"))
+            await client.request(Plain(op="stop"))
             assert bench.state() == "STOPPED"
         await bench.server.end()
 
 
 @pytest.mark.parametrize(("policy", "state"), [("continue", "EXECUTE"), ("hold", "HOLDING")])
 async def test_a_client_that_is_lost_before_its_run_is_open_is_lost_to_the_run(
-    policy: Policy, state: str
+    policy: LossPolicy, state: str
 ) -> None:
     bench = ServiceBench()
-    bench.hub.policy, bench.hub.beginning = policy, True
+    bench.registry.policy, bench.registry.beginning = policy, True
     async with bench.client("Ada") as ada:
         await ada.take_control()
     await settled()
@@ -150,7 +152,7 @@ async def test_a_session_that_fails_has_lost_its_client(
         await ada.take_control()
         monkeypatch.setattr(bench.gate, "want_override", lambda _percent: 1 // 0)
         with pytest.raises(ServiceError):
-            await ada.request("override", percent=5.0)
+            await ada.request(Override(percent=5.0))
         await settled()
         assert bench.state() == "HOLDING"
         assert bench.noted("client-lost")[0]["reason"] == "its session failed"
@@ -162,18 +164,18 @@ async def test_a_run_that_serves_itself_starts_and_clears_nothing() -> None:
         await client.take_control()
         for op in ("clear", "shutdown"):
             with pytest.raises(RefusedError, match="serves one run"):
-                await client.request(op)
+                await client.request(request_of({"op": op}))
 
 
 @pytest.mark.parametrize(
     ("policy", "state"), [("continue", "EXECUTE"), ("hold", "HOLDING"), ("stop", "STOPPED")]
 )
-async def test_a_lost_client_with_control_means_what_the_cell_says(policy: Policy, state: str) -> None:
+async def test_a_lost_client_with_control_means_what_the_cell_says(policy: LossPolicy, state: str) -> None:
     async with ServiceBench().running() as bench, bench.client("Ben") as ben:
-        bench.hub.policy = policy
+        bench.registry.policy = policy
         async with bench.client("Ada") as ada:
             await ada.take_control()
-        lost = await event_of(ben, "client-lost")
+        lost = await next_event(ben, "client-lost")
         await settled()
         assert bench.state() == state
         assert bench.noted("client-lost") == [
@@ -184,12 +186,12 @@ async def test_a_lost_client_with_control_means_what_the_cell_says(policy: Polic
         assert (bench.robot.calls == ["stop"]) == (policy == "stop")
         if policy == "hold":
             await ben.take_control()
-            await ben.request("unhold")
+            await ben.request(Plain(op="unhold"))
             assert bench.state() == "EXECUTE"
 
 
 async def test_a_client_lost_before_the_devices_are_ready_holds_the_run_when_they_are() -> None:
-    async with ServiceBench().running(State.STARTING) as bench:
+    async with ServiceBench().running(ControlState.STARTING) as bench:
         async with bench.client("Ada") as ada:
             await ada.take_control()
         await settled()
@@ -211,7 +213,7 @@ async def test_a_run_is_held_whatever_fails_when_its_client_is_lost(
         async with bench.client("Ada") as ada:
             await ada.take_control()
             if broken == "by hand":
-                monkeypatch.setattr(bench.hub, "on_control", lambda: 1 // 0)
+                monkeypatch.setattr(bench.registry, "on_control", lambda: 1 // 0)
             else:
                 monkeypatch.setattr(bench.handle, "note", None)
         await settled()
@@ -222,8 +224,9 @@ async def test_a_run_is_held_whatever_fails_when_its_client_is_lost(
 async def test_a_stop_reaches_the_run_whatever_is_broken_beside_it(op: str, state: str) -> None:
     async with ServiceBench().running() as bench:
         # An engine without a single part.
-        orders = Orders(bench.hub, cast(Engine, object()))
-        assert orders.take(None, decode_request(f'{{"v":1,"id":1,"op":"{op}"}}'.encode())) == {}
+        handler = RequestHandler(bench.registry, cast(Engine, object()))
+        _, request = decode_request(f'{{"v":1,"id":1,"op":"{op}"}}'.encode())
+        assert handler.take(None, request) == Answer()
         assert bench.state() == state
 
 
@@ -273,13 +276,13 @@ async def test_an_override_is_lowered_before_the_next_motion_and_never_raised() 
         await client.take_control()
         for percent in (20.0, 50.0):
             with pytest.raises(RefusedError, match="only ever lowered"):
-                await client.request("override", percent=percent)
-        assert (await client.request("override", percent=8.0))["until_the_next_motion"] == 20.0
+                await client.request(Override(percent=percent))
+        assert (await client.request(Override(percent=8.0)))["until_the_next_motion"] == 20.0
         assert bench.robot.calls == []
         await bench.gate.require(HOME)
         assert bench.robot.calls == ["override 8"]
         with pytest.raises(RefusedError, match="the override is 8 %"):
-            await client.request("override", percent=8.0)
+            await client.request(Override(percent=8.0))
 
 
 async def test_an_override_that_is_raised_elsewhere_is_lowered_again_and_read_back() -> None:
@@ -304,4 +307,4 @@ async def test_an_override_waits_for_the_devices() -> None:
         bench.handle.gate = None
         await client.take_control()
         with pytest.raises(RefusedError, match="not ready yet"):
-            await client.request("override", percent=8.0)
+            await client.request(Override(percent=8.0))

@@ -13,9 +13,10 @@ from typing import Any
 
 import pytest
 
+from catseye.app.protocol.requests import Plain
 from catseye.app.service.address import listening
+from catseye.app.service.client_registry import MOST_CLIENTS
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.hub import MOST_CLIENTS
 from catseye.app.service.server import MOST_STRANGERS, Server
 from catseye.app.service.session import Patience
 from catseye.app.service.sparse_log import EVERY_S, SparseLog
@@ -31,7 +32,7 @@ async def test_one_client_too_many_is_refused_and_let_go() -> None:
         assert (answer["ok"], "32 clients are connected" in answer["error"]) == (False, True)
         assert await late.rest() == []
         for client in clients:
-            assert (await client.request("ping"))["ok"] is True
+            assert (await client.request(Plain(op="ping")))["ok"] is True
         close(late)
 
 
@@ -40,7 +41,7 @@ async def test_a_place_that_is_left_is_free_again() -> None:
     async with ServiceBench().running() as bench, bench.clients(*names):
         for who in ("Ada", "Ben"):
             async with bench.client(who) as client:
-                assert len(client.snapshot["clients"]) == MOST_CLIENTS
+                assert len(client.snapshot.clients) == MOST_CLIENTS
             await settled()
 
 
@@ -62,7 +63,7 @@ async def test_a_client_without_hello_is_let_go_after_two_seconds() -> None:
         bench.clock.advance(0.2)
         [told] = await idle.rest()
         assert "no hello within 2 s" in told["error"]
-        assert (await client.request("ping"))["ok"] is True
+        assert (await client.request(Plain(op="ping")))["ok"] is True
         close(idle)
 
 
@@ -70,8 +71,8 @@ async def test_idle_connections_make_room_for_those_that_speak() -> None:
     async with ServiceBench().running() as bench, bench.client() as client:
         idle = [await bench.raw() for _ in range(3 * MOST_STRANGERS)]
         async with bench.client("Ben") as ben:
-            assert (await ben.request("ping"))["ok"] is True
-        assert (await client.request("ping"))["ok"] is True
+            assert (await ben.request(Plain(op="ping")))["ok"] is True
+        assert (await client.request(Plain(op="ping")))["ok"] is True
         [told] = await idle[0].rest()
         assert "wait without hello" in told["error"]
         close(*idle)
@@ -81,15 +82,15 @@ async def test_shutdown_takes_hello_and_control() -> None:
     ended: list[str] = []
     bench = ServiceBench()
     engine: Any = SimpleNamespace(shut_down=ended.append)
-    bench.server = Server(bench.hub, bench.clock, engine)
+    bench.server = Server(bench.registry, bench.clock, engine)
     async with bench.running(), bench.client() as client:
         stranger = await bench.raw()
         assert "hello first" in (await stranger.ask("shutdown"))["error"]
         with pytest.raises(RefusedError, match="which nobody holds: take control first"):
-            await client.request("shutdown")
+            await client.request(Plain(op="shutdown"))
         assert ended == []
         await client.take_control()
-        await client.request("shutdown")
+        await client.request(Plain(op="shutdown"))
         assert len(ended) == 1
         close(stranger)
 
@@ -106,7 +107,7 @@ async def test_a_message_that_is_nested_too_deeply_is_refused(deep: str) -> None
 
 async def test_clients_come_in_through_the_socket(tmp_path: Path, runtime: Path) -> None:
     bench = ServiceBench()
-    server = Server(bench.hub, bench.clock, patience=Patience(flush_s=0.1))
+    server = Server(bench.registry, bench.clock, patience=Patience(flush_s=0.1))
     async with server.at(tmp_path):
         [path] = (runtime / "catseye").glob("*.sock")
         crowd = [await asyncio.open_unix_connection(path) for _ in range(100)]
@@ -126,7 +127,7 @@ async def test_a_client_that_comes_at_the_end_is_let_go(
 ) -> None:
     """Whatever turn of the loop the end meets it in."""
     bench = ServiceBench()
-    server = Server(bench.hub, bench.clock)
+    server = Server(bench.registry, bench.clock)
     with listening(tmp_path) as listener, socket.socket(socket.AF_UNIX) as client:
         client.settimeout(5.0)
         async with server.on(listener):
@@ -163,7 +164,7 @@ async def test_what_the_system_refuses_is_logged_now_and_then(
     monkeypatch.setattr(socket.socket, "accept", no_room)
     with listening(tmp_path) as listener, socket.socket(socket.AF_UNIX) as client:
         client.connect(listener.getsockname())
-        async with Server(bench.hub, bench.clock).on(listener):
+        async with Server(bench.registry, bench.clock).on(listener):
             while tries < 50:
                 await asyncio.sleep(0)
                 bench.clock.advance(1.0)

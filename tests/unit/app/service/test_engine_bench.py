@@ -4,20 +4,20 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.bench.cell_devices import cell_devices
-from catseye.app.bench.gauges import Gauges
-from catseye.app.bench.observed import ObservedAir, ObservedSensor
 from catseye.app.cell.model import FurtherDevice, Material
 from catseye.app.cell.template import TEMPLATE
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.hub import Hub
-from tests.unit.app.bench.benches import cell_from_template
+from catseye.app.service.watching.cell_devices import cell_devices
+from catseye.app.service.watching.latest_values import LatestValues
+from catseye.app.service.watching.observed_devices import ObservedAir, ObservedSensor
 from tests.unit.app.engine.fakes import ManualClock
+from tests.unit.app.service.manual.benches import cell_from_template
 
 
-def bench_at(cell: Path, hub: Hub | None = None) -> EngineBench:
-    return EngineBench(hub or Hub(ManualClock()), ManualClock(), cell, cell.parent / "runs")
+def bench_at(cell: Path, registry: ClientRegistry | None = None) -> EngineBench:
+    return EngineBench(registry or ClientRegistry(ManualClock()), ManualClock(), cell, cell.parent / "runs")
 
 
 def test_every_device_of_a_cell_is_kept_once_and_by_the_name_in_its_file() -> None:
@@ -29,7 +29,7 @@ def test_every_device_of_a_cell_is_kept_once_and_by_the_name_in_its_file() -> No
         update={"device": [steel, floor], "material": Material(sensor="steel", cte_per_k=1e-5)}
     )
     lines: list[tuple[str, str, bytes]] = []
-    made = cell_devices(cell, Gauges(ManualClock()), ManualClock(), lambda *line: lines.append(line))
+    made = cell_devices(cell, LatestValues(ManualClock()), ManualClock(), lambda *line: lines.append(line))
     assert list(made.kept) == ["robot", "interferometer", "environment", "tracker", "steel", "floor"]
     assert all(name == device.name for name, device in made.kept.items())
     material: object = made.devices.material
@@ -43,6 +43,12 @@ def test_every_device_of_a_cell_is_kept_once_and_by_the_name_in_its_file() -> No
     assert lines == []
 
 
+def cell_seen(bench: EngineBench) -> str:
+    status = bench.telemetry.bench()
+    assert status is not None
+    return status.cell
+
+
 def test_a_cell_file_that_cannot_be_used_is_told_to_whoever_wants_to_watch(tmp_path: Path) -> None:
     cell = tmp_path / "cell.toml"
     bench = bench_at(cell)
@@ -53,19 +59,19 @@ def test_a_cell_file_that_cannot_be_used_is_told_to_whoever_wants_to_watch(tmp_p
         bench.telemetry.prepare()
     cell.write_text(TEMPLATE, encoding="utf-8")
     bench.telemetry.prepare()
-    assert bench.telemetry.bench()["cell"] == cell_from_template().name
+    assert cell_seen(bench) == cell_from_template().name
     cell.write_text(TEMPLATE.replace('name = "lab-1"', 'name = "lab-2"'), encoding="utf-8")
     bench.telemetry.prepare()
-    assert bench.telemetry.bench()["cell"] == bench.facts().cell == "lab-2"
+    assert cell_seen(bench) == bench.facts().cell == "lab-2"
 
 
 def test_during_a_run_the_file_is_not_looked_at(tmp_path: Path) -> None:
     cell = tmp_path / "cell.toml"
     cell.write_text(TEMPLATE, encoding="utf-8")
-    hub = Hub(ManualClock())
-    bench = bench_at(cell, hub)
+    registry = ClientRegistry(ManualClock())
+    bench = bench_at(cell, registry)
     bench.telemetry.prepare()
     cell.unlink()
-    hub.beginning = True
+    registry.beginning = True
     bench.telemetry.prepare()
     assert bench.telemetry.facts is not None

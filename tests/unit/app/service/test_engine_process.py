@@ -13,24 +13,24 @@ from typing import Any
 
 import pytest
 
-from catseye.app.bench.drives import RestingDrives
 from catseye.app.cell.load import load_cell
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import UsageError
 from catseye.app.exitcode import ExitCode
+from catseye.app.protocol.requests import Plain, Start, decode_request, request_of
 from catseye.app.service import engine_process
 from catseye.app.service.address import find_socket
 from catseye.app.service.client import EngineClient, connect
 from catseye.app.service.engine_process import EngineProcess
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.messages import Start, decode_request
+from catseye.app.service.manual.drives import RestingDrives
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.context import Context, Prompt
 from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import FakeBench, Script
-from tests.unit.app.service.benches import event_of
+from tests.unit.app.service.benches import next_event
 
 DOOR = Prompt("door", "confirm", "Close the door.")
 
@@ -104,21 +104,21 @@ async def engine_client(root: Path) -> AsyncIterator[EngineClient]:
 
 async def test_a_client_starts_one_run_after_another_and_ends_the_engine(bench: FakeBench) -> None:
     async with serving(bench.root) as engine, engine_client(bench.root) as client:
-        assert client.snapshot["state"] == "IDLE"
+        assert client.snapshot.state == "IDLE"
         for _ in range(2):
-            opened = await client.request("start", procedure="script")
+            opened = await client.request(Start(procedure="script"))
             with pytest.raises(RefusedError, match="a run is under way"):
-                await client.request("start", procedure="script")
+                await client.request(Start(procedure="script"))
             with pytest.raises(RefusedError, match="a run is under way"):
-                await client.request("shutdown")
+                await client.request(Plain(op="shutdown"))
             assert find_socket(Path(str(opened["path"]))) is not None
             # Nobody but a client is there to answer, so the question waits.
-            await event_of(client, "prompt", id="door")
+            await next_event(client, "prompt", id="door")
             await client.answer("door", "yes")
-            assert (await event_of(client, "run-ended"))["status"] == "complete"
-            await event_of(client, "idle", state="COMPLETE")
+            assert (await next_event(client, "run-ended"))["status"] == "complete"
+            await next_event(client, "idle", state="COMPLETE")
         assert bench.robot.calls.count("move") == 2
-        await client.request("shutdown")
+        await client.request(Plain(op="shutdown"))
         assert await engine == ExitCode.DONE
     assert find_socket(bench.root) is None
 
@@ -134,19 +134,19 @@ async def test_nothing_begins_after_an_unacknowledged_stop_until_it_is_cleared(
 
     monkeypatch.setattr(engine_process, "carry_out", stopped)
     async with serving(bench.root), engine_client(bench.root) as client:
-        await client.request("start", procedure="script")
-        await event_of(client, "prompt", id="door")
+        await client.request(Start(procedure="script"))
+        await next_event(client, "prompt", id="door")
         await client.answer("door", "yes")
-        await event_of(client, "idle", state="ABORTED")
+        await next_event(client, "idle", state="ABORTED")
         for request in ({"op": "start", "procedure": "script"}, {"op": "jog", "on": True, "percent": 5}):
             with pytest.raises(RefusedError, match="the guard stopped the arm"):
-                await client.request(**request)
-        await client.request("clear")
-        await client.request("start", procedure="script")
-        await event_of(client, "prompt", id="door")
-        await client.request("stop")
-        await event_of(client, "idle")
-        await client.request("shutdown")
+                await client.request(request_of(request))
+        await client.request(Plain(op="clear"))
+        await client.request(Start(procedure="script"))
+        await next_event(client, "prompt", id="door")
+        await client.request(Plain(op="stop"))
+        await next_event(client, "idle")
+        await client.request(Plain(op="shutdown"))
 
 
 async def test_a_client_that_comes_during_a_run_is_told_no_countdown(
@@ -163,13 +163,13 @@ async def test_a_client_that_comes_during_a_run_is_told_no_countdown(
     monkeypatch.setattr(engine_process, "load_cell", lambda _path: cell)
     async with serving(bench.root), engine_client(bench.root) as client:
         for _ in range(2):
-            await client.request("start", procedure="script")
-            await event_of(client, "prompt", id="door")
+            await client.request(Start(procedure="script"))
+            await next_event(client, "prompt", id="door")
             async with connected(bench.root) as other:
-                assert other.snapshot["drives"] is None
+                assert other.snapshot.drives is None
             await client.answer("door", "yes")
-            await event_of(client, "drives", on=True)
-        await client.request("shutdown")
+            await next_event(client, "drives", on=True)
+        await client.request(Plain(op="shutdown"))
 
 
 async def test_drives_left_on_still_go_off_after_a_run_that_never_began(
@@ -180,22 +180,22 @@ async def test_drives_left_on_still_go_off_after_a_run_that_never_began(
     monkeypatch.setattr(RestingDrives, "forget", lambda _self: counts.append("forgotten"))
     async with serving(bench.root), engine_client(bench.root) as client:
         with pytest.raises(RefusedError, match="no procedure 'unknown'"):
-            await client.request("start", procedure="unknown")
+            await client.request(Start(procedure="unknown"))
         assert counts == ["again"]
-        await client.request("start", procedure="script")
-        await event_of(client, "prompt", id="door")
+        await client.request(Start(procedure="script"))
+        await next_event(client, "prompt", id="door")
         await client.answer("door", "yes")
-        await event_of(client, "idle")
+        await next_event(client, "idle")
         assert counts == ["again", "forgotten"]
-        await client.request("shutdown")
+        await client.request(Plain(op="shutdown"))
 
 
 async def test_a_run_that_cannot_be_planned_is_refused_with_its_code(bench: FakeBench) -> None:
     async with serving(bench.root), engine_client(bench.root) as client:
         with pytest.raises(RefusedError, match="no procedure 'unknown'") as refused:
-            await client.request("start", procedure="unknown")
+            await client.request(Start(procedure="unknown"))
         assert refused.value.code == ExitCode.USAGE
-        await client.request("shutdown")
+        await client.request(Plain(op="shutdown"))
 
 
 @pytest.mark.parametrize("kind", ["is a device", "is a pipe"])
@@ -209,49 +209,49 @@ async def test_a_cell_that_never_ends_is_refused(
         os.mkfifo(path)
     async with serving(bench.root), engine_client(bench.root) as client:
         with pytest.raises(RefusedError, match=kind) as refused:
-            await client.request("start", procedure="script", cell=str(path))
+            await client.request(Start(procedure="script", cell=str(path)))
         assert refused.value.code == ExitCode.USAGE
-        assert (await client.request("ping"))["ok"] is True
-        await client.request("shutdown")
+        assert (await client.request(Plain(op="ping")))["ok"] is True
+        await client.request(Plain(op="shutdown"))
 
 
 async def test_after_an_abort_nothing_starts_until_it_is_cleared(bench: FakeBench) -> None:
     async with serving(bench.root), engine_client(bench.root) as client:
         with pytest.raises(RefusedError, match="nothing to clear"):
-            await client.request("clear")
-        await client.request("start", procedure="script")
-        await event_of(client, "prompt")
+            await client.request(Plain(op="clear"))
+        await client.request(Start(procedure="script"))
+        await next_event(client, "prompt")
         with pytest.raises(RefusedError, match="for after an abort"):
-            await client.request("clear")
-        await client.request("abort")
-        assert (await event_of(client, "run-ended"))["exit_code"] == ExitCode.INTERRUPTED
-        await event_of(client, "idle")
+            await client.request(Plain(op="clear"))
+        await client.request(Plain(op="abort"))
+        assert (await next_event(client, "run-ended"))["exit_code"] == ExitCode.INTERRUPTED
+        await next_event(client, "idle")
         with pytest.raises(
             RefusedError, match=r"after the abort \(Ada .* clear the abort .*x on Run, F4"
         ) as refused:
-            await client.request("start", procedure="script")
+            await client.request(Start(procedure="script"))
         assert refused.value.code == ExitCode.SAFETY
-        await client.request("clear")
-        await event_of(client, "state", state="CLEARING")
-        await event_of(client, "state", state="STOPPED")
-        await client.request("start", procedure="script")
-        await client.request("stop")
-        await event_of(client, "run-ended")
-        await event_of(client, "idle")
-        await client.request("shutdown")
+        await client.request(Plain(op="clear"))
+        await next_event(client, "state", state="CLEARING")
+        await next_event(client, "state", state="STOPPED")
+        await client.request(Start(procedure="script"))
+        await client.request(Plain(op="stop"))
+        await next_event(client, "run-ended")
+        await next_event(client, "idle")
+        await client.request(Plain(op="shutdown"))
 
 
 async def test_a_lost_client_means_what_the_cell_of_the_run_says(bench: FakeBench) -> None:
     async with serving(bench.root), engine_client(bench.root) as ben:
         await ben.release()
         async with engine_client(bench.root) as ada:
-            await ada.request("start", procedure="script")
-            await event_of(ben, "prompt")
-        assert (await event_of(ben, "client-lost"))["policy"] == "stop"
-        assert (await event_of(ben, "run-ended"))["status"] == "stopped"
-        await event_of(ben, "idle")
+            await ada.request(Start(procedure="script"))
+            await next_event(ben, "prompt")
+        assert (await next_event(ben, "client-lost"))["policy"] == "stop"
+        assert (await next_event(ben, "run-ended"))["status"] == "stopped"
+        await next_event(ben, "idle")
         await ben.take_control()
-        await ben.request("shutdown")
+        await ben.request(Plain(op="shutdown"))
 
 
 async def test_a_client_that_is_lost_while_its_run_is_planned_is_lost_to_the_run(
@@ -268,16 +268,16 @@ async def test_a_client_that_is_lost_while_its_run_is_planned_is_lost_to_the_run
     async with serving(bench.root), engine_client(bench.root) as ben:
         await ben.release()
         async with engine_client(bench.root) as ada:
-            asking = asyncio.create_task(ada.request("start", procedure="script"))
+            asking = asyncio.create_task(ada.request(Start(procedure="script")))
             await asyncio.to_thread(planning.wait, 5)
         await cancel(asking)
-        await event_of(ben, "control", what="left")
+        await next_event(ben, "control", what="left")
         go_on.set()
-        assert (await event_of(ben, "client-lost"))["policy"] == "stop"
-        assert (await event_of(ben, "run-ended"))["status"] == "stopped"
-        await event_of(ben, "idle")
+        assert (await next_event(ben, "client-lost"))["policy"] == "stop"
+        assert (await next_event(ben, "run-ended"))["status"] == "stopped"
+        await next_event(ben, "idle")
         await ben.take_control()
-        await ben.request("shutdown")
+        await ben.request(Plain(op="shutdown"))
     assert "move" not in bench.robot.calls
 
 
@@ -298,10 +298,10 @@ async def test_an_idle_engine_ends_with_a_signal_but_outlives_its_terminal(
 
 async def test_a_termination_aborts_the_run_and_seals_its_record(bench: FakeBench) -> None:
     async with serving(bench.root) as engine, engine_client(bench.root) as client:
-        await client.request("start", procedure="script")
-        await event_of(client, "prompt")
+        await client.request(Start(procedure="script"))
+        await next_event(client, "prompt")
         os.kill(os.getpid(), signal.SIGTERM)
-        assert (await event_of(client, "run-ended"))["status"] == "aborted"
+        assert (await next_event(client, "run-ended"))["status"] == "aborted"
         assert await engine == ExitCode.TERMINATED
 
 
@@ -313,7 +313,7 @@ async def test_an_engine_that_nobody_comes_to_ends(bench: FakeBench) -> None:
 async def test_one_run_for_whoever_attaches(bench: FakeBench) -> None:
     began: asyncio.Queue[str] = asyncio.Queue()
     engine = EngineProcess(Path("cell.toml"), bench.root)
-    request = decode_request(b'{"v": 1, "id": 1, "op": "start", "procedure": "script"}')
+    request = decode_request(b'{"v": 1, "id": 1, "op": "start", "procedure": "script"}')[1]
     assert isinstance(request, Start)
 
     def opened(path: Path) -> None:
@@ -323,10 +323,10 @@ async def test_one_run_for_whoever_attaches(bench: FakeBench) -> None:
     name = await began.get()
     assert await began.get() == "ready"
     async with engine_client(bench.root / name) as client:
-        if client.snapshot["prompt"] is None:
-            await event_of(client, "prompt")
+        if client.snapshot.prompt is None:
+            await next_event(client, "prompt")
         await client.answer("door", "yes")
-        assert (await event_of(client, "run-ended"))["status"] == "complete"
+        assert (await next_event(client, "run-ended"))["status"] == "complete"
     assert (await task).path.name == name
     assert began.empty()
 
@@ -344,10 +344,10 @@ async def test_a_stop_while_a_run_is_planned_keeps_it_from_beginning(
 
     monkeypatch.setattr(engine_process, "plan_run", slow)
     async with serving(bench.root), engine_client(bench.root) as ada:
-        asking = asyncio.create_task(ada.request("start", procedure="script"))
+        asking = asyncio.create_task(ada.request(Start(procedure="script")))
         await asyncio.to_thread(planning.wait, 5)
         async with connected(bench.root) as ben:
-            await ben.request(op)
+            await ben.request(request_of({"op": op}))
         with pytest.raises(
             RefusedError, match=r"Ada \(test-2\) (stopped|aborted) it before it began"
         ) as refused:
@@ -355,14 +355,14 @@ async def test_a_stop_while_a_run_is_planned_keeps_it_from_beginning(
         assert refused.value.code == ExitCode.INTERRUPTED
         go_on.set()
         with pytest.raises(RefusedError, match="no run is under way"):
-            await ada.request(op)
+            await ada.request(request_of({"op": op}))
         assert list(bench.root.iterdir()) == []
         # The next one begins as ever.
-        await ada.request("start", procedure="script")
-        await event_of(ada, "prompt")
-        await ada.request("stop")
-        await event_of(ada, "idle")
-        await ada.request("shutdown")
+        await ada.request(Start(procedure="script"))
+        await next_event(ada, "prompt")
+        await ada.request(Plain(op="stop"))
+        await next_event(ada, "idle")
+        await ada.request(Plain(op="shutdown"))
     assert "move" not in bench.robot.calls
 
 
@@ -378,15 +378,15 @@ async def test_a_stop_while_a_record_is_made_leaves_a_whole_one(
 
     monkeypatch.setattr(RunStore, "create", slow)
     async with serving(bench.root), engine_client(bench.root) as ada:
-        asking = asyncio.create_task(ada.request("start", procedure="script"))
+        asking = asyncio.create_task(ada.request(Start(procedure="script")))
         await making.wait()
-        await ada.request("stop")
+        await ada.request(Plain(op="stop"))
         go_on.set()
         opened = await asking
-        assert (await event_of(ada, "run-ended"))["status"] == "stopped"
-        await event_of(ada, "idle", state="STOPPED")
+        assert (await next_event(ada, "run-ended"))["status"] == "stopped"
+        await next_event(ada, "idle", state="STOPPED")
         assert RunReader(Path(str(opened["path"]))).status == "stopped"
-        await ada.request("shutdown")
+        await ada.request(Plain(op="shutdown"))
     assert "servo on" not in bench.robot.calls
 
 
@@ -394,7 +394,7 @@ async def test_nothing_begins_once_the_engine_ends(bench: FakeBench) -> None:
     async with serving(bench.root), engine_client(bench.root) as ada:
         # Both lines are there before the engine gets to its end.
         ending, starting = (
-            asyncio.create_task(ada.request(op, **fields))
+            asyncio.create_task(ada.request(request_of({"op": op, **fields})))
             for op, fields in (("shutdown", {}), ("start", {"procedure": "script"}))
         )
         assert await ending

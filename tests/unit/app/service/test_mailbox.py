@@ -2,20 +2,46 @@
 
 import pytest
 
+from catseye.app.protocol.events import (
+    AnyEvent,
+    Client,
+    ClientsChanged,
+    Dropped,
+    ErrorTold,
+    LiveData,
+    LiveShown,
+    PointMeasured,
+    Progressed,
+    WarningTold,
+)
+from catseye.app.protocol.requests import Plain
+from catseye.app.protocol.state import ControlState
 from catseye.app.service.mailbox import Mailbox, MailboxFullError
-from catseye.app.service.messages import Message
 from tests.unit.app.service.benches import ServiceBench, close, settled
 
 
-def point(number: int) -> Message:
-    return {"v": 1, "event": "point", "step": str(number)}
+def point(number: int) -> PointMeasured:
+    return PointMeasured(step=str(number), point={})
 
 
-def live(name: str, value: float) -> Message:
-    return {"v": 1, "event": "state", "kind": "live", "data": {"name": name, "value": value}}
+def live(name: str, value: float) -> LiveShown:
+    data = LiveData(name=name, value=value, unit="mm", low=None, high=None, accepted=True, text="")
+    return LiveShown(state=ControlState.EXECUTE, data=data)
 
 
-async def taken(mailbox: Mailbox) -> list[Message]:
+def progress(done: float) -> Progressed:
+    return Progressed(done=done, total=1000.0, text="", elapsed_s=0.0, remaining_s=0.0)
+
+
+def clients(*names: str) -> ClientsChanged:
+    return ClientsChanged(clients=tuple(Client(client=f"{name}-1", who=name) for name in names))
+
+
+WARNING = WarningTold(text="weak")
+ERROR = ErrorTold(text="lost", exit_code=4)
+
+
+async def taken(mailbox: Mailbox) -> list[AnyEvent | bytes]:
     mailbox.close()
     found = []
     while True:
@@ -30,53 +56,41 @@ async def test_only_the_newest_live_value_of_a_name_and_the_newest_progress_wait
     for value in range(1000):
         mailbox.put(live("offset", value))
         mailbox.put(live("signal", -value))
-        mailbox.put({"event": "progress", "done": value})
-    assert await taken(mailbox) == [
-        live("offset", 999),
-        live("signal", -999),
-        {"event": "progress", "done": 999},
-    ]
+        mailbox.put(progress(value))
+    assert await taken(mailbox) == [live("offset", 999), live("signal", -999), progress(999)]
 
 
 async def test_points_beyond_the_capacity_are_dropped_and_counted() -> None:
     mailbox = Mailbox(capacity=3)
     for number in range(10):
         mailbox.put(point(number))
-    assert await taken(mailbox) == [{"v": 1, "event": "dropped", "count": 7}, point(0), point(1), point(2)]
+    assert await taken(mailbox) == [Dropped(count=7), point(0), point(1), point(2)]
 
 
 async def test_what_may_not_be_dropped_takes_the_place_of_a_point() -> None:
     mailbox = Mailbox(capacity=2)
     mailbox.put(point(0))
-    mailbox.put({"event": "warning"})
-    mailbox.put({"event": "error"})
-    assert await taken(mailbox) == [
-        {"v": 1, "event": "dropped", "count": 1},
-        {"event": "warning"},
-        {"event": "error"},
-    ]
+    mailbox.put(WARNING)
+    mailbox.put(ERROR)
+    assert await taken(mailbox) == [Dropped(count=1), WARNING, ERROR]
 
 
-async def test_who_is_there_is_told_although_points_wait_for_a_slow_client() -> None:
+async def test_the_newest_list_of_clients_is_never_dropped() -> None:
     mailbox = Mailbox(capacity=2)
     mailbox.put(point(0))
     mailbox.put(point(1))
-    mailbox.put({"event": "clients", "clients": ["Ada"]})
-    mailbox.put({"event": "warning"})
-    mailbox.put({"event": "clients", "clients": ["Ada", "Ben"]})
-    assert await taken(mailbox) == [
-        {"v": 1, "event": "dropped", "count": 2},
-        {"event": "clients", "clients": ["Ada", "Ben"]},
-        {"event": "warning"},
-    ]
+    mailbox.put(clients("Ada"))
+    mailbox.put(WARNING)
+    mailbox.put(clients("Ada", "Ben"))
+    assert await taken(mailbox) == [Dropped(count=2), clients("Ada", "Ben"), WARNING]
 
 
 def test_a_mailbox_full_of_what_may_not_be_dropped_says_so() -> None:
     mailbox = Mailbox(capacity=2)
-    for kind in ("prompt", "answer"):
-        mailbox.put({"event": kind})
+    mailbox.put(WARNING)
+    mailbox.put(ERROR)
     with pytest.raises(MailboxFullError):
-        mailbox.put({"re": 1, "ok": True})
+        mailbox.put(b'{"re": 1, "ok": true}')
 
 
 async def test_a_client_that_reads_late_gets_every_point_or_its_count() -> None:
@@ -115,7 +129,7 @@ async def test_a_client_that_never_reads_is_disconnected_and_counts_as_lost() ->
         assert lost["who"] == "Ada"
         assert "does not read" in str(lost["reason"])
         assert bench.state() == "HOLDING"
-        assert (await watcher.request("ping"))["ok"]
+        assert (await watcher.request(Plain(op="ping")))["ok"]
         close(client)
 
 
@@ -124,7 +138,7 @@ async def test_a_stop_from_a_client_that_does_not_read_acts_at_once() -> None:
         client = await bench.raw(buffer_bytes=4096)
         assert (await client.ask("hello", client="stuck", who="Ada"))["ok"]
         for number in range(2000):
-            bench.publish("point", step=str(number))
+            bench.publish("point", step=str(number), point={})
         client.send("stop")
         await settled()
         assert bench.state() in {"STOPPING", "STOPPED"}

@@ -1,95 +1,110 @@
 """A client that reads slowly gets the newest bench, and columns and lines that are not too old; others count."""
 
 import asyncio
-from typing import Any
+from typing import TypeVar
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.app.bench.columns import MOST_COLUMNS
-from catseye.app.bench.traffic import MOST_LINES
+from catseye.app.protocol.bench import WireLine
+from catseye.app.protocol.events import AnyEvent, BenchSeen, SamplesTaken, WirePassed
 from catseye.app.service.mailbox import Mailbox
-from catseye.app.service.messages import Message
+from catseye.app.service.watching.columns import MOST_COLUMNS
+from catseye.app.service.watching.traffic import MOST_LINES
+from tests.unit.app.service.manual.benches import bench_seen
+
+T = TypeVar("T", BenchSeen, SamplesTaken, WirePassed)
 
 
-def delivered(messages: list[Message], reads: list[bool]) -> list[dict[str, Any]]:
-    """Put messages, read the mailbox empty after some of them, and return what was read."""
+async def read(mailbox: Mailbox, kind: type[T]) -> T:
+    found = await mailbox.take()
+    assert isinstance(found, kind)
+    return found
 
-    async def play() -> list[Message]:
-        mailbox, taken = Mailbox(), list[Message]()
-        for message, read in zip(messages, reads, strict=True):
-            mailbox.put(message)
-            while read and len(mailbox):
-                taken.append(await mailbox.take())
+
+def delivered(events: list[T], reads: list[bool]) -> list[T]:
+    """Put events, read the mailbox empty after some of them, and return what was read."""
+
+    async def play() -> list[T]:
+        mailbox, taken = Mailbox(), list[T]()
+        for event, now in zip(events, reads, strict=True):
+            mailbox.put(event)
+            while now and len(mailbox):
+                taken.append(await read(mailbox, type(event)))
         while len(mailbox):
-            taken.append(await mailbox.take())
+            taken.append(await read(mailbox, type(events[-1])))
         return taken
 
     return asyncio.run(play())
 
 
-def bench(number: int) -> Message:
-    return {"event": "bench", "number": number, "missed": 0}
-
-
-def columns(first: int, count: int, missed: int = 0) -> Message:
+def columns(first: int, count: int, missed: int = 0) -> SamplesTaken:
     numbers = range(first, first + count)
-    return {
-        "event": "samples",
-        "period_s": 0.02,
-        "low": [float(number) for number in numbers],
-        "high": [number + 0.5 if number % 2 else None for number in numbers],
-        "count": [*numbers],
-        "missed": missed,
-    }
+    return SamplesTaken(
+        quantity="displacement_mm",
+        period_s=0.02,
+        low=tuple(float(number) for number in numbers),
+        high=tuple(number + 0.5 if number % 2 else None for number in numbers),
+        count=tuple(numbers),
+        missed=missed,
+    )
 
 
 @given(st.lists(st.booleans(), min_size=1, max_size=30))
 def test_the_newest_bench_comes_and_says_how_many_it_replaced(reads: list[bool]) -> None:
-    read = delivered([bench(number) for number in range(len(reads))], reads)
-    assert read[-1]["number"] == len(reads) - 1
-    assert sum(message["missed"] + 1 for message in read) == len(reads)
+    found = delivered([bench_seen(disk_free_bytes=number) for number in range(len(reads))], reads)
+    assert found[-1].disk_free_bytes == len(reads) - 1
+    assert sum(bench.missed + 1 for bench in found) == len(reads)
 
 
 @given(st.lists(st.tuples(st.integers(0, 300), st.integers(0, 3), st.booleans()), min_size=1, max_size=12))
 def test_columns_come_once_in_their_order_or_are_counted(events: list[tuple[int, int, bool]]) -> None:
-    messages, first = list[Message](), 0
+    samples, first = list[SamplesTaken](), 0
     for count, missed, _ in events:
-        messages.append(columns(first, count, missed))
+        samples.append(columns(first, count, missed))
         first += count
-    read = delivered(messages, [now for _, _, now in events])
-    numbers = [number for message in read for number in message["count"]]
+    found = delivered(samples, [now for _, _, now in events])
+    numbers = [number for event in found for number in event.count]
     assert numbers == sorted(set(numbers))
-    assert all(len(message["count"]) <= MOST_COLUMNS for message in read)
-    for message in read:
-        assert message["low"] == [float(number) for number in message["count"]]
-        assert message["high"] == [number + 0.5 if number % 2 else None for number in message["count"]]
-    assert len(numbers) + sum(message["missed"] for message in read) == first + sum(m for _, m, _ in events)
+    assert all(len(event.count) <= MOST_COLUMNS for event in found)
+    for event in found:
+        assert event.low == tuple(float(number) for number in event.count)
+        assert event.high == tuple(number + 0.5 if number % 2 else None for number in event.count)
+    assert len(numbers) + sum(event.missed for event in found) == first + sum(m for _, m, _ in events)
 
 
 def test_lines_are_joined_up_to_the_most_of_a_message() -> None:
-    def wire(first: int, count: int) -> Message:
-        return {
-            "event": "wire",
-            "lines": [{"hex": f"{n:04x}"} for n in range(first, first + count)],
-            "missed": 0,
-        }
+    def wire(first: int, count: int) -> WirePassed:
+        lines = [
+            WireLine(t="now", device="umd", dir="rx", hex=f"{n:04x}") for n in range(first, first + count)
+        ]
+        return WirePassed(lines=tuple(lines), missed=0)
 
-    [read] = delivered([wire(0, 150), wire(150, 100), wire(250, 20)], [False, False, False])
-    assert [int(line["hex"], 16) for line in read["lines"]] == [*range(270 - MOST_LINES, 270)]
-    assert read["missed"] == 270 - MOST_LINES
+    [found] = delivered([wire(0, 150), wire(150, 100), wire(250, 20)], [False, False, False])
+    assert [int(line.hex, 16) for line in found.lines] == [*range(270 - MOST_LINES, 270)]
+    assert found.missed == 270 - MOST_LINES
 
 
 def test_what_one_client_has_not_read_is_not_mixed_up_with_what_another_reads() -> None:
-    """The same message lies in the mailboxes of all clients."""
+    """The same event lies in the mailboxes of all clients."""
 
     async def play() -> None:
         slow, quick, shared = Mailbox(), Mailbox(), [columns(0, 2), columns(2, 2)]
-        for message in shared:
+        for event in shared:
             for mailbox in (slow, quick):
-                mailbox.put(message)
+                mailbox.put(event)
             await quick.take()
-        assert (await slow.take())["count"] == [0, 1, 2, 3]
-        assert [message["count"] for message in shared] == [[0, 1], [2, 3]]
+        assert (await read(slow, SamplesTaken)).count == (0, 1, 2, 3)
+        assert [event.count for event in shared] == [(0, 1), (2, 3)]
 
     asyncio.run(play())
+
+
+def test_events_of_different_kinds_are_not_merged() -> None:
+    async def play() -> list[AnyEvent | bytes]:
+        mailbox = Mailbox()
+        mailbox.put(columns(0, 1))
+        mailbox.put(bench_seen())
+        return [await mailbox.take(), await mailbox.take()]
+
+    assert [type(event) for event in asyncio.run(play())] == [SamplesTaken, BenchSeen]

@@ -1,6 +1,7 @@
 """Questions that lie open until somebody who may answers them."""
 
 import asyncio
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,13 +10,15 @@ import pytest
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answer
 from catseye.app.engine.request import RunOutcome
+from catseye.app.protocol.events import PromptAsked, RunEvent, encode_event, event_of
+from catseye.app.protocol.prompts import MotionAfter
 from catseye.app.service.console import Console
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.prompt_desk import PromptDesk
-from catseye.app.service.questions import answer_of, hint, prompt_of
+from catseye.app.service.prompt_broker import PromptBroker
+from catseye.app.service.questions import answer_of, hint
 from catseye.app.service.run_service import RunService
 from catseye.app.store.reader import RunReader
-from catseye.procedures.kit.context import Context, Json, Prompt
+from catseye.procedures.kit.context import Context, Prompt
 from tests.unit.app.engine.fakes import FakeBench, Script
 from tests.unit.app.service.benches import ServiceBench, settled
 
@@ -24,47 +27,47 @@ HEIGHT = Prompt("height", "number", "Type the height.", unit="mm")
 
 
 async def test_nobody_there_is_said_at_once() -> None:
-    assert await PromptDesk(lambda: False)(GO) is None
+    assert await PromptBroker(lambda: False)(GO) is None
 
 
 async def test_only_the_open_question_is_answered_and_only_with_an_answer() -> None:
-    desk = PromptDesk(lambda: True)
-    waiting = asyncio.create_task(desk(HEIGHT))
+    broker = PromptBroker(lambda: True)
+    waiting = asyncio.create_task(broker(HEIGHT))
     await settled(3)
     for prompt, text, reason in [("depth", "1", "open is 'height'"), ("height", "tall", "a number in mm")]:
         with pytest.raises(RefusedError, match=reason):
-            desk.answer(prompt, text, "Ada")
-        assert desk.open == HEIGHT
-    desk.answer("height", "12.5", "Ada")
+            broker.answer(prompt, text, "Ada")
+        assert broker.open == HEIGHT
+    broker.answer("height", "12.5", "Ada")
     with pytest.raises(RefusedError, match="no question is open"):
-        desk.answer("height", "13", "Ben")
+        broker.answer("height", "13", "Ben")
     assert await waiting == Answer("12.5", "Ada")
     with pytest.raises(RefusedError, match="no question is open"):
-        desk.answer("height", "13", "Ben")
+        broker.answer("height", "13", "Ben")
 
 
 async def test_a_question_whose_time_is_over_is_no_longer_open() -> None:
-    desk = PromptDesk(lambda: True)
-    waiting = asyncio.create_task(desk(HEIGHT))
+    broker = PromptBroker(lambda: True)
+    waiting = asyncio.create_task(broker(HEIGHT))
     await settled(3)
     waiting.cancel()
     await asyncio.gather(waiting, return_exceptions=True)
     with pytest.raises(RefusedError, match="no question is open"):
-        desk.answer("height", "1", "Ada")
+        broker.answer("height", "1", "Ada")
 
 
 async def test_an_answer_may_come_before_the_engine_asks_for_it() -> None:
-    desk = PromptDesk(lambda: True)
-    desk.announce(HEIGHT)
-    desk.answer("height", "3", "Ada")
-    assert await desk(HEIGHT) == Answer("3", "Ada")
+    broker = PromptBroker(lambda: True)
+    broker.announce(HEIGHT)
+    broker.answer("height", "3", "Ada")
+    assert await broker(HEIGHT) == Answer("3", "Ada")
 
 
 async def test_a_client_with_control_answers_and_the_run_goes_on() -> None:
     async with ServiceBench().running() as bench, bench.clients("Ada", "Ben") as (ada, ben):
-        assert await bench.hub.desk(GO) is None
+        assert await bench.registry.broker(GO) is None
         await ada.take_control()
-        waiting = asyncio.create_task(bench.hub.desk(GO))
+        waiting = asyncio.create_task(bench.registry.broker(GO))
         await settled(3)
         with pytest.raises(RefusedError, match="needs control"):
             await ben.answer("go", "yes")
@@ -78,7 +81,7 @@ async def test_a_question_outlives_the_client_that_was_asked() -> None:
     async with ServiceBench().running() as bench, bench.client("Ben") as ben:
         async with bench.client("Ada") as ada:
             await ada.take_control()
-            waiting = asyncio.create_task(bench.hub.desk(HEIGHT))
+            waiting = asyncio.create_task(bench.registry.broker(HEIGHT))
             await settled(3)
         await settled()
         assert not waiting.done()
@@ -112,18 +115,8 @@ def test_what_is_typed_at_a_terminal(prompt: Prompt, typed: str, answer: str, fa
     assert hint(prompt)
 
 
-def test_a_question_comes_back_from_its_event() -> None:
-    event: dict[str, Json] = {
-        "id": "s",
-        "kind": "choice",
-        "text": "Turn.",
-        "choices": ["done", "skip"],
-        "unit": "",
-        "timeout_s": 5.0,
-        "task": {"do": "turn-screw", "turns": 0.5},
-        "motion": True,
-    }  # fmt: skip - as in the event
-    assert prompt_of(event) == Prompt(
+def test_a_question_comes_back_whole_from_its_event() -> None:
+    prompt = Prompt(
         "s",
         "choice",
         "Turn.",
@@ -131,21 +124,27 @@ def test_a_question_comes_back_from_its_event() -> None:
         timeout_s=5.0,
         task={"do": "turn-screw", "turns": 0.5},
         motion=True,
+        rests_after=("skip",),
     )
+    asked = PromptAsked.of(prompt, MotionAfter(override_percent=10.0, speed_deg_s=None))
+    [line] = encode_event(asked).splitlines()
+    event = event_of(json.loads(line))
+    assert isinstance(event, PromptAsked)
+    assert event.prompt == prompt
 
 
 async def test_the_console_answers_commands_and_questions() -> None:
     async with ServiceBench().running() as bench:
         said: list[str] = []
-        bench.hub.console = "Ada"
-        console = Console(bench.hub, "Ada", said.append)
+        bench.registry.lease.console = "Ada"
+        console = Console(bench.registry, "Ada", said.append)
         console.take("hold")
         assert bench.state() == "HOLDING"
         console.take("g")
         assert bench.state() == "EXECUTE"
         console.take("status")
         assert "h hold" in said.pop()
-        waiting = asyncio.create_task(bench.hub.desk(GO))
+        waiting = asyncio.create_task(bench.registry.broker(GO))
         await settled(3)
         console.take("s")
         assert "yes or no" in said.pop()
@@ -156,7 +155,7 @@ async def test_the_console_answers_commands_and_questions() -> None:
         console.take("move")
         assert await waiting == Answer("yes", "Ada")
         console.end()
-        assert await bench.hub.desk(GO) is None
+        assert await bench.registry.broker(GO) is None
         console.take("s")
         await bench.control.halted()
         assert bench.robot.calls == ["stop"]
@@ -177,12 +176,12 @@ async def attended(
     """Run with a service whose console acts when a question is open."""
     service = RunService("hold", "Ada", bench.root)
 
-    def publish(event: dict[str, Json]) -> None:
-        if event["event"] == "prompt":
+    def publish(event: RunEvent) -> None:
+        if isinstance(event, PromptAsked):
             asyncio.get_running_loop().call_soon(act, service)
 
-    request = bench.request(procedure, answerer=service.hub.desk, on_open=service.serve)
-    publisher = service.hub.publisher(publish)
+    request = bench.request(procedure, answerer=service.registry.broker, on_open=service.serve)
+    publisher = service.registry.publisher(publish)
     return await run_procedure(request, bench.build, bench.clock, publisher, bench.install), service
 
 
@@ -191,9 +190,9 @@ async def test_who_answered_is_stored_with_the_run(tmp_path: Path) -> None:
     bench, answers = FakeBench(tmp_path / "runs"), list[str]()
 
     def act(service: RunService) -> None:
-        asked = service.hub.desk.open
+        asked = service.registry.broker.open
         assert asked is not None
-        service.hub.desk.answer(asked.id, "yes" if asked.kind == "confirm" else "2.5", "Ada")
+        service.registry.broker.answer(asked.id, "yes" if asked.kind == "confirm" else "2.5", "Ada")
 
     outcome, service = await attended(bench, asking(GO, HEIGHT, answers=answers), act)
     assert outcome.status == "complete"
@@ -202,15 +201,15 @@ async def test_who_answered_is_stored_with_the_run(tmp_path: Path) -> None:
         ("go", "Ada"),
         ("height", "Ada"),
     ]
-    assert service.hub.run is None
+    assert service.registry.run is None
 
 
 async def test_a_safe_answer_is_taken_when_nobody_is_there(tmp_path: Path) -> None:
     bench, answers = FakeBench(tmp_path / "runs"), list[str]()
     bench.make_real()
-    desk = PromptDesk(lambda: False)
+    broker = PromptBroker(lambda: False)
     safe = Prompt("more", "choice", "Go on?", choices=("on", "stop"), safe_answer="stop")
-    request = bench.request(asking(safe, answers=answers), answerer=desk, arm="lab-1")
+    request = bench.request(asking(safe, answers=answers), answerer=broker, arm="lab-1")
     outcome = await run_procedure(request, bench.build, bench.clock, bench.publish, bench.install)
     assert answers == ["stop"]
     [row] = RunReader(outcome.path).prompts()
@@ -230,7 +229,7 @@ async def test_a_machine_without_sockets_runs_on_and_warns(tmp_path: Path, runti
 async def test_who_comes_later_is_told_for_how_long_a_question_has_been_open() -> None:
     bench = ServiceBench()
     async with bench.running():
-        assert bench.hub.snapshot()["prompt_open_s"] is None
+        assert bench.registry.snapshot().prompt_open_s is None
         bench.publish(
             "prompt",
             id="height",
@@ -241,6 +240,6 @@ async def test_who_comes_later_is_told_for_how_long_a_question_has_been_open() -
             timeout_s=60.0,
         )
         bench.clock.advance(25.0)
-        assert bench.hub.snapshot()["prompt_open_s"] == 25.0
+        assert bench.registry.snapshot().prompt_open_s == 25.0
         bench.publish("answer", id="height", answer="3", who="Ada")
-        assert bench.hub.snapshot()["prompt_open_s"] is None
+        assert bench.registry.snapshot().prompt_open_s is None

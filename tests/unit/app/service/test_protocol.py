@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from catseye.app.service.errors import BadMessageError
-from catseye.app.service.messages import MAX_LINE_BYTES, decode_request
-from tests.unit.app.service.benches import ServiceBench, close, event_of, settled
+from catseye.app.protocol.message import MAX_LINE_BYTES, MessageError
+from catseye.app.protocol.requests import Hello, Plain, decode_request
+from catseye.procedures.kit.context import Json
+from tests.unit.app.service.benches import ServiceBench, close, next_event, settled
 
 
 @pytest.mark.parametrize(
@@ -37,7 +38,7 @@ from tests.unit.app.service.benches import ServiceBench, close, event_of, settle
     ],
 )
 def test_what_is_no_request_is_told_why(line: bytes, text: str) -> None:
-    with pytest.raises(BadMessageError) as caught:
+    with pytest.raises(MessageError) as caught:
         decode_request(line)
     assert text in str(caught.value)
 
@@ -45,7 +46,7 @@ def test_what_is_no_request_is_told_why(line: bytes, text: str) -> None:
 @given(st.binary(max_size=200) | st.text(max_size=200).map(str.encode))
 @settings(max_examples=60)
 def test_garbage_raises_one_kind_of_error(line: bytes) -> None:
-    with pytest.raises(BadMessageError):
+    with pytest.raises(MessageError):
         decode_request(line)
 
 
@@ -54,6 +55,15 @@ _JSON = st.recursive(
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
     max_leaves=8,
 )
+OFFSET: dict[str, Json] = {
+    "name": "offset",
+    "value": 0.1,
+    "unit": "mm",
+    "low": None,
+    "high": None,
+    "accepted": True,
+    "text": "",
+}
 _OPS = st.sampled_from(["hello", "control", "hand-over", "override", "start", "resume", "answer", "stop"])
 
 
@@ -63,8 +73,8 @@ _OPS = st.sampled_from(["hello", "control", "hand-over", "override", "start", "r
 @settings(max_examples=60)
 def test_wrong_fields_raise_nothing_else(op: str, fields: dict[str, object], number: object) -> None:
     line = json.dumps({"v": 1, "id": number, "op": op, **fields}).encode()
-    with suppress(BadMessageError):
-        assert decode_request(line).op == op
+    with suppress(MessageError):
+        assert decode_request(line)[1].op == op
 
 
 async def test_garbage_is_answered_and_the_conversation_goes_on() -> None:
@@ -87,7 +97,7 @@ async def test_a_line_without_end_is_answered_and_the_client_let_go() -> None:
         client.write(b"x" * (3 * MAX_LINE_BYTES))
         [refused] = await client.rest()
         assert "longer than 65536 bytes" in refused["error"]
-        assert (await other.request("ping"))["ok"] is True
+        assert (await other.request(Plain(op="ping")))["ok"] is True
         close(client)
 
 
@@ -111,44 +121,49 @@ async def test_hello_is_said_once_and_answered_with_the_state_of_things() -> Non
         bench.publish("step-done", step="a", title="first", stored=False)
         bench.publish("step-started", step="b", title="second", attempt=1)
         bench.publish("progress", done=1.0, total=4.0, text="x", elapsed_s=1.0, remaining_s=3.0)
-        bench.publish("state", state="EXECUTE", kind="live", data={"name": "offset", "value": 0.1})
+        bench.publish("state", state="EXECUTE", kind="live", data=OFFSET)
         bench.publish("prompt", id="door", kind="confirm", text="Close the door.", motion=False)
         async with bench.clients("Ada", "Ben") as (ada, ben):
             seen = ben.snapshot
-            assert (seen["run"], seen["procedure"], seen["state"]) == ("run-1", "script", "EXECUTE")
-            assert seen["simulated"] is True
-            assert seen["prompt"]["id"] == "door"
-            assert seen["step"]["title"] == "second"
-            assert seen["progress"]["done"] == 1.0
-            assert seen["live"]["data"]["value"] == 0.1
-            assert seen["control"] is None
-            assert seen["engine"].startswith("catseye ")
-            assert seen["protocol"] == 1
-            assert [each["who"] for each in seen["clients"]] == ["Ada", "Ben"]
-            assert seen["you"] == ben.name != ada.name
+            assert (seen.run, seen.procedure, seen.state) == ("run-1", "script", "EXECUTE")
+            assert seen.simulated is True
+            assert seen.prompt is not None
+            assert seen.prompt.id == "door"
+            assert seen.step is not None
+            assert seen.step.title == "second"
+            assert seen.progress is not None
+            assert seen.progress.done == 1.0
+            assert seen.live is not None
+            assert seen.live.data.value == 0.1
+            assert seen.control is None
+            assert seen.engine.startswith("catseye ")
+            assert seen.protocol == 1
+            assert [each.who for each in seen.clients] == ["Ada", "Ben"]
+            assert seen.you == ben.name != ada.name
             with pytest.raises(Exception, match="and once"):
-                await ada.request("hello", client="x", who="y")
+                await ada.request(Hello(client="x", who="y"))
 
 
 async def test_those_who_are_there_hear_who_comes_and_goes() -> None:
     async with ServiceBench().running() as bench, bench.client("Ada") as ada:
         async with bench.client("Ben") as ben:
-            came = await event_of(ada, "clients")
-            assert came["clients"] == ben.snapshot["clients"]
-        gone = await event_of(ada, "clients")
+            came = await next_event(ada, "clients")
+            assert came["clients"] == ben.snapshot.json_object()["clients"]
+        gone = await next_event(ada, "clients")
         assert gone["clients"] == [{"client": ada.name, "who": "Ada"}]
 
 
 async def test_every_event_of_the_run_comes_with_the_version() -> None:
-    async with ServiceBench().running() as bench, bench.client() as client:
+    async with ServiceBench().running() as bench:
+        client = await bench.raw()
+        assert (await client.ask("hello", client="x", who="Ada"))["ok"] is True
         bench.publish("warning", text="the beam is weak", data={})
-        async for event in client.events():
-            assert event == {
-                "v": 1,
-                "t": "now",
-                "event": "warning",
-                "run": "run-1",
-                "text": "the beam is weak",
-                "data": {},
-            }  # fmt: skip - the event as it is on the line
-            break
+        assert await client.read() == {
+            "v": 1,
+            "t": "now",
+            "event": "warning",
+            "run": "run-1",
+            "text": "the beam is weak",
+            "data": {},
+        }  # fmt: skip - the event as it is on the line
+        close(client)

@@ -7,10 +7,14 @@ from typing import Any
 
 import pytest
 
+from catseye.app.protocol.requests import JogStep
 from catseye.app.service.client import STEP_PING_S, over
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError
 from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import ManualClock
+
+SNAPSHOT = ClientRegistry(ManualClock()).snapshot().json_object()
 
 
 class Counting(ManualClock):
@@ -35,7 +39,9 @@ async def engine(stream: asyncio.StreamReader, out: asyncio.StreamWriter, last: 
         if request["op"] == "jog-step":
             step = request["id"]
         else:
-            out.write(json.dumps({"v": 1, "re": request["id"], "ok": True, "snapshot": {}}).encode() + b"\n")
+            out.write(
+                json.dumps({"v": 1, "re": request["id"], "ok": True, "snapshot": SNAPSHOT}).encode() + b"\n"
+            )
         if step is not None and asked[-3:] == ["ping"] * 3:
             out.write(json.dumps({"v": 1, "re": step, **last}).encode() + b"\n")
             step = None
@@ -53,9 +59,9 @@ async def test_signs_of_life_from_the_request_to_the_answer(refused: bool) -> No
     async with asyncio.timeout(HANG_S), over(mine, "test", "Ada", clock) as client:
         if refused:
             with pytest.raises(RefusedError, match="stopped"):
-                await client.jog_step(joint="j1", by=1.0)
+                await client.jog_step(JogStep(joint="j1", by=1.0))
         else:
-            assert (await client.jog_step(joint="j1", by=1.0))["joints"] == [1.0, 2.0, 3.0, 4.0]
+            assert (await client.jog_step(JogStep(joint="j1", by=1.0))).joints == (1.0, 2.0, 3.0, 4.0)
         told = len(clock.slept_s)
         await asyncio.sleep(0.01)
         # After the answer nothing pings that often any more.
@@ -78,7 +84,7 @@ async def test_what_came_while_the_program_stood_still_is_read_before_it_writes(
     async def greet() -> None:
         request = json.loads(await loop.sock_recv(far, 4096))
         await loop.sock_sendall(
-            far, json.dumps({"v": 1, "re": request["id"], "ok": True, "snapshot": {}}).encode() + b"\n"
+            far, json.dumps({"v": 1, "re": request["id"], "ok": True, "snapshot": SNAPSHOT}).encode() + b"\n"
         )
 
     greeting = asyncio.create_task(greet())
@@ -87,8 +93,8 @@ async def test_what_came_while_the_program_stood_still_is_read_before_it_writes(
         # The sign of life begins to wait.
         await asyncio.sleep(0.01)
         # The engine ends while this program stands still; the next sign of life is due when it goes on.
-        far.send(b'{"v": 1, "event": "run-ended"}\n')
+        far.send(b'{"v": 1, "event": "idle", "state": "COMPLETE"}\n')
         far.close()
         clock.advance(2.5)
-        assert [event["event"] async for event in client.events()] == ["run-ended"]
+        assert [event.event async for event in client.events()] == ["idle"]
         assert client.closed == "the engine closed the connection"

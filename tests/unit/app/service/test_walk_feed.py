@@ -4,8 +4,9 @@ from typing import cast
 
 import pytest
 
-from catseye.app.running import PlannedRun
+from catseye.app.protocol.requests import WalkFeed
 from catseye.app.service.errors import RefusedError
+from catseye.app.service.running import PlannedRun
 from tests.unit.app.service.benches import ServiceBench
 
 
@@ -14,8 +15,8 @@ async def test_a_client_in_control_feeds_and_lets_go() -> None:
     async with ServiceBench().running() as bench, bench.client() as ada:
         bench.handle.feed = fed.append
         await ada.take_control()
-        await ada.request("walk-feed")
-        await ada.request("walk-feed", on=False)
+        await ada.request(WalkFeed())
+        await ada.request(WalkFeed(on=False))
     assert fed == [True, False]
 
 
@@ -24,7 +25,7 @@ async def test_nobody_feeds_without_control() -> None:
     async with ServiceBench().running() as bench, bench.client() as ada:
         bench.handle.feed = fed.append
         with pytest.raises(RefusedError, match="needs control"):
-            await ada.request("walk-feed")
+            await ada.request(WalkFeed())
     assert fed == []
 
 
@@ -32,7 +33,7 @@ async def test_a_run_that_is_no_walk_is_not_fed() -> None:
     async with ServiceBench().running() as bench, bench.client() as ada:
         await ada.take_control()
         with pytest.raises(RefusedError, match="no walk"):
-            await ada.request("walk-feed")
+            await ada.request(WalkFeed())
 
 
 async def test_a_walk_whose_client_is_lost_is_stopped() -> None:

@@ -3,37 +3,40 @@
 import asyncio
 from collections.abc import Awaitable, Callable
 from pathlib import Path
+from typing import Literal
 
 import pytest
 
-from catseye.app.bench.facts import facts_of
-from catseye.app.bench.telemetry import Telemetry
 from catseye.app.engine.waiting import cancel
+from catseye.app.protocol.answers import Answer, Watching
+from catseye.app.protocol.events import AnyEvent, BenchSeen
+from catseye.app.protocol.requests import Watch
+from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.hub import Hub, Member
 from catseye.app.service.mailbox import Mailbox
-from catseye.app.service.messages import Message, Watch, decode_request, encode
-from catseye.app.service.orders import Orders
-from tests.unit.app.bench.benches import bench_from_template, cell_from_template
-from tests.unit.app.bench.kept import disk
+from catseye.app.service.member import Member
+from catseye.app.service.request_handler import RequestHandler
+from catseye.app.service.watching.bench_facts import facts_of
+from catseye.app.service.watching.telemetry import Telemetry
+from tests.unit.app.service.manual.benches import bench_from_template, cell_from_template
+from tests.unit.app.service.watching.pulled_devices import disk
 from tests.unit.drivers.virtual_time import VirtualClock, run
 
 
 class Served:
-    """A hub with its orders and two clients."""
+    """A registry with its handler and two clients."""
 
     def __init__(self, folder: Path) -> None:
         clock = VirtualClock()
-        self.hub = Hub(clock)
-        self.telemetry = Telemetry(self.hub, clock, folder, disk)
-        self.orders = Orders(self.hub, telemetry=self.telemetry)
+        self.registry = ClientRegistry(clock)
+        self.telemetry = Telemetry(self.registry, clock, folder, disk)
+        self.handler = RequestHandler(self.registry, telemetry=self.telemetry)
         self.ada, self.ben = (
-            self.hub.join("test", who, Mailbox(), lambda _reason: None) for who in ("Ada", "Ben")
+            self.registry.join("test", who, Mailbox(), lambda _reason: None) for who in ("Ada", "Ben")
         )
 
-    def ask(self, member: Member, op: str, *, on: bool = True) -> Message:
-        request = decode_request(encode({"v": 1, "id": 1, "op": op, "on": on}))
-        answer = self.orders.take(member, request)
+    def ask(self, member: Member, op: Literal["watch", "traffic"], *, on: bool = True) -> Answer:
+        answer = self.handler.take(member, Watch(op=op, on=on))
         assert not isinstance(answer, asyncio.Future)
         return answer
 
@@ -49,27 +52,35 @@ def played(folder: Path, play: Callable[[Served], Awaitable[None]]) -> None:
     run(whole())
 
 
+async def taken(member: Member) -> AnyEvent:
+    event = await member.mailbox.take()
+    assert not isinstance(event, bytes)
+    return event
+
+
 async def events(member: Member) -> list[str]:
-    """Return the events that wait for a client."""
-    return [str((await member.mailbox.take())["event"]) for _ in range(len(member.mailbox))]
+    """Return the names of the events that wait for a client."""
+    return [(await taken(member)).event for _ in range(len(member.mailbox))]
 
 
 def test_whoever_asks_is_answered_and_told_until_he_asks_no_more(tmp_path: Path) -> None:
     async def play(served: Served) -> None:
         served.telemetry.describe(facts_of(cell_from_template(), bench_from_template()))
-        bench = served.ask(served.ada, "watch")["bench"]
-        assert isinstance(bench, dict)
-        assert bench["cell"] == cell_from_template().name
+        watching = served.ask(served.ada, "watch")
+        assert isinstance(watching, Watching)
+        assert watching.bench is not None
+        assert watching.bench.cell == cell_from_template().name
         # That Ben came after her.
         assert await events(served.ada) == ["clients"]
         await asyncio.sleep(1.0)
         # Nothing was read meanwhile: one of each waits, and the replaced ones are counted.
         assert len(served.ada.mailbox) == 2
-        told = await served.ada.mailbox.take()
-        assert (told["event"], told["run"], told["missed"]) == ("bench", None, 4)
+        bench = await taken(served.ada)
+        assert isinstance(bench, BenchSeen)
+        assert (bench.run, bench.missed) == (None, 4)
         assert await events(served.ada) == ["samples"]
         assert await events(served.ben) == []
-        assert served.ask(served.ben, "traffic") == {}
+        assert served.ask(served.ben, "traffic") == Answer()
         served.ask(served.ada, "watch", on=False)
         served.telemetry.traffic.record("robot", "tx", b"1")
         await asyncio.sleep(1.0)
@@ -85,10 +96,10 @@ def test_a_client_that_left_keeps_nothing_awake(tmp_path: Path) -> None:
         served.ask(served.ada, "watch")
         served.ask(served.ben, "watch")
         await asyncio.sleep(1.0)
-        served.hub.leave(served.ada, "it closed the connection")
+        served.registry.leave(served.ada, "it closed the connection")
         await asyncio.sleep(1.0)
         assert watched == [True]
-        served.hub.leave(served.ben, "it closed the connection")
+        served.registry.leave(served.ben, "it closed the connection")
         await asyncio.sleep(1.0)
         assert watched == [True, False]
 
@@ -103,12 +114,12 @@ def test_a_bench_that_cannot_be_known_is_refused(tmp_path: Path) -> None:
         served.telemetry.prepare = unknown
         with pytest.raises(RefusedError, match="line 3"):
             served.ask(served.ada, "watch")
-        assert not served.hub.listens("watch")
-        request = Watch(v=1, id=1, op="watch")
+        assert not served.registry.listens("watch")
+        request = Watch(op="watch")
         with pytest.raises(RefusedError, match="does not do 'watch'"):
-            Orders(served.hub).take(served.ada, request)
+            RequestHandler(served.registry).take(served.ada, request)
         with pytest.raises(RefusedError, match="says hello first"):
-            served.orders.take(None, request)
+            served.handler.take(None, request)
 
     played(tmp_path, play)
 

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.commands.export import export_command
-from catseye.app.commands.runs import show_command, verify_command
+from catseye.app.cli.export import export as export_command
+from catseye.app.cli.show import show as show_command
+from catseye.app.cli.verify import verify as verify_command
 from catseye.app.errors import StorageError
 from catseye.app.exitcode import ExitCode
 from catseye.app.results.scara.distances import load_distances
@@ -31,12 +32,12 @@ async def unsealed(folder: Path) -> Path:
 
 
 def show(run: Path) -> None:
-    show_command(str(run), None, as_json=False)
-    show_command(str(run), None, as_json=True)
+    show_command(str(run), as_json=False)
+    show_command(str(run), as_json=True)
 
 
 def verify(run: Path) -> None:
-    verify_command(str(run), None, as_json=False)
+    verify_command(str(run), as_json=False)
 
 
 def export(run: Path) -> None:
@@ -48,7 +49,7 @@ def identify(run: Path) -> None:
 
 
 def show_unverified(run: Path) -> None:
-    show_command(str(run), None, as_json=True, unverified=True)
+    show_command(str(run), as_json=True, unverified=True)
 
 
 def export_unverified(run: Path) -> None:

@@ -81,7 +81,7 @@ def told(author: Author) -> list[str]:
 
 async def test_a_run_that_died_and_went_on_is_told_in_order(author: Author) -> None:
     await author.event("devices", devices=DEVICES)
-    await author.event("warning", text="SIMULATED: every device is an emulator")
+    await author.event("warning", text="SIMULATED: every device is an emulator", simulated=True)
     await author.event("state", state="EXECUTE", reason="devices are ready")
     await author.event("zero", number=1, dead_path_mm=279.947)
     await author.points(0, 36, 0)

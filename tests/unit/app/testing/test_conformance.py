@@ -33,11 +33,11 @@ def test_a_foreign_robot_is_moved_by_permission_only() -> None:
     assert not moving & {check.name for check in applicable(allowed)}
 
 
-def test_the_kind_is_told_by_the_methods() -> None:
-    kinds = {
-        name: candidate_of(name).kind for name in ("melfa-r3", "line-counter", "modbus-air", "bench-tracker")
+def test_a_candidate_has_the_role_of_its_class() -> None:
+    roles = {
+        name: candidate_of(name).role for name in ("melfa-r3", "line-counter", "modbus-air", "bench-tracker")
     }
-    assert list(kinds.values()) == ["robot", "interferometer", "environment", "tracker"]
+    assert list(roles.values()) == ["robot", "interferometer", "environment", "tracker"]
 
 
 def test_patience_follows_the_time_outs_of_questions() -> None:

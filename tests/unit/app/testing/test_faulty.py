@@ -14,7 +14,7 @@ from catseye.drivers.counter.profile import CounterProfile, load_profile
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.melfa.settings import MelfaSettings
 from catseye.drivers.roles.errors import DeviceError, LinkError
-from catseye.drivers.roles.readings import Joints
+from catseye.drivers.roles.pose import Pose
 from tests.patience import HANG_S
 from tests.unit.drivers.melfa_bench import Controller
 from tests.unit.drivers.peers import Answer, Peer
@@ -303,7 +303,7 @@ async def move_through(script: list[Fault], aside: list[Fault], suffix: str) -> 
         await robot.close()
 
 
-async def one_move(robot: MelfaR3, controller: Controller, peers: list[Peer], target: Joints) -> None:
+async def one_move(robot: MelfaR3, controller: Controller, peers: list[Peer], target: Pose) -> None:
     """Connect if need be, move, ask where the robot is; check what comes back against the controller itself."""
     async with asyncio.timeout(HANG_S):
         moves = motions(peers)

@@ -11,6 +11,7 @@ import pytest
 
 from catseye.app.testing.bench import AsyncBench, RunningBench
 from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.control_port.messages import Identify
 from tests.patience import HANG_S
 
 StartBench = Callable[..., RunningBench]
@@ -45,7 +46,7 @@ def test_the_beam_returns_at_the_start_and_faults_show_on_the_wire(
 ) -> None:
     bench = catseye_bench("line-counter", seed=seed)
     counter = bench.endpoint("line-counter")
-    assert bench.state()["beam"]["returns"]
+    assert bench.state().beam.returns
     assert ask(counter, b"S\r\n") == b"10\r\n"
     bench.fault("block_beam")
     assert ask(counter, b"S\r\n") == b"15\r\n"
@@ -69,18 +70,18 @@ def test_a_wrong_request_is_told(catseye_bench: StartBench) -> None:
 
 async def test_the_bench_in_a_thread_serves_a_coroutine_test_too(catseye_bench: StartBench) -> None:
     bench = catseye_bench("modbus-air")
-    assert bench.state()["moving"] is False
+    assert bench.state().moving is False
 
 
 async def test_a_bench_on_the_loop_of_the_test(
     catseye_async_bench: Callable[..., AbstractAsyncContextManager[AsyncBench]],
 ) -> None:
     async with catseye_async_bench("line-counter", speed=10.0) as bench:
-        assert (await bench.ask("identify"))["speed"] == 10.0
+        assert (await bench.ask(Identify())).speed == 10.0
         await bench.fault("block_beam")
-        assert not (await bench.state())["beam"]["returns"]
+        assert not (await bench.state()).beam.returns
         await bench.clear_faults()
-        assert (await bench.state())["beam"]["returns"]
+        assert (await bench.state()).beam.returns
         assert await bench.journal("line-counter") == []
         assert "link1_mm" in await bench.truth()
 

@@ -9,7 +9,8 @@ import pytest
 from catseye.app.testing.replay import DeviationError, ReplayTransport, Step, load_transcript
 from catseye.drivers.counter.counter import LineCounter
 from catseye.drivers.counter.profile import load_profile
-from catseye.drivers.links.record import Direction, RecordingTransport
+from catseye.drivers.links.record import RecordingTransport
+from catseye.drivers.roles.device import Direction
 from catseye.drivers.roles.errors import LinkError
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.drivers.test_counter import Counter

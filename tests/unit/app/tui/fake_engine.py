@@ -11,6 +11,7 @@ from typing import Any
 from catseye.app.service.address import socket_folder, socket_name
 from catseye.app.testing.closing import close_server
 from tests.unit.app.tui.scripted import SNAPSHOT
+from tests.unit.app.tui.scripted_bench import BENCH
 
 
 class FakeEngine:
@@ -60,9 +61,9 @@ class FakeEngine:
     def _answer(self, op: str) -> dict[str, Any]:
         if op in self.refusals:
             return {"ok": False, "error": self.refusals[op], "exit_code": 2}
-        return {"ok": True, "snapshot": self.snapshot, "bench": {}}
+        return {"ok": True, "snapshot": self.snapshot, "bench": BENCH}
 
-    def tell(self, **event: Any) -> None:
+    def publish(self, **event: Any) -> None:
         """Tell all clients something."""
         for writer in self._writers:
             writer.write(json.dumps({"v": 1, "t": "", "run": None, **event}).encode() + b"\n")

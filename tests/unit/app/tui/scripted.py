@@ -1,19 +1,24 @@
-"""An engine that tells what a test says, and notes what it is asked."""
+"""An engine that sends what a test says, and notes what it is asked."""
 
 import asyncio
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from textual.app import App
 from textual.pilot import Pilot
 
+from catseye.app.protocol.events import Client, event_of
+from catseye.app.protocol.requests import AnyRequest, Control, Plain, Request
+from catseye.app.protocol.snapshot import Snapshot
 from catseye.app.service.errors import RefusedError
 from catseye.app.tui.app import CatseyeApp
-from catseye.app.tui.picture import Picture
+from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.session import Session
 from catseye.app.tui.stopping import StopOp
 from catseye.app.tui.work import Done
+
+Asked = TypeVar("Asked", bound=Request)
 
 GOLDEN = Path(__file__).parent / "golden"
 
@@ -42,27 +47,34 @@ SNAPSHOT: dict[str, Any] = {
 
 
 class ScriptedLink:
-    """Implements `catseye.app.tui.link.Link`: nothing comes but what a test tells.
+    """Implements `catseye.app.tui.link.Link`: nothing comes but what a test publishes.
 
     Attributes:
-        picture: what was told.
+        engine: what was published.
         cell: cell file of the next engine.
         asked: requests, in order.
         refusals: text by request; such a request is refused.
-        answers: what a request is answered with.
         now_s: the time of everything; a test moves it.
     """
 
     def __init__(self, snapshot: dict[str, Any] | None = None) -> None:
-        self.picture = Picture()
+        self.engine = EngineState()
         self.cell: Path | None = Path("/bench/cell.toml")
-        self.asked: list[dict[str, Any]] = []
+        self.asked: list[AnyRequest] = []
         self.refusals: dict[str, str] = {}
-        self.answers: dict[str, dict[str, Any]] = {}
         self.now_s = 100.0
         self.left: list[bool] = []
         self._changed: Callable[[], None] = lambda: None
-        self.picture.met({**SNAPSHOT, **(snapshot or {})}, self.now_s)
+        self.engine.met(snapshot_with(**(snapshot or {})), self.now_s)
+
+    @property
+    def ops(self) -> list[str]:
+        """The names of the requests, in order."""
+        return [request.op for request in self.asked]
+
+    def asked_for(self, kind: type[Asked]) -> list[Asked]:
+        """Return the requests of a kind, in order."""
+        return [request for request in self.asked if isinstance(request, kind)]
 
     async def serve(self, changed: Callable[[], None]) -> None:
         """Wait for ever."""
@@ -70,29 +82,32 @@ class ScriptedLink:
         changed()
         await asyncio.Event().wait()
 
-    async def request(self, op: str, **fields: Any) -> dict[str, Any]:
-        """Note it; refuse it or answer it as the test says."""
-        self.asked.append({"op": op, **fields})
-        if op in self.refusals:
-            raise RefusedError(self.refusals[op])
-        if op == "control":
-            self.picture.control = {"client": self.picture.you, "who": "Ada"}
-        return self.answers.get(op, {})
+    async def request(self, request: AnyRequest) -> None:
+        """Note it, and refuse it where the test says so."""
+        self.asked.append(request)
+        if request.op in self.refusals:
+            raise RefusedError(self.refusals[request.op])
+        if isinstance(request, Control):
+            self.engine.control = Client(client=self.engine.you or "", who="Ada")
 
     async def stop(self, op: StopOp) -> None:
         """Note it as a request."""
-        await self.request(op)
+        await self.request(Plain(op=op))
 
     async def leave(self, *, end_engine: bool) -> None:
         """Note it."""
         self.left.append(end_engine)
 
-    def tell(self, event: str, **fields: Any) -> None:
-        """Have the engine tell something."""
-        self.picture.take(
-            {"t": "2026-11-21T09:00:00+00:00", "event": event, "run": None, **fields}, self.now_s
-        )
+    def publish(self, event: str, **fields: Any) -> None:
+        """Have the engine send an event, with its fields as they stand on the wire."""
+        message = {"t": "2026-11-21T09:00:00+00:00", "event": event, "run": None, **fields}
+        self.engine.take(event_of(message), self.now_s)
         self._changed()
+
+
+def snapshot_with(**fields: Any) -> Snapshot:
+    """Return what an idle engine says to a client that comes, or something else of it."""
+    return Snapshot.model_validate({**SNAPSHOT, **fields})
 
 
 class ScriptedWork:
@@ -119,14 +134,14 @@ class ScriptedWork:
 
 def make_app(
     link: ScriptedLink,
-    place: str = "bench",
+    screen: str = "bench",
     *,
     root: Path = Path("/bench/catseye-runs"),
     cell: Path | None = None,
 ) -> CatseyeApp:
     """Return the program on a scripted engine."""
     session = Session(link, ScriptedWork(), root, cell or Path("/bench/cell.toml"), lambda: link.now_s)
-    app = CatseyeApp(session, place=place)
+    app = CatseyeApp(session, screen=screen)
     # What slides to its place is drawn many times on its way.
     app.animation_level = "none"
     return app
@@ -140,7 +155,7 @@ def work_of(app: CatseyeApp) -> ScriptedWork:
 
 
 async def shown(app: CatseyeApp, pilot: Pilot[Any]) -> str:
-    """Return the screen as text after everything that was told is painted."""
+    """Return the screen as text after everything that was published is painted."""
     await pilot.pause()
     base = app.screen_stack[0]
     if hasattr(base, "show_now"):

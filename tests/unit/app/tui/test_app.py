@@ -12,7 +12,7 @@ from catseye.app.service.errors import ServiceError
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.quit_dialog import QuitDialog
-from catseye.app.tui.places import PLACES
+from catseye.app.tui.main_screens import MAIN_SCREENS
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.stopping import StopOp
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
@@ -26,7 +26,7 @@ RUN = {
 
 
 def ops(link: ScriptedLink) -> list[str]:
-    return [str(request["op"]) for request in link.asked]
+    return link.ops
 
 
 @pytest.mark.parametrize("dialog", [False, True])
@@ -53,17 +53,6 @@ async def test_stop_key_works_in_the_palette_and_in_an_input() -> None:
         assert ops(link) == ["stop"]
 
 
-async def test_ctrl_c_climbs_the_ladder() -> None:
-    link = ScriptedLink(RUN)
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
-        for state, asked in (("EXECUTE", "hold"), ("HELD", "stop"), ("STOPPING", "abort")):
-            link.tell("state", run=RUN["run"], state=state, reason="")
-            await pilot.press("ctrl+c")
-            await pilot.pause()
-            assert ops(link)[-1] == asked
-
-
 async def test_button_says_what_it_does_and_only_f8_lets_the_arm_move() -> None:
     link = ScriptedLink(RUN)
     app = make_app(link)
@@ -74,7 +63,7 @@ async def test_button_says_what_it_does_and_only_f8_lets_the_arm_move() -> None:
         await pilot.click("#hold")
         await pilot.pause()
         assert ops(link) == ["hold"]
-        link.tell("state", run=RUN["run"], state="HELD", reason="at a checkpoint")
+        link.publish("state", run=RUN["run"], state="HELD", reason="at a checkpoint")
         assert "GO ON g" in await shown(app, pilot)
         await pilot.click("#hold")
         assert "goes on where it was held" in await shown(app, pilot)
@@ -119,8 +108,14 @@ async def test_quitting_with_stop_waits_for_the_end_of_the_run() -> None:
         await pilot.pause()
         assert ops(link) == ["stop"]
         assert link.left == []
-        ended: dict[str, Any] = {"status": "stopped", "exit_code": 5, "text": "", "path": "/bench"}
-        link.tell("run-ended", **{**ended, "run": RUN["run"]})
+        ended: dict[str, Any] = {
+            "status": "stopped",
+            "exit_code": 5,
+            "text": "",
+            "path": "/bench",
+            "drives_on": False,
+        }
+        link.publish("run-ended", **{**ended, "run": RUN["run"]})
         await pilot.pause()
         assert link.left == [True]
 
@@ -132,7 +127,7 @@ async def test_quitting_a_jog_stops_the_arm_first_and_stays_where_that_fails(
         raise ServiceError("no engine answers: use the emergency stop if the arm moves")
 
     link = ScriptedLink()
-    link.tell("jog", on=True, by="Ada (tui-1)", percent=5.0, moving="j1")
+    link.publish("jog", on=True, by="Ada (tui-1)", percent=5.0, moving="j1")
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
         with monkeypatch.context() as patch:
@@ -173,11 +168,11 @@ async def test_ctrl_c_stops_at_once_when_the_engine_does_not_answer_or_is_out_of
     link = ScriptedLink(RUN)
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
-        link.picture.silent_since_s = link.now_s - 4.0
+        link.engine.silent_since_s = link.now_s - 4.0
         text = await shown(app, pilot)
         assert "THE ENGINE HAS NOT ANSWERED FOR 4.0 s" in text
         await pilot.press("ctrl+c")
-        link.picture.lost("the engine is gone")
+        link.engine.lost("the engine is gone")
         text = await shown(app, pilot)
         assert f"{RUN['run']} is out of sight" in text
         await pilot.press("ctrl+c")
@@ -201,7 +196,7 @@ async def test_a_panel_that_fails_is_told_once_and_everything_else_goes_on(
     def fail(*_: object) -> None:
         raise ZeroDivisionError("a reflector at the axis")
 
-    monkeypatch.setattr("catseye.app.tui.screens.bench.BenchScreen.show_picture", fail)
+    monkeypatch.setattr("catseye.app.tui.screens.bench.BenchScreen.show_state", fail)
     link = ScriptedLink(RUN)
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
@@ -243,7 +238,7 @@ async def test_each_place_has_stop_in_sight_and_every_action_in_the_palette() ->
     async with app.run_test(size=(80, 24)) as pilot:
         for size in ((80, 24), (120, 40)):
             await pilot.resize_terminal(*size)
-            for name, place in PLACES.items():
+            for name, place in MAIN_SCREENS.items():
                 await pilot.press(place.key)
                 text = await shown(app, pilot)
                 assert app.current_mode == name
@@ -264,7 +259,7 @@ def _look_at_palette(screen: Screen[Any]) -> None:
             BY_ANOTHER_NAME.get(action),
             ALIKE.get(action),
             f"action_ask_to{action[6:]}",
-        }, (screen.PLACE, action)
+        }, (screen.SCREEN, action)
 
 
 def _name_of(callback: Any) -> str:
@@ -277,4 +272,4 @@ async def test_nothing_is_begun_when_the_time_to_look_at_the_settings_comes_duri
     async with app.run_test(size=(80, 24)):
         pass
     app._look_at_settings()  # noqa: SLF001  # as its timer does
-    assert not app._orders  # noqa: SLF001  # what goes on beside the screens
+    assert not app._tasks  # noqa: SLF001  # what goes on beside the screens

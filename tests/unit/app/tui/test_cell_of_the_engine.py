@@ -5,10 +5,11 @@ from pathlib import Path
 import pytest
 
 from catseye.app.cell.template import TEMPLATE
+from catseye.app.protocol.requests import Start
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from tests.unit.app.tui.screens.test_procedures import app_of, settled
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
-from tests.unit.app.tui.told_bench import BENCH
+from tests.unit.app.tui.scripted_bench import BENCH
 
 
 async def test_a_cell_file_that_was_given_relative_to_this_folder_is_told_in_full(
@@ -19,14 +20,14 @@ async def test_a_cell_file_that_was_given_relative_to_this_folder_is_told_in_ful
     app = app_of(link)
     app.session.cell = Path("cell.toml")
     async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **BENCH)
+        link.publish("bench", **BENCH)
         await settled(app, pilot)
         await pilot.press("s")
         await settled(app, pilot)
         await pilot.press("f8")
         await settled(app, pilot)
-        (start,) = [request for request in link.asked if request["op"] == "start"]
-        assert start["cell"] == str(tmp_path / "cell.toml")
+        (start,) = link.asked_for(Start)
+        assert start.cell == str(tmp_path / "cell.toml")
 
 
 @pytest.mark.parametrize(
@@ -47,5 +48,5 @@ async def test_an_engine_that_does_not_end_keeps_its_cell_here_too(
         await pilot.press("y")
         for _ in range(3):
             await shown(app, pilot)
-        assert [request["op"] for request in link.asked] == ["control", "shutdown"]
+        assert link.ops == ["control", "shutdown"]
         assert app.session.cell == (cell if used == "own" else Path("/bench/cell.toml"))

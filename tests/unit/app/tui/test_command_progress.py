@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 
-from catseye.app.commands.progress import ProgressBar
+from catseye.app.cli.progress import ProgressBar
 from catseye.app.tui.command_progress import CommandProgress, ProgressReader, progress_of
 
 

@@ -2,9 +2,10 @@
 
 import pytest
 
+from catseye.app.protocol.requests import Control
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
-from tests.unit.app.tui.told_run import SNAPSHOT, end, measure, tell
+from tests.unit.app.tui.scripted_run import SNAPSHOT, end, measure, publish
 
 BOB = {"client": "attach-2", "who": "Bob"}
 
@@ -19,7 +20,7 @@ async def test_control_is_taken_from_somebody_only_after_a_question(key: str, as
         assert isinstance(app.screen, ConfirmDialog)
         await pilot.press(key)
         await shown(app, pilot)
-        assert [request["op"] for request in link.asked] == asked
+        assert link.ops == asked
 
 
 async def test_nobody_is_asked_where_nobody_has_it_and_nothing_is_taken_by_force() -> None:
@@ -28,7 +29,7 @@ async def test_nobody_is_asked_where_nobody_has_it_and_nothing_is_taken_by_force
     async with app.run_test(size=(80, 24)) as pilot:
         app.action_take_control()
         await shown(app, pilot)
-        assert link.asked == [{"op": "control", "take": True, "force": False}]
+        assert link.asked == [Control()]
 
 
 async def test_who_loses_control_is_told_by_whom() -> None:
@@ -37,7 +38,7 @@ async def test_who_loses_control_is_told_by_whom() -> None:
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
         await shown(app, pilot)
         app._show_changes()  # noqa: SLF001  # what the clock does five times a second
-        tell(link, "control", what="taken by force", by="Bob (attach-2)", before="Ada (tui-1)")
+        publish(link, "control", what="taken by force", by="Bob (attach-2)", before="Ada (tui-1)", holder=BOB)
         app._show_changes()  # noqa: SLF001  # what the clock does five times a second
         await pilot.pause()
         assert "Bob (attach-2) has taken control" in " ".join((await shown(app, pilot)).split())
@@ -49,7 +50,14 @@ async def test_a_name_that_looks_like_markup_is_shown_as_it_is() -> None:
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
         await shown(app, pilot)
         app._show_changes()  # noqa: SLF001  # what the clock does five times a second
-        tell(link, "control", what="taken by force", by="[/x] (attach-2)", before="Ada (tui-1)")
+        publish(
+            link,
+            "control",
+            what="taken by force",
+            by="[/x] (attach-2)",
+            before="Ada (tui-1)",
+            holder={**BOB, "who": "[/x]"},
+        )
         app._show_changes()  # noqa: SLF001  # what the clock does five times a second
         await pilot.pause()
         assert "[/x] (attach-2) has taken control" in " ".join((await shown(app, pilot)).split())
@@ -68,15 +76,15 @@ async def test_what_ended_by_hand_or_unacknowledged_is_offered_to_be_cleared() -
     app = make_app(link, "run")
     async with app.run_test(size=(120, 40)) as pilot:
         end(link, "stopped", "the guard stopped the arm; nobody was there")
-        link.tell("state", run=None, state="ABORTED", reason="the guard stopped the arm")
-        link.tell("idle", run=None, state="ABORTED")
+        link.publish("state", run=None, state="ABORTED", reason="the guard stopped the arm")
+        link.publish("idle", run=None, state="ABORTED")
         assert "x  clear" in await shown(app, pilot)
 
 
 def abort_by_hand(link: ScriptedLink) -> None:
     """Have a jog end with a stop."""
-    link.tell("state", run=None, state="ABORTED", reason="the guard stopped the jog")
-    link.tell("idle", run=None, state="ABORTED")
+    link.publish("state", run=None, state="ABORTED", reason="the guard stopped the jog")
+    link.publish("idle", run=None, state="ABORTED")
 
 
 async def test_an_aborted_jog_before_any_run_is_cleared_by_key() -> None:
@@ -88,7 +96,7 @@ async def test_an_aborted_jog_before_any_run_is_cleared_by_key() -> None:
         assert "press x to clear the abort: the guard stopped the jog" in text
         await pilot.press("x")
         await shown(app, pilot)
-        assert link.asked[-1]["op"] == "clear"
+        assert link.ops[-1] == "clear"
 
 
 @pytest.mark.parametrize("status", ["complete", "stopped"])
@@ -101,7 +109,7 @@ async def test_an_aborted_jog_after_a_run_is_cleared_by_key(status: str) -> None
         assert "x  clear" in await shown(app, pilot)
         await pilot.press("x")
         await shown(app, pilot)
-        assert link.asked[-1]["op"] == "clear"
+        assert link.ops[-1] == "clear"
 
 
 async def test_without_an_abort_the_key_clears_nothing() -> None:
@@ -119,10 +127,10 @@ async def test_an_abort_that_is_cleared_is_not_offered_to_be_cleared() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = make_app(link, "run")
     async with app.run_test(size=(120, 40)) as pilot:
-        tell(link, "state", state="ABORTED", reason="the robot stands")
+        publish(link, "state", state="ABORTED", reason="the robot stands")
         end(link, "aborted", "alarm 2600")
         assert "x  clear" in await shown(app, pilot)
-        tell(link, "state", state="STOPPED", reason="Ada cleared the abort")
+        publish(link, "state", state="STOPPED", reason="Ada cleared the abort")
         text = await shown(app, pilot)
         assert "x  clear" not in text
         assert "e  resume" in text

@@ -1,15 +1,15 @@
 """F8 on the screen Jog while a run is under way."""
 
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
-from tests.unit.app.tui.told_bench import BENCH
-from tests.unit.app.tui.told_run import SNAPSHOT
+from tests.unit.app.tui.scripted_bench import BENCH
+from tests.unit.app.tui.scripted_run import SNAPSHOT
 
 
 async def test_the_run_is_named_and_neither_control_nor_the_arm_is_asked_for() -> None:
     link = ScriptedLink({**SNAPSHOT, "control": {"client": "attach-2", "who": "Bob"}})
     app = make_app(link, "jog")
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        link.tell("bench", **BENCH)
+        link.publish("bench", **BENCH)
         await shown(app, pilot)
         await pilot.press("f8")
         await app.workers.wait_for_complete()

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 from catseye.app.tui.key_table import key_table, key_table_markdown
-from catseye.app.tui.places import PLACES
+from catseye.app.tui.main_screens import MAIN_SCREENS
 
 PAGE = Path(__file__).parents[4] / "docs" / "terminal-ui.md"
 PART = re.compile(r"(<!-- keys: [^>]*-->\n).*?(<!-- end of keys -->)", re.DOTALL)
@@ -26,6 +26,6 @@ def test_the_page_lists_every_key() -> None:
 def test_every_screen_has_its_key_and_the_stop_key_is_there() -> None:
     keys = {key.name: key.keys for key in key_table()}
     assert keys["run.stop"] == "f12"
-    assert {name: keys[f"go.{name}"] for name in PLACES} == {
-        name: place.key for name, place in PLACES.items()
+    assert {name: keys[f"go.{name}"] for name in MAIN_SCREENS} == {
+        name: place.key for name, place in MAIN_SCREENS.items()
     }

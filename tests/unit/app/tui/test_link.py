@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from catseye.app.protocol.requests import Start
 from catseye.app.service.address import socket_folder, socket_name
 from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui import link as link_module
@@ -56,7 +57,7 @@ Until = Callable[[Callable[[], bool]], Awaitable[None]]
 
 @asynccontextmanager
 async def serving(link: EngineLink) -> AsyncIterator[Until]:
-    """Keep the connection; yield what waits until the picture fulfils a condition."""
+    """Keep the connection; yield what waits until what the engine has sent fulfils a condition."""
     changed = asyncio.Event()
 
     async def until(condition: Callable[[], bool]) -> None:
@@ -92,10 +93,10 @@ async def test_run_of_another_process_is_found_although_an_idle_engine_is_connec
     idle, other = FakeEngine(), FakeEngine(run=RUN, procedure="open-loop", title="Open loop", state="EXECUTE")
     link = EngineLink(root, None, QuickClock())
     async with idle.at(root), serving(link) as until:
-        await until(lambda: link.picture.connected)
+        await until(lambda: link.engine.connected)
         async with other.at(root / RUN):
-            await until(lambda: link.picture.running)
-        await until(lambda: link.picture.connected and not link.picture.running)
+            await until(lambda: link.engine.running)
+        await until(lambda: link.engine.connected and not link.engine.running)
 
 
 async def test_stop_reaches_a_run_that_the_connected_engine_does_not_have(root: Path) -> None:
@@ -103,7 +104,7 @@ async def test_stop_reaches_a_run_that_the_connected_engine_does_not_have(root: 
     idle.refusals["stop"] = "no run is under way"
     link = EngineLink(root, None, QuickClock())
     async with idle.at(root), serving(link) as until:
-        await until(lambda: link.picture.connected)
+        await until(lambda: link.engine.connected)
         async with other.at(root / RUN):
             await link.stop("stop")
     assert "stop" in other.asked
@@ -137,7 +138,7 @@ async def test_deaf_engine_is_told_to_abort_by_a_signal(root: Path) -> None:
     engine = FakeEngine(pid=process.pid)
     link = EngineLink(root, None, QuickClock())
     async with engine.at(root), serving(link) as until:
-        await until(lambda: link.picture.connected)
+        await until(lambda: link.engine.connected)
         engine.deaf = True
         with pytest.raises(ServiceError, match="signal to abort"):
             await link.stop("stop")
@@ -148,11 +149,11 @@ async def test_order_to_a_deaf_engine_ends_with_a_text(root: Path) -> None:
     engine = FakeEngine()
     link = EngineLink(root, None, QuickClock())
     async with engine.at(root), serving(link) as until:
-        await until(lambda: link.picture.bench is not None)
+        await until(lambda: link.engine.bench is not None)
         engine.deaf = True
         with pytest.raises(ServiceError, match="does not answer"):
-            await link.request("start")
-        assert link.picture.silent_since_s is not None
+            await link.request(Start(procedure="open-loop"))
+        assert link.engine.silent_since_s is not None
 
 
 async def test_deaf_engine_keeps_nobody_from_quitting(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -160,7 +161,7 @@ async def test_deaf_engine_keeps_nobody_from_quitting(root: Path, monkeypatch: p
     engine = FakeEngine()
     link = EngineLink(root, None, QuickClock())
     async with engine.at(root), serving(link) as until:
-        await until(lambda: link.picture.connected)
+        await until(lambda: link.engine.connected)
         engine.deaf = True
         async with asyncio.timeout(HANG_S):
             await link.leave(end_engine=True)
@@ -174,12 +175,12 @@ async def test_quitting_ends_an_engine_that_nobody_else_uses(
     link = EngineLink(root, None, QuickClock())
     # What the snapshot said is the state of things when this client came.
     async with engine.at(root), serving(link) as until:
-        await until(lambda: link.picture.bench is not None)
-        engine.tell(event="clients", clients=[*SNAPSHOT["clients"], {"client": "x-3", "who": "Eve"}])
-        engine.tell(event="clients", clients=(now := [*SNAPSHOT["clients"], *others]))
-        engine.tell(event="warning", text="told", data={})
-        await until(lambda: bool(link.picture.log))
-        assert link.picture.clients == now
+        await until(lambda: link.engine.bench is not None)
+        engine.publish(event="clients", clients=[*SNAPSHOT["clients"], {"client": "x-3", "who": "Eve"}])
+        engine.publish(event="clients", clients=(now := [*SNAPSHOT["clients"], *others]))
+        engine.publish(event="warning", text="told", data={})
+        await until(lambda: bool(link.engine.log))
+        assert [dict(client) for client in link.engine.clients] == now
         await link.leave(end_engine=True)
     assert ("shutdown" in engine.asked) == ends
 
@@ -189,7 +190,7 @@ async def test_engine_that_is_deaf_from_the_start_is_told_of(root: Path) -> None
     engine.deaf = True
     link = EngineLink(root, None, QuickClock())
     async with engine.at(root), serving(link) as until:
-        await until(lambda: "does not answer" in link.picture.trouble)
+        await until(lambda: "does not answer" in link.engine.trouble)
 
 
 async def test_engine_of_another_version_is_told_of(root: Path) -> None:
@@ -197,7 +198,7 @@ async def test_engine_of_another_version_is_told_of(root: Path) -> None:
     engine.refusals["hello"] = "version 2 is spoken here"
     link = EngineLink(root, None, QuickClock())
     async with engine.at(root), serving(link) as until:
-        await until(lambda: link.picture.trouble == "version 2 is spoken here")
+        await until(lambda: link.engine.trouble == "version 2 is spoken here")
 
 
 def test_process_that_has_ended_takes_no_signal() -> None:

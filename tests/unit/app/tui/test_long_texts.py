@@ -6,8 +6,8 @@ from datetime import UTC, datetime, timedelta
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.screens.run import RunScreen
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, work_of
-from tests.unit.app.tui.told_bench import BENCH
-from tests.unit.app.tui.told_run import REHEARSAL, SNAPSHOT, ask, end, measure, tell
+from tests.unit.app.tui.scripted_bench import BENCH
+from tests.unit.app.tui.scripted_run import REHEARSAL, SNAPSHOT, ask, end, measure, publish
 
 LINK = "tcp://192.168.0.20:10001: cannot connect (Connection refused): check that the instrument is switched on; "
 CAUSE = "PRESS THE EMERGENCY STOP: standstill is not confirmed; " + 9 * LINK + "and that is the end of it"
@@ -67,7 +67,7 @@ async def test_why_a_run_is_suspended_is_read_to_its_end() -> None:
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
         measure(link)
-        tell(link, "state", state="SUSPENDED", reason=LASER)
+        publish(link, "state", state="SUSPENDED", reason=LASER)
         assert f"Suspended: {LASER}" in in_one(await shown(app, pilot))
 
 
@@ -76,7 +76,7 @@ async def test_a_stop_by_the_door_says_that_nothing_moves_unasked() -> None:
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
         measure(link)
-        tell(link, "state", state="UNSUSPENDING", reason="the arm stands: the door is open")
+        publish(link, "state", state="UNSUSPENDING", reason="the arm stands: the door is open")
         told = in_one(await shown(app, pilot))
         assert "Stopped, and nothing moves before you agree: the arm stands: the door is open" in told
 
@@ -86,9 +86,9 @@ async def test_drives_that_go_off_by_themselves_are_counted_down() -> None:
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
         off_at = datetime.now(UTC) + timedelta(seconds=250)
-        link.tell("drives", on=True, off_at_utc=off_at.isoformat())
+        link.publish("drives", on=True, off_at_utc=off_at.isoformat())
         assert "DRIVES ON, off in 4 min" in in_one(await shown(app, pilot))
-        link.tell("drives", on=False, reason="the arm has rested for 300 s: the drives are off")
+        link.publish("drives", on=False, reason="the arm has rested for 300 s: the drives are off")
         assert "DRIVES ON" not in in_one(await shown(app, pilot))
 
 
@@ -97,7 +97,9 @@ async def test_the_log_on_the_whole_screen_is_wrapped_and_its_newest_line_is_who
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
         for number in range(30):
-            tell(link, "warning", text=f"the beam was lost, number {number}: {LASER}, says number {number}")
+            publish(
+                link, "warning", text=f"the beam was lost, number {number}: {LASER}, says number {number}"
+            )
         await pilot.press("l")
         assert isinstance(app.screen, RunScreen)
         await shown(app, pilot)
@@ -116,7 +118,7 @@ async def test_the_remedy_of_an_alarm_is_read_whole_on_a_small_bench_screen() ->
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **bench)
+        link.publish("bench", **bench)
         told = in_one(await shown(app, pilot))
         assert "outside of the range → check the target against the joint limits in the cell file" in told
 
@@ -125,7 +127,7 @@ async def test_the_first_line_says_once_why_a_run_was_aborted() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
     async with app.run_test(size=(120, 40)) as pilot:
-        tell(link, "state", state="ABORTED", reason="the robot stands")
+        publish(link, "state", state="ABORTED", reason="the robot stands")
         end(link, "aborted", "alarm 2600")
         first = (await shown(app, pilot)).splitlines()[0]
         assert first.strip().endswith("_open-loop_abc123 aborted: alarm 2600")

@@ -3,12 +3,12 @@
 import pytest
 from textual.command import CommandPalette
 
-from catseye.app.tui.places import PLACES
+from catseye.app.tui.main_screens import MAIN_SCREENS
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
-from tests.unit.app.tui.told_run import MOTION, SNAPSHOT, ask
+from tests.unit.app.tui.scripted_run import MOTION, SNAPSHOT, ask
 
 
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("place", MAIN_SCREENS)
 async def test_enter_alone_changes_nothing(place: str) -> None:
     link = ScriptedLink(SNAPSHOT)
     app = make_app(link, place)
@@ -26,4 +26,4 @@ async def test_enter_alone_changes_nothing(place: str) -> None:
         await shown(app, pilot)
         assert app.current_mode == "bench"
         # Of the screen Terminal: it looks at the traffic while it is shown.
-        assert [request for request in link.asked if request["op"] != "traffic"] == []
+        assert [request for request in link.asked if request.op != "traffic"] == []

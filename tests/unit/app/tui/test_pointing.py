@@ -1,7 +1,6 @@
 """J4 that points at a reflector, against the plane computed with complex numbers."""
 
 import cmath
-import copy
 import math
 
 import pytest
@@ -9,9 +8,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from catseye.app.tui.pointing import pointing_j4_deg, turn_of_j4
-from tests.unit.app.tui.told_bench import BENCH
+from tests.unit.app.tui.scripted_bench import bench_status
 
-LAYOUT = BENCH["layout"]
+LAYOUT = bench_status().layout
 PLACES = {"P1": 650.0 - 400.0j, "P2": 680.0 + 0.0j, "P3": 640.0 + 380.0j}
 
 
@@ -27,7 +26,7 @@ def test_the_beam_goes_through_the_reflector(
 ) -> None:
     axis = 325.0 * cmath.exp(1j * math.radians(one)) + 225.0 * cmath.exp(1j * math.radians(one + two))
     assume(abs(PLACES[name] - axis) > 10.0)
-    j4 = pointing_j4_deg({**LAYOUT, "theta40_deg": zero}, [one, two, 50.0, four], name)
+    j4 = pointing_j4_deg(LAYOUT.model_copy(update={"theta40_deg": zero}), [one, two, 50.0, four], name)
     assert j4 is not None
     assert -360.0 <= j4 <= 360.0
     beam = cmath.exp(1j * math.radians(one + two + j4 + zero))
@@ -38,8 +37,7 @@ def test_the_beam_goes_through_the_reflector(
 
 
 def test_what_the_limits_do_not_allow_is_not_asked_for() -> None:
-    layout = copy.deepcopy(LAYOUT)
-    layout["limits_deg"]["j4"] = [-10.0, 10.0]
+    layout = LAYOUT.model_copy(update={"limits_deg": {**LAYOUT.limits_deg, "j4": (-10.0, 10.0)}})
     assert pointing_j4_deg(layout, [0.0, 90.0, 50.0, 0.0], "P1") is None
     assert pointing_j4_deg(layout, [0.0, 0.0, 50.0, 0.0], "P2") == pytest.approx(0.0)
     assert pointing_j4_deg(layout, [0.0, 0.0, 50.0, 0.0], "P9") is None

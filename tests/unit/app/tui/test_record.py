@@ -1,27 +1,33 @@
 """A client that comes in the middle of a run knows what was before."""
 
-import json
 from pathlib import Path
 from typing import Any
 
+from catseye.app.protocol.events import LiveData, StepStarted, event_of
 from catseye.app.store.run_store import RunStore
-from catseye.app.tui.record import POINTS_KEPT, read_record, rehearsal_of
-from catseye.app.tui.run_picture import LogLine, RunPicture, SoFar
+from catseye.app.tui.record import read_record, rehearsal_of
+from catseye.app.tui.run_state import LogLine, MapKnowledge, RunState, SoFar
+from catseye.procedures.kit.live import Live
 from tests.unit.app.engine.fakes import ManualClock, point
+from tests.unit.app.tui.scripted import snapshot_with
 
 RUN = "20261121T090000Z_open-loop_abc123"
 
 
-def picture() -> RunPicture:
-    return RunPicture(RUN, "open-loop", "Open loop", 0.0)
+def run_state() -> RunState:
+    return RunState(RUN, "open-loop", "Open loop", 0.0)
 
 
-def tell(run: RunPicture, event: str, **fields: Any) -> None:
-    run.take({"event": event, "t": "2026-11-21T09:30:00+00:00", "run": RUN, **fields}, 1.0)
+def publish(run: RunState, event: str, **fields: Any) -> None:
+    run.take(event_of({"event": event, "t": "2026-11-21T09:30:00+00:00", "run": RUN, **fields}), 1.0)
+
+
+def known(u_theta1_mdeg: float) -> MapKnowledge:
+    return MapKnowledge.of({"u_theta1_mdeg": u_theta1_mdeg})
 
 
 def so_far(**fields: Any) -> SoFar:
-    return SoFar(**{"steps": [], "points": [], "point_count": 0, "map_known": [], "log": [], **fields})
+    return SoFar(**{"steps": [], "points": 0, "map_known": [], "log": [], **fields})
 
 
 async def test_the_record_holds_steps_points_maps_and_what_happened(tmp_path: Path) -> None:
@@ -39,11 +45,9 @@ async def test_the_record_holds_steps_points_maps_and_what_happened(tmp_path: Pa
     await store.event("warning", {"text": "the beam is weak"})
     found = read_record(store.path)
     assert found.steps == [("P1/0000", "first")]
-    assert [row["theta1_deg"] for row in found.points] == [1.0, 2.0]
-    assert {row["step"] for row in found.points} == {"P1/0000"}
-    assert found.point_count == 2
+    assert found.points == 2
     assert found.speed == 20.0
-    assert found.map_known == [{"u_theta1_mdeg": 5.0, "u_theta2_mdeg": 7.0}]
+    assert [(each.u_theta1_mdeg, each.u_theta2_mdeg) for each in found.map_known] == [(5.0, 7.0)]
     assert ("warning", "the beam is weak") in [(line.level, line.text) for line in found.log]
     assert found.command[:8] == (
         *("run", "open-loop", "--cell", "/bench/cell.toml", "--runs", str(tmp_path)),
@@ -55,15 +59,10 @@ async def test_the_record_holds_steps_points_maps_and_what_happened(tmp_path: Pa
     await store.abandon()
 
 
-async def test_only_the_last_points_are_kept_and_all_are_counted(tmp_path: Path) -> None:
+async def test_a_record_that_says_little_is_not_rehearsed(tmp_path: Path) -> None:
     store = await RunStore.create(tmp_path, "open-loop", {}, ManualClock(), reserve_bytes=0)
-    rows = [("points", point(number)) for number in range(POINTS_KEPT + 20)]
-    await store.append_step("all", 1, "all", {}, rows)  # type: ignore[arg-type]  # a list of literals
     found = read_record(store.path)
-    assert len(found.points) == POINTS_KEPT
-    assert found.points[-1]["theta1_deg"] == POINTS_KEPT + 19
-    assert found.point_count == POINTS_KEPT + 20
-    assert found.command == ()
+    assert (found.points, found.command) == (0, ())
     await store.abandon()
 
 
@@ -89,19 +88,18 @@ def test_a_parameter_too_long_for_a_command_is_not_rehearsed() -> None:
     assert rehearsal_of(meta, Path("/runs")) == ()
 
 
-def test_what_was_told_meanwhile_stands_behind_the_record() -> None:
-    run = picture()
-    tell(run, "step-done", step="b", title="second", stored=False)
-    tell(run, "step-started", step="c", title="third")
-    tell(run, "point", step="b", point={"theta1_deg": 2.0})
-    tell(run, "state", kind="map-known", data={"u_theta1_mdeg": 4.0})
-    tell(run, "warning", text="later")
+def test_what_has_come_meanwhile_stands_behind_the_record() -> None:
+    run = run_state()
+    publish(run, "step-done", step="b", title="second", stored=False)
+    publish(run, "step-started", step="c", title="third", attempt=1)
+    publish(run, "point", step="b", point={"theta1_deg": 2.0})
+    publish(run, "state", state="EXECUTE", kind="map-known", data={"u_theta1_mdeg": 4.0})
+    publish(run, "warning", text="later")
     run.take_record(
         so_far(
             steps=[("a", "first"), ("b", "second")],
-            points=[{"step": "a", "theta1_deg": 1.0}, {"step": "b", "theta1_deg": 2.0}],
-            point_count=2,
-            map_known=[{"u_theta1_mdeg": 9.0}, {"u_theta1_mdeg": 4.0}],
+            points=2,
+            map_known=[known(9.0), known(4.0)],
             log=[
                 LogLine("2026-11-21T09:00:00+00:00", "info", "before"),
                 LogLine("2026-11-21T09:30:00+00:00", "warning", "later"),
@@ -113,32 +111,30 @@ def test_what_was_told_meanwhile_stands_behind_the_record() -> None:
         ("b", "done"),
         ("c", "current"),
     ]
-    assert [row["theta1_deg"] for row in run.points] == [1.0, 2.0]
     assert run.points_seen == 2
-    assert [each["u_theta1_mdeg"] for each in run.map_known] == [9.0, 4.0]
+    assert [each.u_theta1_mdeg for each in run.map_known] == [9.0, 4.0]
     assert [line.text for line in run.log] == ["before", "later"]
     assert run.recorded
 
 
 def test_steps_that_a_resumed_run_passes_are_marked_as_stored() -> None:
-    run = picture()
+    run = run_state()
     run.take_record(so_far(steps=[("a", "first")]))
-    tell(run, "step-done", step="a", title="first", stored=True)
+    publish(run, "step-done", step="a", title="first", stored=True)
     assert run.steps["a"].stored
 
 
 def test_a_live_value_remembers_its_band() -> None:
-    run = picture()
+    run = run_state()
     for value in (1.0, 9.0):
-        data = {"name": "innovation", "value": value, "unit": "µm", "low": -5.0, "high": 5.0, "text": ""}
-        tell(run, "state", kind="live", data=json.loads(json.dumps(data)))
+        data = LiveData.of(Live("innovation", value, "µm", -5.0, 5.0))
+        publish(run, "state", state="EXECUTE", kind="live", data=data.json_object())
     assert [seen.accepted for seen in run.live["innovation"].history] == [True, False]
 
 
 def test_a_client_that_comes_later_knows_the_step_under_way() -> None:
-    step = {"event": "step-started", "run": RUN, "t": "", "step": "P1/0003", "title": "third"}
-    snapshot = {"run": RUN, "procedure": "open-loop", "title": "Open loop", "state": "EXECUTE", "step": step}
-    run = RunPicture.of_snapshot(snapshot, 5.0)
+    step = StepStarted(step="P1/0003", title="third", attempt=1).stamped("", RUN)
+    run = RunState.of_snapshot(snapshot_with(run=RUN, state="EXECUTE", step=step), 5.0)
     run.take_record(so_far(steps=[("P1/0002", "second")]))
     assert run.current is not None
     assert run.current.title == "third"
@@ -146,6 +142,6 @@ def test_a_client_that_comes_later_knows_the_step_under_way() -> None:
 
 
 def test_an_answer_of_somebody_else_does_not_command_the_terminal() -> None:
-    run = picture()
-    tell(run, "answer", id="note", answer="\x1b[2J", who="Bob")
+    run = run_state()
+    publish(run, "answer", id="note", answer="\x1b[2J", who="Bob")
     assert run.log[-1].text == r"note: \x1b[2J (Bob)"

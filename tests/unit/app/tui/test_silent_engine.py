@@ -1,10 +1,23 @@
-"""Orders to an engine that does not answer."""
+"""RequestHandler to an engine that does not answer."""
 
 from pathlib import Path
 from typing import Any, cast
 
 import pytest
 
+from catseye.app.protocol.requests import (
+    AnyRequest,
+    JogHold,
+    JogMode,
+    JogStep,
+    Plain,
+    Raw,
+    Reply,
+    Resume,
+    Send,
+    Start,
+    WalkFeed,
+)
 from catseye.app.service.client import EngineClient
 from catseye.app.service.errors import ServiceError
 from catseye.app.tui.link import EngineLink
@@ -31,48 +44,54 @@ def asked() -> Asked:
 def link(asked: Asked, tmp_path: Path) -> EngineLink:
     link = EngineLink(tmp_path, None, ManualClock())
     link._client = cast(EngineClient, asked)  # noqa: SLF001  # as if it were connected
-    link.picture.silent_since_s = 1.0
+    link.engine.silent_since_s = 1.0
     return link
 
 
 @pytest.mark.parametrize(
-    ("op", "fields"),
+    "request_",
     [
-        ("answer", {"prompt": "stage/1", "text": "yes"}),
-        ("unhold", {}),
-        ("start", {"procedure": "open-loop"}),
-        ("resume", {"run": "x"}),
-        ("jog", {"on": True, "percent": 5.0}),
-        ("jog-step", {"joint": "j1", "by": 1.0}),
-        ("jog-hold", {"joint": "j1", "direction": -1}),
-        ("send", {"device": "robot", "hex": "0d"}),
+        Reply(prompt="stage/1", text="yes"),
+        Plain(op="unhold"),
+        Start(procedure="open-loop"),
+        Resume(run="x"),
+        JogMode(on=True),
+        JogStep(joint="j1", by=1.0),
+        JogHold(joint="j1", direction=-1),
+        WalkFeed(),
+        Raw(device="robot"),
+        Send(device="robot", hex="0d"),
     ],
+    ids=lambda request: request.op,
 )
-async def test_nothing_that_moves_the_arm_waits_there_for_it_to_wake_up(
-    link: EngineLink, asked: Asked, op: str, fields: dict[str, Any]
+async def test_nothing_that_moves_the_arm_waits_for_the_engine_to_wake(
+    link: EngineLink, asked: Asked, request_: AnyRequest
 ) -> None:
     with pytest.raises(ServiceError, match=r"nothing was sent.*F12 stops"):
-        await link.request(op, **fields)
+        await link.request(request_)
     assert asked.ops == []
 
 
 @pytest.mark.parametrize(
-    ("op", "fields"),
+    "request_",
     [
-        ("hold", {}),
-        ("jog", {"on": False}),
-        ("raw", {"on": False}),
-        ("jog-hold", {"joint": "j1", "direction": 0}),
+        Plain(op="hold"),
+        Plain(op="ladder"),
+        JogMode(on=False),
+        Raw(device="robot", on=False),
+        JogHold(joint="j1", direction=0),
+        WalkFeed(on=False),
     ],
+    ids=lambda request: request.op,
 )
 async def test_what_ends_motion_is_sent_all_the_same(
-    link: EngineLink, asked: Asked, op: str, fields: dict[str, Any]
+    link: EngineLink, asked: Asked, request_: AnyRequest
 ) -> None:
-    await link.request(op, **fields)
-    assert asked.ops == [op]
+    await link.request(request_)
+    assert asked.ops == [request_.op]
 
 
 async def test_an_engine_that_answers_again_takes_orders(link: EngineLink, asked: Asked) -> None:
-    link.picture.silent_since_s = None
-    await link.request("unhold")
+    link.engine.silent_since_s = None
+    await link.request(Plain(op="unhold"))
     assert asked.ops == ["unhold"]

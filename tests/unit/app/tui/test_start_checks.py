@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.commands import tui
 from catseye.app.errors import UsageError
+from catseye.app.tui import start
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
@@ -71,7 +71,7 @@ async def test_an_engine_of_another_cell_is_asked_about(tmp_path: Path) -> None:
         await pilot.press("escape")
         await pilot.pause()
         assert app.session.cell == Path("/bench/cell.toml")
-        assert [one for one in link.asked if one["op"] == "shutdown"] == []
+        assert [one for one in link.asked if one.op == "shutdown"] == []
 
 
 async def test_an_engine_of_another_cell_is_left_alone_during_a_run(tmp_path: Path) -> None:
@@ -97,7 +97,7 @@ def test_a_wrong_cell_option_is_refused(
         monkeypatch.setattr(f"sys.{stream}.isatty", lambda: True, raising=False)
     monkeypatch.setenv("TERM", "xterm")
     with pytest.raises(UsageError, match=fault):
-        tui.tui_command(path, tmp_path / "runs", 1.0)
+        start.show(path, tmp_path / "runs", 1.0)
 
 
 @pytest.mark.parametrize(
@@ -113,4 +113,4 @@ def test_terminals_that_cannot_show_it_are_refused(
         monkeypatch.setattr(f"sys.{stream}", terminal)
     monkeypatch.setenv("TERM", term)
     with pytest.raises(UsageError, match=fault):
-        tui.tui_command(None, tmp_path / "runs", 1.0)
+        start.show(None, tmp_path / "runs", 1.0)

@@ -5,11 +5,12 @@ from collections.abc import AsyncIterator
 
 import pytest
 
+from catseye.app.protocol.requests import WalkFeed
 from catseye.app.tui.walk_feeder import WalkFeeder
 from tests.unit.app.tui.scripted import ScriptedLink
 
-FED = {"op": "walk-feed", "on": True}
-LET_GO = {"op": "walk-feed", "on": False}
+FED = WalkFeed()
+LET_GO = WalkFeed(on=False)
 
 
 class Rig:
@@ -17,9 +18,9 @@ class Rig:
 
     def __init__(self) -> None:
         self.link = ScriptedLink()
-        self.told: list[str] = []
+        self.failures: list[str] = []
         self.naps = asyncio.Event()
-        self.feeder = WalkFeeder(self.link, lambda: self.link.now_s, self.told.append, self._nap)
+        self.feeder = WalkFeeder(self.link, lambda: self.link.now_s, self.failures.append, self._nap)
 
     async def pass_time(self, by_s: float) -> None:
         self.link.now_s += by_s
@@ -65,18 +66,18 @@ async def test_a_held_key_feeds_until_it_repeats_no_more(rig: Rig) -> None:
     assert not rig.feeder.held
 
 
-async def test_letting_go_is_told_at_once(rig: Rig) -> None:
+async def test_letting_go_stops_at_once(rig: Rig) -> None:
     await rig.hold()
     rig.feeder.let_go()
     await rig.pass_time(0.0)
     assert rig.link.asked[-1] == LET_GO
 
 
-async def test_a_refusal_is_told_once_and_ends_it(rig: Rig) -> None:
+async def test_a_refusal_is_reported_once_and_ends_it(rig: Rig) -> None:
     rig.link.refusals["walk-feed"] = "this needs control"
     await rig.hold()
     for _ in range(3):
         await rig.pass_time(0.05)
         rig.feeder.press()
-    assert rig.told == ["this needs control"]
+    assert rig.failures == ["this needs control"]
     assert rig.link.asked.count(FED) == 1

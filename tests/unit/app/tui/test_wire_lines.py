@@ -3,13 +3,18 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.app.tui.wire_lines import bytes_a_row, rows_of, saved_line, wire_line
+from catseye.app.protocol.bench import WireLine
+from catseye.app.tui.wire_lines import ShownLine, bytes_a_row, rows_of, saved_line, shown_line
 
-TOLD = {"t": "2026-11-21T09:00:01.234567+00:00", "device": "interferometer", "dir": "rx", "hex": "2b310d0a"}
+
+def came(data: str, size: int | None = None) -> ShownLine:
+    """Return hex bytes of the interferometer as they are shown."""
+    t = "2026-11-21T09:00:01.234567+00:00"
+    return shown_line(WireLine(t=t, device="interferometer", dir="rx", hex=data, bytes=size))
 
 
-def test_a_line_as_it_is_told() -> None:
-    line = wire_line({**TOLD, "bytes": 300})
+def test_a_line_as_the_engine_sends_it() -> None:
+    line = came("2b310d0a", 300)
     assert (line.time, line.device, line.sent) == ("09:00:01.234", "interferometer", False)
     assert (line.data, line.left_out, line.text) == (b"+1\r\n", 296, "+1..")
     assert saved_line(line) == "09:00:01.234 interferometer ← 2b 31 0d 0a |+1..| +296 bytes"
@@ -17,24 +22,21 @@ def test_a_line_as_it_is_told() -> None:
 
 @given(st.binary(max_size=256), st.sampled_from([4, 12, 32]))
 def test_rows_hold_every_byte_in_order(data: bytes, per_row: int) -> None:
-    rows = list(rows_of([wire_line({**TOLD, "hex": data.hex()})], per_row))
+    rows = list(rows_of([came(data.hex())], per_row))
     assert bytes.fromhex("".join(row.hex for row in rows)) == data
     assert len(rows) == max(1, -(-len(data) // per_row))
     assert len({len(row.head) for row in rows}) == 1
-    assert (
-        "".join(row.text[1 : row.text.rindex("│")] for row in rows)
-        == wire_line({**TOLD, "hex": data.hex()}).text
-    )
+    assert "".join(row.text[1 : row.text.rindex("│")] for row in rows) == came(data.hex()).text
 
 
 def test_rows_are_as_wide_as_the_screen() -> None:
     for width in (60, 80, 100, 120, 200):
-        row = next(rows_of([wire_line({**TOLD, "hex": "41" * 64})], bytes_a_row(width)))
+        row = next(rows_of([came("41" * 64)], bytes_a_row(width)))
         assert len(row.plain) <= width
 
 
 def test_a_filter_looks_at_text_and_hex() -> None:
-    line = wire_line({**TOLD, "hex": b"1;1;OPENcatseye".hex()})
+    line = came(b"1;1;OPENcatseye".hex())
     assert line.fits("", "opencat")
     assert line.fits("interferometer", "31 3b")
     assert not line.fits("robot", "")

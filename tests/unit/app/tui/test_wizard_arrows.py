@@ -14,7 +14,7 @@ from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
 def app(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> CatseyeApp:
     monkeypatch.chdir(tmp_path)
     link = ScriptedLink()
-    link.picture.lost("there is no cell file yet")
+    link.engine.lost("there is no cell file yet")
     link.cell = None
     made = make_app(link, "setup")
     made.session.cell = None

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from catseye.calibration.errors import InsufficientPointsError
+from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.calibration.standards.circular import circular, least_squares_centre
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from catseye.calibration.errors import InsufficientPointsError
+from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.calibration.standards.iso9283 import (
     distance,
     drift,

@@ -9,35 +9,40 @@ from typing import Any
 
 from catseye.app.testing.memory import MemoryTransport
 from catseye.drivers.roles.errors import LinkError
-from catseye.simulators.air_probe import AirProbe
-from catseye.simulators.bench.bench import Bench
 from catseye.simulators.config import EmulatedDevice, Option
-from catseye.simulators.journal import Journal
+from catseye.simulators.context import EmulationContext
 from catseye.simulators.melfa.controller import Controller
-from catseye.simulators.protocols import session_maker
-from catseye.simulators.serving import Pending, Session
-from catseye.simulators.timekeeper import TimeKeeper
-from catseye.simulators.world import World
+from catseye.simulators.ports.session import Pending, Session
+from catseye.simulators.registry import new_emulator
+from catseye.simulators.world.air_probe import AirProbe
+from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.journal import Journal
+from catseye.simulators.world.timekeeper import TimeKeeper
 from tests.unit.drivers.peers import FarEnd, StepClock
 from tests.unit.simulators.benches import QUIET, aimed, go, quiet_bench
 
 
-def quiet_world() -> World:
+def quiet_world() -> EmulationContext:
     """Return a world whose beam returns from P2, without noise."""
     bench = quiet_bench()
     go(bench, aimed(20.0, 30.0))
     controller = Controller(bench, QUIET, lambda: None)
     journal = Journal(lambda: bench.time_s)
-    return World(QUIET, bench, controller, TimeKeeper(bench, clock=lambda: 0.0), journal, AirProbe(bench))
+    keeper = TimeKeeper(bench, clock=lambda: 0.0)
+    return EmulationContext(QUIET, bench, {}, controller, keeper, journal, AirProbe(bench))
 
 
-def maker(world: World, protocol: str, options: Mapping[str, Option] | None = None) -> Callable[[], Session]:
+def maker(
+    world: EmulationContext, protocol: str, options: Mapping[str, Option] | None = None
+) -> Callable[[], Session]:
     """Return what makes the sessions of one emulated instrument."""
     device = EmulatedDevice("interferometer", protocol, options=options or {})
-    return session_maker(world, device, lambda _text: None)
+    return new_emulator(world, device, lambda _text: None).session
 
 
-def new_session(world: World, protocol: str, options: Mapping[str, Option] | None = None) -> Session:
+def new_session(
+    world: EmulationContext, protocol: str, options: Mapping[str, Option] | None = None
+) -> Session:
     """Return a session of a protocol as a client of the emulation meets it."""
     return maker(world, protocol, options)()
 
@@ -65,7 +70,7 @@ class Far(FarEnd):
         passed: from what the instrument says to what arrives of it.
     """
 
-    def __init__(self, world: World, session: Callable[[], Session]) -> None:
+    def __init__(self, world: EmulationContext, session: Callable[[], Session]) -> None:
         super().__init__("memory://instrument")
         self.world = world
         self.muted = False
@@ -112,7 +117,7 @@ class Pair:
     """A driver and the world that it looks at."""
 
     driver: Any
-    world: World
+    world: EmulationContext
     far: Far
     clock: StepClock
 

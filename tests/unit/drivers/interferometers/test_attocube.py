@@ -13,9 +13,9 @@ from catseye.app.testing.memory import MemoryTransport
 from catseye.drivers.attocube import codec
 from catseye.drivers.attocube.ids import AttocubeIds, IdsSettings
 from catseye.drivers.roles.errors import ProtocolError, RefusedError, WrongDeviceError
-from catseye.simulators.attocube.cutter import JsonCutter
-from catseye.simulators.serving import Session
-from catseye.simulators.world import World
+from catseye.simulators.attocube.json_stream import JsonCutter
+from catseye.simulators.context import EmulationContext
+from catseye.simulators.ports.session import Session
 from tests.transcripts import attocube_ids as transcript
 from tests.unit.drivers.interferometers.pairs import new_session, paired, quiet_world
 from tests.unit.drivers.peers import Peer, StepClock
@@ -48,12 +48,12 @@ def said(session: Session, data: bytes) -> list[Any]:
 
 
 @pytest.fixture
-def world() -> World:
+def world() -> EmulationContext:
     return quiet_world()
 
 
 @pytest.fixture
-def session(world: World) -> Session:
+def session(world: EmulationContext) -> Session:
     session = new_session(world, "attocube-ids")
     ask(session, "com.attocube.ids.system.startMeasurement")
     world.bench.advance(3.0)
@@ -147,12 +147,14 @@ def test_random_bytes_do_the_emulator_no_harm(chunks: list[bytes]) -> None:
         (b"{not json}", -32700),
     ],
 )
-def test_what_is_no_request_is_an_error_of_json_rpc(world: World, request_: bytes, code: int) -> None:
+def test_what_is_no_request_is_an_error_of_json_rpc(
+    world: EmulationContext, request_: bytes, code: int
+) -> None:
     (answer,) = said(new_session(world, "attocube-ids"), request_)
     assert answer["error"]["code"] == code
 
 
-def test_a_measurement_takes_time_to_start(world: World) -> None:
+def test_a_measurement_takes_time_to_start(world: EmulationContext) -> None:
     session = new_session(world, "attocube-ids")
     space = "com.attocube.ids."
     assert ask(session, space + "system.getCurrentMode") == [0, "system idle"]
@@ -171,7 +173,7 @@ def test_a_measurement_takes_time_to_start(world: World) -> None:
 
 
 def test_an_interrupted_axis_keeps_its_error_and_its_place_until_it_is_reset(
-    world: World, session: Session
+    world: EmulationContext, session: Session
 ) -> None:
     space = "com.attocube.ids."
     world.bench.block_beam(0.5)
@@ -185,7 +187,7 @@ def test_an_interrupted_axis_keeps_its_error_and_its_place_until_it_is_reset(
     assert ask(session, space + "displacement.getAxisDisplacement", 0)[0] == 0
 
 
-def test_contrast_average_and_environment(world: World, session: Session) -> None:
+def test_contrast_average_and_environment(world: EmulationContext, session: Session) -> None:
     space = "com.attocube.ids."
     error, contrast, _, _ = ask(session, space + "adjustment.getContrastInPermille", 0)
     assert error == 0
@@ -197,7 +199,7 @@ def test_contrast_average_and_environment(world: World, session: Session) -> Non
     index = ask(session, "com.attocube.ecu.getRefractiveIndex")[1]
     assert index == pytest.approx(1.000271, abs=2e-6)
     absolute_pm = ask(session, space + "displacement.getAbsolutePosition", 0)[1]
-    assert absolute_pm * 1e-9 == pytest.approx(world.bench.insight().length_mm, abs=1e-3)
+    assert absolute_pm * 1e-9 == pytest.approx(world.bench.true_state().length_mm, abs=1e-3)
     assert len(ask(session, space + "displacement.getAxesDisplacement")) == 4
 
 

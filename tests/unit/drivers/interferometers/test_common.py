@@ -155,7 +155,7 @@ def test_wrong_options_of_an_emulator_are_named(protocol: str, option: str, valu
 async def test_whoever_watches_a_stream_sees_each_value_as_it_is_read(protocol: str) -> None:
     async with paired(protocol, DRIVERS[protocol]) as pair:
         seen_values: list[tuple[float, float]] = []
-        pair.driver.on_value = lambda time_s, displacement_mm: seen_values.append((time_s, displacement_mm))
+        pair.driver.listen(lambda time_s, displacement_mm: seen_values.append((time_s, displacement_mm)))
         await pair.driver.zero()
         go(pair.bench, aimed(20.01, 30.01))
         for _ in range(5):

@@ -12,8 +12,8 @@ from catseye.app.testing.memory import MemoryTransport
 from catseye.drivers.heidenhain import codec
 from catseye.drivers.heidenhain.nd import HeidenhainNd, NdSettings
 from catseye.drivers.roles.errors import ProtocolError, RefusedError, WrongDeviceError
-from catseye.simulators.serving import Session
-from catseye.simulators.world import World
+from catseye.simulators.context import EmulationContext
+from catseye.simulators.ports.session import Session
 from tests.transcripts import heidenhain_nd as transcript
 from tests.unit.drivers.interferometers.pairs import new_session, paired, quiet_world
 from tests.unit.drivers.peers import Peer, StepClock
@@ -38,12 +38,12 @@ def talk(session: Session, data: bytes) -> bytes:
 
 
 @pytest.fixture
-def world() -> World:
+def world() -> EmulationContext:
     return quiet_world()
 
 
 @pytest.fixture
-def session(world: World) -> Session:
+def session(world: EmulationContext) -> Session:
     return new_session(world, "heidenhain-nd")
 
 
@@ -112,7 +112,7 @@ def test_locked_keys_and_unknown_commands_are_refused(session: Session) -> None:
     assert talk(session, b"\x1b" + b"A" * 300 + b"\r") == transcript.REFUSED
 
 
-def test_an_error_stays_on_the_display_until_c_is_pressed(world: World, session: Session) -> None:
+def test_an_error_stays_on_the_display_until_c_is_pressed(world: EmulationContext, session: Session) -> None:
     world.bench.block_beam(0.5)
     assert b"SIGNAL" in talk(session, b"\x1bA0301\r")
     assert talk(session, b"\x1bT0100\r\x1bA0100\r") == b"\x06\x15"

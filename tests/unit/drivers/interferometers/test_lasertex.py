@@ -14,10 +14,10 @@ from catseye.app.testing.memory import MemoryTransport
 from catseye.drivers.lasertex import codec
 from catseye.drivers.lasertex.hpi import HpiSettings, LasertexHpi
 from catseye.drivers.roles.errors import LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
-from catseye.simulators.air_probe import AirFault
+from catseye.simulators.context import EmulationContext
 from catseye.simulators.lasertex import frames
-from catseye.simulators.serving import Session
-from catseye.simulators.world import World
+from catseye.simulators.ports.session import Session
+from catseye.simulators.world.air_probe import AirFault
 from tests.transcripts import lasertex_hpi as transcript
 from tests.unit.drivers.interferometers.pairs import new_session, paired, quiet_world
 from tests.unit.drivers.peers import Peer, StepClock
@@ -121,23 +121,23 @@ def test_random_bytes_do_no_harm(chunks: list[bytes]) -> None:
 
 
 @pytest.fixture
-def world() -> World:
+def world() -> EmulationContext:
     return quiet_world()
 
 
-def test_each_command_is_acknowledged_by_its_code(world: World) -> None:
+def test_each_command_is_acknowledged_by_its_code(world: EmulationContext) -> None:
     session = new_session(world, "lasertex-hpi")
     answers = said(session, COMMAND_STREAM)
     assert [frame.code for frame in answers] == list(transcript.COMMANDS)
     assert answers[0].data.startswith(b"EMULATOR")
 
 
-def test_what_is_no_command_gets_no_answer(world: World) -> None:
+def test_what_is_no_command_gets_no_answer(world: EmulationContext) -> None:
     session = new_session(world, "lasertex-hpi")
     assert said(session, bytes.fromhex("AA B0 32 00 00 00 00 8F") + codec.command(0xB099)) == []
 
 
-def test_streams_run_at_their_rates_and_distance_excludes_velocity(world: World) -> None:
+def test_streams_run_at_their_rates_and_distance_excludes_velocity(world: EmulationContext) -> None:
     session = new_session(world, "lasertex-hpi")
     for code in (0xB034, 0xB032, 0xB079):
         said(session, codec.command(code))
@@ -153,7 +153,7 @@ def test_streams_run_at_their_rates_and_distance_excludes_velocity(world: World)
     assert session.next_output_s() is None
 
 
-def test_a_sensor_that_measures_nothing_sends_nothing(world: World) -> None:
+def test_a_sensor_that_measures_nothing_sends_nothing(world: EmulationContext) -> None:
     world.probe.fault = AirFault(missing=True)
     session = new_session(world, "lasertex-hpi")
     said(session, codec.command(0xB079))
@@ -166,10 +166,10 @@ async def test_the_driver_counts_in_vacuum_wavelengths() -> None:
         identity = await pair.driver.connect()
         assert (identity.model, identity.simulated) == ("Lasertex HPI-3D", True)
         assert await pair.driver.zero() == 1
-        before = pair.bench.insight().length_mm
+        before = pair.bench.true_state().length_mm
         go(pair.bench, aimed(20.01, 30.01))
         reading = await pair.driver.read()
-        way_mm = pair.bench.insight().length_mm - before
+        way_mm = pair.bench.true_state().length_mm - before
         assert reading.displacement_mm == pytest.approx(way_mm * 1.00027, rel=1e-4, abs=2e-6)
         assert reading.displacement_mm != pytest.approx(way_mm, abs=1e-6)
         assert reading.zero_id == 1
@@ -178,9 +178,9 @@ async def test_the_driver_counts_in_vacuum_wavelengths() -> None:
 async def test_an_instrument_that_compensates_shows_the_length_itself() -> None:
     async with paired("lasertex-hpi", make, {"compensated": "instrument", "sign": -1}) as pair:
         await pair.driver.zero()
-        before = pair.bench.insight().length_mm
+        before = pair.bench.true_state().length_mm
         go(pair.bench, aimed(20.01, 30.01))
-        way_mm = pair.bench.insight().length_mm - before
+        way_mm = pair.bench.true_state().length_mm - before
         assert (await pair.driver.read()).displacement_mm == pytest.approx(-way_mm, abs=1e-6)
 
 

@@ -2,7 +2,7 @@
 
 from catseye.drivers.counter.counter import LineCounter
 from catseye.drivers.counter.profile import load_profile
-from catseye.simulators.serving import Session
+from catseye.simulators.ports.session import Session
 from tests.transcripts import line_counter as transcript
 from tests.unit.drivers.interferometers.pairs import new_session, quiet_world
 from tests.unit.drivers.peers import Peer, StepClock

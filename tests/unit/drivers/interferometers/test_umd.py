@@ -14,10 +14,10 @@ from catseye.app.testing.memory import MemoryTransport
 from catseye.drivers.roles.errors import LinkTimeoutError, RefusedError, WrongDeviceError
 from catseye.drivers.umd import codec
 from catseye.drivers.umd.display import UmdDisplay, UmdSettings
-from catseye.simulators.air_probe import AirProbe
-from catseye.simulators.timekeeper import TimeKeeper
-from catseye.simulators.umd import session as umd_session
-from catseye.simulators.umd.session import Umd, UmdOptions, UmdSession
+from catseye.simulators.umd import display as umd_session
+from catseye.simulators.umd.display import Umd, UmdOptions, UmdSession
+from catseye.simulators.world.air_probe import AirProbe
+from catseye.simulators.world.timekeeper import TimeKeeper
 from tests.transcripts import umd as transcript
 from tests.unit.drivers.interferometers.pairs import new_session, paired, quiet_world
 from tests.unit.drivers.peers import Peer, StepClock

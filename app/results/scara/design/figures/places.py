@@ -5,7 +5,7 @@ import numpy as np
 from catseye.app.results.figures import Axis, Figure, Line, Mark, Panel, Points, Role, Shape, Text, columns
 from catseye.app.results.numbers import counted
 from catseye.app.results.scara.design.design import Design, exchanged_values
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
 
 _MARKERS = {
     "inside the keep-out radius": ".",

@@ -6,9 +6,9 @@ from catseye.app.results.figures import Axis, Figure, Heat, Line, Mark, Panel, P
 from catseye.app.results.scara.design.design import Design, node_uncertainties, position_covariances
 from catseye.app.results.scara.design.layouts import Layout
 from catseye.app.results.scara.design.problem import workspace
-from catseye.calibration.kinematics import forward
-from catseye.calibration.points import Commands
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.points import Commands
 
 _PARTS = 4
 """Grid steps from node to node."""

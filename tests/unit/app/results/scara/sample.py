@@ -28,12 +28,12 @@ from catseye.app.results.scara.content import ReportContent
 from catseye.app.results.scara.run_report import run_report
 from catseye.app.results.scara.truth_tables import TruthMap, TruthTables
 from catseye.app.results.scara.validation import PathMeasurement, PathValidation, validate_on_path
-from catseye.calibration.identification import Identification, identify
-from catseye.calibration.kinematics import forward, inverse
-from catseye.calibration.layout import ModelName
-from catseye.calibration.points import Commands, Points
-from catseye.calibration.types import Floats
-from tests.unit.calibration.paper import (
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.identification import Identification, identify
+from catseye.calibration.scara.layout import ModelName
+from catseye.calibration.scara.planar import forward, inverse
+from catseye.calibration.scara.points import Commands, Points
+from tests.unit.calibration.scara.paper import (
     MDEG,
     NODES1_DEG,
     NODES2_DEG,

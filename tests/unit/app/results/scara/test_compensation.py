@@ -8,11 +8,11 @@ import pytest
 from catseye.app.errors import LimitError
 from catseye.app.files.path_csv import CommandPath, cartesian_commands
 from catseye.app.results.scara.compensation import CompensatedPath, compensate_path, require_limits
-from catseye.calibration.identification import IdentifiedArm
-from catseye.calibration.kinematics import forward
-from catseye.calibration.layout import Layout
-from catseye.calibration.points import Commands
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.layout import Layout
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.points import Commands
 
 NOMINAL = (325.0, 225.0)
 NODES = [-170.0, 170.0]

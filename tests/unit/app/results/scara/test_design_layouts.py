@@ -13,9 +13,9 @@ from catseye.app.cell.model import Cell
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.results.scara.design.layouts import Places, candidate_places
 from catseye.app.results.scara.design.problem import Problem, Wish, problem_of
-from catseye.calibration.design.criteria import CriterionName
-from catseye.calibration.design.exchange import exchange, greedy_start, random_start
-from catseye.calibration.types import Floats
+from catseye.calibration.core.design.criteria import CriterionName
+from catseye.calibration.core.design.exchange import exchange, greedy_start, random_start
+from catseye.calibration.core.types import Floats
 
 
 def criteria_of(name: CriterionName, covariances: Floats, gradient: Floats) -> Floats:

@@ -10,7 +10,7 @@ from catseye.app.results.scara.content import ReportContent
 from catseye.app.results.scara.distance_validation import DistancePath, DistanceValidation, ModelOnDistances
 from catseye.app.results.scara.figures.distances import distance_figure
 from catseye.app.results.scara.run_report import verdict
-from catseye.calibration.points import Commands, Points
+from catseye.calibration.scara.points import Commands, Points
 from tests.unit.app.render.page_reader import read_page
 from tests.unit.app.results.scara import sample
 

@@ -4,7 +4,7 @@ import pytest
 
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.extensions import parse_extensions
-from catseye.calibration.extension import Term
+from catseye.calibration.scara.extension import Term
 
 
 def test_words_stand_for_these_terms() -> None:

@@ -12,7 +12,7 @@ from catseye.app.results.scara.figures.path import path_figure
 from catseye.app.results.scara.figures.trajectories import magnification, trajectory_figure
 from catseye.app.results.scara.path_view import gaps, path_axis
 from catseye.app.results.scara.validation import ModelOnPath, validate_on_path
-from catseye.calibration.types import Floats
+from catseye.calibration.core.types import Floats
 from tests.unit.app.render.page_reader import read_page
 from tests.unit.app.results.scara import sample
 

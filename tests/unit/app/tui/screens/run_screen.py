@@ -4,9 +4,10 @@ from typing import Any
 
 from textual.pilot import Pilot
 
+from catseye.app.protocol.requests import Reply
 from catseye.app.tui.app import CatseyeApp
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, work_of
-from tests.unit.app.tui.told_run import REHEARSAL
+from tests.unit.app.tui.scripted_run import REHEARSAL
 
 
 def app_of(link: ScriptedLink) -> CatseyeApp:
@@ -25,8 +26,8 @@ async def settled(app: CatseyeApp, pilot: Pilot[Any], link: ScriptedLink) -> str
 
 
 def answers(link: ScriptedLink) -> list[tuple[str, str]]:
-    return [(request["prompt"], request["text"]) for request in link.asked if request["op"] == "answer"]
+    return [(reply.prompt, reply.text) for reply in link.asked_for(Reply)]
 
 
 def ops(link: ScriptedLink) -> list[str]:
-    return [str(request["op"]) for request in link.asked]
+    return link.ops

@@ -12,7 +12,7 @@ from catseye.app.tui.widgets.beam_panel import BeamPanel
 from catseye.app.tui.widgets.plan_view import PlanView
 from catseye.app.tui.widgets.strip import Strip
 from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown
-from tests.unit.app.tui.told_bench import BENCH, bench, tell_strip
+from tests.unit.app.tui.scripted_bench import BENCH, bench, publish_strip
 
 SIZES = [(80, 24), (120, 40)]
 
@@ -33,8 +33,8 @@ async def test_looks(size: tuple[int, int], name: str, told: dict[str, Any]) -> 
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=size) as pilot:
-        link.tell("bench", **told)
-        tell_strip(link)
+        link.publish("bench", **told)
+        publish_strip(link)
         await shown(app, pilot)
         compare(f"bench-{name}-{size[0]}x{size[1]}", await shown(app, pilot))
 
@@ -44,8 +44,8 @@ async def test_before_anything_is_told_then_length_of_the_strip_and_the_bench_fr
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
         compare("bench-nothing-80x24", await shown(app, pilot))
-        link.tell("bench", **BENCH)
-        tell_strip(link)
+        link.publish("bench", **BENCH)
+        publish_strip(link)
         strip = app.screen.query_one(Strip)
         for window_s in (30, 60, 10):
             await pilot.press("w")
@@ -71,8 +71,8 @@ async def test_other_sizes_and_changes_of_size() -> None:
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **BENCH)
-        tell_strip(link)
+        link.publish("bench", **BENCH)
+        publish_strip(link)
         for size in ((60, 20), (100, 30), (200, 60), (20, 8), (160, 24)):
             await pilot.resize_terminal(*size)
             await pilot.press("v")
@@ -85,11 +85,11 @@ async def test_all_about_the_chosen_device_is_read_and_copied_while_values_come(
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **BENCH)
+        link.publish("bench", **BENCH)
         await shown(app, pilot)
         await pilot.press("down")
         link.now_s += 3.0
-        link.tell("bench", **LOST)
+        link.publish("bench", **LOST)
         await shown(app, pilot)
         await pilot.press("enter")
         assert "line-counter" in await shown(app, pilot)
@@ -110,8 +110,8 @@ async def test_what_is_old_is_greyed_and_without_an_engine_the_reason_is_told() 
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=(120, 40)) as pilot:
-        link.tell("bench", **BENCH)
-        tell_strip(link)
+        link.publish("bench", **BENCH)
+        publish_strip(link)
         await shown(app, pilot)
         link.now_s += 7.0
         text = await shown(app, pilot)
@@ -119,9 +119,9 @@ async def test_what_is_old_is_greyed_and_without_an_engine_the_reason_is_told() 
         assert "arm as it was: old" in text
         assert all("dim" in str(span.style) for span in app.screen.query_one(Strip).shown.spans)
         assert all("dim" in str(span.style) for span in app.screen.query_one(PlanView).shown.spans)
-        link.tell("bench", **BENCH)
+        link.publish("bench", **BENCH)
         assert "BEAM OK" in await shown(app, pilot)
-        link.picture.lost("the engine is gone; looking for it")
+        link.engine.lost("the engine is gone; looking for it")
         text = await shown(app, pilot)
         assert "the engine is gone; looking for it" in text
         assert "no robot answers" in text
@@ -130,12 +130,26 @@ async def test_what_is_old_is_greyed_and_without_an_engine_the_reason_is_told() 
 
 FIRST_SCREEN = """
 import asyncio, sys
-from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
+from pathlib import Path
+from catseye.app.tui.app import CatseyeApp
+from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.session import Session
+from catseye.app.tui.work import Commands
+
+class NoEngineYet:
+    engine, cell = EngineState(), None
+
+    async def serve(self, changed):
+        changed()
+        await asyncio.Event().wait()
 
 async def show():
-    app = make_app(ScriptedLink())
+    app = CatseyeApp(Session(NoEngineYet(), Commands(), Path("runs"), None, lambda: 0.0))
     async with app.run_test(size=(80, 24)) as pilot:
-        await shown(app, pilot)
+        await pilot.pause()
+        app.screen.show_now()
+        await pilot.pause()
+        assert app.screen.query("StopBar")
         print([name for name in ("numpy", "scipy", "pydantic") if name in sys.modules])
 
 asyncio.run(show())

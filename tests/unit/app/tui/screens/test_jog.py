@@ -10,17 +10,20 @@ from textual.events import AppBlur, AppFocus
 from textual.pilot import Pilot
 from textual.widgets import Input
 
+from catseye.app.protocol.events import Client
+from catseye.app.protocol.requests import AnyRequest, Control, JogHold, JogMode, JogStep, Plain
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
+from catseye.app.tui.jog_client import Joint
 from catseye.app.tui.screens.jog import JogScreen
 from catseye.app.tui.widgets.strip import Strip
-from tests.unit.app.tui.scripted import SNAPSHOT, ScriptedLink, compare, make_app, shown
-from tests.unit.app.tui.told_bench import BENCH, bench, tell_strip
+from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, snapshot_with
+from tests.unit.app.tui.scripted_bench import BENCH, bench, publish_strip
 
 SIZES = [(80, 24), (120, 40)]
 MINE = {"on": True, "by": "Ada (tui-1)", "percent": 5.0, "moving": None}
-_STEPS = (
+_STEPS: tuple[tuple[tuple[str, ...], Joint, int], ...] = (
     (("left", "a"), "j1", 1),
     (("right", "d"), "j1", -1),
     (("up", "w"), "j2", 1),
@@ -28,8 +31,8 @@ _STEPS = (
     (("q",), "j4", 1),
     (("e",), "j4", -1),
 )
-HOLD = {"op": "jog-hold", "joint": "j1", "direction": 1}
-STOP = {"op": "jog-hold", "joint": "j1", "direction": 0}
+HOLD = JogHold(joint="j1", direction=1)
+STOP = JogHold(joint="j1", direction=0)
 
 
 @dataclass
@@ -57,10 +60,10 @@ async def jogging(
     link = ScriptedLink()
     app = make_app(link, "jog")
     async with app.run_test(size=size) as pilot:
-        link.tell("bench", **told)
-        tell_strip(link)
-        link.picture.control = {"client": "tui-1", "who": "Ada"}
-        link.tell("jog", **MINE)
+        link.publish("bench", **told)
+        publish_strip(link)
+        link.engine.control = Client(client="tui-1", who="Ada")
+        link.publish("jog", **MINE)
         await shown(app, pilot)
         await script(Play(app, link, pilot))
     return link
@@ -72,8 +75,8 @@ async def test_looks_before(size: tuple[int, int], name: str, told: dict[str, An
     link = ScriptedLink()
     app = make_app(link, "jog")
     async with app.run_test(size=size) as pilot:
-        link.tell("bench", **told)
-        tell_strip(link)
+        link.publish("bench", **told)
+        publish_strip(link)
         await shown(app, pilot)
         compare(f"jog-{name}-{size[0]}x{size[1]}", await shown(app, pilot))
 
@@ -82,7 +85,7 @@ async def test_looks_before(size: tuple[int, int], name: str, told: dict[str, An
 async def test_looks_while_jogging(size: tuple[int, int]) -> None:
     async def look(play: Play) -> None:
         await play.pilot.press("t", "m")
-        play.link.tell("jog", **{**MINE, "moving": "j1"})
+        play.link.publish("jog", **{**MINE, "moving": "j1"})
         compare(f"jog-moving-{size[0]}x{size[1]}", await shown(play.app, play.pilot))
 
     await jogging(look, size)
@@ -103,7 +106,7 @@ async def test_an_override_that_stays_low_is_told() -> None:
     app = make_app(link, "jog")
     async with app.run_test(size=(80, 24)) as pilot:
         for percent, told in ((5.0, True), (19.5, False), (20.0, False), (100.0, False)):
-            link.tell("bench", **bench(robot={**BENCH["robot"], "override_percent": percent}))
+            link.publish("bench", **bench(robot={**BENCH["robot"], "override_percent": percent}))
             text = " ".join((await shown(app, pilot)).split())
             assert (f"override {percent:g} %" in text) == told, percent
             assert ("until raised at controller" in text) == told, percent
@@ -116,7 +119,7 @@ async def test_only_f8_begins_at_the_speed_that_was_chosen_and_never_beyond_the_
     link = ScriptedLink()
     app = make_app(link, "jog")
     async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **BENCH)
+        link.publish("bench", **BENCH)
         await shown(app, pilot)
         await pilot.press("enter", "space", "left", "a", "q", "z", "p", "1", "escape")
         await pilot.pause()
@@ -127,10 +130,10 @@ async def test_only_f8_begins_at_the_speed_that_was_chosen_and_never_beyond_the_
         await pilot.press("enter", "escape")
         await pilot.pause()
         assert link.asked == []
-        begin = {"op": "jog", "on": True, "percent": 5.0, "arm": None}
+        begin = JogMode(on=True, percent=5.0)
         await pilot.press("f8")
         await pilot.pause()
-        assert link.asked == [{"op": "control", "take": True}, begin]
+        assert link.asked == [Control(), begin]
         callbacks["Begin to jog"]()
         await pilot.press("f8")
         await pilot.pause()
@@ -140,24 +143,24 @@ async def test_only_f8_begins_at_the_speed_that_was_chosen_and_never_beyond_the_
             assert f"{percent:g} % (cap 20 %)" in await shown(app, pilot), keys
             await pilot.press("f8")
             await pilot.pause()
-            assert link.asked[-1] == {**begin, "percent": percent}, keys
+            assert link.asked[-1] == JogMode(on=True, percent=percent), keys
 
 
 async def test_a_real_arm_needs_the_typed_name() -> None:
     link = ScriptedLink()
     app = make_app(link, "jog")
     async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **bench(simulated=False))
+        link.publish("bench", **bench(simulated=False))
         text = await shown(app, pilot)
         assert "REAL ARM" in text
         await pilot.press(*"lab-1", "pagedown")
         assert app.screen.query_one("#typed", Input).value == "lab-1"
         await pilot.press("f8")
         await pilot.pause()
-        assert link.asked[-1] == {"op": "jog", "on": True, "percent": 2.0, "arm": "lab-1"}
-        link.tell("jog", **MINE)
+        assert link.asked[-1] == JogMode(on=True, percent=2.0, arm="lab-1")
+        link.publish("jog", **MINE)
         await shown(app, pilot)
-        link.tell("jog", **{**MINE, "on": False, "reason": "Ada (tui-1) ended it"})
+        link.publish("jog", **{**MINE, "on": False, "reason": "Ada (tui-1) ended it"})
         assert "Ada (tui-1) ended it" in await shown(app, pilot)
         assert app.screen.query_one("#typed", Input).value == ""
 
@@ -167,7 +170,7 @@ async def test_a_refused_jog_is_told_with_its_remedy() -> None:
     link.refusals["jog"] = "the door is open: no motion; close it when nobody is inside, then jog again"
     app = make_app(link, "jog")
     async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **BENCH)
+        link.publish("bench", **BENCH)
         await pilot.press("f8")
         text = await shown(app, pilot)
         assert isinstance(app.screen, ErrorDialog)
@@ -180,12 +183,11 @@ async def test_keys_step_joints_and_beam_by_the_size_that_was_chosen() -> None:
             for key in keys:
                 await play.pilot.press(key)
                 await play.pilot.pause()
-                asked = {"op": "jog-step", "joint": joint, "by": sign * 0.1, "aim": None}
-                assert play.link.asked[-1] == asked
+                assert play.link.asked[-1] == JogStep(joint=joint, by=sign * 0.1)
         for key, by in (("1", 0.01), ("3", 1.0), ("4", 5.0), ("5", 10.0), ("2", 0.1)):
             await play.pilot.press(key, "q")
             await play.pilot.pause()
-            assert play.link.asked[-1]["by"] == by
+            assert play.link.asked_for(JogStep)[-1].by == by
             assert f"[{by:g}]" in await shown(play.app, play.pilot)
         play.link.asked.clear()
         await play.pilot.press("z")
@@ -194,13 +196,13 @@ async def test_keys_step_joints_and_beam_by_the_size_that_was_chosen() -> None:
         for aim in ("P1", "P2"):
             await play.pilot.press("t", "z")
             await play.pilot.pause()
-            assert play.link.asked[-1] == {"op": "jog-step", "joint": "beam", "by": 0.1, "aim": aim}
+            assert play.link.asked[-1] == JogStep(joint="beam", by=0.1, aim=aim)
         await play.pilot.press("x")
         await play.pilot.pause()
-        assert play.link.asked[-1]["by"] == -0.1
+        assert play.link.asked_for(JogStep)[-1].by == -0.1
         await play.pilot.press("t", "t", "left")
         await play.pilot.pause()
-        assert play.link.asked[-1]["aim"] is None
+        assert play.link.asked_for(JogStep)[-1].aim is None
         await play.pilot.press("l")
         assert play.app.screen.query_one(Strip).window_s == 30
         await play.pilot.press("v")
@@ -223,12 +225,12 @@ async def test_pointing_asks_first() -> None:
         assert "-147.366 to -124.761 deg (+22.605 deg)" in text
         await play.pilot.press("enter", "escape")
         await play.pilot.pause()
-        assert [each for each in play.link.asked if each["op"] == "jog-step"] == []
+        assert play.link.asked_for(JogStep) == []
         await play.pilot.press("p", "f8")
         await play.pilot.pause()
-        step = next(each for each in play.link.asked if each["op"] == "jog-step")
-        assert step["joint"] == "j4"
-        assert step["by"] == pytest.approx(22.605, abs=0.001)
+        (step,) = play.link.asked_for(JogStep)
+        assert step.joint == "j4"
+        assert step.by == pytest.approx(22.605, abs=0.001)
 
     await jogging(press)
 
@@ -237,7 +239,7 @@ async def test_where_the_arm_points_is_not_reckoned_from_old_joints() -> None:
     async def press(play: Play) -> None:
         play.link.now_s += 5.0
         await play.pilot.press("t", "p")
-        assert "the joints that were told are too old" in await shown(play.app, play.pilot)
+        assert "the joints that are known are too old" in await shown(play.app, play.pilot)
         assert not isinstance(play.app.screen, MotionDialog)
 
     await jogging(press, (120, 40))
@@ -253,7 +255,7 @@ async def hold_j1(play: Play) -> None:
     await asks(play.link, HOLD)
 
 
-async def asks(link: ScriptedLink, request: dict[str, Any], case: object = "") -> None:
+async def asks(link: ScriptedLink, request: AnyRequest, case: object = "") -> None:
     """Wait until something is asked; where it is not, tell in which case."""
     for _ in range(500):
         if request in link.asked:
@@ -275,7 +277,7 @@ async def another_screen(play: Play) -> None:
 
 
 async def a_dialog(play: Play) -> None:
-    play.app.tell_error("Something", "happened")
+    play.app.show_error("Something", "happened")
 
 
 async def the_palette(play: Play) -> None:
@@ -291,11 +293,11 @@ async def escape(play: Play) -> None:
 
 
 async def jog_over(play: Play) -> None:
-    play.link.tell("jog", **{**MINE, "on": False, "reason": "the door is open"})
+    play.link.publish("jog", **{**MINE, "on": False, "reason": "the door is open"})
 
 
 async def link_lost(play: Play) -> None:
-    play.link.picture.lost("the engine is gone")
+    play.link.engine.lost("the engine is gone")
 
 
 async def another_key(play: Play) -> None:
@@ -328,16 +330,16 @@ async def test_what_lets_the_arm_go() -> None:
             fed = play.link.asked.count(HOLD)
             await play.pilot.pause()
             assert play.link.asked.count(HOLD) == fed, end
-            assert not jog_screen_of(play.app).hands.busy, end
+            assert not jog_screen_of(play.app).jog_client.busy, end
             if end is escape:
-                assert {"op": "jog", "on": False} in play.link.asked
+                assert JogMode(on=False) in play.link.asked
             await jog_again(play, end)
-        play.link.picture.met({**SNAPSHOT, "control": {"client": "tui-1", "who": "Ada"}}, play.link.now_s)
+        play.link.engine.met(snapshot_with(control={"client": "tui-1", "who": "Ada"}), play.link.now_s)
         await jog_again(play, link_lost)
         play.link.asked.clear()
         await hold_j1(play)
         await play.pilot.press("f12")
-        await asks(play.link, {"op": "stop"})
+        await asks(play.link, Plain(op="stop"))
 
     await jogging(each)
 
@@ -352,8 +354,8 @@ async def jog_again(play: Play, end: Script) -> None:
         await play.pilot.press("m")
     play.app.post_message(AppFocus())
     play.link.now_s += 1.0
-    play.link.tell("bench", **BENCH)
-    play.link.tell("jog", **MINE)
+    play.link.publish("bench", **BENCH)
+    play.link.publish("jog", **MINE)
     await shown(play.app, play.pilot)
 
 
@@ -375,21 +377,21 @@ async def test_the_palette_has_the_actions_and_what_moves_asks_for_f8_there_and_
         assert play.link.asked == []
         callbacks["One step: J2 clockwise"]()
         await play.pilot.press("f8")
-        await asks(play.link, {"op": "jog-step", "joint": "j2", "by": -1.0, "aim": None})
+        await asks(play.link, JogStep(joint="j2", by=-1.0))
         for title in ("Steps or hold", "Next aim", "Beam or bench from above", "Length of the strip"):
             callbacks[title]()
         text = await shown(play.app, play.pilot)
         assert "[hold]" in text
         assert "[P1]" in text
         callbacks["End the jog"]()
-        await asks(play.link, {"op": "jog", "on": False})
+        await asks(play.link, JogMode(on=False))
         for key in ("escape", "f2"):
             play.link.asked.clear()
-            play.link.tell("jog", **{**MINE, "on": False, "reason": "Ada (tui-1) ended it"})
-            play.link.tell("jog", **MINE)
+            play.link.publish("jog", **{**MINE, "on": False, "reason": "Ada (tui-1) ended it"})
+            play.link.publish("jog", **MINE)
             await shown(play.app, play.pilot)
             await play.pilot.press(key)
-            await asks(play.link, {"op": "jog", "on": False}, key)
+            await asks(play.link, JogMode(on=False), key)
 
     await jogging(call)
 
@@ -398,9 +400,9 @@ async def test_who_else_jogs_is_told_and_keys_do_nothing() -> None:
     link = ScriptedLink()
     app = make_app(link, "jog")
     async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **BENCH)
-        link.picture.control = {"client": "tui-2", "who": "Bob"}
-        link.tell("jog", on=True, by="Bob (tui-2)", percent=10.0, moving="j4")
+        link.publish("bench", **BENCH)
+        link.engine.control = Client(client="tui-2", who="Bob")
+        link.publish("jog", on=True, by="Bob (tui-2)", percent=10.0, moving="j4")
         text = await shown(app, pilot)
         assert "Bob (tui-2) jogs at 10 %, moving j4" in text
         await pilot.press("left", "f8", "p", "escape")

@@ -10,7 +10,8 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Select
 
-from catseye.app.procedure_list import load_procedure
+from catseye.app.protocol.procedures import load_procedure
+from catseye.app.protocol.requests import Start
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.start_dialog import StartDialog
@@ -19,8 +20,8 @@ from catseye.app.tui.screens.run import RunScreen
 from catseye.app.tui.widgets.parameter_form import ParameterForm
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, compare, make_app, shown, work_of
-from tests.unit.app.tui.told_bench import BENCH
-from tests.unit.app.tui.told_run import REHEARSAL, RUN
+from tests.unit.app.tui.scripted_bench import BENCH
+from tests.unit.app.tui.scripted_run import REHEARSAL, RUN
 
 SIZES = [(80, 24), (120, 40)]
 
@@ -31,7 +32,7 @@ def facts(name: str, last: dict[str, Any] | None = None, **needs: tuple[str, str
     return {
         "name": name,
         "title": procedure.title,
-        "needs_aim": procedure.needs_aim,
+        "needs_aim": procedure.needs.aim,
         "params": procedure.params_type.model_json_schema()["properties"],
         "needs": [{"what": what, "met": met, "text": text} for what, (met, text) in needs.items()],
         "last": last,
@@ -97,7 +98,7 @@ async def test_needs_last_run_and_next_step(size: tuple[int, int]) -> None:
     link = ScriptedLink()
     app = app_of(link)
     async with app.run_test(size=size) as pilot:
-        link.tell("bench", **BENCH)
+        link.publish("bench", **BENCH)
         text = await settled(app, pilot)
         assert chosen(app) == "open-loop"
         assert "2 h ago" in text
@@ -146,8 +147,8 @@ async def test_a_fault_is_told_beside_its_field_and_nothing_begins() -> None:
         assert isinstance(focused, Input)
         # The end of a run has everything looked at again, but leaves the field that somebody types in.
         assert len(work_of(app).done) == 1
-        link.tell("run-started", procedure="warmup", title="Warm-up", run=RUN)
-        link.tell("run-ended", status="complete", exit_code=0, text="", path="", run=RUN)
+        link.publish("run-started", procedure="warmup", title="Warm-up", run=RUN)
+        link.publish("run-ended", status="complete", exit_code=0, text="", path="", drives_on=False, run=RUN)
         await settled(app, pilot)
         assert [words[0] for words in work_of(app).done] == ["procedures", "procedures"]
         assert app.focused is focused
@@ -187,10 +188,9 @@ async def test_what_was_typed_is_remembered_and_passed_on() -> None:
 
 async def test_f8_begins_and_enter_does_not() -> None:
     link = ScriptedLink()
-    link.answers["start"] = {"path": f"/bench/catseye-runs/{RUN}"}
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **BENCH)
+        link.publish("bench", **BENCH)
         await settled(app, pilot)
         await pilot.press("s", "escape")
         await settled(app, pilot)
@@ -204,16 +204,8 @@ async def test_f8_begins_and_enter_does_not() -> None:
         assert link.asked == []
         await pilot.press("f8")
         await settled(app, pilot)
-        assert [request["op"] for request in link.asked] == ["control", "start"]
-        assert link.asked[1] == {
-            "op": "start",
-            "procedure": "open-loop",
-            "cell": "/bench/cell.toml",
-            "params": [],
-            "search": "auto",
-            "speed": 1.0,
-            "arm": None,
-        }
+        assert link.ops == ["control", "start"]
+        assert link.asked[1] == Start(procedure="open-loop", cell="/bench/cell.toml", params=[])
         assert isinstance(app.screen, RunScreen)
 
 
@@ -221,7 +213,7 @@ async def test_real_hardware_is_armed_by_the_name_of_the_cell() -> None:
     link = ScriptedLink()
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **{**BENCH, "simulated": False})
+        link.publish("bench", **{**BENCH, "simulated": False})
         await settled(app, pilot)
         assert not [row for row in app.screen.query_one(ParameterForm).rows if row.parameter == "speed"]
         await pilot.press("s")
@@ -233,18 +225,18 @@ async def test_real_hardware_is_armed_by_the_name_of_the_cell() -> None:
         await settled(app, pilot)
         assert link.asked == []
         await pilot.press("f12")
-        assert [request["op"] for request in link.asked] == ["stop"]
+        assert link.ops == ["stop"]
         await pilot.press("backspace", "1", "f8")
         await settled(app, pilot)
-        assert link.asked[-1]["arm"] == "lab-1"
-        assert link.asked[-1]["speed"] == 1.0
+        (start,) = link.asked_for(Start)
+        assert (start.arm, start.speed) == ("lab-1", 1.0)
 
 
 async def test_the_start_tells_what_the_rehearsal_of_the_same_parameters_found() -> None:
     link = ScriptedLink()
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **BENCH)
+        link.publish("bench", **BENCH)
         await settled(app, pilot)
         await pilot.press("s")
         text = await settled(app, pilot)
@@ -258,8 +250,8 @@ async def test_the_start_tells_what_the_rehearsal_of_the_same_parameters_found()
         assert "8 steps, 16 moves, 8 distances" in text
         # What was rehearsed before a run is not told after it.
         await pilot.press("escape")
-        link.tell("run-started", procedure="reflector-search", title="Search", run=RUN)
-        link.tell("run-ended", status="complete", exit_code=0, text="", path="", run=RUN)
+        link.publish("run-started", procedure="reflector-search", title="Search", run=RUN)
+        link.publish("run-ended", status="complete", exit_code=0, text="", path="", drives_on=False, run=RUN)
         await settled(app, pilot)
         await pilot.press("s")
         text = await settled(app, pilot)
@@ -300,7 +292,7 @@ async def test_lost_devices_the_next_step_a_refused_plan_and_a_cell_that_is_gone
         named = {command.title for command in app.get_system_commands(app.screen)}
         assert {"Rehearse the procedure", "Start the procedure", "Choose the next step"} <= named
         robot = {**BENCH["devices"][0], "link": "lost", "error": "no answer for 3 s"}
-        link.tell("bench", **{**BENCH, "devices": [robot, *BENCH["devices"][1:]]})
+        link.publish("bench", **{**BENCH, "devices": [robot, *BENCH["devices"][1:]]})
         assert "✗ devices     robot: no answer for 3 s" in await settled(app, pilot)
         await pilot.press("up")
         assert chosen(app) == "beam-to-j4"
@@ -319,7 +311,7 @@ async def test_lost_devices_the_next_step_a_refused_plan_and_a_cell_that_is_gone
         work_of(app).outcomes["procedures"] = Done((), 2, "", "catseye: cell.toml: there is no such file")
         await pilot.press("u")
         await settled(app, pilot)
-        link.tell("bench", **BENCH)
+        link.publish("bench", **BENCH)
         assert "there is no such file" in await settled(app, pilot)
         await pilot.press("s")
         assert "nothing is known of the cell" in await settled(app, pilot)

@@ -4,14 +4,16 @@ from pathlib import Path
 
 import pytest
 
+from catseye.app.protocol.events import Client
+from catseye.app.protocol.requests import Override, Resume
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.override_dialog import OverrideDialog
 from catseye.app.tui.dialogs.start_dialog import StartDialog
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.run_screen import app_of, ops, settled
 from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, work_of
-from tests.unit.app.tui.told_bench import BENCH
-from tests.unit.app.tui.told_run import RUN, SNAPSHOT, end, measure, show_value, tell
+from tests.unit.app.tui.scripted_bench import BENCH
+from tests.unit.app.tui.scripted_run import RUN, SNAPSHOT, end, measure, publish, show_value
 
 SIZES = [(80, 24), (120, 40)]
 
@@ -40,7 +42,7 @@ async def test_the_override_is_lowered_by_a_number() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
-        link.tell("bench", **BENCH)
+        link.publish("bench", **BENCH)
         await shown(app, pilot)
         await pilot.press("o")
         assert isinstance(app.screen, OverrideDialog)
@@ -51,7 +53,7 @@ async def test_the_override_is_lowered_by_a_number() -> None:
         assert ops(link) == ["stop"]
         await pilot.press("backspace", "5", "enter")
         await shown(app, pilot)
-        assert link.asked[-1] == {"op": "override", "percent": 5.0}
+        assert link.asked[-1] == Override(percent=5.0)
         await pilot.press("o", "escape")
         await shown(app, pilot)
         assert ops(link) == ["stop", "override"]
@@ -112,7 +114,7 @@ async def test_nothing_of_the_run_before_stays_on_the_plots() -> None:
         assert "Innovation / µm" in before
         assert "Δθ1 13.3" in before
         end(link, "complete")
-        link.tell("run-started", procedure="warmup", title="Warm-up", run="20261121T110000Z_warmup_00beef")
+        link.publish("run-started", procedure="warmup", title="Warm-up", run="20261121T110000Z_warmup_00beef")
         after = await settled(app, pilot, link)
         assert "outside" not in after
         assert "µm" not in after
@@ -134,7 +136,7 @@ async def test_what_the_engine_tells_beside_the_steps() -> None:
         link.now_s += 9.0
         assert "(9.0 s old)" in await shown(app, pilot)
         for number in range(60):
-            tell(link, "step-done", step=f"s{number}", title=f"step {number:02d}", stored=False)
+            publish(link, "step-done", step=f"s{number}", title=f"step {number:02d}", stored=False)
         text = await settled(app, pilot, link)
         assert "step 59" in text
         assert "step 20" not in text
@@ -144,7 +146,7 @@ async def test_what_the_engine_tells_beside_the_steps() -> None:
         await pilot.press("pagedown", "pagedown", "pagedown")
         assert "step 59" in await shown(app, pilot)
         await pilot.resize_terminal(120, 40)
-        tell(link, "dropped", count=12)
+        publish(link, "dropped", count=12)
         assert "12 updates skipped here, all are in the record" in await shown(app, pilot)
 
 
@@ -152,7 +154,7 @@ async def test_a_held_run_says_how_it_goes_on_and_a_long_reason_leaves_the_bench
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
-        tell(link, "state", state="HELD", reason="Ada holds the run")
+        publish(link, "state", state="HELD", reason="Ada holds the run")
         text = await shown(app, pilot)
         assert "Press g to go on" in text
         assert "GO ON g" in text
@@ -162,9 +164,9 @@ async def test_a_held_run_says_how_it_goes_on_and_a_long_reason_leaves_the_bench
         await pilot.press("h")
         await shown(app, pilot)
         assert ops(link) == ["unhold", "hold"]
-        link.tell("bench", **BENCH)
+        link.publish("bench", **BENCH)
         reason = "the drives are off: find out why before switching them on " * 3
-        tell(link, "state", state="ABORTING", reason=reason)
+        publish(link, "state", state="ABORTING", reason=reason)
         lines = (await shown(app, pilot)).splitlines()
         assert "ABORTING" in lines[0]
         assert lines[0].endswith("…")
@@ -182,9 +184,9 @@ async def test_before_a_run_and_after_one_that_was_interrupted() -> None:
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
         compare("run-nothing-80x24", await shown(app, pilot))
-        link.picture.control = SNAPSHOT["control"]
-        link.tell("run-started", procedure="open-loop", title=SNAPSHOT["title"], run=RUN)
-        link.tell("bench", **BENCH)
+        link.engine.control = Client.model_validate(SNAPSHOT["control"])
+        link.publish("run-started", procedure="open-loop", title=SNAPSHOT["title"], run=RUN)
+        link.publish("bench", **BENCH)
         end(link, "stopped", "Ada stopped the run")
         await settled(app, pilot, link)
         await pilot.press("e")
@@ -195,4 +197,4 @@ async def test_before_a_run_and_after_one_that_was_interrupted() -> None:
         assert ops(link) == []
         await pilot.press("f8")
         await shown(app, pilot)
-        assert link.asked == [{"op": "resume", "run": RUN, "arm": None}]
+        assert link.asked == [Resume(run=RUN)]

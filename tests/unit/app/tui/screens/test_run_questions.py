@@ -6,12 +6,13 @@ import pytest
 from textual.widgets import Button, Input
 from textual.widgets._footer import FooterKey  # noqa: PLC2701  # Textual has no public name for it
 
+from catseye.app.protocol.requests import Control
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
-from catseye.app.tui.run_picture import SoFar
+from catseye.app.tui.run_state import SoFar
 from catseye.app.tui.screens.run import RunScreen
 from tests.unit.app.tui.screens.run_screen import answers, app_of, ops, settled
 from tests.unit.app.tui.scripted import ScriptedLink, compare, shown
-from tests.unit.app.tui.told_run import MOTION, SNAPSHOT, ask, measure, tell
+from tests.unit.app.tui.scripted_run import MOTION, SNAPSHOT, ask, measure, publish
 
 SIZES = [(80, 24), (120, 40)]
 
@@ -176,7 +177,7 @@ async def test_somebody_elses_control_is_named_and_can_be_taken() -> None:
         assert "Bob (attach-2) answers; c takes control" in text
         await pilot.press("c", "y")
         await settled(app, pilot, link)
-        assert link.asked == [{"op": "control", "take": True, "force": True}]
+        assert link.asked == [Control(force=True)]
         await pilot.press("c")
         await shown(app, pilot)
         assert ops(link) == ["control", "release"]
@@ -197,10 +198,10 @@ async def test_the_time_to_answer_and_the_clock_are_those_of_the_run_not_of_this
     link = ScriptedLink({**SNAPSHOT, "simulated": True, "prompt": question, "prompt_open_s": 15.0})
     app = app_of(link)
     async with app.run_test(size=(120, 40)) as pilot:
-        run = link.picture.run
+        run = link.engine.run
         assert run is not None
         measure(link)
-        run.take_record(SoFar([], [], 0, [], [], speed=20.0))
+        run.take_record(SoFar([], 0, [], [], speed=20.0))
         text = await settled(app, pilot, link)
         # 1200 bench seconds are a minute here; 15 s of it had passed before this client came, and one since.
         assert "44 s left, then y" in text
@@ -213,7 +214,7 @@ async def test_nobody_is_told_to_answer_while_the_run_is_being_stopped() -> None
     async with app.run_test(size=(80, 24)) as pilot:
         ask(link, **MOTION)
         assert "Answer the question" in await settled(app, pilot, link)
-        tell(link, "state", state="STOPPING", reason="Ada stops the run")
+        publish(link, "state", state="STOPPING", reason="Ada stops the run")
         text = await shown(app, pilot)
         assert "Answer the question" not in text
         assert "Wait for standstill: Ada stops the run" in text
@@ -359,7 +360,7 @@ async def test_numbers_and_texts_are_checked_as_they_are_typed_and_gone_when_the
         ask(link, id="height/2", kind="number", text="How high is it?", unit="mm")
         await settled(app, pilot, link)
         await pilot.press("1", "2")
-        tell(link, "answer", id="height/2", answer="3", who="Bob (attach-2)")
+        publish(link, "answer", id="height/2", answer="3", who="Bob (attach-2)")
         text = await settled(app, pilot, link)
         assert "How high" not in text
         await pilot.press("enter", "y")
@@ -368,7 +369,7 @@ async def test_numbers_and_texts_are_checked_as_they_are_typed_and_gone_when_the
         assert not app.screen.query("#prompt Input")
 
 
-async def test_stop_and_hold_from_within_an_input() -> None:
+async def test_stop_and_ladder_from_within_an_input() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
@@ -378,7 +379,7 @@ async def test_stop_and_hold_from_within_an_input() -> None:
             await settled(app, pilot, link)
             await pilot.press("h", "o", "n", "f12", "ctrl+c")
             await shown(app, pilot)
-            assert ops(link) == ["stop", "hold"], kind
+            assert ops(link) == ["stop", "ladder"], kind
             assert isinstance(app.focused, Input), kind
             assert app.focused.value == "hon", kind
 
@@ -400,6 +401,20 @@ async def test_what_is_typed_moves_the_arm_by_f8_not_by_enter() -> None:
             await pilot.press("f8")
             await settled(app, pilot, link)
             assert answers(link) == [(kind, "1")]
+
+
+async def test_a_typed_answer_that_moves_nothing_needs_no_f8() -> None:
+    link = ScriptedLink(SNAPSHOT)
+    app = app_of(link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        ask(link, id="walk/waiver", kind="text", text="Why without a walk?", motion=True, rests_after=["no"])
+        await settled(app, pilot, link)
+        await pilot.press("n", "o", "f8")
+        assert "the arm does not move after this" in await settled(app, pilot, link)
+        assert answers(link) == []
+        await pilot.press("enter")
+        await settled(app, pilot, link)
+        assert answers(link) == [("walk/waiver", "no")]
 
 
 async def test_other_sizes_do_not_crash() -> None:

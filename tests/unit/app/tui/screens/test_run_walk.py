@@ -2,9 +2,10 @@
 
 from textual.pilot import Pilot
 
+from catseye.app.protocol.requests import WalkFeed
 from tests.unit.app.tui.screens.run_screen import app_of, ops, settled
 from tests.unit.app.tui.scripted import ScriptedLink
-from tests.unit.app.tui.told_run import SNAPSHOT
+from tests.unit.app.tui.scripted_run import SNAPSHOT
 
 WALK = {**SNAPSHOT, "procedure": "walk", "title": "Walk-through of open-loop"}
 
@@ -28,7 +29,7 @@ async def test_space_held_feeds_a_walk_and_says_what_it_is_not() -> None:
         link.now_s += 0.5
         await pilot.press("space")
         await pilot.pause()
-        assert {"op": "walk-feed", "on": True} in link.asked
+        assert WalkFeed() in link.asked
 
 
 async def test_another_screen_lets_go() -> None:
@@ -39,7 +40,7 @@ async def test_another_screen_lets_go() -> None:
         await hold(pilot, link)
         await pilot.press("f3")
         await pilot.pause()
-        assert {"op": "walk-feed", "on": False} in link.asked
+        assert WalkFeed(on=False) in link.asked
 
 
 async def test_a_walk_under_somebody_elses_control_is_not_fed() -> None:

@@ -13,6 +13,7 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import DataTable, Input, Select
 
+from catseye.app.protocol.requests import Control, Resume
 from catseye.app.store.seal import DATABASE
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
@@ -217,9 +218,9 @@ async def test_resume_is_asked_of_the_engine_after_f8(root: Path) -> None:
         assert link.asked == []
         await pilot.press(*"lab-1", "f8")
         await settle(app, pilot)
-        assert link.asked[-1] == {"op": "resume", "run": REAL, "arm": "lab-1"}
+        assert link.asked[-1] == Resume(run=REAL, arm="lab-1")
         link.asked.clear()
-        link.picture.control = None
+        link.engine.control = None
         await pilot.press("f7")
         await go_to(app, pilot, STOPPED)
         await pilot.press("r")
@@ -230,7 +231,7 @@ async def test_resume_is_asked_of_the_engine_after_f8(root: Path) -> None:
         assert link.asked == []
         await pilot.press("f8")
         await settle(app, pilot)
-        assert link.asked == [{"op": "control", "take": True}, {"op": "resume", "run": STOPPED}]
+        assert link.asked == [Control(), Resume(run=STOPPED)]
         assert app.current_mode == "run"
 
 

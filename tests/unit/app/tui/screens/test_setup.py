@@ -11,6 +11,7 @@ from textual.widgets import Input, Select, Static
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.cell.wizard.pages import PAGES
+from catseye.app.protocol.requests import Watch
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
@@ -37,7 +38,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def first_start() -> tuple[CatseyeApp, ScriptedLink]:
     link = ScriptedLink()
-    link.picture.lost("there is no cell file yet: set one up (F10), or try the demo")
+    link.engine.lost("there is no cell file yet: set one up (F10), or try the demo")
     link.cell = None
     app = make_app(link, "setup")
     app.session.cell = None
@@ -225,7 +226,7 @@ async def test_a_device_is_asked_who_it_is() -> None:
         assert len(work_of(app).done) == 2
         await pilot.press("escape")
         await settled(app, pilot)
-        assert [one["on"] for one in link.asked if one["op"] == "watch"] == [False, True]
+        assert [watch.on for watch in link.asked_for(Watch)] == [False, True]
 
 
 async def settled_but_dialogs(app: CatseyeApp, pilot: Pilot[Any]) -> None:
@@ -278,14 +279,14 @@ async def test_a_file_is_changed_and_keeps_its_comments(folder: Path) -> None:
         assert load_cell(path).cell.robot.override_cap_percent == 7
         assert "# ask Ada first" in path.read_text(encoding="utf-8")
         # The idle engine reads the file when it starts: it is started anew.
-        assert link.asked[-1]["op"] == "shutdown"
+        assert link.ops[-1] == "shutdown"
 
 
 async def test_comments_that_cannot_be_kept_are_told_and_the_file_is_left(folder: Path) -> None:
     path = folder / "mine.toml"
     start, end = TEMPLATE.index("[robot.limits_deg]"), TEMPLATE.index("[interferometer]")
-    dotted = TEMPLATE[:start] + "limits_deg.j1 = [-170.0, 170.0]\n\n" + TEMPLATE[end:]
-    path.write_text(dotted, encoding="utf-8")
+    parted = TEMPLATE[:start] + TEMPLATE[end:] + "\n" + TEMPLATE[start:end]
+    path.write_text(parted, encoding="utf-8")
     app = make_app(ScriptedLink({"cell": str(path)}), "setup", cell=path)
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.press("c")
@@ -299,7 +300,7 @@ async def test_comments_that_cannot_be_kept_are_told_and_the_file_is_left(folder
         assert any("cannot be kept" in str(text.content) for text in app.screen.query(Static))
         await pilot.press("y")
         await settled_but_dialogs(app, pilot)
-        assert path.read_text(encoding="utf-8") == dotted
+        assert path.read_text(encoding="utf-8") == parted
         assert load_cell(folder / "mine-new.toml").cell.robot.limits_deg.j1 == [-100.0, 100.0]
 
 
@@ -337,7 +338,7 @@ async def test_a_cell_file_with_faults_is_not_used_and_an_engine_of_another_one_
         await settled(app, pilot)
         assert isinstance(app.screen, ErrorDialog)
         assert "x.toml:3: name" in await shown(app, pilot)
-        assert [one["op"] for one in link.asked if one["op"] == "shutdown"] == []
+        assert [one.op for one in link.asked if one.op == "shutdown"] == []
         del work_of(app).outcomes["config"]
         await pilot.press("escape", "o")
         await pilot.pause()
@@ -349,7 +350,7 @@ async def test_a_cell_file_with_faults_is_not_used_and_an_engine_of_another_one_
         await pilot.press("y")
         await settled(app, pilot)
         assert link.cell == path
-        assert link.asked[-1]["op"] == "shutdown"
+        assert link.ops[-1] == "shutdown"
 
 
 async def test_the_demo_runs_and_shows_results() -> None:

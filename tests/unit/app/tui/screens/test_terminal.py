@@ -6,13 +6,14 @@ from typing import Any
 from textual.pilot import Pilot
 from textual.widgets import Input
 
+from catseye.app.protocol.requests import Raw, Send, Watch
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.form_dialog import FormDialog
 from catseye.app.tui.dialogs.start_dialog import StartDialog
 from catseye.app.tui.widgets.wire_view import WireView
-from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown
-from tests.unit.app.tui.told_bench import BENCH
+from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, snapshot_with
+from tests.unit.app.tui.scripted_bench import BENCH
 
 RUN = {
     "run": "20261121T090000Z_open-loop_abc123",
@@ -38,13 +39,14 @@ LINES = [
 
 def told(run: dict[str, Any] | None = None) -> ScriptedLink:
     link = ScriptedLink(run)
-    link.tell("bench", **BENCH)
-    link.tell("wire", lines=LINES, missed=3)
+    link.publish("bench", **BENCH)
+    link.publish("wire", lines=LINES, missed=3)
     return link
 
 
-def asked(link: ScriptedLink, op: str) -> list[dict[str, Any]]:
-    return [{k: v for k, v in one.items() if k != "op"} for one in link.asked if one["op"] == op]
+def traffic(link: ScriptedLink) -> list[bool]:
+    """Return whether traffic was asked for, in order."""
+    return [request.on for request in link.asked_for(Watch) if request.op == "traffic"]
 
 
 def view_of(app: CatseyeApp) -> WireView:
@@ -63,7 +65,7 @@ async def take_link(app: CatseyeApp, pilot: Pilot[Any], link: ScriptedLink, devi
     await to_device(app, pilot, device)
     await pilot.press("r")
     await pilot.pause()
-    link.tell("raw", device=device, on=True, by="Ada (tui-1)")
+    link.publish("raw", device=device, on=True, by="Ada (tui-1)", client="tui-1")
     await shown(app, pilot)
 
 
@@ -92,18 +94,18 @@ async def test_traffic_is_asked_for_while_it_is_shown_and_anew_of_another_engine
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
         await shown(app, pilot)
-        assert asked(link, "traffic") == [{"on": True}]
+        assert traffic(link) == [True]
         await pilot.press("f2")
         await shown(app, pilot)
-        assert asked(link, "traffic") == [{"on": True}, {"on": False}]
+        assert traffic(link) == [True, False]
         await pilot.press("f9")
         await shown(app, pilot)
-        assert asked(link, "traffic")[2:] == [{"on": True}]
-        link.picture.lost("gone")
+        assert traffic(link)[2:] == [True]
+        link.engine.lost("gone")
         await shown(app, pilot)
-        link.picture.met(dict(link.picture.facts), 0.0)
+        link.engine.met(snapshot_with(), 0.0)
         await shown(app, pilot)
-        assert asked(link, "traffic")[3:] == [{"on": True}]
+        assert traffic(link)[3:] == [True]
 
 
 async def test_stands_still_scrolls_and_follows_again_and_filters_by_device_and_text() -> None:
@@ -112,13 +114,13 @@ async def test_stands_still_scrolls_and_follows_again_and_filters_by_device_and_
     async with app.run_test(size=(80, 24)) as pilot:
         await shown(app, pilot)
         await pilot.press("p")
-        link.tell("wire", lines=[wire(2.0, "robot", "tx", b"LATER")], missed=0)
+        link.publish("wire", lines=[wire(2.0, "robot", "tx", b"LATER")], missed=0)
         text = await shown(app, pilot)
         assert "PAUSED, 1 new" in text
         assert "LATER" not in text
         await pilot.press("space")
         assert "LATER" in await shown(app, pilot)
-        link.tell("wire", lines=[wire(3.0, "robot", "tx", b"%d" % i) for i in range(60)], missed=0)
+        link.publish("wire", lines=[wire(3.0, "robot", "tx", b"%d" % i) for i in range(60)], missed=0)
         await shown(app, pilot)
         await shown(app, pilot)
         low = view_of(app).scroll_offset.y
@@ -149,22 +151,22 @@ async def test_instruments_are_sent_to_with_enter() -> None:
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
         await take_link(app, pilot, link, "interferometer")
-        assert asked(link, "raw") == [{"device": "interferometer", "on": True}]
+        assert link.asked_for(Raw) == [Raw(device="interferometer")]
         await pilot.press("i", *r"R\x41", "enter")
         await pilot.pause()
-        assert asked(link, "send") == [{"device": "interferometer", "hex": "52410d0a"}]
+        assert link.asked_for(Send) == [Send(device="interferometer", hex="52410d0a")]
         await pilot.press("escape", "e", "i", "Z", "enter")
         await pilot.pause()
-        assert asked(link, "send")[1:] == [{"device": "interferometer", "hex": "5a0d"}]
+        assert link.asked_for(Send)[1:] == [Send(device="interferometer", hex="5a0d")]
         await pilot.press("up", "up", "down")
         assert app.focused is not None
         assert app.screen.query_one("#line", Input).value == "Z"
         await pilot.press("escape", "x", "i", "home", "ctrl+k", *"31 3b", "enter")
         await pilot.pause()
-        assert asked(link, "send")[2:] == [{"device": "interferometer", "hex": "313b"}]
+        assert link.asked_for(Send)[2:] == [Send(device="interferometer", hex="313b")]
         await pilot.press("escape", "r")
         await pilot.pause()
-        assert asked(link, "raw")[1:] == [{"device": "interferometer", "on": False}]
+        assert link.asked_for(Raw)[1:] == [Raw(device="interferometer", on=False)]
 
 
 async def test_what_cannot_be_typed_is_not_sent_and_the_link_is_given_back_when_another_screen_is_shown() -> (
@@ -184,11 +186,11 @@ async def test_what_cannot_be_typed_is_not_sent_and_the_link_is_given_back_when_
         await take_link(app, pilot, link, "interferometer")
         await pilot.press("i", *r"\q", "enter")
         await pilot.pause()
-        assert asked(link, "send") == []
+        assert link.asked_for(Send) == []
         assert any("is no escape" in note.message for note in app._notifications)  # noqa: SLF001  # what was said
         await pilot.press("f2")
         await shown(app, pilot)
-        assert asked(link, "raw")[1:] == [{"device": "interferometer", "on": False}]
+        assert link.asked_for(Raw)[1:] == [Raw(device="interferometer", on=False)]
 
 
 async def test_the_robot_is_sent_to_by_f8_alone() -> None:
@@ -201,23 +203,23 @@ async def test_the_robot_is_sent_to_by_f8_alone() -> None:
         assert isinstance(app.screen, StartDialog)
         await pilot.press("f8")
         await pilot.pause()
-        assert asked(link, "raw") == [{"device": "robot", "on": True}]
-        link.tell("raw", device="robot", on=True, by="Ada (tui-1)")
+        assert link.asked_for(Raw) == [Raw(device="robot")]
+        link.publish("raw", device="robot", on=True, by="Ada (tui-1)", client="tui-1")
         text = await shown(app, pilot)
         assert "F8 sends: it may move the arm" in text
         assert "esc, then r: the driver has its link again" in text
         await pilot.press("i", *"1;1;STATE", "enter")
         await pilot.pause()
-        assert asked(link, "send") == []
+        assert link.asked_for(Send) == []
         await pilot.press("f8")
         await pilot.pause()
-        assert asked(link, "send") == [{"device": "robot", "hex": b"1;1;STATE\r\n".hex()}]
+        assert link.asked_for(Send) == [Send(device="robot", hex=b"1;1;STATE\r\n".hex())]
 
 
 async def test_a_real_robot_needs_the_cells_name() -> None:
     link = ScriptedLink()
     devices = [{**d, "identity": {**d["identity"], "simulated": False}} for d in BENCH["devices"]]
-    link.tell("bench", **{**BENCH, "devices": devices, "simulated": False})
+    link.publish("bench", **{**BENCH, "devices": devices, "simulated": False})
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
         await to_device(app, pilot, "robot")
@@ -225,10 +227,10 @@ async def test_a_real_robot_needs_the_cells_name() -> None:
         await pilot.pause()
         await pilot.press("f8")
         await pilot.pause()
-        assert asked(link, "raw") == []
+        assert link.asked_for(Raw) == []
         await pilot.press(*"lab-1", "f8")
         await pilot.pause()
-        assert asked(link, "raw") == [{"device": "robot", "on": True, "arm": "lab-1"}]
+        assert link.asked_for(Raw) == [Raw(device="robot", arm="lab-1")]
 
 
 async def test_nothing_is_sent_during_a_run() -> None:
@@ -239,7 +241,7 @@ async def test_nothing_is_sent_during_a_run() -> None:
         assert "a run is under way" in await shown(app, pilot)
         await pilot.press("r", "i", "f8")
         await pilot.pause()
-        assert asked(link, "raw") == []
+        assert link.asked_for(Raw) == []
         assert app.screen.query_one("#line", Input).disabled
 
 

@@ -1,7 +1,6 @@
 """The bench from above against the plane computed with complex numbers."""
 
 import cmath
-import copy
 import math
 from typing import Any
 
@@ -9,12 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from catseye.app.protocol.bench import Layout
 from catseye.app.tui.widgets.braille import Canvas
 from catseye.app.tui.widgets.plan_drawing import BEAM_LOST, BEAM_OK, draw_plan, pose_of, view_of
-from tests.unit.app.tui.told_bench import BENCH
+from tests.unit.app.tui.scripted_bench import BENCH, bench_status
 from tests.unit.app.tui.widgets.dots import dots_of
 
-LAYOUT: dict[str, Any] = BENCH["layout"]
+LAYOUT = bench_status().layout
+JOINTS = BENCH["robot"]["joints"]
 angles = st.floats(-170.0, 170.0)
 
 
@@ -24,19 +25,17 @@ def arm_by_hand(joints: list[float]) -> tuple[complex, complex]:
     return elbow, elbow + 225.0 * cmath.exp(1j * math.radians(joints[0] + joints[1]))
 
 
-def alone(**changes: Any) -> dict[str, Any]:
+def alone(**changes: Any) -> Layout:
     """Return a bench without reflectors, column and limits: what is drawn is the arm."""
-    layout = copy.deepcopy(LAYOUT)
-    layout.update(reflectors=[], column_radius_mm=0.0, aim=None)
-    layout["limits_deg"] = {"j1": [-180.0, 180.0], "j2": [-180.0, 180.0], "j4": [-360.0, 360.0]}
-    layout.update(changes)
-    return layout
+    limits = {"j1": (-180.0, 180.0), "j2": (-180.0, 180.0), "j4": (-360.0, 360.0)}
+    bare = {"reflectors": (), "column_radius_mm": 0.0, "aim": None, "limits_deg": limits}
+    return LAYOUT.model_copy(update={**bare, **changes})
 
 
 @given(angles, angles, angles)
 def test_pose(one: float, two: float, four: float) -> None:
     joints = [one, two, 50.0, four]
-    pose = pose_of({**LAYOUT, "theta40_deg": 12.5}, joints)
+    pose = pose_of(LAYOUT.model_copy(update={"theta40_deg": 12.5}), joints)
     elbow, place = arm_by_hand(joints)
     assert complex(*pose.elbow_mm) == pytest.approx(elbow, abs=1e-9)
     assert complex(*pose.place_mm) == pytest.approx(place, abs=1e-9)
@@ -55,7 +54,7 @@ def test_both_axes_have_one_scale_and_everything_has_room(columns: int, rows: in
     corners = [
         (-550.0, -550.0),
         (550.0, 550.0),
-        *((each["x_mm"], each["y_mm"]) for each in LAYOUT["reflectors"]),
+        *((each.x_mm, each.y_mm) for each in LAYOUT.reflectors),
     ]
     for place in corners:
         x, y = view.dot(*place)
@@ -94,7 +93,7 @@ def _distance(at: complex, start: complex, end: complex) -> float:
 
 
 def inks(beam_ok: bool | None) -> set[str]:
-    canvas = draw_plan(LAYOUT, BENCH["robot"]["joints"], beam_ok, 70, 20)
+    canvas = draw_plan(LAYOUT, JOINTS, beam_ok, 70, 20)
     return {ink for line in canvas.lines() for _, ink in line}
 
 
@@ -109,7 +108,7 @@ def test_a_lost_beam_has_another_ink_and_is_dashed() -> None:
 
 
 def test_the_beam_that_is_aimed_ends_at_its_reflector() -> None:
-    canvas = draw_plan(LAYOUT, BENCH["robot"]["joints"], True, 100, 40)
+    canvas = draw_plan(LAYOUT, JOINTS, True, 100, 40)
     view = view_of(LAYOUT, canvas)
     beam = _dots_with_ink(list(canvas.lines()), BEAM_OK)
     x, y = view.dot(650.0, -400.0)
@@ -127,8 +126,7 @@ def test_the_length_at_the_edge_is_to_scale() -> None:
 
 
 def test_joint_limits_are_arcs_where_there_is_room() -> None:
-    layout = alone()
-    layout["limits_deg"]["j1"] = [-90.0, 90.0]
+    layout = alone(limits_deg={**alone().limits_deg, "j1": (-90.0, 90.0)})
     canvas = draw_plan(layout, None, None, 100, 40)
     view = view_of(layout, canvas)
     x0, y0 = view.dot(0.0, 0.0)
@@ -143,4 +141,4 @@ def test_joint_limits_are_arcs_where_there_is_room() -> None:
 
 @pytest.mark.parametrize("size", [(0, 0), (1, 1), (5, 2), (300, 3)])
 def test_any_size_is_drawn(size: tuple[int, int]) -> None:
-    draw_plan(LAYOUT, BENCH["robot"]["joints"], True, *size)
+    draw_plan(LAYOUT, JOINTS, True, *size)

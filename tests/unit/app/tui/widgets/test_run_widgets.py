@@ -1,18 +1,19 @@
 """Bars, bands, pictures and plots of the run screen, against what they should look like."""
 
-from typing import Any
-
 import pytest
 
-from catseye.app.tui.run_picture import LiveValue, RunPicture, Seen
+from catseye.app.protocol.bench import ReflectorPlace
+from catseye.app.protocol.events import LiveData
+from catseye.app.tui.run_state import MapKnowledge, RunState
 from catseye.app.tui.widgets.band_bar import band_bar, band_text, value_text
 from catseye.app.tui.widgets.progress_line import bar
 from catseye.app.tui.widgets.run_plots import _scale, _uncertainties, _values  # noqa: PLC2701  # drawing without a screen
 from catseye.app.tui.widgets.task_picture import task_picture
+from catseye.procedures.kit.live import Live
 
 
-def live(value: float, low: float | None, high: float | None) -> LiveValue:
-    return LiveValue("signal", value, "", low, high, "", 0.0)
+def live(value: float, low: float | None, high: float | None) -> LiveData:
+    return LiveData.of(Live("signal", value, "", low, high))
 
 
 @pytest.mark.parametrize(
@@ -63,7 +64,10 @@ def test_a_screw_turns_the_way_that_is_drawn() -> None:
 
 
 def test_the_nest_that_is_meant_holds_the_reflector() -> None:
-    nests = [{"name": "P1", "x_mm": 1.0, "y_mm": 2.0}, {"name": "P2", "x_mm": 650.0, "y_mm": -400.0}]
+    nests = [
+        ReflectorPlace(name=name, x_mm=x_mm, y_mm=y_mm, facing_deg=0.0, field_half_angle_deg=80.0)
+        for name, x_mm, y_mm in (("P1", 1.0, 2.0), ("P2", 650.0, -400.0))
+    ]
     (line,) = task_picture({"do": "place-reflector", "reflector": "P2"}, nests)
     assert line.startswith("[ ] P1   [◗] P2")
     assert "x 650 mm, y -400 mm" in line
@@ -73,7 +77,7 @@ def test_the_nest_that_is_meant_holds_the_reflector() -> None:
 
 
 def test_an_outlier_is_marked_and_does_not_flatten_the_others() -> None:
-    seen = [Seen(0.0, value, -5.0, 5.0) for value in (0.0, 2.0, 1000.0, -2.0)]
+    seen = [live(value, -5.0, 5.0) for value in (0.0, 2.0, 1000.0, -2.0)]
     low, high = _scale(seen)
     assert (low, high) == (-5.0, 15.0)
     drawn = ["".join(text for text, _ in line) for line in _values(seen, 10, 5)]
@@ -85,17 +89,14 @@ def test_an_outlier_is_marked_and_does_not_flatten_the_others() -> None:
 
 
 def test_both_maps_are_drawn_where_they_are_known() -> None:
-    known: list[dict[str, Any]] = [
-        {"u_theta1_mdeg": None, "u_theta2_mdeg": 100.0},
-        {"u_theta1_mdeg": 50.0, "u_theta2_mdeg": 10.0},
-    ]
+    known = [MapKnowledge((), None, 100.0, ""), MapKnowledge((), 50.0, 10.0, "")]
     drawn = ["".join(text for text, _ in line) for line in _uncertainties(known, 20, 5)]
     assert drawn[0].lstrip().startswith("100")
     assert drawn[-1].lstrip().startswith("10")
     assert "○" in drawn[-1]
     assert sum(line.count("●") for line in drawn) == 1
-    assert _uncertainties([{"u_theta1_mdeg": None, "u_theta2_mdeg": None}], 20, 5) == []
+    assert _uncertainties([MapKnowledge((), None, None, "not yet")], 20, 5) == []
 
 
 def test_a_run_that_is_not_known_has_no_current_step() -> None:
-    assert RunPicture("a", "b", "c", 0.0).current is None
+    assert RunState("a", "b", "c", 0.0).current is None

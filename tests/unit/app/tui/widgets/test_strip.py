@@ -1,55 +1,54 @@
 """What becomes of columns that were missed, and of the strip when the engine is another one."""
 
 from itertools import pairwise
-from typing import Any
 
-from catseye.app.tui.picture import STRIP_COLUMNS, Column, Picture
+from catseye.app.protocol.events import SamplesTaken
+from catseye.app.tui.engine_state import STRIP_COLUMNS, Column, EngineState
 from catseye.app.tui.widgets.strip import Strip
-from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
-from tests.unit.app.tui.told_bench import BENCH, tell_strip
+from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, snapshot_with
+from tests.unit.app.tui.scripted_bench import BENCH, publish_strip
 from tests.unit.app.tui.widgets.dots import dots_of
 
 
-def samples(values: list[float | None], missed: int = 0) -> dict[str, Any]:
-    return {
-        "event": "samples",
-        "quantity": "displacement_mm",
-        "period_s": 0.02,
-        "low": values,
-        "high": values,
-        "count": [0 if value is None else 1 for value in values],
-        "missed": missed,
-    }
+def samples(values: list[float | None], missed: int = 0) -> SamplesTaken:
+    return SamplesTaken(
+        quantity="displacement_mm",
+        period_s=0.02,
+        low=tuple(values),
+        high=tuple(values),
+        count=tuple(0 if value is None else 1 for value in values),
+        missed=missed,
+    )
 
 
 def test_missed_columns_are_gaps_and_counted() -> None:
-    picture = Picture()
-    picture.take(samples([1.0, 2.0]), 0.0)
-    picture.take(samples([3.0], missed=4), 0.2)
+    engine = EngineState()
+    engine.take(samples([1.0, 2.0]), 0.0)
+    engine.take(samples([3.0], missed=4), 0.2)
     gap = Column(None, None)
-    assert list(picture.strip) == [Column(1.0, 1.0), Column(2.0, 2.0), gap, gap, gap, gap, Column(3.0, 3.0)]
-    assert picture.strip_seen == 7
-    assert picture.missed == {"samples": 4}
-    picture.take(samples([5.0], missed=10 * STRIP_COLUMNS), 0.4)
-    assert len(picture.strip) == STRIP_COLUMNS
-    assert picture.strip[-1] == Column(5.0, 5.0)
+    assert list(engine.strip) == [Column(1.0, 1.0), Column(2.0, 2.0), gap, gap, gap, gap, Column(3.0, 3.0)]
+    assert engine.strip_seen == 7
+    assert engine.missed == {"samples": 4}
+    engine.take(samples([5.0], missed=10 * STRIP_COLUMNS), 0.4)
+    assert len(engine.strip) == STRIP_COLUMNS
+    assert engine.strip[-1] == Column(5.0, 5.0)
 
 
 def test_a_new_engine_begins_a_new_strip() -> None:
-    picture = Picture()
-    picture.take(samples([1.0, 2.0]), 0.0)
-    picture.lost("the engine is gone")
-    picture.met({"clients": [], "you": "tui-1"}, 9.0)
-    assert not picture.strip
+    engine = EngineState()
+    engine.take(samples([1.0, 2.0]), 0.0)
+    engine.lost("the engine is gone")
+    engine.met(snapshot_with(), 9.0)
+    assert not engine.strip
 
 
 async def test_a_gap_on_the_screen_is_as_wide_as_the_time_that_was_missed() -> None:
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=(120, 40)) as pilot:
-        link.tell("bench", **BENCH)
+        link.publish("bench", **BENCH)
         for values, missed in (([743.1] * 200, 0), ([743.1] * 200, 80)):
-            link.picture.take(samples(list(values), missed), link.now_s)
+            link.engine.take(samples(list(values), missed), link.now_s)
         await shown(app, pilot)
         await shown(app, pilot)
         strip = app.screen.query_one(Strip)
@@ -65,12 +64,12 @@ async def test_the_scale_stays_while_nothing_comes() -> None:
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=(120, 40)) as pilot:
-        link.tell("bench", **BENCH)
-        tell_strip(link)
+        link.publish("bench", **BENCH)
+        publish_strip(link)
         await shown(app, pilot)
         strip = app.screen.query_one(Strip)
         scale = strip.scale
         assert scale is not None
-        link.picture.take(samples([None] * 1000), link.now_s)
+        link.engine.take(samples([None] * 1000), link.now_s)
         await shown(app, pilot)
         assert strip.scale == scale

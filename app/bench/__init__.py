@@ -1,1 +1,0 @@
-"""The bench as clients see it: between runs and during them, moved by hand, its raw traffic."""

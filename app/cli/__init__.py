@@ -1,0 +1,87 @@
+"""The `catseye` command. stdout carries data, stderr carries talk.
+
+Each command is imported when it is called, and what it needs when it runs: help and completion stay fast.
+"""
+
+import errno
+import os
+import signal
+import sys
+from typing import Annotated, Any
+
+import typer
+
+from catseye.app.cli.commands import COMMANDS
+from catseye.app.cli.lazy import LazyGroup, add_commands
+
+
+class _Commands(LazyGroup):
+    """Gives Ctrl-C, and a name that no file can have, an error of their own."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the chosen command."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as interrupt:
+            from catseye.app.errors import InterruptedRunError
+
+            raise InterruptedRunError("interrupted") from interrupt
+        except OSError as error:
+            if error.errno != errno.ENAMETOOLONG:
+                raise
+            from catseye.app.errors import UsageError
+
+            name = f"{error.filename!s:.60}"
+            raise UsageError(f"{name}…: is too long for the name of a file: check what was given") from error
+
+
+cli = typer.Typer(
+    name="catseye",
+    cls=_Commands,
+    help=(
+        "Robot error maps by open-loop tracking laser interferometry.\n\n"
+        "First steps: catseye demo, then catseye init cell.toml, catseye emulate cell.toml in one terminal and "
+        "catseye doctor cell.toml in another.\n\n"
+        "The software stop (Ctrl-C) is not an emergency stop: keep a hand on the real one."
+    ),
+    no_args_is_help=True,
+    add_completion=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+add_commands(cli, COMMANDS)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        from catseye.app.cli.output import emit
+        from catseye.app.store.software import SOFTWARE
+
+        emit(SOFTWARE)
+        raise typer.Exit
+
+
+@cli.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version and exit."),
+    ] = False,
+) -> None:
+    # Its callback has shown it.
+    del version
+
+
+def main() -> None:
+    """Run the command line; every error becomes a sentence on stderr and an exit code."""
+    # The matrices are small: threads of the linear algebra would wait for one another and for busy cores.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    try:
+        cli()
+    except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001  # the outermost frame tells and ends the process
+        # The process is ending anyway; another Ctrl-C must not cut the sentence short.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        from catseye.app.cli.failure import tell
+
+        sys.exit(tell(error))

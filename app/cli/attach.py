@@ -1,0 +1,49 @@
+"""attach: watch a run that is under way, or steer it."""
+
+import asyncio
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from catseye.app.cli.options import AsJson, Runs
+
+
+def attach(
+    run: Annotated[
+        str | None,
+        typer.Argument(metavar="[RUN]", help="path, name, beginning of a name, or id [the only one]"),
+    ] = None,
+    control: Annotated[
+        bool, typer.Option("--control", help="steer the run and answer its questions")
+    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="take control from whoever has it")] = False,
+    runs: Runs = None,
+    as_json: AsJson = False,
+) -> None:
+    """Join a run that is under way: watch it, or steer it. Ends with the run's exit code.
+
+    Ctrl-C leaves; with control it holds the run, twice stops it. A terminal that dies with control leaves the run
+    held, or as [engine] on_client_lost says. This is no emergency stop.
+
+    Example: catseye attach 1a2b3c --control
+    """
+    from catseye.app.store.runs_folder import runs_folder
+
+    followed = _follow(run, runs_folder(runs), control=control or force, force=force, as_json=as_json)
+    sys.exit(int(asyncio.run(followed)))
+
+
+async def _follow(run: str | None, root: Path, *, control: bool, force: bool, as_json: bool) -> int:
+    from catseye.app.cli.attached import PROGRAM, People, Programs
+    from catseye.app.cli.running_engines import only_engine, socket_of
+    from catseye.app.service.client import connect
+    from catseye.app.store.catalog import resolve_run
+
+    path = await only_engine() if run is None else socket_of(resolve_run(root, run))
+    async with connect(path, PROGRAM) as client:
+        if control:
+            await client.take_control(force=force)
+        front = Programs(client, control=control) if as_json else People(client, control=control)
+        return await front.follow()

@@ -1,0 +1,102 @@
+"""compensate: commands that bring the arm where it shall go, or tables that make its controller do so."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from catseye.app.cli.options import AsJson, Hand, Output, ResultFile, StartDirection
+from catseye.app.cli.output import emit_json, say, warn
+from catseye.app.errors import UsageError
+
+if TYPE_CHECKING:
+    from catseye.app.results.scara.compensated_path import Origin
+    from catseye.calibration.scara.identification import IdentifiedArm
+
+
+def compensate(
+    result: ResultFile,
+    output: Output,
+    path: Annotated[
+        Path | None, typer.Option(help="path CSV, in joints or Cartesian; a table (kw-ssfk) needs none")
+    ] = None,
+    format_: Annotated[
+        Literal["csv", "json", "melfa", "kw-ssfk"], typer.Option("--format", help="what to write")
+    ] = "csv",
+    hand: Hand = "right",
+    start_direction: StartDirection = "1,1",
+    cell: Annotated[
+        Path | None, typer.Option(help="cell file whose joint limits and bodies the commands have to keep to")
+    ] = None,
+    j4: Annotated[float, typer.Option("--j4", metavar="DEG", help="angle of J4 all along the path")] = 0.0,
+    as_json: AsJson = False,
+) -> None:
+    """Turn the model round: commands that bring the arm where it shall go, or a bidirectional table.
+
+    Example: catseye compensate result.json --path path.csv --format melfa --cell cell.toml -o path.prg
+    """
+    from catseye.app.cli.compensation import cell_of, checked, origin_of, settings_of
+    from catseye.app.cli.report_output import emit_tables, say_statements
+    from catseye.app.files.atomic import require_output, write_atomically
+    from catseye.app.files.identified_arm import arm_of, arm_remarks
+    from catseye.app.files.path_csv import read_path_csv, start_states
+    from catseye.app.files.result_json import read_result
+    from catseye.app.results.scara.compensated_path import write_compensated_csv, write_compensated_json
+    from catseye.app.results.scara.compensation import compensate_path
+    from catseye.app.results.scara.compensation_report import compensation_figures, compensation_report
+    from catseye.app.results.scara.melfa_program import melfa_program
+    from catseye.app.results.scara.validation import TAKE_UP_DEG
+
+    require_output(output, result, path, cell)
+    identified = read_result(result)
+    arm = arm_of(identified)
+    origin = origin_of(result, identified)
+    for text in arm_remarks(identified):
+        warn(f"{text}.")
+    if format_ == "kw-ssfk":
+        _write_tables(arm, origin, output, path, as_json)
+        return
+    if path is None:
+        raise UsageError(f"--format {format_} needs --path FILE, a path CSV with what shall be corrected")
+    loaded = None if cell is None else cell_of(cell, origin)
+    settings = settings_of(loaded, j4) if format_ == "melfa" else None
+    commanded = read_path_csv(path, origin.nominal_mm, hand, start_states(start_direction))
+    take_up_deg = TAKE_UP_DEG if loaded is None else loaded.measurement.take_up_deg
+    compensated = compensate_path(arm, commanded, origin.nominal_mm, take_up_deg)
+    warnings = checked(compensated, path, format_, loaded, j4)
+    if settings is not None:
+        write_atomically(output, melfa_program(compensated, origin, settings))
+    elif format_ == "json":
+        write_compensated_json(compensated, origin, take_up_deg, output)
+    else:
+        write_compensated_csv(compensated, origin, output)
+    report = compensation_report(compensated, warnings)
+    say_statements(report)
+    if as_json:
+        figures = compensation_figures(compensated)
+        emit_json({"output": [str(output)], "form": format_, **figures, "warnings": warnings})
+    else:
+        emit_tables(report)
+    say(f"{output} written")
+
+
+def _write_tables(
+    arm: "IdentifiedArm", origin: "Origin", output: Path, path: Path | None, as_json: bool
+) -> None:
+    from catseye.app.files.atomic import write_atomically
+    from catseye.app.results.scara.ssfk_table import maps_of, ssfk_table
+
+    if path is not None:
+        raise UsageError("a table (--format kw-ssfk) holds for every path: leave --path away")
+    # The controller reads one list for each axis.
+    files = [output.with_name(f"{output.stem}-j{joint}{output.suffix}") for joint in (1, 2)]
+    texts = [ssfk_table(joint, one, origin) for joint, one in zip((1, 2), maps_of(arm), strict=True)]
+    for file, text in zip(files, texts, strict=True):
+        write_atomically(file, text)
+    say(
+        f"links are not part of a table: give the controller's kinematics {origin.links_mm[0]:.4f} and "
+        f"{origin.links_mm[1]:.4f} mm; read the comments at the head of the files before they are used"
+    )
+    if as_json:
+        emit_json({"output": [str(file) for file in files], "form": "kw-ssfk", "links_mm": origin.links_mm})
+    say(f"{files[0]} and {files[1]} written")

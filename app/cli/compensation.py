@@ -1,0 +1,92 @@
+"""What compensate checks before it writes, and what it says about a corrected path."""
+
+from datetime import UTC, datetime
+from pathlib import Path
+
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.model import Cell
+from catseye.app.errors import LimitError, MeasurementRejectedError, UsageError
+from catseye.app.files.identified_arm import nominal_of
+from catseye.app.files.result_json import Result
+from catseye.app.results.scara.compensated_path import Origin
+from catseye.app.results.scara.compensation import CompensatedPath, require_clear, require_limits
+from catseye.app.results.scara.compensation_report import advice, unsolved_text
+from catseye.app.results.scara.melfa_program import MelfaSettings
+from catseye.app.store.software import SOFTWARE
+
+_UNCHECKED = (
+    "without --cell FILE neither the limits of the joints nor the bodies of the arm and around it were checked: "
+    "give the cell file before anything is driven"
+)
+
+
+def origin_of(path: Path, result: Result) -> Origin:
+    """Return what the files that are written say about where they come from."""
+    return Origin(
+        path.name,
+        result.model,
+        result.gauge,
+        (result.link1_mm.value, result.link2_mm.value),
+        nominal_of(result)[0],
+        result.provenance.created or "at an unknown time",
+        SOFTWARE,
+        datetime.now(UTC).isoformat(timespec="seconds"),
+        tuple(result.provenance.unverified or ()),
+    )
+
+
+def cell_of(file: Path, origin: Origin) -> Cell:
+    """Return the cell of the arm that was identified."""
+    cell = load_cell(file).cell
+    links = (cell.robot.link1_mm, cell.robot.link2_mm)
+    if links != origin.nominal_mm:
+        raise UsageError(
+            f"{file}: its arm has the nominal links {links[0]:g} and {links[1]:g} mm, that of {origin.result} "
+            f"{origin.nominal_mm[0]:g} and {origin.nominal_mm[1]:g} mm: take the cell file of the arm that was "
+            "identified"
+        )
+    return cell
+
+
+def settings_of(cell: Cell | None, j4_deg: float) -> MelfaSettings:
+    """Return what a program takes from the cell file.
+
+    Raises:
+        UsageError: there is none.
+    """
+    if cell is None:
+        raise UsageError(
+            "--format melfa needs --cell FILE: the program takes the height of J3, the cap of the speed, the limits "
+            "of the joints, take-up and settling time from there"
+        )
+    return MelfaSettings(
+        cell.robot.j3_mm, j4_deg, cell.robot.override_cap_percent, cell.measurement.settle_time_s
+    )
+
+
+def checked(path: CompensatedPath, file: Path, form: str, cell: Cell | None, j4_deg: float) -> list[str]:
+    """Refuse what cannot be driven; return what has to be known about the rest."""
+    lines = [row.line for row in path.path.rows]
+    unsolved = unsolved_text(path, lines)
+    solved = path.solution.solved
+    if unsolved and (form == "melfa" or not solved.any()):
+        why = "nothing is left to correct" if not solved.any() else "a program leaves no row out"
+        raise MeasurementRejectedError(f"{file}: {unsolved}; {why}, and nothing was written")
+    if cell is not None:
+        _require_drivable(path, lines, cell, j4_deg)
+    unchecked = _UNCHECKED if cell is None else ""
+    return [text for text in (unsolved, unchecked, *advice(path, lines)) if text]
+
+
+def _require_drivable(path: CompensatedPath, lines: list[int], cell: Cell, j4_deg: float) -> None:
+    limits = cell.robot.limits_deg
+    low, high = limits.j4
+    if not low <= j4_deg <= high:
+        raise LimitError(f"--j4 {j4_deg:g} is outside the limits {low:g}°…{high:g}° of the cell file")
+    require_limits(path, _range(limits.j1), _range(limits.j2), lines)
+    require_clear(path, bench_of(cell), j4_deg, lines)
+
+
+def _range(limits: list[float]) -> tuple[float, float]:
+    return limits[0], limits[1]

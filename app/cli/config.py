@@ -1,0 +1,98 @@
+"""config: checking and showing cell files."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from catseye.app.cli.options import AsJson, CellFile
+from catseye.app.cli.output import emit, emit_json, say, warn
+from catseye.app.engine.instruments import device_builder
+from catseye.app.errors import ConfigError, UsageError
+from catseye.drivers.links.endpoint import TcpEndpoint, parse_endpoint
+from catseye.drivers.roles.clock import SystemClock
+
+if TYPE_CHECKING:
+    from catseye.app.cell.model import Cell
+
+_LOOPBACK: Final = {"127.0.0.1", "localhost", "::1"}
+
+config = typer.Typer(
+    help="Check and show cell files.", no_args_is_help=True, add_completion=False, rich_markup_mode=None
+)
+
+
+@config.command()
+def validate(file: CellFile, as_json: AsJson = False) -> None:
+    """Check a cell file; every fault is listed with file, line, key and the nearest valid key."""
+    from catseye.app.cell.load import load_cell
+    from catseye.app.cell.plausible import implausible
+
+    loaded = load_cell(file)
+    doubts = [*_trouble_with_devices(loaded.cell), *_no_door(loaded.cell), *implausible(loaded.cell)]
+    if as_json:
+        facts = {"file": str(file), "valid": True, "name": loaded.cell.name, "sha256": loaded.sha256}
+        emit_json({**facts, "warnings": doubts})
+    else:
+        say(f"{file}: cell {loaded.cell.name} is valid")
+    for text in doubts:
+        warn(text)
+
+
+@config.command()
+def show(file: CellFile, as_json: AsJson = False) -> None:
+    """Show a cell file resolved: each value and whether it comes from the file or is a default."""
+    from catseye.app.cell.load import load_cell
+
+    loaded = load_cell(file)
+    configuration = loaded.cell.model_dump(mode="json")
+    if as_json:
+        facts = {"file": str(file), "sha256": loaded.sha256, "configuration": configuration}
+        emit_json({**facts, "origins": loaded.origins})
+        return
+    values = _flat(configuration)
+    for key, origin in loaded.origins.items():
+        emit(f"{key} = {json.dumps(values.get(key), ensure_ascii=False)}  # {origin}")
+
+
+@config.command()
+def schema(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="[FILE]", help="a cell file; one schema fits all")
+    ] = None,
+) -> None:
+    """Print the JSON schema of the cell file on stdout, for editors."""
+    from catseye.app.cell.model import Cell
+
+    if file is not None and not file.is_file():
+        raise UsageError(f"{file}: there is no such file; the schema needs none: catseye config schema")
+    emit(json.dumps(Cell.model_json_schema(), indent=2, ensure_ascii=False))
+
+
+def _trouble_with_devices(cell: "Cell") -> list[str]:
+    """Return what this installation cannot drive: an unknown driver or profile, a link that it does not have."""
+    try:
+        device_builder(cell, SystemClock())
+    except ConfigError as error:
+        return [str(error)]
+    return []
+
+
+def _no_door(cell: "Cell") -> list[str]:
+    """Return that no door is watched, unless the robot's endpoint is of this machine as an emulator's is."""
+    from catseye.app.engine.interlock import NO_DOOR
+
+    endpoint = parse_endpoint(cell.robot.endpoint)
+    emulated = isinstance(endpoint, TcpEndpoint) and endpoint.host in _LOOPBACK
+    return [] if emulated or cell.io is not None else [NO_DOOR]
+
+
+def _flat(value: object, prefix: str = "") -> dict[str, object]:
+    if isinstance(value, dict):
+        parts = [(f"{prefix}.{key}" if prefix else str(key), inner) for key, inner in value.items()]
+    elif isinstance(value, list) and value and isinstance(value[0], dict):
+        parts = [(f"{prefix}[{i}]", inner) for i, inner in enumerate(value, 1)]
+    else:
+        return {prefix: value}
+    return {key: item for name, inner in parts for key, item in _flat(inner, name).items()}

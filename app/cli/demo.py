@@ -1,0 +1,61 @@
+"""demo: the whole job, told as it goes and summed up at the end."""
+
+import asyncio
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from catseye.app.cli.options import AsJson, Seed, Speed, Truth
+from catseye.app.cli.output import emit, emit_json, say
+
+if TYPE_CHECKING:
+    from catseye.app.engine.announcer import Publish
+
+
+def demo(
+    out: Annotated[Path, typer.Option(help="folder for everything that the demo writes")] = Path(
+        "catseye-demo"
+    ),
+    speed: Speed = 400.0,
+    seed: Seed = 2,
+    truth: Truth = None,
+    as_json: AsJson = False,
+) -> None:
+    """Do the whole job on emulated hardware over real sockets: search, measure, identify, validate, report.
+
+    Example: catseye demo --out /tmp/demo --seed 7
+    """
+    from catseye.app.cli.demo_job import DemoInterruptedError, evaluate, measure, prepare_folder
+    from catseye.app.cli.demo_report import demo_facts, write_demo_report
+    from catseye.app.render.text import statement_lines, tables_text
+    from catseye.app.results.scara.job_summary import job_summary
+
+    prepare_folder(out, seed, truth)
+    say(f"emulators at {speed:g} times real speed, seed {seed}; everything is written to {out}")
+    try:
+        runs = asyncio.run(measure(out, speed, seed, truth, _narrator))
+    except DemoInterruptedError as ended:
+        say(f"catseye: {ended}")
+        sys.exit(int(ended.outcome.exit_code))
+    say("identifying both models and comparing them with truth and validation path")
+    result = evaluate(out, runs)
+    say("drawing the report")
+    report = write_demo_report(result)
+    if as_json:
+        emit_json(demo_facts(result, report))
+    else:
+        summary = job_summary(result.truth, result.results["error-map"].fit, result.validation)
+        emit(tables_text(summary))
+        emit("")
+        for line in statement_lines(summary):
+            emit(line)
+        emit(f"report           {report}")
+        emit(f"run              {result.runs['open-loop']}")
+
+
+def _narrator(name: str) -> "Publish":
+    from catseye.app.cli.narrator import Narrator
+
+    return Narrator(name, as_json=False).publish

@@ -1,0 +1,61 @@
+"""What the demo leaves: its page, and its figures as data."""
+
+from pathlib import Path
+
+from catseye.app.cli.demo_job import DemoResult
+from catseye.app.files.documents import read_truth
+from catseye.app.render.page import write_page
+from catseye.app.results.scara.identify import MODELS
+from catseye.app.results.scara.run_content import job_content, truth_tables
+from catseye.app.results.scara.run_report import run_report
+from catseye.app.store.reader import RunReader
+
+
+def write_demo_report(result: DemoResult) -> Path:
+    """Write the page of a demo; return its path."""
+    path = result.folder / "report.html"
+    content = job_content(
+        "catseye demo: error map of an emulated SCARA arm",
+        [RunReader(run) for run in result.runs.values()],
+        RunReader(result.runs["open-loop"]),
+        [result.results[model] for model in MODELS],
+        truth_tables(result.identified["error-map"], read_truth(result.folder / "truth.json")),
+        result.validation,
+    )
+    write_page(run_report(content), path)
+    return path
+
+
+def demo_facts(result: DemoResult, report: Path) -> dict[str, object]:
+    """Return what a demo found as plain values."""
+    truth = result.truth
+    models = {
+        model.model: {
+            "e_yy_rms_um": model.comparison.rms_um[1],
+            "e_xy_rms_um": model.comparison.rms_um[0],
+            "rms_2d_um": model.comparison.rms_2d_um,
+            "max_um": model.comparison.max_um,
+        }
+        for model in result.validation.models
+    }
+    return {
+        "runs": {name: str(path) for name, path in result.runs.items()},
+        "run": str(result.runs["open-loop"]),
+        "report": str(report),
+        "truth": str(result.folder / "truth.json"),
+        "results": {model: str(result.folder / f"result-{model}.json") for model in result.results},
+        "identified": [
+            {"name": n, "unit": unit, "truth": float(t), "identified": float(i), "u": float(u)}
+            for n, unit, t, i, u in zip(
+                truth.names, truth.units, truth.truth, truth.identified, truth.u, strict=True
+            )
+        ],
+        "rms_normalised_error": truth.rms_normalised,
+        "fit": result.results["error-map"].fit.model_dump(exclude_none=True),
+        "validation": {
+            "models": models,
+            "ratio": result.validation.ratio,
+            "compared": int(result.validation.compared.sum()),
+            "left_out": int((~result.validation.compared).sum()),
+        },
+    }

@@ -1,0 +1,50 @@
+"""diagnose: what speaks for and against a fit."""
+
+from catseye.app.cli.options import AsJson, MeasuredRuns, PointsCell, PointsFile, Runs
+from catseye.app.cli.output import emit, emit_json, say
+from catseye.app.cli.progress import ProgressBar
+
+_STEPS = 20
+"""About how many steps a diagnosis tells of; the bar need not be exact."""
+
+
+def diagnose(
+    run: MeasuredRuns = None,
+    points: PointsFile = None,
+    cell: PointsCell = None,
+    runs: Runs = None,
+    as_json: AsJson = False,
+) -> None:
+    """Tell what speaks against a fit: outliers, drift, lack of fit, cross-validation, richer models, node spacing.
+
+    Example: catseye diagnose 1a2b3c
+    """
+    from catseye.app.render.text import statement_lines, tables_text
+    from catseye.app.results.origin import origin_now
+    from catseye.app.results.scara.diagnosis import diagnose_distances
+    from catseye.app.results.scara.diagnosis_document import diagnosis_json
+    from catseye.app.results.scara.diagnosis_report import diagnosis_report
+    from catseye.app.results.scara.distances import load_distances
+    from catseye.app.results.scara.identify import are_simulated
+
+    source = load_distances(run or [], points, cell, runs)
+    for text in source.warnings:
+        say(text)
+    bar, step = ProgressBar("diagnose"), iter(range(1, 1000))
+    try:
+        diagnosis = diagnose_distances(
+            source, lambda text: bar.update(min(next(step), _STEPS - 1), _STEPS, text)
+        )
+        bar.update(_STEPS, _STEPS, "done")
+    finally:
+        bar.close()
+    if as_json:
+        emit_json(diagnosis_json(diagnosis, source.names))
+        return
+    report = diagnosis_report(diagnosis, origin_now(simulated=bool(are_simulated(source.readers))))
+    emit(tables_text(report))
+    for text in diagnosis.identified.rejected:
+        say(f"left out: {text}")
+    emit("")
+    for line in statement_lines(report):
+        emit(line)

@@ -1,0 +1,86 @@
+"""emulate: every device of a cell file on its endpoint."""
+
+import asyncio
+import os
+import signal
+import sys
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from catseye.app.cli.options import CellFile, Seed, Speed, Truth
+from catseye.app.cli.output import emit_json, say
+from catseye.app.errors import ConfigError
+
+if TYPE_CHECKING:
+    from catseye.simulators.config import EmulationConfig
+
+_SUFFIXES: Final = {"none": "", "cr": "\r", "crlf": "\r\n"}
+"""What the emulated controller may end its answers with on TCP."""
+
+_SCREW_SENSES: Final = ("normal", "reversed")
+"""How the mount's screws act: as the cell file says, or the other way round."""
+
+
+def emulate(
+    file: CellFile,
+    speed: Speed = 1.0,
+    seed: Seed = 2,
+    truth: Truth = None,
+    axes: Annotated[
+        int, typer.Option(help="axes in the controller's answers: 4, or 6 or 8 for clients that need them")
+    ] = 4,
+    suffix: Annotated[
+        str, typer.Option(help="end of the controller's answers on TCP: none, cr, crlf")
+    ] = "none",
+    unaligned: Annotated[
+        bool, typer.Option("--unaligned", help="the beam lies as it was mounted: beside the J4 axis, tilted")
+    ] = False,
+    screw_sense: Annotated[
+        str, typer.Option(help="screws act as the cell file says (normal), or the other way (reversed)")
+    ] = "normal",
+    end_with_stdin: Annotated[
+        bool, typer.Option(help="end when stdin closes, for programs that start it")
+    ] = False,
+) -> None:
+    """Emulate every device of a cell file on its endpoints until Ctrl-C.
+
+    One JSON line per endpoint is printed when it is ready; port 0 picks a free port.
+
+    Example: catseye emulate cell.toml --speed 50
+    """
+    from catseye.app.cell.load import load_cell
+    from catseye.app.service.emulation import emulation_config
+
+    if suffix not in _SUFFIXES:
+        raise ConfigError(f"--suffix {suffix}: answers end with {', '.join(_SUFFIXES)}")
+    if screw_sense not in _SCREW_SENSES:
+        raise ConfigError(f"--screw-sense {screw_sense}: screws turn {' or '.join(_SCREW_SENSES)}")
+    config = emulation_config(load_cell(file).cell, speed, seed, truth)
+    screws = config.screws.reversed() if screw_sense == "reversed" else config.screws
+    config = replace(
+        config, axis_pattern=axes, answer_suffix=_SUFFIXES[suffix], unaligned=unaligned, screws=screws
+    )
+    asyncio.run(_serve(config, f"{file} at {speed:g} times real speed, seed {seed}", end_with_stdin))
+
+
+async def _serve(config: "EmulationConfig", what: str, end_with_stdin: bool) -> None:
+    from catseye.simulators.emulated_bench import EmulatedBench
+
+    ended = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        loop.add_signal_handler(number, ended.set)
+    if end_with_stdin:
+        loop.add_reader(sys.stdin.fileno(), _end_at_the_end, sys.stdin.fileno(), ended)
+    async with EmulatedBench(config) as bench:
+        for served in bench.endpoints:
+            emit_json({"device": served.device, "protocol": served.protocol, "endpoint": served.endpoint})
+        say(f"emulating {what}; Ctrl-C ends it")
+        await ended.wait()
+
+
+def _end_at_the_end(descriptor: int, ended: asyncio.Event) -> None:
+    if not os.read(descriptor, 4096):
+        ended.set()

@@ -1,0 +1,110 @@
+"""export: a run's rows or a result's values for other programs."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from catseye.app.cli.options import RunOrResult, Runs, Unverified
+from catseye.app.cli.output import say
+from catseye.app.errors import UsageError
+
+if TYPE_CHECKING:
+    from catseye.app.results.scara.export import Export
+
+Format = Literal["csv", "json", "parquet"]
+
+_ENDINGS: dict[str, Format] = {".csv": "csv", ".json": "json", ".parquet": "parquet"}
+
+
+def export(
+    source: RunOrResult,
+    output: Annotated[Path, typer.Option("-o", "--output", help="file to write; replaced if it exists")],
+    format_: Annotated[
+        Format | None,
+        typer.Option("--format", help="what to write; FILE's ending says it too"),
+    ] = None,
+    runs: Runs = None,
+    unverified: Unverified = False,
+) -> None:
+    """Write what a run has measured or what a result holds for other programs.
+
+    The CSV of distances is a points file, that of located positions a measured file; JSON and Parquet hold all
+    columns.
+
+    Example: catseye export 1a2b3c -o points.csv
+    """
+    from catseye.app.files.atomic import require_output, write_atomically
+
+    require_output(output)
+    chosen = form_of(output, format_)
+    direct = Path(source)
+    if direct.is_file() and output.exists() and output.samefile(direct):
+        raise UsageError(f"{output} is the result itself; choose another -o FILE")
+    table = _of_result(direct) if direct.is_file() else _of_run(source, runs, unverified=unverified)
+    for text in table.unverified:
+        say(f"UNVERIFIED: {text}")
+    write_atomically(output, _written(table, chosen))
+    say(f"{output}: {len(table.rows)} rows ({table.content}) of {table.source}")
+
+
+def _of_result(file: Path) -> "Export":
+    from catseye.app.results.scara.export import result_export
+
+    return result_export(file)
+
+
+def _of_run(name: str, runs: Path | None, *, unverified: bool) -> "Export":
+    from catseye.app.results.scara.export import run_export
+    from catseye.app.store.catalog import resolve_run
+    from catseye.app.store.reader import RunReader, accept
+    from catseye.app.store.runs_folder import runs_folder
+    from catseye.app.store.unverified import taken_as_it_is
+
+    if Path(name).suffix.lower() == ".json":
+        raise UsageError(f"{name}: there is no such file")
+    reader = RunReader(resolve_run(runs_folder(runs), name), accept(unverified=unverified))
+    with taken_as_it_is(reader):
+        return run_export(reader)
+
+
+def form_of(output: Path, form: Format | None) -> Format:
+    """Return the format that is meant.
+
+    Args:
+        output: file to write; its ending may say the format.
+        form: what was asked for; None leaves it to the ending.
+
+    Raises:
+        UsageError: the ending says nothing, or something else than what was asked for.
+    """
+    ending = _ENDINGS.get(output.suffix.lower())
+    chosen = form or ending
+    if chosen is None:
+        raise UsageError(
+            f"{output}: say what to write: --format csv, json or parquet, or a FILE that ends so"
+        )
+    if ending is not None and chosen != ending:
+        raise UsageError(
+            f"{output} would hold {chosen}, though its name says {ending}: "
+            f"write -o {output.with_suffix(f'.{chosen}')} or --format {ending}"
+        )
+    return chosen
+
+
+def _written(table: "Export", form: Format) -> str | bytes:
+    from catseye.app.files.csv_text import comment_lines
+    from catseye.app.files.tabular import table_parquet
+
+    match form:
+        case "csv":
+            return comment_lines(f"UNVERIFIED: {text}" for text in table.unverified) + table.csv
+        case "json":
+            return json.dumps({**_about(table), table.content: table.rows}, ensure_ascii=False) + "\n"
+        case _:
+            return table_parquet(table.rows, {"unverified": table.unverified} if table.unverified else {})
+
+
+def _about(table: "Export") -> dict[str, object]:
+    return {**table.about, "unverified": table.unverified} if table.unverified else dict(table.about)

@@ -1,0 +1,60 @@
+"""Telling a failure: sentences on stderr, never a traceback unless it is asked for."""
+
+import os
+import sys
+import traceback
+from typing import Final
+
+from catseye.app.cli.reporting import report_failure
+from catseye.app.errors import ReaderGoneError, exit_code_of
+from catseye.drivers.roles.text import harmless_lines
+
+_DEBUG = "CATSEYE_DEBUG"
+
+SEE_WHERE: Final = f"set {_DEBUG}=1 and repeat to see where it happened"
+"""Said of a fault of the program."""
+
+
+def tell(error: BaseException) -> int:
+    """Write what went wrong to stderr and return the exit code."""
+    code = int(exit_code_of(error))
+    texts = (
+        _texts(error)
+        if _is_ours(error)
+        else [_internal(error), f"this is a fault of the program; {SEE_WHERE}"]
+    )
+    if trace := trace_of(error):
+        sys.stderr.write(trace)
+    else:
+        for text in texts:
+            sys.stderr.write(f"catseye: {harmless_lines(text)}\n")
+    if texts:
+        report_failure("\n".join(texts), code)
+    return code
+
+
+def trace_of(error: BaseException) -> str:
+    """Return the traceback of an error if the environment asks for it, else nothing."""
+    return "".join(traceback.format_exception(error)) if os.environ.get(_DEBUG) else ""
+
+
+def _texts(error: BaseException) -> list[str]:
+    if isinstance(error, KeyboardInterrupt):
+        return ["interrupted"]
+    if isinstance(error, ReaderGoneError):
+        return []
+    if isinstance(error, BaseExceptionGroup):
+        return [text for inner in error.exceptions for text in _texts(inner)]
+    return [str(error)]
+
+
+def _internal(error: BaseException) -> str:
+    return f"internal error: {type(error).__name__}: {error}"
+
+
+def _is_ours(error: BaseException) -> bool:
+    if isinstance(error, KeyboardInterrupt):
+        return True
+    if isinstance(error, BaseExceptionGroup):
+        return all(_is_ours(inner) for inner in error.exceptions)
+    return any(kind.__module__.partition(".")[0] == "catseye" for kind in type(error).__mro__)

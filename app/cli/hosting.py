@@ -1,0 +1,89 @@
+"""A run in the process of the command that starts it: shown and answered on the terminal, and open to clients."""
+
+import getpass
+import sys
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from catseye.app.cli.narrator import Narrator
+from catseye.app.cli.walk_keys import HINT, WalkKeys
+from catseye.app.engine.announcer import Publish
+from catseye.app.engine.request import RunOutcome
+from catseye.app.service.console import KEYS, Console
+from catseye.app.service.lines import Lines, in_foreground
+from catseye.app.service.run_service import RunService
+from catseye.app.service.running import PlannedRun, carry_out
+from catseye.app.service.watching.bench_facts import facts_of
+from catseye.drivers.roles.clock import SystemClock
+
+
+@dataclass(frozen=True)
+class DriveOptions:
+    """How a plan is driven.
+
+    Attributes:
+        answers: TOML file of prompt id to answer.
+        arm: the cell's name as typed to let real hardware move.
+        speed: bench seconds in one real second; None for that of the run that goes on.
+        keep_drives: leave the drives on at the end.
+        waive_walk: why a real arm may be driven where it was not walked.
+        as_json: events as JSON instead of talk.
+    """
+
+    answers: Path | None
+    arm: str | None
+    speed: float | None
+    keep_drives: bool
+    waive_walk: str | None
+    as_json: bool
+
+
+async def serve_and_run(planned: PlannedRun, root: Path, options: DriveOptions) -> RunOutcome:
+    """Carry a plan out and serve clients meanwhile."""
+    at_terminal = not options.as_json and sys.stdin.isatty() and sys.stderr.isatty()
+    # Single keys are read by whoever has the terminal in front of them.
+    at_terminal = at_terminal and (planned.walk is None or in_foreground(sys.stdin.fileno()))
+    who = getpass.getuser() if at_terminal else None
+    service = RunService(planned.on_client_lost, who, root)
+    go_on = f"{KEYS}, each with Enter; Ctrl-C again stops" if at_terminal else None
+    narrator = Narrator(planned.procedure.name, options.as_json, go_on)
+    narrator.interactive = at_terminal
+    with ExitStack() as stack:
+        publish: Publish = narrator.publish
+        if who is not None:
+            publish = _at_terminal(stack, planned, narrator, Console(service.registry, who, narrator.show))
+        elif planned.walk is not None:
+            planned.walk.feed.by_itself = True
+        return await carry_out(
+            planned,
+            root,
+            service.registry.publisher(publish),
+            speed=planned.clock_speed if options.speed is None else options.speed,
+            arm=options.arm,
+            answers=options.answers,
+            keep_drives=options.keep_drives,
+            answerer=service.registry.broker,
+            on_open=service.serve,
+            observe=partial(service.telemetry.observe, facts_of(planned.loaded.cell, planned.bench)),
+            waive_walk=options.waive_walk,
+        )
+
+
+def _at_terminal(stack: ExitStack, planned: PlannedRun, narrator: Narrator, console: Console) -> Publish:
+    """Read what is typed until the stack is left; return what takes the events meanwhile."""
+    stdin = sys.stdin.fileno()
+
+    def typed(line: str) -> None:
+        narrator.entered()
+        console.take(line)
+
+    if planned.walk is None:
+        stack.enter_context(Lines(stdin, typed, console.end).read())
+        return narrator.publish
+    keys = WalkKeys(stdin, planned.walk.feed, console.take, SystemClock())
+    stack.enter_context(keys.held())
+    stack.enter_context(Lines(stdin, typed, console.end, keys.sort).read())
+    narrator.show(HINT)
+    return keys.before(narrator.publish)

@@ -1,0 +1,103 @@
+"""identify: from distances to an arm."""
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from catseye.app.cli.options import (
+    AsJson,
+    Dask,
+    InsecureCluster,
+    MeasuredRuns,
+    PointsCell,
+    PointsFile,
+    Runs,
+    Unverified,
+    Workers,
+)
+from catseye.app.cli.output import emit_json, say
+
+if TYPE_CHECKING:
+    from catseye.app.files.result_json import Result
+
+
+def identify(
+    output: Annotated[Path, typer.Option("-o", "--output", help="result JSON to write")],
+    run: MeasuredRuns = None,
+    points: PointsFile = None,
+    cell: PointsCell = None,
+    model: Annotated[
+        Literal["conventional", "error-map"], typer.Option(help="what to identify")
+    ] = "error-map",
+    uncertainty: Annotated[
+        Literal["jacobian", "monte-carlo"], typer.Option(help="how uncertainties are propagated")
+    ] = "jacobian",
+    draws: Annotated[int, typer.Option(help="Monte Carlo draws, at least 2000")] = 10_000,
+    seed: Annotated[int, typer.Option(min=0, help="of the Monte Carlo draws")] = 1,
+    loss: Annotated[
+        Literal["squares", "huber", "soft-l1"], typer.Option(help="how much far-off distances count")
+    ] = "squares",
+    reject: Annotated[
+        float | None,
+        typer.Option(metavar="K", min=2.0, help="leave out distances beyond K robust standard deviations"),
+    ] = None,
+    extend: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="TERMS", help="crosstalk, j4, thermal, periodic1:ORDER, periodic2:ORDER; may be repeated"
+        ),
+    ] = None,
+    workers: Workers = 1,
+    dask: Dask = None,
+    insecure_cluster: InsecureCluster = False,
+    runs: Runs = None,
+    unverified: Unverified = False,
+    as_json: AsJson = False,
+) -> None:
+    """Identify the arm from distances.
+
+    Example: catseye identify --points points.csv --cell cell.toml -o result.json
+    """
+    from catseye.app.cli.identifying import Method, MonteCarlo, identified, identified_scan
+    from catseye.app.cluster.sharing import sharing
+    from catseye.app.files.atomic import require_output
+    from catseye.app.results.scara.distances import load_distances
+    from catseye.app.results.scara.scan import is_scan
+    from catseye.app.store.unverified import taken_as_it_is
+
+    require_output(output, points, cell)
+    monte_carlo = MonteCarlo(draws, seed) if uncertainty == "monte-carlo" else None
+    method = Method(model, loss, reject, tuple(extend or ()), monte_carlo)
+    if points is not None and cell is not None and not run and is_scan(points):
+        result, _ = identified_scan(points, cell, method)
+        _hand_over(result, output, as_json=as_json)
+        return
+    source = load_distances(run or [], points, cell, runs, unverified)
+    for text in source.warnings:
+        say(text)
+    with taken_as_it_is(*source.readers):
+        result = identified(source, method, partial(sharing, workers, dask, insecure=insecure_cluster))
+    _hand_over(result, output, as_json=as_json)
+
+
+def _hand_over(result: "Result", output: Path, *, as_json: bool) -> None:
+    """Write a result and show it."""
+    from catseye.app.cli.report_output import emit_tables, say_statements
+    from catseye.app.files.result_json import write_result
+    from catseye.app.results.scara.identification_report import identification_report
+
+    write_result(result, output)
+    report = identification_report(result)
+    if as_json:
+        emit_json(
+            {
+                "result": str(output),
+                **result.model_dump(include={"model", "gauge", "link1_mm", "link2_mm", "extension", "fit"}),
+            }
+        )
+    else:
+        emit_tables(report)
+    say_statements(report)
+    say(f"{output} written")

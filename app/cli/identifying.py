@@ -1,0 +1,187 @@
+"""How identify finds an arm: from distances held in memory, or from a points file too long for that."""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import load_cell
+from catseye.app.cli.progress import ProgressBar
+from catseye.app.cluster.share import Share
+from catseye.app.errors import UsageError
+from catseye.app.files.result_json import Result
+from catseye.app.results.scara.distances import DistanceSource
+from catseye.app.results.scara.extensions import parse_extensions
+from catseye.app.results.scara.identify import (
+    are_simulated,
+    identified_result,
+    problem_of_rows,
+    with_what_speaks_against,
+)
+from catseye.app.results.scara.material import with_reference_links
+from catseye.app.results.scara.robust import identify_robustly
+from catseye.app.results.scara.scan import SCAN_ROWS, identify_scan_file
+from catseye.app.results.scara.uncertainty import Propagated, by_jacobian, by_monte_carlo, require_draws
+from catseye.calibration.core.contributions import Contributions
+from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.layout import ModelName
+from catseye.procedures.kit.bench import Bench
+
+
+@dataclass(frozen=True)
+class MonteCarlo:
+    """Draws that carry the uncertainties through the identification.
+
+    Attributes:
+        draws: how many.
+        seed: of the draws.
+
+    Raises:
+        UsageError: they are too few to say anything.
+    """
+
+    draws: int
+    seed: int
+
+    def __post_init__(self) -> None:
+        require_draws(self.draws)
+
+
+@dataclass(frozen=True)
+class Method:
+    """How to identify.
+
+    Attributes:
+        model: which model.
+        loss: how much far-off distances count: "squares", "huber" or "soft-l1".
+        reject: distances beyond so many robust standard deviations are left out; None for none.
+        extend: terms beyond the model, as the command line names them.
+        monte_carlo: how uncertainties are propagated; None for the Jacobian.
+
+    Raises:
+        UsageError: a loss that no Monte Carlo can take its uncertainties from.
+    """
+
+    model: ModelName
+    loss: str = "squares"
+    reject: float | None = None
+    extend: tuple[str, ...] = ()
+    monte_carlo: MonteCarlo | None = None
+
+    def __post_init__(self) -> None:
+        if self.loss != "squares" and self.monte_carlo is not None:
+            raise UsageError(
+                f"--loss {self.loss} takes its uncertainties from the scatter of the distances; Monte Carlo draws "
+                "are identified by least squares: use --reject K with --uncertainty monte-carlo, or "
+                "--uncertainty jacobian"
+            )
+
+
+def identified(
+    source: DistanceSource, method: Method, sharing: Callable[[], AbstractContextManager[Share]]
+) -> Result:
+    """Identify from distances.
+
+    Args:
+        source: distances, and what they were measured with.
+        method: how.
+        sharing: provides who shares the draws of a Monte Carlo.
+    """
+    bench, terms = source.bench, parse_extensions(method.extend)
+    problem = problem_of_rows(source.rows, bench, method.model, source.budget, terms)
+    propagated = _propagated(*identify_robustly(problem, method.loss, method.reject), method, sharing)
+    result = with_reference_links(
+        identified_result(propagated.identified, bench, source.names, are_simulated(source.readers)),
+        source.readers,
+    )
+    return with_what_speaks_against(result, source.readers).model_copy(
+        update={"uncertainty": propagated.part}
+    )
+
+
+def _propagated(
+    identification: Identification,
+    found: Contributions | None,
+    method: Method,
+    sharing: Callable[[], AbstractContextManager[Share]],
+) -> Propagated:
+    wanted = method.monte_carlo
+    if wanted is None:
+        return by_jacobian(identification, found)
+    bar = ProgressBar("Monte Carlo")
+    with sharing() as share:
+        try:
+            return by_monte_carlo(
+                identification,
+                wanted.draws,
+                wanted.seed,
+                share,
+                lambda done: bar.update(done, wanted.draws, f"{done} of {wanted.draws} draws"),
+            )
+        finally:
+            bar.close()
+
+
+def identified_scan(points: Path, cell: Path, method: Method) -> tuple[Result, Bench]:
+    """Identify from a long points file, with bars for reading and for solving.
+
+    Raises:
+        UsageError: an option is asked for that needs all distances at once, or a file is wrong.
+    """
+    _require_streamable(points, method)
+    bench, terms = bench_of(load_cell(cell).cell), parse_extensions(method.extend)
+    with _Bar("reading") as reading, _Bar("solving") as solving:
+        result = identify_scan_file(
+            points,
+            bench,
+            method.model,
+            terms,
+            lambda share: reading.update(share, 1.0, points.name),
+            lambda done, expected: solving.update(done, expected, f"{done} of {expected} rows"),
+        )
+    return result, bench
+
+
+def _require_streamable(points: Path, method: Method) -> None:
+    asked = [
+        name
+        for name, given in (
+            ("--uncertainty monte-carlo", method.monte_carlo is not None),
+            (f"--loss {method.loss}", method.loss != "squares"),
+            ("--reject", method.reject is not None),
+        )
+        if given
+    ]
+    if asked:
+        raise UsageError(
+            f"{points}: is streamed, as Parquet and more than {SCAN_ROWS} distances are, and {', '.join(asked)} "
+            "needs all distances at once: leave it out, or thin the points (every tenth row, say) into a CSV file"
+        )
+
+
+class _Bar:
+    """A progress bar whose time begins with the first thing that it shows.
+
+    Args:
+        title: what is under way.
+    """
+
+    def __init__(self, title: str) -> None:
+        self._title = title
+        self._bar: ProgressBar | None = None
+
+    def __enter__(self) -> "_Bar":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar is not None:
+            self._bar.close()
+
+    def update(self, done: float, total: float, text: str) -> None:
+        """Show how far it is; the line above is left first."""
+        if self._bar is None:
+            self._bar = ProgressBar(self._title)
+        self._bar.update(done, total, text)
+        if done >= total:
+            self._bar.close()

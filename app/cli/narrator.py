@@ -1,0 +1,121 @@
+"""The events of a run, for a person on stderr or a program on stdout."""
+
+import os
+import sys
+from typing import Final
+
+from catseye.app.cli.output import emit_json, say
+from catseye.app.cli.progress import ProgressBar
+from catseye.app.cli.question_line import QuestionLine, live_text
+from catseye.app.protocol.events import (
+    AnyEvent,
+    DrivesLeft,
+    ErrorTold,
+    FirstMotionShown,
+    LiveShown,
+    Progressed,
+    PromptAnswered,
+    PromptAsked,
+    RunEnded,
+    StateChanged,
+    WarningTold,
+)
+from catseye.app.protocol.state import ENDING, ControlState
+from catseye.app.story.words import first_motion_text
+
+_SHOWN_STATES: Final = ENDING | {
+    ControlState.STOPPED,
+    ControlState.ABORTED,
+    ControlState.SUSPENDED,
+    ControlState.SUSPENDING,
+    ControlState.UNSUSPENDING,
+}
+
+
+class Narrator:
+    """Takes the events of one run.
+
+    Args:
+        title: what is under way.
+        as_json: every event goes to stdout as a line of JSON too.
+        go_on: what a person does about a held run.
+
+    Attributes:
+        interactive: questions are answered at this terminal.
+    """
+
+    def __init__(self, title: str, as_json: bool, go_on: str | None = None) -> None:
+        self.interactive = False
+        self._bar = ProgressBar(title)
+        self._question = QuestionLine()
+        self._as_json = as_json
+        self._go_on = go_on or f"Ctrl-C again stops the run; kill -USR1 {os.getpid()} lets it go on"
+
+    def publish(self, event: AnyEvent) -> None:
+        """Show an event."""
+        if self._as_json:
+            self._emit(event)
+        match event:
+            case Progressed() if self._question.asked is None:
+                self._bar.update(event.done, event.total, event.text)
+            case WarningTold():
+                self.show(f"warning: {event.text}")
+            case ErrorTold():
+                self.show(f"error: {event.text}")
+            case PromptAsked() if self.interactive:
+                self._bar.close()
+                self._question.ask(event.prompt)
+            case PromptAsked():
+                self.show(f"question {event.id}: {event.text}")
+            case PromptAnswered() if self._question.asked is not None:
+                self._question.close()
+                say(f"answer to {event.id}: {event.answer} ({event.who})")
+            case LiveShown():
+                self._live(live_text(event.data))
+            case DrivesLeft():
+                self.show(event.data.text)
+            case FirstMotionShown():
+                self.show(first_motion_text(event.data.json_object()))
+            case StateChanged():
+                self._state(event)
+            case RunEnded():
+                self._question.close()
+                self.show(f"run {event.status}: {event.path}")
+
+    def entered(self) -> None:
+        """A line was typed at this terminal."""
+        self._question.entered()
+
+    def show(self, text: str) -> None:
+        """Write a line of talk; an open question is shown again below it."""
+        self._bar.close()
+        self._question.leave()
+        say(text)
+        self._question.again()
+
+    def _state(self, event: StateChanged) -> None:
+        if event.state is ControlState.HELD:
+            self.show(f"HELD: {self._go_on}")
+        elif event.state is ControlState.HOLDING and self._question.asked is not None:
+            self.show("HOLDING: the run holds as soon as the question is answered; /g goes on, /s stops")
+        elif event.state in _SHOWN_STATES:
+            if event.state in ENDING:
+                self._question.close()
+            self.show(f"{event.state}: {event.reason}")
+
+    def _live(self, text: str) -> None:
+        if self._question.asked is not None:
+            self._question.show(text)
+        elif sys.stderr.isatty():
+            self._bar.note(text)
+
+    def _emit(self, event: AnyEvent) -> None:
+        try:
+            emit_json(event.json_object())
+        except OSError:
+            # The engine holds the run when it hears of this; people still read them on stderr.
+            self._as_json = False
+            self.show(
+                f"stdout is gone; the run is held. kill -USR1 {os.getpid()} lets it go on, -TERM ends it"
+            )
+            raise

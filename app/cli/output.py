@@ -1,0 +1,73 @@
+"""stdout is data, stderr is talk."""
+
+import json
+import os
+import sys
+from collections.abc import Iterable, Sequence
+
+from catseye.app.cli.reporting import report_warning
+from catseye.app.errors import OutputError, ReaderGoneError
+from catseye.drivers.roles.text import harmless_lines
+
+
+def emit(text: str) -> None:
+    """Write a line of data to stdout at once, harmless to a terminal.
+
+    Raises:
+        OutputError: stdout takes no more; what is written later goes nowhere.
+    """
+    _write(harmless_lines(text))
+
+
+def _write(text: str) -> None:
+    try:
+        sys.stdout.write(text + "\n")
+        sys.stdout.flush()
+    except OSError as error:
+        # What is left in the buffer would fail once more when the interpreter ends.
+        with open(os.devnull, "wb") as nowhere:
+            os.dup2(nowhere.fileno(), sys.stdout.fileno())
+        if isinstance(error, BrokenPipeError):
+            raise ReaderGoneError("stdout is closed") from error
+        raise OutputError(
+            f"stdout cannot be written: {error.strerror}: make room, or send it elsewhere"
+        ) from error
+
+
+def emit_json(value: object) -> None:
+    """Write one JSON value on a line of its own to stdout."""
+    # Bytes of a path that are no UTF-8 stand as escapes, which JSON reads back as they were.
+    _write(json.dumps(value, ensure_ascii=False).encode(errors="backslashreplace").decode())
+
+
+def say(text: str) -> None:
+    """Write a line of talk to stderr at once, harmless to a terminal."""
+    sys.stderr.write(harmless_lines(text) + "\n")
+    sys.stderr.flush()
+
+
+def warn(text: str) -> None:
+    """Warn people on stderr, and the program that started this one."""
+    say(f"warning: {text}")
+    report_warning(text)
+
+
+def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Return a plain table; numbers stand to the right."""
+    cells = [[str(cell) for cell in row] for row in rows]
+    widths = [max(len(row[i]) for row in [list(header), *cells]) for i in range(len(header))]
+
+    def line(row: Sequence[str]) -> str:
+        parts = [
+            cell.rjust(width) if _is_number(cell) else cell.ljust(width)
+            for cell, width in zip(row, widths, strict=True)
+        ]
+        return "  ".join(parts).rstrip()
+
+    return "\n".join(
+        [line(list(header)), line(["-" * width for width in widths]), *(line(row) for row in cells)]
+    )
+
+
+def _is_number(text: str) -> bool:
+    return text.lstrip("+-−").replace(".", "", 1).replace("e-", "", 1).isdigit()

@@ -1,0 +1,46 @@
+"""predict: where the model says the arm really goes."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from catseye.app.cli.options import AsJson, Hand, Output, ResultFile, StartDirection
+from catseye.app.cli.output import emit_json, say
+
+
+def predict(
+    result: ResultFile,
+    path: Annotated[Path, typer.Option(help="path CSV, in joints or Cartesian")],
+    output: Output,
+    hand: Hand = "right",
+    start_direction: StartDirection = "1,1",
+    as_json: AsJson = False,
+) -> None:
+    """Tell where the model says the arm really goes, with uncertainties; beyond the identified range it says nothing.
+
+    Example: catseye predict result.json --path path.csv -o predicted.csv
+    """
+    from catseye.app.cli.report_output import emit_tables, say_statements
+    from catseye.app.files.atomic import require_output
+    from catseye.app.files.identified_arm import nominal_of
+    from catseye.app.files.path_csv import read_path_csv, start_states
+    from catseye.app.files.predicted_csv import write_predicted_csv
+    from catseye.app.files.result_json import read_result
+    from catseye.app.results.scara.prediction import predict_path
+    from catseye.app.results.scara.prediction_report import prediction_report
+
+    require_output(output, result, path)
+    identified = read_result(result)
+    nominal = nominal_of(identified)[0]
+    commanded = read_path_csv(path, nominal, hand, start_states(start_direction))
+    predicted = predict_path(identified, commanded, str(path))
+    write_predicted_csv(commanded, predicted.prediction, output)
+    report = prediction_report(predicted)
+    say_statements(report)
+    if as_json:
+        facts = {"output": str(output), "model": predicted.model, **predicted.figures()}
+        emit_json({**facts, "warnings": list(predicted.warnings)})
+    else:
+        emit_tables(report)
+    say(f"{output} written")

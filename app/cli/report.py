@@ -1,0 +1,45 @@
+"""report: one self-contained page about a run or a result."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from catseye.app.cli.options import RunOrResult, Runs, Unverified
+from catseye.app.cli.output import say
+
+
+def report(
+    source: RunOrResult,
+    output: Annotated[Path, typer.Option("-o", "--output", help="HTML file to write")],
+    runs: Runs = None,
+    unverified: Unverified = False,
+) -> None:
+    """Write one self-contained HTML page about a run or a result.
+
+    Example: catseye report result.json -o report.html
+    """
+    from catseye.app.errors import UsageError
+    from catseye.app.files.atomic import require_output
+    from catseye.app.render.page import require_html, write_page
+    from catseye.app.results.scara.run_content import result_content, run_content
+    from catseye.app.results.scara.run_report import run_report
+    from catseye.app.store.catalog import resolve_run
+    from catseye.app.store.reader import RunReader, accept
+    from catseye.app.store.runs_folder import runs_folder
+    from catseye.app.store.unverified import taken_as_it_is
+
+    direct = Path(source)
+    require_output(output, direct)
+    require_html(output)
+    if direct.is_file():
+        content = result_content(direct)
+    elif direct.suffix.lower() == ".json":
+        raise UsageError(f"{direct}: there is no such file")
+    else:
+        path = resolve_run(runs_folder(runs), source)
+        reader = RunReader(path, accept(unverified=unverified))
+        with taken_as_it_is(reader):
+            content = run_content(reader, path.parent)
+    write_page(run_report(content), output)
+    say(f"{output} written")

@@ -1,0 +1,58 @@
+"""What a command reports to the program that started it, beside what people read on stderr."""
+
+import os
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from catseye.app.protocol.channel import EVENTS_FD
+
+if TYPE_CHECKING:
+    # A command that nobody listens to starts without these.
+    from catseye.app.protocol.commands import CommandEvent
+
+
+def _taken() -> int | None:
+    """Return the descriptor to report on, and hide it from the processes that this one starts."""
+    number = os.environ.pop(EVENTS_FD, "")
+    if not number.isdecimal():
+        return None
+    with suppress(OSError):
+        os.set_inheritable(int(number), False)
+        return int(number)
+    return None
+
+
+_DESCRIPTOR = _taken()
+
+
+def report_progress(title: str, share: float, elapsed_s: float, left_s: float | None, text: str) -> None:
+    """Report how far the command is; see `CommandProgress`."""
+    if _DESCRIPTOR is not None:
+        from catseye.app.protocol.commands import CommandProgress
+
+        _write(CommandProgress(title=title, share=share, elapsed_s=elapsed_s, left_s=left_s, text=text))
+
+
+def report_warning(text: str) -> None:
+    """Report a warning."""
+    if _DESCRIPTOR is not None:
+        from catseye.app.protocol.commands import CommandWarning
+
+        _write(CommandWarning(text=text))
+
+
+def report_failure(text: str, exit_code: int) -> None:
+    """Report why the command ends with a code other than 0."""
+    if _DESCRIPTOR is not None:
+        from catseye.app.protocol.commands import CommandFailed
+
+        _write(CommandFailed(text=text, exit_code=exit_code))
+
+
+def _write(event: "CommandEvent") -> None:
+    from catseye.app.protocol.message import encode_object
+
+    # Whoever started this command may be gone; people still read stderr.
+    with suppress(OSError):
+        if _DESCRIPTOR is not None:
+            os.write(_DESCRIPTOR, encode_object(event.json_object()))

@@ -1,0 +1,98 @@
+"""run: a procedure, headless."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NoReturn
+
+import typer
+
+from catseye.app.cli.options import (
+    Answers,
+    Arm,
+    AsJson,
+    CellOption,
+    DryRun,
+    KeepDrives,
+    Runs,
+    Speed,
+    WaiveWalk,
+)
+from catseye.app.cli.output import say
+from catseye.app.errors import UsageError
+
+if TYPE_CHECKING:
+    from catseye.app.cli.hosting import DriveOptions
+
+
+def run(
+    procedure: Annotated[str, typer.Argument(help="see: catseye procedures")],
+    cell: CellOption,
+    param: Annotated[list[str] | None, typer.Option(metavar="K=V", help="parameter; may be repeated")] = None,
+    search: Annotated[
+        str, typer.Option(help="aim: auto (newest search of this cell), none, or a run")
+    ] = "auto",
+    answers: Answers = None,
+    arm: Arm = None,
+    speed: Speed = 1.0,
+    keep_drives: KeepDrives = False,
+    dry_run: DryRun = False,
+    walk: Annotated[
+        bool,
+        typer.Option(
+            "--walk", help="walk its motions through: slowly, nothing measured, while the space bar is held"
+        ),
+    ] = False,
+    waive_walk: WaiveWalk = None,
+    detach: Annotated[
+        bool, typer.Option("--detach", help="let it run on by itself; catseye attach joins it")
+    ] = False,
+    runs: Runs = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run a procedure headless. Ctrl-C: once holds, twice stops, three times aborts. This is no emergency stop.
+
+    With --walk the arm moves while the space bar is held and stops when it is let go. That is no enabling device.
+
+    Example: catseye run open-loop --cell cell.toml --dry-run
+    """
+    from catseye.app.cell.load import load_cell
+    from catseye.app.cli.drive import conduct
+    from catseye.app.cli.hosting import DriveOptions
+    from catseye.app.protocol.procedures import load_procedure, parse_params
+    from catseye.app.service.planned_walk import as_walk
+    from catseye.app.service.running import plan_run
+    from catseye.app.store.runs_folder import runs_folder
+
+    if detach and walk:
+        raise UsageError("a walk needs somebody at its keys: leave --detach out")
+    if walk and dry_run:
+        raise UsageError("--walk drives the plan and --dry-run touches no device: leave one of them out")
+    options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json)
+    root = runs_folder(runs)
+    if detach and not dry_run:
+        _detach(procedure, cell, param or [], search, options, root)
+    loaded, runnable = load_cell(cell), load_procedure(procedure)
+    params = parse_params(runnable.params_type, param or [])
+    planned = plan_run(loaded, runnable, params, root, search)
+    if runnable.needs.aim:
+        say(f"aim from {planned.aim}")
+    conduct(as_walk(planned, root) if walk else planned, root, options, dry_run=dry_run)
+
+
+def _detach(
+    procedure: str, cell: Path, params: list[str], search: str, options: "DriveOptions", root: Path
+) -> NoReturn:
+    """Let an engine of its own plan and run; end when it has begun."""
+    from catseye.app.cli.detached_engine import detach
+    from catseye.app.protocol.requests import Start
+
+    request = Start(
+        procedure=procedure,
+        params=params,
+        search=search,
+        arm=options.arm,
+        speed=1.0 if options.speed is None else options.speed,
+        keep_drives=options.keep_drives,
+        answers=None if options.answers is None else str(options.answers.resolve()),
+        waive_walk=options.waive_walk,
+    )
+    detach(request, cell, root, as_json=options.as_json)

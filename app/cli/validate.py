@@ -1,0 +1,59 @@
+"""validate: a model against an independent measurement."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from catseye.app.cli.options import AsJson, Hand, ResultFile, StartDirection
+from catseye.app.cli.output import emit_json, say
+
+
+def validate(
+    result: ResultFile,
+    measured: Annotated[
+        Path, typer.Option(help="measured CSV: commands and independently measured positions")
+    ],
+    reference: Annotated[
+        Path | None,
+        typer.Option(metavar="RESULT", help="model to compare with, as a rule the conventional one"),
+    ] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="HTML page with the figures")] = None,
+    limit: Annotated[
+        float | None,
+        typer.Option("--limit-um", min=0.0, help="2-D rms that may be left; more is exit code 1"),
+    ] = None,
+    hand: Hand = "right",
+    start_direction: StartDirection = "1,1",
+    as_json: AsJson = False,
+) -> None:
+    """Compare a model with an independent measurement.
+
+    Example: catseye validate error-map.json --measured tracker.csv --reference conventional.json -o validation.html
+    """
+    from catseye.app.cli.report_output import emit_tables, say_statements
+    from catseye.app.errors import MeasurementRejectedError
+    from catseye.app.files.atomic import require_output
+    from catseye.app.render.page import require_html, write_page
+    from catseye.app.results.scara.file_validation_report import file_validation_report
+    from catseye.app.results.scara.validation_document import validation_facts
+    from catseye.app.results.scara.validation_of_files import validate_files
+
+    require_output(output, result, measured, reference)
+    if output is not None:
+        require_html(output)
+    found = validate_files(result, measured, reference, hand, start_direction)
+    report = file_validation_report(found, measured.name)
+    if as_json:
+        emit_json(validation_facts(found, limit))
+    else:
+        emit_tables(report)
+    say_statements(report)
+    if output is not None:
+        write_page(report, output)
+        say(f"{output} written")
+    left_um = found.validation.models[-1].comparison.rms_2d_um
+    if limit is not None and left_um > limit:
+        raise MeasurementRejectedError(
+            f"{measured}: the model leaves {left_um:.1f} µm (2-D rms), more than the limit of {limit:g} µm"
+        )

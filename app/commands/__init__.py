@@ -1,1 +1,0 @@
-"""What each command does; imported only when the command runs."""

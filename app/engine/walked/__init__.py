@@ -1,0 +1,1 @@
+"""Where an arm was walked, and the rule that a real one drives nowhere else."""

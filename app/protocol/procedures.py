@@ -1,0 +1,123 @@
+"""Procedures by name: built-in and third-party ones register through entry points."""
+
+import difflib
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Protocol, cast
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from catseye.app.errors import ConfigError, UsageError
+from catseye.app.files.documents import parse_toml
+from catseye.app.protocol.parameters import range_text
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.needs import Needs
+
+GROUP = "catseye.procedures"
+
+
+class Runnable(Protocol):
+    """A procedure as the application needs it.
+
+    Attributes:
+        name: as on the command line.
+        title: one line for people.
+        needs: of a cell.
+        params_type: what may be chosen.
+    """
+
+    @property
+    def name(self) -> str: ...  # noqa: D102  # said above
+    @property
+    def title(self) -> str: ...  # noqa: D102  # said above
+    @property
+    def needs(self) -> Needs: ...  # noqa: D102  # said above
+    @property
+    def params_type(self) -> type[BaseModel]: ...  # noqa: D102  # said above
+
+    # Each procedure has parameters and a plan of types of its own.
+    def plan(self, bench: Bench, params: Any) -> Any:
+        """Plan everything before anything moves."""
+        ...
+
+    async def run(self, ctx: Context, plan: Any) -> None:
+        """Carry the plan out."""
+        ...
+
+    async def teardown(self, ctx: Context) -> None:
+        """Leave the bench as it should be."""
+        ...
+
+
+def procedure_names() -> tuple[str, ...]:
+    """Return the names of all installed procedures; imports none of them."""
+    return tuple(sorted({entry.name for entry in metadata.entry_points(group=GROUP)}))
+
+
+def load_procedure(name: str) -> Runnable:
+    """Return a procedure.
+
+    Raises:
+        UsageError: no such procedure; the text lists those that are installed.
+    """
+    for entry in metadata.entry_points(group=GROUP, name=name):
+        return cast(Runnable, entry.load()())
+    names = procedure_names()
+    close = difflib.get_close_matches(name, names, n=1, cutoff=0.4)
+    meant = f"; did you mean {close[0]}?" if close else "."
+    raise UsageError(f"there is no procedure {name!r}{meant} Installed are: {', '.join(names)}")
+
+
+def parse_params(params_type: type[BaseModel], given: list[str]) -> BaseModel:
+    """Return the parameters that `--param k=v` texts choose.
+
+    Raises:
+        UsageError: a text is no k=v, a key is unknown, or a value is wrong.
+    """
+    values: dict[str, Any] = {}
+    for text in given:
+        key, equals, value = text.partition("=")
+        if not equals:
+            raise UsageError(f"--param {text!r} has to be name=value, for instance --param poses=10")
+        values[key.strip()] = _given_value(params_type, key.strip(), value.strip())
+    try:
+        return params_type.model_validate(values)
+    except ValidationError as error:
+        raise UsageError(_explain(params_type, error)) from error
+
+
+def _given_value(params_type: type[BaseModel], key: str, text: str) -> Any:
+    """Return a value; where a parameter takes the rows of a file, those rows, so that a run holds what it drove."""
+    field = params_type.model_fields.get(key)
+    value = _toml_value(text)
+    if field is None or not isinstance(value, str) or field.json_schema_extra != {"file": "joint rows"}:
+        return value
+    # Most commands read no such file, and start without what reads it.
+    from catseye.app.files.csv_table import require_file
+    from catseye.app.files.joint_rows import read_joint_rows
+
+    require_file(Path(value))
+    return read_joint_rows(Path(value))
+
+
+def _toml_value(text: str) -> Any:
+    try:
+        return parse_toml(f"value = {text}", "--param")["value"]
+    except ConfigError:
+        return text
+
+
+def _explain(params_type: type[BaseModel], error: ValidationError) -> str:
+    return "; ".join(_fault_text(params_type, fault) for fault in error.errors())
+
+
+def _fault_text(params_type: type[BaseModel], fault: ErrorDetails) -> str:
+    name = ".".join(str(part) for part in fault["loc"])
+    if fault["type"] == "extra_forbidden":
+        return f"--param {name}: unknown; known are {', '.join(params_type.model_fields)}"
+    facts = params_type.model_json_schema()["properties"].get(fault["loc"][0] if fault["loc"] else None)
+    if facts is None or fault["type"] == "value_error":
+        return f"--param {name}: {fault['msg'].removeprefix('Value error, ')}"
+    return f"--param {name}: {fault['input']} is not possible; it takes {range_text(facts)}"

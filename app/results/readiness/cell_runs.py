@@ -1,0 +1,101 @@
+"""The runs of one cell, as far as they decide what comes next."""
+
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Literal
+
+from catseye.app.errors import StorageError
+from catseye.app.store.catalog import list_runs
+from catseye.app.store.reader import Accept, RunReader, Status
+from catseye.app.store.resumable import why_not_resumable
+from catseye.procedures.kit.needs import After
+
+
+@dataclass(frozen=True)
+class CellRun:
+    """A run.
+
+    Attributes:
+        name: of the run.
+        procedure: what was run.
+        status: how it ended; damaged when it cannot be read.
+        age_s: time since its last sign of life.
+        resumable: it can go on.
+    """
+
+    name: str
+    procedure: str
+    status: Status | Literal["damaged"]
+    age_s: float
+    resumable: bool
+
+    @property
+    def id(self) -> str:
+        """Its six hexadecimal digits, which every command takes for its name."""
+        return self.name.rpartition("_")[2]
+
+    @property
+    def complete(self) -> bool:
+        """It came to its end."""
+        return self.status == "complete"
+
+
+class CellRuns:
+    """All runs of one cell, oldest first.
+
+    Args:
+        runs: of the cell.
+    """
+
+    def __init__(self, runs: list[CellRun]) -> None:
+        self._runs = runs
+
+    def last(self, procedure: str) -> CellRun | None:
+        """Return the newest run of a procedure."""
+        return next((run for run in reversed(self._runs) if run.procedure == procedure), None)
+
+    def last_complete(self, procedure: str, after: CellRun | None = None) -> CellRun | None:
+        """Return the newest complete run of a procedure.
+
+        Args:
+            procedure: its name.
+            after: an older one than this does not count.
+        """
+        found = (run for run in reversed(self._runs) if run.procedure == procedure and run.complete)
+        run = next(found, None)
+        return run if run is not None and (after is None or run.name >= after.name) else None
+
+    def last_counting(self, after: After) -> CellRun | None:
+        """Return the newest complete run of what should have been run before, if it is fresh enough."""
+        run = self.last_complete(after.procedure)
+        stale = run is not None and after.fresh_for_s is not None and run.age_s > after.fresh_for_s
+        return None if stale else run
+
+    def named(self, name: str) -> CellRun | None:
+        """Return a run by its name."""
+        return next((run for run in self._runs if run.name == name), None)
+
+
+def runs_of_cell(root: Path, cell: str, now: datetime) -> CellRuns:
+    """Return the runs of a cell.
+
+    Args:
+        root: folder of all runs.
+        cell: name of the cell.
+        now: UTC time.
+    """
+    found = []
+    for run in list_runs(root):
+        try:
+            reader = RunReader(run.path, Accept.UNCHECKED)
+            if reader.meta.get("cell") != cell:
+                continue
+            going = run.status not in {"complete", "running", "damaged"} and not why_not_resumable(reader)
+            last = datetime.fromisoformat(reader.events()[-1].time_utc)
+            age_s = max(0.0, (now - last).total_seconds())
+        except (StorageError, IndexError, TypeError, ValueError):
+            # Nobody knows whose a run is that cannot be read; a changed one may have any text for a time.
+            continue
+        found.append(CellRun(run.name, run.procedure, run.status, age_s, going))
+    return CellRuns(found)

@@ -1,0 +1,223 @@
+"""Emulated hardware for a cell file: its configuration, and a process of its own that serves it."""
+
+import asyncio
+import json
+import sys
+import tempfile
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from catseye.app.cell.model import Alignment, Cell, Interferometer
+from catseye.app.errors import ConfigError, LinkFailedError
+from catseye.app.files.documents import read_document
+from catseye.drivers.counter.profile import load_profile
+from catseye.drivers.roles.errors import ProfileError
+from catseye.simulators.config import (
+    EmulatedDevice,
+    EmulationConfig,
+    Option,
+    ReflectorPlace,
+    Scara,
+    Screws,
+    TruthText,
+)
+from catseye.simulators.control_port.client import ask
+from catseye.simulators.control_port.messages import ReadTruth
+from catseye.simulators.registry import emulator_names
+
+_J3_MM = (0.0, 150.0)
+"""Limits of J3, which no cell file has."""
+
+_READY_TIMEOUT_S = 20.0
+_DEVICES = ("robot", "interferometer", "environment", "control")
+
+
+def emulation_config(cell: Cell, speed: float, seed: int, truth: Path | None) -> EmulationConfig:
+    """Return the emulated bench of a cell file.
+
+    Args:
+        cell: what stands on the bench, and where its devices answer.
+        speed: bench seconds in one real second.
+        seed: of everything random.
+        truth: result JSON with the true arm; None draws one.
+
+    Raises:
+        ConfigError: an endpoint cannot be emulated, or the file with the true arm cannot be read.
+    """
+    limits = cell.robot.limits_deg
+    return EmulationConfig(
+        reflectors=tuple(ReflectorPlace(r.name, r.x_mm, r.y_mm, r.facing_deg) for r in cell.reflector),
+        scara=Scara(cell.robot.link1_mm, cell.robot.link2_mm),
+        limits=(
+            (limits.j1[0], limits.j1[1]),
+            (limits.j2[0], limits.j2[1]),
+            _J3_MM,
+            (limits.j4[0], limits.j4[1]),
+        ),
+        start_joints=(0.0, 0.0, cell.robot.j3_mm, 0.0),
+        acceptance_mm=cell.optics.acceptance_mm,
+        field_half_angle_deg=cell.optics.field_half_angle_deg,
+        column_radius_mm=cell.optics.column_radius_mm,
+        screws=_screws(cell.alignment),
+        one_reflector=cell.optics.one_reflector,
+        devices=emulated_devices(cell),
+        control="tcp://127.0.0.1:0" if cell.tracker is None else cell.tracker.endpoint,
+        speed=speed,
+        seed=seed,
+        truth=None if truth is None else TruthText(read_document(truth), str(truth)),
+    )
+
+
+def _screws(alignment: Alignment) -> Screws:
+    return Screws(
+        stage_mm_per_turn=alignment.stage_mm_per_turn * (1.0 if alignment.stage_clockwise == "+y" else -1.0),
+        level_mrad_per_turn=alignment.level_mrad_per_turn
+        * (1.0 if alignment.level_clockwise == "up" else -1.0),
+    )
+
+
+def emulated_devices(cell: Cell) -> tuple[EmulatedDevice, ...]:
+    """Return every endpoint of a cell's devices with the protocol that its driver speaks.
+
+    Raises:
+        ConfigError: there is no emulator of what a driver speaks.
+    """
+    robot, counter, air = cell.robot, cell.interferometer, cell.environment
+    options = {**air.settings, "map": air.map, "pressure_address": air.pressure_register}
+    devices = [EmulatedDevice("robot", "melfa-r3", robot.endpoint)]
+    doors = {"melfa-datalink": robot.datalink_endpoint, "melfa-mxt": robot.mxt_endpoint}
+    for protocol, endpoint in doors.items():
+        if endpoint is not None:
+            # The settings are those of the driver in use.
+            used = _plain(robot.settings) if robot.driver == protocol else {}
+            devices.append(EmulatedDevice("robot", protocol, endpoint, used))
+    settings = {**_lengths_of(counter), **counter.settings}
+    devices.append(_device("interferometer", counter.driver, counter.endpoint, settings))
+    devices.append(_device("environment", air.driver, air.endpoint, options))
+    if cell.io is not None:
+        devices.append(_device("io", cell.io.driver, cell.io.endpoint, cell.io.settings))
+    devices += [_device(d.name, d.driver, d.endpoint, d.settings) for d in cell.device]
+    return tuple(devices)
+
+
+def _lengths_of(counter: Interferometer) -> dict[str, str]:
+    """Return whether an emulated line counter corrects for the air: as its profile says."""
+    if counter.driver != "line-counter":
+        return {}
+    try:
+        return {"compensated": load_profile(counter.profile or "default").compensated}
+    except ProfileError as error:
+        raise ConfigError(f"[interferometer]: {error}") from error
+
+
+def _device(name: str, driver: str, endpoint: str, settings: Mapping[str, Any]) -> EmulatedDevice:
+    """Return an emulated device; drivers and emulators call what they have in common by the same name."""
+    known = emulator_names()
+    if driver not in known:
+        raise ConfigError(
+            f"[{name}] driver {driver}: there is no emulator for it; there are {', '.join(known)}"
+        )
+    return EmulatedDevice(name, driver, endpoint, _plain(settings))
+
+
+def _plain(settings: Mapping[str, Any]) -> dict[str, Option]:
+    return {
+        key: value for key, value in settings.items() if isinstance(value, str | int | float | bool | list)
+    }
+
+
+@dataclass(frozen=True)
+class EmulatorProcess:
+    """A running emulator.
+
+    Attributes:
+        endpoints: endpoint of each device: robot, interferometer, environment, control.
+        process: the operating system's process.
+    """
+
+    endpoints: dict[str, str]
+    process: asyncio.subprocess.Process
+
+
+@asynccontextmanager
+async def emulator_process(
+    cell_path: Path, speed: float, seed: int, truth: Path | None
+) -> AsyncIterator[EmulatorProcess]:
+    """Run `catseye emulate` in a process of its own and yield it when all devices answer.
+
+    Raises:
+        LinkFailedError: it did not come up; the text is what it said.
+    """
+    arguments = ["emulate", str(cell_path), "--speed", f"{speed:g}", "--seed", str(seed)]
+    if truth is not None:
+        arguments += ["--truth", str(truth)]
+    with tempfile.TemporaryFile() as said:
+        process = await asyncio.create_subprocess_exec(
+            sys.executable,
+            "-P",
+            "-m",
+            "catseye",
+            *arguments,
+            "--end-with-stdin",
+            # The pipe closes with this process, however it ends, and the emulator with the pipe.
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=said,
+            # A Ctrl-C in the terminal goes to the program, which stops the robot before the emulator ends.
+            start_new_session=True,
+        )
+        try:
+            yield EmulatorProcess(await _endpoints(process, said), process)
+        finally:
+            await _end(process)
+
+
+async def fetch_truth(control: str) -> dict[str, Any]:
+    """Return the true arm of an emulated bench, as a result document.
+
+    Args:
+        control: endpoint of its control port.
+
+    Raises:
+        LinkFailedError: the control port does not answer.
+    """
+    try:
+        return (await ask(control, ReadTruth(), _READY_TIMEOUT_S)).truth
+    except (OSError, ValueError) as error:
+        raise LinkFailedError(f"the emulated bench at {control} does not tell its truth: {error}") from error
+
+
+async def _endpoints(process: asyncio.subprocess.Process, stderr: BinaryIO) -> dict[str, str]:
+    found: dict[str, str] = {}
+    stdout = process.stdout
+    if stdout is None:
+        raise LinkFailedError("the emulator was started without a pipe")
+    try:
+        async with asyncio.timeout(_READY_TIMEOUT_S):
+            while not set(_DEVICES) <= set(found):
+                line = await stdout.readline()
+                if not line:
+                    stderr.seek(0)
+                    said = stderr.read().decode(errors="replace").strip()
+                    raise LinkFailedError(f"the emulator did not start: {said or 'it said nothing'}")
+                served = json.loads(line)
+                found[served["device"]] = served["endpoint"]
+    except TimeoutError as error:
+        raise LinkFailedError(
+            f"the emulator did not start within {_READY_TIMEOUT_S:g} s; try: catseye emulate CELL"
+        ) from error
+    return found
+
+
+async def _end(process: asyncio.subprocess.Process) -> None:
+    if process.returncode is None:
+        process.terminate()
+    try:
+        async with asyncio.timeout(5.0):
+            await process.communicate()
+    except TimeoutError:
+        process.kill()
+        await process.communicate()

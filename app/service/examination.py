@@ -1,0 +1,204 @@
+"""Who answers behind each endpoint of a cell, what is wrong and what to do."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from catseye.app.cell.air import AirRule, air_rule
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.model import Cell
+from catseye.app.engine.before_motion import beyond
+from catseye.app.engine.compensation import Compensation
+from catseye.app.engine.gate import JointLimits
+from catseye.app.engine.instruments import device_builder, further_device
+from catseye.app.engine.interlock import NO_DOOR
+from catseye.app.engine.stopping_distance import stopping_text
+from catseye.app.errors import UsageError
+from catseye.app.service.running import joint_limits
+from catseye.drivers.roles.air import AirSensor
+from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.device import ROLES, Device, Role
+from catseye.drivers.roles.errors import DeviceError, ProtocolError, RefusedError
+from catseye.drivers.roles.interferometer import Interferometer
+from catseye.drivers.roles.io import Io
+from catseye.drivers.roles.registry import load_driver
+from catseye.drivers.roles.robot import Robot
+from catseye.drivers.roles.tracker import Tracker
+
+Look = Callable[[], Awaitable[tuple[list[str], list[str]]]]
+"""Returns facts and advice about a connected device."""
+
+
+@dataclass
+class Finding:
+    """What was found out about one device.
+
+    Attributes:
+        device: its name in the cell file.
+        endpoint: where it was looked for.
+        ok: it can be used.
+        identity: who answers.
+        simulated: it is an emulator.
+        status: facts, as text.
+        advice: what to do.
+    """
+
+    device: str
+    endpoint: str
+    ok: bool = False
+    identity: str = ""
+    simulated: bool = False
+    status: list[str] = field(default_factory=list)
+    advice: list[str] = field(default_factory=list)
+
+
+async def examine(cell: Cell, only: str | None) -> list[Finding]:
+    """Connect to every device of a cell, or to one of them, and look at it.
+
+    Raises:
+        UsageError: the cell has no such device.
+    """
+    clock, rule, limits = SystemClock(), air_rule(cell), joint_limits(bench_of(cell))
+    devices = device_builder(cell, clock)(_ignore)
+    further = [(device, further_device(device, clock, _ignore)) for device in cell.device]
+    endpoints: dict[Role, str] = {
+        "robot": cell.robot.endpoint,
+        "interferometer": cell.interferometer.endpoint,
+        "environment": cell.environment.endpoint,
+    }
+    if cell.io is not None:
+        endpoints["io"] = cell.io.endpoint
+    if cell.tracker is not None:
+        endpoints["tracker"] = cell.tracker.endpoint
+    found: list[tuple[str, str, Role, Any]] = [
+        (role, endpoints[role], role, devices.named()[role]) for role in ROLES if role in endpoints
+    ]
+    found += [
+        (device.name, device.endpoint, load_driver(device.driver).role, driver) for device, driver in further
+    ]
+    names = [name for name, *_ in found]
+    if only is not None and only not in names:
+        raise UsageError(f"--device {only}: the cell has no such device; there are {', '.join(names)}")
+    findings = list(
+        await asyncio.gather(
+            *(
+                _examine(name, endpoint, driver, _look_at(role, driver, rule, limits))
+                for name, endpoint, role, driver in found
+                if only in {None, name}
+            )
+        )
+    )
+    for finding in findings:
+        if finding.device == "robot" and finding.identity:
+            finding.status.append(stopping_text(bench_of(cell), cell.robot.override_cap_percent))
+            if not finding.simulated and cell.io is None:
+                finding.status.append(f"note: {NO_DOOR}")
+    return findings
+
+
+def _look_at(role: Role, driver: Any, rule: AirRule, limits: JointLimits) -> Look:
+    """Return the look at a driver of a role."""
+    looks: dict[Role, Look] = {
+        "robot": lambda: _robot(driver, limits),
+        "interferometer": lambda: _beam(driver, rule),
+        "environment": lambda: _air(driver),
+        "io": lambda: _door(driver),
+        "tracker": lambda: _tracker(driver),
+    }
+    return looks[role]
+
+
+async def _examine(
+    device: str,
+    endpoint: str,
+    driver: Device,
+    look: Look,
+) -> Finding:
+    finding = Finding(device, endpoint)
+    try:
+        who = await driver.connect()
+        finding.identity = " ".join(part for part in (who.model, who.firmware, who.serial) if part)
+        finding.simulated = who.simulated
+        finding.status, finding.advice = await look()
+        more = await driver.examine()
+        finding.status += [*more.facts, *(f"note: {note}" for note in driver.notes)]
+        finding.advice += more.advice
+        finding.ok = not finding.advice
+    except DeviceError as error:
+        finding.advice.append(str(error))
+    finally:
+        await driver.close()
+    return finding
+
+
+async def _robot(robot: Robot, limits: JointLimits) -> tuple[list[str], list[str]]:
+    status, joints = await robot.status(), await robot.joints()
+    facts = [
+        f"joints J1 {joints[0]:.2f}°, J2 {joints[1]:.2f}°, J3 {joints[2]:.2f} mm, J4 {joints[3]:.2f}°",
+        f"servo {'on' if status.servo_on else 'off'}, override {status.override_percent:g} %",
+    ]
+    advice = []
+    if status.alarm_number:
+        advice.append(f"alarm {status.alarm_number}: {status.alarm_text}")
+    if status.emergency_stop:
+        advice.append("the emergency stop is pressed: release it at the bench, then reset the alarm")
+    if status.teach_mode:
+        advice.append("the key switch is at TEACH: turn it to AUTO and disable the teach pendant")
+    more_facts, more_advice = await look_at_limits(robot, limits)
+    return facts + more_facts, advice + more_advice
+
+
+async def look_at_limits(robot: Robot, limits: JointLimits) -> tuple[list[str], list[str]]:
+    """Return the controller's own limits, and what to do about ranges of the cell file beyond them."""
+    try:
+        own = await robot.joint_limits()
+    except (RefusedError, ProtocolError) as error:
+        return [f"not answered by this controller: {error}"], []
+    if own is None:
+        return [], []
+    listed = ", ".join(f"J{n} {low:g}…{high:g}" for n, (low, high) in enumerate(own, start=1))
+    return [f"controller's limits (MEJAR): {listed}"], beyond(limits, own)
+
+
+async def _beam(counter: Interferometer, air: AirRule) -> tuple[list[str], list[str]]:
+    status, reading = await counter.status(), await counter.read()
+    facts = [
+        f"displacement {reading.displacement_mm:+.6f} mm, signal {status.signal:.0%}, "
+        f"beam {'returns' if status.beam_ok else 'does not return'}"
+        f"{', lost since the last zero' if status.beam_lost else ''}"
+        f"{', overspeed since the last zero' if status.overspeed else ''}",
+        Compensation(counter.compensated, air).sentence,
+    ]
+    return facts, [] if status.laser_ready else ["the laser is not stable: let it warm up"]
+
+
+async def _air(sensor: AirSensor) -> tuple[list[str], list[str]]:
+    air = await sensor.sample()
+    parts = [
+        ("temperature", air.temperature_c, "°C"),
+        ("pressure", air.pressure_hpa, "hPa"),
+        ("humidity", air.humidity_percent, "%RH"),
+    ]
+    facts = [", ".join(f"{name} {value:.2f} {unit}" for name, value, unit in parts if value is not None)]
+    missing = [name for name, value, _ in parts if value is None]
+    advice = [
+        f"no {name}: check the sensor, and its register in [environment] against the sensor's manual"
+        for name in missing
+    ]
+    return facts, advice
+
+
+async def _door(io: Io) -> tuple[list[str], list[str]]:
+    if await io.door_closed():
+        return ["door closed"], []
+    return ["door open"], ["the door is open: nothing will move; close it when nobody is inside"]
+
+
+async def _tracker(tracker: Tracker) -> tuple[list[str], list[str]]:
+    seen = await tracker.locate()
+    return [f"x {seen.x_mm:.4f} mm, y {seen.y_mm:.4f} mm, u {1e3 * seen.u_mm:.1f} µm"], []
+
+
+def _ignore(_device: str, _direction: str, _data: bytes) -> None:
+    return

@@ -1,0 +1,94 @@
+"""The gate of motions by hand: the one of a run, with limits and words for whoever jogs."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from catseye.app.engine.devices import Devices
+from catseye.app.engine.door_watch import DoorWatch
+from catseye.app.engine.gate import JointLimits, MotionGate, require_ready
+from catseye.app.service.running import joint_limits
+from catseye.app.service.watching.bench_facts import BenchFacts
+from catseye.drivers.roles.pose import Pose
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.motion.clear_way import clear_part, way_check
+
+_HEIGHT_ROUNDING_MM = 0.1
+"""J3 is not moved by hand; a controller reports it in steps of 0.01 mm."""
+
+
+class JogGate:
+    """Decides about each motion by hand from fresh facts.
+
+    Args:
+        devices: the robot.
+        facts: limits of the cell.
+        percent: speed override that is asked for.
+        door: of the cell; None where no door is watched.
+
+    Attributes:
+        percent: speed override, at most what the cell allows.
+        limits: ranges of the joints.
+    """
+
+    def __init__(
+        self, devices: Devices, facts: BenchFacts, percent: float, door: DoorWatch | None = None
+    ) -> None:
+        self.percent = min(percent, facts.override_cap_percent)
+        self.limits = hand_limits(facts.bench)
+        self._robot = devices.robot
+        self._bench = facts.bench
+        self._gate = MotionGate(devices.robot, self.limits, way_check(facts.bench), self.percent, door=door)
+
+    @property
+    def override_percent(self) -> float:
+        """The override as it was read last: at most `percent`, less where the controller's is lower."""
+        return self._gate.override_percent
+
+    def belong_to(self, permit: Callable[[], None]) -> None:
+        """Ask a motion from now on whether the override may still be lowered; it raises once it was stopped."""
+        self._gate.permit = permit
+
+    async def switch_on(self) -> float:
+        """Bring the override down and the drives on; return the override that is read back.
+
+        Raises:
+            SafetyError: door, alarm, emergency stop or key forbid it, or the override does not come down.
+        """
+        self._gate.require_door()
+        percent = await self._gate.lower_override()
+        await self._robot.servo(on=True)
+        require_ready(await self._robot.status())
+        return percent
+
+    def clear_part(self, here: Pose, target: Pose) -> tuple[Pose, str | None]:
+        """Return how far the arm may go straight towards a target, and what is in its way then."""
+        return clear_part(here, target, self._bench)
+
+    async def require(self, *targets: Pose, here: Pose) -> None:
+        """Check that a motion may begin; an override that somebody raised is lowered again, and read back.
+
+        Args:
+            targets: of the motion.
+            here: where the arm stands.
+
+        Raises:
+            LimitError: a target is outside the limits, or a body is in the way.
+            SafetyError: door, controller or override forbid it.
+        """
+        await self._gate.lower_override()
+        await self._gate.require(*targets, here=here)
+
+    async def require_permission(self) -> None:
+        """Check that a motion may go on: door, controller, override.
+
+        Raises:
+            SafetyError: it may not.
+        """
+        await self._gate.require()
+
+
+def hand_limits(bench: Bench) -> JointLimits:
+    """Return the cell's limits; J3, which is not moved by hand, has to stand at the cell's height."""
+    limits = joint_limits(bench)
+    low, high = limits.j3_mm or (bench.arm.j3_mm, bench.arm.j3_mm)
+    return replace(limits, j3_mm=(low - _HEIGHT_ROUNDING_MM, high + _HEIGHT_ROUNDING_MM))

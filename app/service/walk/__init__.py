@@ -1,0 +1,1 @@
+"""Walk-throughs: a plan driven slowly, as long as somebody feeds."""

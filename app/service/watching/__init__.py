@@ -1,0 +1,1 @@
+"""The devices of a cell for whoever watches: between runs and during them."""

@@ -1,0 +1,70 @@
+"""What of a bench does not change while it is watched: its devices, its layout, its air rule."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from catseye.app.cell.air import AirRule, air_rule
+from catseye.app.cell.model import Cell
+from catseye.procedures.kit.bench import Bench
+
+
+@dataclass(frozen=True)
+class DeviceFacts:
+    """A device as the cell file has it.
+
+    Attributes:
+        name: in the cell file.
+        endpoint: where it is.
+        driver: that talks to it.
+        settings: of the driver.
+    """
+
+    name: str
+    endpoint: str
+    driver: str
+    settings: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class BenchFacts:
+    """A bench as cell file and search have it.
+
+    Attributes:
+        cell: name of the cell.
+        devices: every one.
+        bench: arm, optics, reflectors; aimed, if a search was made.
+        override_cap_percent: highest speed override.
+        air: how a refractive index follows from the air.
+        material: name of the sensor of the links' temperature.
+    """
+
+    cell: str
+    devices: tuple[DeviceFacts, ...]
+    bench: Bench
+    override_cap_percent: float
+    air: AirRule
+    material: str | None
+
+
+def facts_of(cell: Cell, bench: Bench) -> BenchFacts:
+    """Return the facts of a cell with a bench that was made of it."""
+    fixed = {
+        "robot": cell.robot,
+        "interferometer": cell.interferometer,
+        "environment": cell.environment,
+        "io": cell.io,
+    }
+    devices = [
+        DeviceFacts(name, section.endpoint, section.driver, section.settings)
+        for name, section in fixed.items()
+        if section is not None
+    ]
+    if cell.tracker is not None:
+        devices.append(DeviceFacts("tracker", cell.tracker.endpoint, cell.tracker.driver))
+    devices += [
+        DeviceFacts(device.name, device.endpoint, device.driver, device.settings) for device in cell.device
+    ]
+    material = None if cell.material is None else cell.material.sensor
+    cap_percent = cell.robot.override_cap_percent
+    return BenchFacts(cell.name, tuple(devices), bench, cap_percent, air_rule(cell), material)

@@ -1,0 +1,194 @@
+"""The bench as clients that watch see it, made of the latest values and of what the cell file says."""
+
+import math
+
+import numpy as np
+
+from catseye.app.cell.air import AirRule
+from catseye.app.cell.bench import may_move_an_arm
+from catseye.app.protocol.bench import (
+    AirStatus,
+    BeamStatus,
+    BenchStatus,
+    DeviceStatus,
+    Identity,
+    Layout,
+    ReflectorPlace,
+    RobotStatus,
+)
+from catseye.app.service.watching.bench_facts import BenchFacts, DeviceFacts
+from catseye.app.service.watching.latest_values import LatestValues, LinkValues, Stamped
+from catseye.calibration.air import refractive_index
+from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.pointing import beam_miss
+from catseye.drivers.roles import device
+from catseye.drivers.roles.air import AirSample
+from catseye.drivers.roles.pose import Pose
+
+_AIMED_AT_MM = 25.0
+"""A beam that passes a reflector's place nearer than this is meant for it; rough places are no better known."""
+
+
+def bench_status(
+    facts: BenchFacts, latest: LatestValues, *, moving: bool, simulated: bool | None, free_bytes: int | None
+) -> BenchStatus:
+    """Return the bench as it is now.
+
+    Args:
+        facts: of the bench.
+        latest: what its devices reported.
+        moving: the run under way moves the arm.
+        simulated: of the run under way, where that is known.
+        free_bytes: of the disk that runs are stored on; None where that is not known.
+    """
+    door = latest.door_closed
+    return BenchStatus(
+        cell=facts.cell,
+        simulated=_simulated(latest) if simulated is None else simulated,
+        disk_free_bytes=free_bytes,
+        devices=tuple(_device(device, latest) for device in facts.devices),
+        robot=_robot(facts, latest, moving=moving),
+        beam=_beam(latest),
+        air=_air(latest, facts.air),
+        door_closed=None if door is None else door.value,
+        layout=_layout(facts, None if latest.joints is None else latest.joints.value),
+    )
+
+
+def _simulated(latest: LatestValues) -> bool | None:
+    """Return whether all devices that are known are emulated; None when none is known."""
+    known = [link.identity.simulated for link in latest.links.values() if link.identity is not None]
+    return all(known) if known else None
+
+
+def _device(device: DeviceFacts, latest: LatestValues) -> DeviceStatus:
+    link = latest.links.get(device.name) or LinkValues()
+    return DeviceStatus(
+        name=device.name,
+        endpoint=device.endpoint,
+        driver=device.driver,
+        moves_arm=may_move_an_arm(device.name, device.driver),
+        link=link.state,
+        identity=None if link.identity is None else _identity(link.identity),
+        error=link.error,
+        age_s=None if link.heard_s is None else latest.age_s(link.heard_s),
+    )
+
+
+def _identity(identity: device.Identity) -> Identity:
+    return Identity(
+        model=identity.model,
+        firmware=identity.firmware,
+        serial=identity.serial,
+        simulated=identity.simulated,
+    )
+
+
+def _oldest_s(latest: LatestValues, *values: Stamped[object] | None) -> float:
+    """Return the age of the oldest value: what is shown together is no fresher than that."""
+    return max(latest.age_s(value.time_s) for value in values if value is not None)
+
+
+def _robot(facts: BenchFacts, latest: LatestValues, *, moving: bool) -> RobotStatus | None:
+    seen, joints = latest.status, latest.joints
+    if seen is None:
+        return None
+    status = seen.value
+    return RobotStatus(
+        joints=None if joints is None else tuple(_number(value) for value in joints.value),
+        servo_on=status.servo_on,
+        override_percent=_number(status.override_percent),
+        override_cap_percent=facts.override_cap_percent,
+        alarm_number=status.alarm_number,
+        alarm_text=status.alarm_text,
+        emergency_stop=status.emergency_stop,
+        teach_mode=status.teach_mode,
+        moving=moving or status.running,
+        age_s=_oldest_s(latest, seen, joints),
+    )
+
+
+def _beam(latest: LatestValues) -> BeamStatus | None:
+    seen, length = latest.beam, latest.displacement_mm
+    if seen is None:
+        return None
+    beam, spread_mm = seen.value, latest.columns.spread()
+    return BeamStatus(
+        signal=_number(beam.signal),
+        signal_native=beam.signal_native,
+        beam_ok=beam.beam_ok,
+        beam_lost=beam.beam_lost,
+        overspeed=beam.overspeed,
+        laser_ready=beam.laser_ready,
+        displacement_mm=None if length is None else length.value,
+        mean_mm=latest.columns.mean(),
+        spread_um=None if spread_mm is None else 1e3 * spread_mm,
+        age_s=_oldest_s(latest, seen, length),
+    )
+
+
+def _air(latest: LatestValues, rule: AirRule) -> AirStatus | None:
+    seen = latest.air
+    if seen is None:
+        return None
+    air = seen.value
+    return AirStatus(
+        temperature_c=_number(air.temperature_c),
+        pressure_hpa=_number(air.pressure_hpa),
+        humidity_percent=_number(air.humidity_percent),
+        refractive_index=_index(air, rule),
+        formula=rule.formula,
+        age_s=latest.age_s(seen.time_s),
+    )
+
+
+def _number(value: float | None) -> float | None:
+    """Return a number that JSON can carry, None for any other."""
+    return value if value is not None and math.isfinite(value) else None
+
+
+def _index(air: AirSample, rule: AirRule) -> float | None:
+    """Return the refractive index of the air; None when a quantity is missing or out of the formula's range."""
+    temperature_c, pressure_hpa, humidity_percent = air.temperature_c, air.pressure_hpa, air.humidity_percent
+    if temperature_c is None or pressure_hpa is None or humidity_percent is None:
+        return None
+    state = (temperature_c, pressure_hpa, humidity_percent, rule.co2_ppm)
+    try:
+        return float(refractive_index(rule.vacuum_wavelength_nm, *state, formula=rule.formula))
+    except ValueError:
+        return None
+
+
+def _layout(facts: BenchFacts, joints: Pose | None) -> Layout:
+    bench = facts.bench
+    arm, optics = bench.arm, bench.optics
+    return Layout(
+        link1_mm=arm.link1_mm,
+        link2_mm=arm.link2_mm,
+        column_radius_mm=optics.column_radius_mm,
+        theta40_deg=optics.theta40_deg,
+        limits_deg={"j1": arm.j1_limits_deg, "j2": arm.j2_limits_deg, "j4": arm.j4_limits_deg},
+        reflectors=tuple(
+            ReflectorPlace(
+                name=reflector.name,
+                x_mm=reflector.x_mm,
+                y_mm=reflector.y_mm,
+                facing_deg=reflector.facing_deg,
+                field_half_angle_deg=optics.field_half_angle_deg,
+            )
+            for reflector in bench.reflectors
+        ),
+        aim=None if joints is None else _aim(facts, joints),
+    )
+
+
+def _aim(facts: BenchFacts, joints: Pose) -> str | None:
+    """Return the reflector that the beam is meant for; None when it passes all of them."""
+    bench = facts.bench
+    theta1, theta2, _, theta4 = np.radians(joints)
+    place_mm = forward(theta1, theta2, bench.arm.link1_mm, bench.arm.link2_mm)
+    places_mm = np.array([[reflector.x_mm, reflector.y_mm] for reflector in bench.reflectors])
+    world_rad = theta1 + theta2 + theta4 + math.radians(bench.optics.theta40_deg)
+    miss_mm = beam_miss(place_mm, world_rad, places_mm)
+    nearest = int(np.argmin(miss_mm))
+    return bench.reflectors[nearest].name if miss_mm[nearest] <= _AIMED_AT_MM else None

@@ -1,0 +1,99 @@
+"""Light looks at the devices of a run for whoever watches, while the run itself wants nothing of them."""
+
+import asyncio
+import logging
+from collections.abc import Coroutine
+from typing import Any
+
+from catseye.app.engine.control import RunControl
+from catseye.app.engine.devices import Devices
+from catseye.app.protocol.state import ControlState
+from catseye.app.service.watching.latest_values import LatestValues, Stamped
+from catseye.app.service.watching.observed_devices import ObservedDevice
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import DeviceError
+
+_log = logging.getLogger(__name__)
+
+BEAM_AGE_S = 0.25
+"""A state of the beam that is younger is good enough to be shown."""
+
+JOINTS_AGE_S = 1.0
+
+_PAUSE_SHARE = 20.0
+"""Looks take at most a twentieth of a link's time: a slow line is left to the run."""
+
+
+class RunSampler:
+    """Asks for the beam while the arm moves, a question is open or the run is held; for the joints while it stands.
+
+    Nothing is asked during a dwell, on a link that the run is using, or of the robot while it moves: neither a
+    reading nor a STOP waits for a look. A look that is under way when the run goes on is not cut off, since the link
+    would have to be healed then.
+
+    Args:
+        latest: tell how old a value is.
+        clock: real time.
+
+    Attributes:
+        devices: of the run; None before there is one.
+    """
+
+    def __init__(self, latest: LatestValues, clock: Clock) -> None:
+        self.devices: Devices | None = None
+        self._latest = latest
+        self._clock = clock
+        self._looks: dict[str, asyncio.Task[None]] = {}
+        self._due_s: dict[str, float] = {}
+
+    def tick(self, control: RunControl, *, asking: bool) -> None:
+        """Begin the looks that are due and permitted.
+
+        Args:
+            control: of the run under way.
+            asking: a question is open.
+        """
+        if self.devices is None:
+            return
+        stands = not control.moving and (asking or control.state == ControlState.HELD)
+        if (stands or control.moving) and self._is_old(self._latest.beam, BEAM_AGE_S):
+            self._look("beam", self.devices.interferometer, self._look_at_beam(self.devices))
+        elif (stands or control.moving) and self._is_old(self._latest.displacement_mm, BEAM_AGE_S):
+            # A question that watches the signal asks for the state alone.
+            self._look("beam", self.devices.interferometer, self._look_at_length(self.devices))
+        if stands and self._is_old(self._latest.joints, JOINTS_AGE_S):
+            self._look("joints", self.devices.robot, self._look_at_joints(self.devices))
+
+    def _is_old(self, value: Stamped[object] | None, limit_s: float) -> bool:
+        return value is None or self._latest.age_s(value.time_s) >= limit_s
+
+    def _look(self, what: str, device: object, look: Coroutine[Any, Any, None]) -> None:
+        """Begin a look unless the link is in use or has had enough of them."""
+        busy = isinstance(device, ObservedDevice) and device.busy
+        under_way = what in self._looks and not self._looks[what].done()
+        if busy or under_way or self._clock.monotonic_s() < self._due_s.get(what, 0.0):
+            look.close()
+            return
+        self._looks[what] = asyncio.create_task(self._bounded_share(what, look))
+
+    async def _bounded_share(self, what: str, look: Coroutine[Any, Any, None]) -> None:
+        start_s = self._clock.monotonic_s()
+        try:
+            await look
+        except DeviceError:
+            # The latest values show it; the run finds it out by itself when it needs the device.
+            pass
+        except Exception:  # noqa: BLE001  # a fault of a driver must not end the watching
+            _log.exception("a look at the %s failed", what)
+        now_s = self._clock.monotonic_s()
+        self._due_s[what] = now_s + _PAUSE_SHARE * (now_s - start_s)
+
+    async def _look_at_beam(self, devices: Devices) -> None:
+        await devices.interferometer.status()
+        await devices.interferometer.read()
+
+    async def _look_at_length(self, devices: Devices) -> None:
+        await devices.interferometer.read()
+
+    async def _look_at_joints(self, devices: Devices) -> None:
+        await devices.robot.joints()

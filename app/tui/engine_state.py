@@ -1,0 +1,270 @@
+"""What the engine has sent so far: the only thing that screens show."""
+
+from collections import deque
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Final
+
+from catseye.app.protocol.state import ControlState
+from catseye.app.tui.run_state import LogLine, RunState
+
+if TYPE_CHECKING:
+    # The first screen is painted before these are imported.
+    from catseye.app.protocol.bench import BenchStatus, ReflectorPlace, RobotStatus, Samples, WireLine
+    from catseye.app.protocol.events import AnyEvent, Client, DrivesFields, Event, JogFields, RawChanged
+    from catseye.app.protocol.snapshot import Snapshot
+
+WIRE_LINES: Final = 5000
+"""Lines of raw traffic that are kept for the screen."""
+
+STRIP_COLUMNS: Final = 3000
+"""Columns of the beam's displacement that are kept: a minute at 20 ms."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """Smallest and largest displacement in one period; None without a sample.
+
+    Attributes:
+        low_mm: smallest.
+        high_mm: largest.
+    """
+
+    low_mm: float | None
+    high_mm: float | None
+
+
+@dataclass
+class EngineState:
+    """Everything that is known of engine, bench and run. `take` is the only way in for events.
+
+    Attributes:
+        connected: to an engine.
+        trouble: why there is no engine, and what to do; empty when connected.
+        silent_since_s: since when the engine does not answer, monotonic s; None while it does.
+        snapshot: what the engine said when this client came, another one for each connection; None before the first.
+        clients: who is connected.
+        control: who holds control; None when nobody does.
+        state: of run or idle engine.
+        reason: why it is in that state.
+        aborted: why nothing begins, as long as nobody has cleared it.
+        run: under way, or the last one that was seen to its end.
+        bench: as it was last; None before the first message about it.
+        bench_at_s: when it came, on this process's monotonic clock.
+        strip: displacement of the beam, oldest first.
+        strip_seen: columns ever, those that were missed included.
+        strip_period_s: bench time of one column.
+        strip_at_s: when the last columns came.
+        jog: as it was last; None before the first.
+        drives_off_at_s: when the drives go off by themselves, monotonic s; None while nobody counts down to that.
+        wire: raw traffic, oldest first.
+        wire_seen: lines of it ever.
+        raw: who has taken a device's link from its driver, by device.
+        missed: messages of each kind that the engine or this client replaced or dropped.
+        log: what happened outside of a run.
+        revision: grows with every message.
+    """
+
+    connected: bool = False
+    trouble: str = ""
+    silent_since_s: float | None = None
+    snapshot: "Snapshot | None" = None
+    clients: "tuple[Client, ...]" = ()
+    control: "Client | None" = None
+    state: ControlState = ControlState.IDLE
+    reason: str = ""
+    aborted: str = ""
+    run: RunState | None = None
+    bench: "BenchStatus | None" = None
+    bench_at_s: float = 0.0
+    strip: deque[Column] = field(default_factory=lambda: deque(maxlen=STRIP_COLUMNS))
+    strip_seen: int = 0
+    strip_period_s: float = 0.02
+    strip_at_s: float = 0.0
+    jog: "JogFields | None" = None
+    drives_off_at_s: float | None = None
+    wire: "deque[WireLine]" = field(default_factory=lambda: deque(maxlen=WIRE_LINES))
+    wire_seen: int = 0
+    raw: "dict[str, RawChanged]" = field(default_factory=dict)
+    missed: dict[str, int] = field(default_factory=dict)
+    log: deque[LogLine] = field(default_factory=lambda: deque(maxlen=500))
+    revision: int = 0
+
+    @property
+    def you(self) -> str | None:
+        """The name of this client at the engine."""
+        return None if self.snapshot is None else self.snapshot.you
+
+    @property
+    def in_control(self) -> bool:
+        """This client holds control."""
+        return self.control is not None and self.control.client == self.you
+
+    @property
+    def simulated(self) -> bool:
+        """Some device is known to be an emulator."""
+        if self.run is not None and self.run.active and self.run.simulated is not None:
+            return self.run.simulated
+        return self.bench_simulated is True
+
+    @property
+    def bench_simulated(self) -> bool | None:
+        """All devices of the bench that are known are emulators; None while none is known."""
+        return None if self.bench is None else self.bench.simulated
+
+    @property
+    def cell_name(self) -> str:
+        """The name of the cell; empty while it is not known."""
+        return "" if self.bench is None else self.bench.cell
+
+    @property
+    def robot(self) -> "RobotStatus | None":
+        """The controller, where it is known."""
+        return None if self.bench is None else self.bench.robot
+
+    @property
+    def reflectors(self) -> "tuple[ReflectorPlace, ...]":
+        """The reflectors of the bench; none while it is not known."""
+        return () if self.bench is None else self.bench.layout.reflectors
+
+    @property
+    def running(self) -> bool:
+        """A run is under way."""
+        return self.connected and self.run is not None and self.run.active
+
+    @property
+    def run_out_of_sight(self) -> bool:
+        """A run was under way when the connection broke."""
+        return not self.connected and self.run is not None and self.run.active
+
+    @property
+    def jogging(self) -> bool:
+        """The arm may move by hand."""
+        return self.connected and self.jog is not None and self.jog.on
+
+    def met(self, snapshot: "Snapshot", now_s: float) -> None:
+        """Begin anew from an engine's snapshot."""
+        self.connected, self.trouble, self.silent_since_s = True, "", None
+        self.snapshot = snapshot
+        self.clients, self.control = snapshot.clients, snapshot.control
+        self.state, self.reason = snapshot.state, snapshot.reason or ""
+        self.aborted = snapshot.aborted or ""
+        self.jog = snapshot.jog
+        self._drives(snapshot.drives, now_s)
+        self.raw = {}
+        # Nobody knows how much time has passed unseen.
+        self.strip.clear()
+        if snapshot.run is not None:
+            self.run = RunState.of_snapshot(snapshot, now_s)
+        elif self.run is not None and self.run.active:
+            # It ended while nobody here was connected; how is in its record.
+            self.run.lost_sight()
+        self.revision += 1
+
+    def lost(self, trouble: str) -> None:
+        """The engine is gone, or was never there."""
+        self.connected, self.trouble, self.silent_since_s = False, trouble, None
+        self.control, self.jog, self.bench, self.drives_off_at_s = None, None, None, None
+        self.clients, self.raw = (), {}
+        self.revision += 1
+
+    def take(self, event: "AnyEvent", now_s: float) -> None:
+        """Take an event.
+
+        Args:
+            event: of the engine.
+            now_s: monotonic time of its arrival, s.
+        """
+        from catseye.app.protocol import events
+
+        self.revision += 1
+        match event:
+            case events.BenchSeen():
+                self.take_bench(event, now_s)
+            case events.SamplesTaken():
+                self._samples(event, now_s)
+            case events.WirePassed():
+                self.wire.extend(event.lines)
+                self.wire_seen += len(event.lines)
+                self._count("wire", event.missed)
+            case events.JogChanged():
+                self.jog = event
+            case events.DrivesChanged():
+                self._drives(event, now_s)
+                if event.reason:
+                    self._note(event, "warning" if event.on else "info", event.reason)
+            case events.RawChanged():
+                self._raw(event)
+            case events.ControlChanged():
+                self.control = event.holder
+                self._note(event, "info", f"control {event.what}" + (f": {event.by}" if event.by else ""))
+            case events.ClientsChanged():
+                self.clients = event.clients
+            case events.Dropped():
+                self._count("points and steps", event.count)
+            case events.EngineIdle():
+                self.state, self.reason = event.state, ""
+            case events.ClientLost():
+                self._note(event, "warning", f"{event.who} ({event.client}) is lost: {event.reason}")
+            case _:
+                self._of_run(event, now_s)
+
+    def take_bench(self, bench: "BenchStatus", now_s: float) -> None:
+        """Take the bench as it is now.
+
+        Args:
+            bench: as the engine sees it.
+            now_s: monotonic time of its arrival, s.
+        """
+        self.bench, self.bench_at_s = bench, now_s
+        self._count("bench", bench.missed)
+
+    def _of_run(self, event: "AnyEvent", now_s: float) -> None:
+        from catseye.app.protocol import events
+
+        match event:
+            case events.RunStarted():
+                self.drives_off_at_s = None
+                self.run = RunState(event.run or "", event.procedure, event.title, now_s)
+            case events.StateChanged():
+                self.state, self.reason = event.state, event.reason
+                if event.state is not ControlState.ABORTED:
+                    self.aborted = ""
+                elif event.run is None:
+                    # What was done by hand was aborted, or a run ended that nobody has acknowledged a stop of.
+                    self.aborted = event.reason
+            case events.RunEnded(status="aborted"):
+                self.aborted = event.text or "aborted"
+        if self.run is not None and event.run == self.run.name:
+            self.run.take(event, now_s)
+        elif isinstance(event, events.WarningTold | events.ErrorTold):
+            self._note(event, event.event, event.text)
+
+    def _samples(self, samples: "Samples", now_s: float) -> None:
+        self.strip.extend(Column(None, None) for _ in range(min(samples.missed, STRIP_COLUMNS)))
+        self.strip.extend(Column(low, high) for low, high in zip(samples.low, samples.high, strict=True))
+        self.strip_seen += samples.missed + len(samples.low)
+        self.strip_period_s, self.strip_at_s = samples.period_s, now_s
+        self._count("samples", samples.missed)
+
+    def _raw(self, event: "RawChanged") -> None:
+        if event.on:
+            self.raw[event.device] = event
+        else:
+            self.raw.pop(event.device, None)
+            self._note(event, "info", f"{event.device} has its link again: {event.reason or event.by}")
+
+    def _drives(self, drives: "DrivesFields | None", now_s: float) -> None:
+        if drives is None or drives.off_at_utc is None:
+            self.drives_off_at_s = None
+        else:
+            left = datetime.fromisoformat(drives.off_at_utc) - datetime.now(UTC)
+            self.drives_off_at_s = now_s + left.total_seconds()
+
+    def _note(self, event: "Event", level: str, text: str) -> None:
+        line = LogLine(event.t, level, text)
+        (self.run.log if self.run is not None and self.run.active else self.log).append(line)
+
+    def _count(self, kind: str, more: int) -> None:
+        if more:
+            self.missed[kind] = self.missed.get(kind, 0) + more

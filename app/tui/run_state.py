@@ -1,0 +1,309 @@
+"""A run as far as the engine's events and its record have shown it."""
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final, Literal
+
+from catseye.app.protocol.state import ENDED, ControlState
+from catseye.drivers.roles.text import harmless_lines
+
+if TYPE_CHECKING:
+    # The first screen is painted before these are imported.
+    from catseye.app.protocol.events import (
+        AnyEvent,
+        DrivesLeft,
+        Event,
+        FirstMotionShown,
+        Happened,
+        LiveData,
+        Progressed,
+        PromptAsked,
+        RunEnded,
+    )
+    from catseye.app.protocol.snapshot import Snapshot
+
+LOG_LINES: Final = 2000
+VALUES_KEPT: Final = 600
+
+MAP_KNOWN: Final = "map-known"
+"""Kind of the event that says how well the maps are known."""
+
+NOT_LOGGED: Final = frozenset({MAP_KNOWN, "devices", "asked"})
+"""Kinds of events that are shown elsewhere than in the log."""
+
+
+@dataclass(frozen=True)
+class LogLine:
+    """A line of the log.
+
+    Attributes:
+        t: ISO 8601 UTC time.
+        level: info, warning or error.
+        text: what happened.
+    """
+
+    t: str
+    level: str
+    text: str
+
+    def __post_init__(self) -> None:
+        """Show as an escape what would command the terminal: answers of others, records of older programs."""
+        object.__setattr__(self, "text", harmless_lines(self.text))
+
+
+@dataclass
+class Step:
+    """A step of the procedure.
+
+    Attributes:
+        id: of the step.
+        title: one line.
+        status: whether it is under way.
+        stored: its result was there from before an interruption.
+    """
+
+    id: str
+    title: str
+    status: Literal["current", "done"]
+    stored: bool = False
+
+
+@dataclass(frozen=True)
+class MapKnowledge:
+    """How well the maps were known when a row of J2 was done.
+
+    Attributes:
+        row: which row it was.
+        u_theta1_mdeg: largest standard uncertainty of the map of J1; None where it is not known yet.
+        u_theta2_mdeg: the same of J2.
+        text: why nothing is known.
+    """
+
+    row: tuple[object, ...]
+    u_theta1_mdeg: float | None
+    u_theta2_mdeg: float | None
+    text: str
+
+    @classmethod
+    def of(cls, data: Mapping[str, object]) -> "MapKnowledge":
+        """Return what an event of the kind "map-known" holds, as it is sent and stored."""
+        return cls(
+            tuple(data.get(name) for name in ("reflector", "theta1_deg", "direction1")),
+            _number(data.get("u_theta1_mdeg")),
+            _number(data.get("u_theta2_mdeg")),
+            str(data.get("text") or ""),
+        )
+
+
+def _number(value: object) -> float | None:
+    return float(value) if isinstance(value, int | float) else None
+
+
+@dataclass(frozen=True)
+class SoFar:
+    """What the record of a run holds that began before this client came.
+
+    Attributes:
+        steps: id and title of the steps that are done, in order.
+        points: how many rows of distances.
+        map_known: how well the maps were known, oldest first.
+        log: what happened, oldest first.
+        command: words of `catseye` that rehearse the same run; empty where they are not known.
+        speed: bench seconds in one real second; None where it is not known.
+    """
+
+    steps: list[tuple[str, str]]
+    points: int
+    map_known: list[MapKnowledge]
+    log: list[LogLine]
+    command: tuple[str, ...] = ()
+    speed: float | None = None
+
+
+@dataclass
+class LiveValue:
+    """A value that is watched while it changes.
+
+    Attributes:
+        data: the value now, with its acceptance band.
+        at_s: when it came, monotonic s.
+        history: all of its values, oldest first, this one included.
+    """
+
+    data: "LiveData"
+    at_s: float
+    history: "deque[LiveData]" = field(default_factory=lambda: deque(maxlen=VALUES_KEPT))
+
+
+@dataclass
+class RunState:
+    """One run.
+
+    Attributes:
+        name: of the run.
+        procedure: its name.
+        title: one line for people.
+        since_s: when this client first heard of it, monotonic s.
+        path: of its directory; empty until it is known.
+        simulated: None until the devices are known.
+        active: it has not ended.
+        state: where it stands.
+        reason: why it is in that state.
+        steps: that were begun, oldest first.
+        progress: last event about progress.
+        live: values by name.
+        newest_live: name of the value that came last.
+        prompt: the open question.
+        prompt_at_s: when it came.
+        points_seen: how many distances were measured.
+        map_known: how well the maps were known, oldest first.
+        log: lines, oldest first.
+        ended: the event of its end.
+        recorded: its record was asked for what happened before this client came.
+        command: words of `catseye` that rehearse the same run; empty until they are known.
+        speed: bench seconds in one real second; None until it is known.
+    """
+
+    name: str
+    procedure: str
+    title: str
+    since_s: float
+    path: str = ""
+    simulated: bool | None = None
+    active: bool = True
+    state: ControlState = ControlState.IDLE
+    reason: str = ""
+    steps: dict[str, Step] = field(default_factory=dict)
+    progress: "Progressed | None" = None
+    live: dict[str, LiveValue] = field(default_factory=dict)
+    newest_live: str = ""
+    prompt: "PromptAsked | None" = None
+    prompt_at_s: float = 0.0
+    points_seen: int = 0
+    map_known: deque[MapKnowledge] = field(default_factory=lambda: deque(maxlen=2000))
+    log: deque[LogLine] = field(default_factory=lambda: deque(maxlen=LOG_LINES))
+    ended: "RunEnded | None" = None
+    recorded: bool = False
+    command: tuple[str, ...] = ()
+    speed: float | None = None
+
+    @classmethod
+    def of_snapshot(cls, snapshot: "Snapshot", now_s: float) -> "RunState":
+        """Return a run that was under way when this client came."""
+        run = cls(snapshot.run or "", snapshot.procedure or "", snapshot.title or "", now_s)
+        run.path = snapshot.path or ""
+        run.simulated = snapshot.simulated
+        run.state, run.reason = snapshot.state, snapshot.reason or ""
+        run.active = run.state not in ENDED
+        run.prompt = snapshot.prompt
+        run.prompt_at_s = now_s - (snapshot.prompt_open_s or 0.0)
+        for event in (snapshot.step, snapshot.progress, snapshot.live):
+            if event is not None:
+                run.take(event, now_s)
+        return run
+
+    @property
+    def current(self) -> Step | None:
+        """The step under way."""
+        return next((step for step in reversed(self.steps.values()) if step.status == "current"), None)
+
+    @property
+    def newest(self) -> LiveValue | None:
+        """The live value that came last."""
+        return self.live.get(self.newest_live)
+
+    def take_record(self, so_far: SoFar) -> None:
+        """Take what the record holds; what has come meanwhile stays, behind it."""
+        come, self.steps = self.steps, {}
+        for step_id, title in so_far.steps:
+            self.steps[step_id] = Step(step_id, title, "done")
+        for step_id, step in come.items():
+            if step_id not in self.steps or step.stored:
+                self.steps[step_id] = step
+        self.points_seen = max(self.points_seen, so_far.points)
+        known = [each for each in so_far.map_known if each not in self.map_known]
+        self.map_known.extendleft(reversed(known))
+        first = self.log[0].t if self.log else ""
+        lately = {(line.t[:19], line.text) for line in self.log}
+        before = [line for line in so_far.log if not first or line.t < first]
+        self.log.extendleft(line for line in reversed(before) if (line.t[:19], line.text) not in lately)
+        self.recorded, self.command, self.speed = True, so_far.command, so_far.speed
+
+    def lost_sight(self) -> None:
+        """It ended unseen."""
+        self.active, self.prompt = False, None
+
+    def take(self, event: "AnyEvent", now_s: float) -> None:
+        """Take an event of this run.
+
+        Args:
+            event: of the engine.
+            now_s: monotonic time of its arrival, s.
+        """
+        from catseye.app.protocol import events
+
+        match event:
+            case events.LiveShown():
+                self._live(event.data, now_s)
+            case events.FirstMotionShown() | events.DrivesLeft() | events.Happened():
+                self._happened(event)
+            case events.StateChanged():
+                self.state, self.reason = event.state, event.reason
+                self._note(event, "info", f"{event.state}: {event.reason}" if event.reason else event.state)
+            case events.StepStarted():
+                # Begun anew it stands at the end again.
+                self.steps.pop(event.step, None)
+                self.steps[event.step] = Step(event.step, event.title, "current")
+            case events.StepDone():
+                step = self.steps.setdefault(event.step, Step(event.step, event.title, "current"))
+                step.status, step.stored = "done", event.stored
+            case events.PointMeasured():
+                self.points_seen += 1
+            case events.Progressed():
+                self.progress = event
+            case events.PromptAsked():
+                self.prompt, self.prompt_at_s = event, now_s
+            case events.PromptAnswered():
+                self.prompt = None
+                self._note(event, "info", f"{event.id}: {event.answer} ({event.who})")
+            case events.WarningTold():
+                if event.data.simulated:
+                    self.simulated = True
+                self._note(event, "warning", event.text)
+            case events.ErrorTold():
+                self._note(event, "error", event.text)
+            case events.RunEnded():
+                self._ended(event)
+
+    def _live(self, data: "LiveData", now_s: float) -> None:
+        value = LiveValue(data, now_s)
+        if (known := self.live.get(data.name)) is not None:
+            value.history = known.history
+        value.history.append(data)
+        self.live[data.name], self.newest_live = value, data.name
+
+    def _happened(self, event: "FirstMotionShown | DrivesLeft | Happened") -> None:
+        data = event.json_object()["data"]
+        if not isinstance(data, dict):
+            return
+        if event.kind == MAP_KNOWN:
+            self.map_known.append(MapKnowledge.of(data))
+        if event.kind in NOT_LOGGED:
+            return
+        # The first screen is painted before this is imported.
+        from catseye.app.store.reader import StoredEvent
+        from catseye.app.story.words import event_text
+
+        text = event_text(StoredEvent(0, event.t, event.kind, data))
+        if text:
+            self._note(event, "info", text)
+
+    def _ended(self, event: "RunEnded") -> None:
+        self.ended, self.active, self.prompt = event, False, None
+        self.path = event.path or self.path
+        level = "info" if event.status == "complete" else "error"
+        self._note(event, level, f"run {event.status}" + (f": {event.text}" if event.text else ""))
+
+    def _note(self, event: "Event", level: str, text: str) -> None:
+        self.log.append(LogLine(event.t, level, text))

@@ -1,0 +1,100 @@
+"""The start of the terminal user interface: what has to be there, and who shows what."""
+
+import os
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import NoReturn
+
+from catseye.app.errors import ConfigError, UsageError
+from catseye.app.exitcode import ExitCode
+from catseye.app.files.documents import read_toml
+
+
+def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
+    """Show the interface until the user quits.
+
+    Args:
+        cell: cell file; None for the only one in this folder, else set-up.
+        root: folder of all runs.
+        speed: bench seconds in one real second; emulators only.
+
+    Raises:
+        UsageError: there is no terminal to draw on, or no such cell file.
+    """
+    _require_terminal()
+    _give_way()
+    from catseye.app.tui.app import CatseyeApp
+    from catseye.app.tui.keys import keys_file, read_keymap
+    from catseye.app.tui.link import EngineLink
+    from catseye.app.tui.session import Session
+    from catseye.app.tui.way_out import ends_on_signals
+    from catseye.app.tui.work import Commands
+    from catseye.drivers.roles.clock import SystemClock
+
+    keymap: dict[str, str] = {}
+    trouble: tuple[str, str] | None = None
+    try:
+        keymap = read_keymap(keys_file())
+    except ConfigError as error:
+        trouble = ("Your keys are not used, those of the program are", str(error))
+    clock = SystemClock()
+    found = cell if cell is not None else _only_cell(Path())
+    if cell is not None and not cell.is_file():
+        raise UsageError(
+            f"{cell}: there is no such file; write one with catseye init {cell}, or without --cell"
+        )
+    if cell is not None and not _is_cell(cell):
+        raise UsageError(
+            f'{cell}: not a cell file: its first key is format = "catseye-cell/1"; see catseye init'
+        )
+    link = EngineLink(root, found, clock)
+    session = Session(link, Commands(), root, found, clock.monotonic_s, speed)
+    app = CatseyeApp(session, keymap, "bench" if found is not None else "setup", trouble)
+    with ends_on_signals(app.leave_on_signal):
+        code = app.run()
+    if code is None and app.return_code:
+        sys.stderr.write(
+            "catseye tui ended by a fault of its own, told above. The engine goes on without it: a run is held "
+            "unless [engine] on_client_lost of the cell file says otherwise, a jog is stopped. Start catseye tui "
+            "again.\n"
+        )
+        code = ExitCode.FAULT
+    sys.exit(code or 0)
+
+
+def _give_way() -> None:
+    """Wait for a processor that is free, where the system knows such a thing: readings come before pictures.
+
+    The engine that is started from here does not take after its parent in this.
+    """
+    with suppress(AttributeError, OSError):
+        os.sched_setscheduler(0, os.SCHED_BATCH | os.SCHED_RESET_ON_FORK, os.sched_param(0))
+
+
+def _require_terminal() -> None:
+    # Textual draws on stderr.
+    if not (sys.stdin.isatty() and sys.stdout.isatty() and sys.stderr.isatty()):
+        raise UsageError("the terminal interface needs a terminal: use catseye run in scripts")
+    if os.environ.get("TERM", "dumb") == "dumb":
+        raise UsageError(
+            "the terminal interface needs a terminal that can be drawn on: TERM is not set, or dumb"
+        )
+    if "utf" not in sys.stderr.encoding.lower():
+        raise UsageError(
+            f"the terminal interface draws with Unicode and this terminal is set to {sys.stderr.encoding}: "
+            "LANG=C.UTF-8 catseye tui"
+        )
+
+
+def _only_cell(folder: Path) -> Path | None:
+    """Return the only cell file of a folder; None when there is none, or several."""
+    found = [path for path in sorted(folder.glob("*.toml")) if _is_cell(path)]
+    return found[0] if len(found) == 1 else None
+
+
+def _is_cell(path: Path) -> bool:
+    try:
+        return str(read_toml(path).get("format", "")).startswith("catseye-cell/")
+    except ConfigError:
+        return False

@@ -1,0 +1,84 @@
+"""Gauss-Newton steps over sums: each evaluation is a pass over all rows, so none is wasted."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from catseye.calibration.core.blockwise.normal_sums import NormalSums
+from catseye.calibration.core.errors import ConvergenceError
+from catseye.calibration.core.least_squares import MAX_ITERATIONS, STEP_TOLERANCE, NormalEquations
+from catseye.calibration.core.types import Floats
+
+_LARGEST_DAMPING = 1e-6
+"""A step that is damped more than this may be short although the minimum is far."""
+
+_ROUNDING = 1e-12
+"""Share by which rounding may change a sum of squares."""
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """Where the steps ended.
+
+    Attributes:
+        parameters: estimate, shape (p,).
+        sums: of the last pass, one step of less than the tolerance away.
+        passes: over the rows.
+    """
+
+    parameters: Floats
+    sums: NormalSums
+    passes: int
+
+
+def descend(sums_at: Callable[[Floats], NormalSums], start: Floats, basis: Floats, unsettled: str) -> Minimum:
+    """Minimise a sum of squares whose normal equations come from passes.
+
+    The normal equations say beforehand how much a step changes the residuals; the last one, below the tolerance of
+    the solver, is taken without another pass.
+
+    Args:
+        sums_at: sums over all rows at parameters of shape (p,).
+        start: starting values, shape (p,); they fulfil the gauge.
+        basis: steps that keep the gauge, shape (p, free).
+        unsettled: advice for an iteration that does not settle.
+
+    Raises:
+        ConvergenceError: no convergence within the iteration limit.
+    """
+    parameters, sums, damping = start, sums_at(start), 0.0
+    equations = NormalEquations.of(sums.matrix(), sums.gradient, basis)
+    for passes in range(1, MAX_ITERATIONS + 1):
+        step, damping = _definite_step(equations, damping)
+        change_mm = _change_mm(step, sums)
+        if change_mm < STEP_TOLERANCE and damping <= _LARGEST_DAMPING:
+            return Minimum(parameters + step, sums, passes)
+        trial = sums_at(parameters + step)
+        if trial.cost <= sums.cost * (1.0 + _ROUNDING):
+            parameters, sums, damping = parameters + step, trial, 0.0
+            equations = NormalEquations.of(sums.matrix(), sums.gradient, basis)
+        else:
+            damping = max(10.0 * damping, 1e-9)
+    raise ConvergenceError(
+        f"no convergence after {MAX_ITERATIONS} passes over the rows (last change {change_mm:.3g} mm rms): "
+        f"{unsettled}"
+    )
+
+
+def _definite_step(equations: NormalEquations, damping: float) -> tuple[Floats, float]:
+    """Return a step with the least damping, from the given one on, that makes the matrix positive definite."""
+    for _ in range(30):
+        step = equations.step(damping)
+        if step is not None:
+            return step, damping
+        damping = max(10.0 * damping, 1e-12)
+    raise ConvergenceError(
+        "the normal equations hold no usable numbers; look for rows that are not finite or mixed up"
+    )
+
+
+def _change_mm(step: Floats, sums: NormalSums) -> float:
+    """Return the rms change of the residuals expected of a step: √(sᵀHs / Σw)."""
+    square = float(step @ (sums.matrix() @ step))
+    return float(np.sqrt(max(square, 0.0) / sums.weight))

@@ -1,0 +1,82 @@
+"""Normal equations summed up block by block."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from catseye.calibration.core.blockwise.residual_sums import ResidualSums
+from catseye.calibration.core.blockwise.sparse_rows import Slot, SparseRows
+from catseye.calibration.core.types import Floats, Ints
+
+
+@dataclass
+class NormalSums:
+    """Sums over the rows of a pass; W are the squares of the weights.
+
+    Attributes:
+        size: number of parameters p.
+        residuals: the residuals themselves, summed up.
+        gradient: JᵀWr, shape (p,).
+        cost: rᵀWr.
+        weight: trace of W, 1/mm².
+        effect_gradient: JᵀWE of the effects of m shared sources, shape (p, m).
+        effect_matrix: EᵀWE, shape (m, m).
+    """
+
+    size: int
+    residuals: ResidualSums
+    gradient: Floats = field(init=False)
+    effect_gradient: Floats = field(init=False)
+    effect_matrix: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    cost: float = 0.0
+    weight: float = 0.0
+    _products: dict[tuple[int, int], Floats] = field(default_factory=dict)
+    _columns: list[slice] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.gradient = np.zeros(self.size)
+        self.effect_gradient = np.zeros((self.size, 0))
+
+    def add(self, block: SparseRows, weights: Floats, group: Ints) -> None:
+        """Take in a block.
+
+        Args:
+            block: residuals, mm, and weighted derivatives.
+            weights: reciprocal standard uncertainties, 1/mm, shape (n,).
+            group: number of each row's group, shape (n,).
+        """
+        weighted = block.residuals * weights
+        self.cost += float(weighted @ weighted)
+        self.weight += float(weights @ weights)
+        self.residuals = self.residuals.plus(block.residuals, group)
+        self._columns = [slice(slot.start, slot.start + slot.span) for slot in block.slots]
+        for slot, columns in zip(block.slots, self._columns, strict=True):
+            self.gradient[columns] += np.bincount(slot.column, slot.value * weighted, slot.span)
+        for i, first in enumerate(block.slots):
+            for j in range(i, len(block.slots)):
+                self._add_product((i, j), first, block.slots[j])
+
+    def add_effects(self, block: SparseRows, effects: Floats) -> None:
+        """Take in what shared sources do to a block, weighted, shape (n, m)."""
+        gradient, matrix = np.asarray(block.matrix().T @ effects), effects.T @ effects
+        if self.effect_matrix.size:
+            gradient, matrix = gradient + self.effect_gradient, matrix + self.effect_matrix
+        self.effect_gradient, self.effect_matrix = gradient, matrix
+
+    def _add_product(self, pair: tuple[int, int], first: Slot, second: Slot) -> None:
+        """Sum the products of two entries by the pair of columns that they belong to."""
+        key = first.column * second.span + second.column
+        product = np.bincount(key, first.value * second.value, first.span * second.span)
+        if pair in self._products:
+            self._products[pair] += product
+        else:
+            self._products[pair] = product.astype(np.float64)
+
+    def matrix(self) -> Floats:
+        """Return JᵀWJ, shape (p, p)."""
+        upper = np.zeros((self.size, self.size))
+        for (i, j), product in self._products.items():
+            block = upper[self._columns[i], self._columns[j]]
+            # Both halves are added up at the end, so the square of an entry counts half here.
+            block += (0.5 if i == j else 1.0) * product.reshape(block.shape)
+        return np.asarray(upper + upper.T, dtype=np.float64)

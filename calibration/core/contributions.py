@@ -1,0 +1,100 @@
+"""How much each contributor of the budget makes of each result."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from catseye.calibration.core.budget import RowErrors
+from catseye.calibration.core.coverage import effective_dof
+from catseye.calibration.core.fit_statistics import FitStatistics
+from catseye.calibration.core.least_squares import factorise
+from catseye.calibration.core.model import Model
+from catseye.calibration.core.types import Floats
+
+
+@dataclass(frozen=True)
+class Contributions:
+    """The covariance of an estimate, taken apart.
+
+    Attributes:
+        errors: the contributors, and what the fit widens them by.
+        covariances: of the estimate from each contributor alone, widening included, shape (contributors, p, p).
+    """
+
+    errors: RowErrors
+    covariances: Floats
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the contributors."""
+        return tuple(one.name for one in self.errors.contributors)
+
+    @property
+    def covariance(self) -> Floats:
+        """Covariance of the estimate from all contributors, shape (p, p)."""
+        return np.asarray(self.covariances.sum(axis=0))
+
+    @property
+    def variances(self) -> Floats:
+        """Variance that each contributor gives each parameter, shape (contributors, p)."""
+        return np.asarray(np.maximum(np.einsum("kii->ki", self.covariances), 0.0))
+
+    def of_combinations(self, combinations: Floats) -> Floats:
+        """Return the variance that each contributor gives to results, shape (contributors, m).
+
+        Args:
+            combinations: derivatives of the results by the parameters, shape (m, p).
+        """
+        variances = np.einsum("kmp,mp->km", combinations @ self.covariances, combinations)
+        return np.asarray(np.maximum(variances, 0.0))
+
+    def effective_dof(self, variances: Floats) -> Floats:
+        """Return the effective degrees of freedom of results (Welch–Satterthwaite), shape (m,).
+
+        Args:
+            variances: what each contributor gives to each result, shape (contributors, m).
+        """
+        # The widening multiplies everything, so it counts as one more input of full size.
+        dof = np.array([*(one.dof for one in self.errors.contributors), self.errors.factor_dof])
+        totals = variances.sum(axis=0)
+        parts = np.sqrt(np.vstack([variances, totals]))
+        return np.array(
+            [effective_dof(part, dof, float(np.sqrt(v))) for part, v in zip(parts.T, totals, strict=True)]
+        )
+
+
+def row_errors(model: Model, values: Floats, fit: FitStatistics) -> RowErrors:
+    """Return the errors that the covariance of an estimate comes from.
+
+    Args:
+        model: the rows.
+        values: the estimate, shape (p,).
+        fit: its statistics.
+    """
+    widened = not model.stated or fit.variance_factor != 1.0
+    return RowErrors(
+        model.white(values), model.shared(values), fit.variance_factor, fit.dof if widened else math.inf
+    )
+
+
+def taken_apart(model: Model, values: Floats, errors: RowErrors) -> Contributions:
+    """Return what each contributor makes of an estimate; the sum is the covariance of the law of propagation.
+
+    Args:
+        model: the rows.
+        values: the estimate, shape (p,).
+        errors: of the rows.
+    """
+    gain = _gain(model, values)
+    parts = [gain * one.sigma_mm for one in errors.white] + [gain @ one.effects_mm for one in errors.shared]
+    # A product with its own transpose is symmetric to the last digit.
+    return Contributions(errors, errors.factor * np.stack([part @ part.T for part in parts]))
+
+
+def _gain(model: Model, values: Floats) -> Floats:
+    """Return what the estimate moves by per row, shape (p, n)."""
+    weights, basis = model.weights, model.parameters.basis
+    jacobian = model.jacobian(values) * weights[:, None]
+    white = factorise(jacobian @ basis).covariance_on(basis)
+    return np.asarray(white @ (jacobian * weights[:, None]).T)

@@ -1,0 +1,202 @@
+"""Cross-validation: what the other rows predict of a group of rows.
+
+No fold is solved again. With H the projection on the model's columns, the residuals of a fold that did not take
+part in the fit are (I − H_gg)⁺ times its residuals in the fit; where a direction of the fold determines parameters
+that no other row depends on, the pseudo-inverse is the fit of these from the fold's own data.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import special
+
+from catseye.calibration.core.projection import Projection
+from catseye.calibration.core.significance import SIGNIFICANCE, adjusted
+from catseye.calibration.core.types import Floats, Ints
+
+_OWN = 1e-9
+"""1 − σ² of a direction that the fold alone determines, σ a singular value of its part of the basis."""
+
+_WEAK = 10.0
+"""A fold whose prediction is expected to be this many times worse than its fit says nothing of the model."""
+
+
+@dataclass(frozen=True)
+class Folds:
+    """A way to leave something out.
+
+    Attributes:
+        way: what is left out at a time.
+        names: of the folds.
+        group: number of each row's fold, shape (n,).
+        own: parameters of each fold that no row outside of it depends on, shape (folds,).
+    """
+
+    way: str
+    names: tuple[str, ...]
+    group: Ints
+    own: Ints
+
+    def rows(self, fold: int) -> Ints:
+        """Return the rows of a fold."""
+        return np.flatnonzero(self.group == fold)
+
+
+@dataclass(frozen=True)
+class Fold:
+    """One part that was left out.
+
+    Attributes:
+        name: what it is.
+        rows: its rows.
+        in_sample_um: rms of its residuals in the fit, µm.
+        predicted_um: rms of what the others predict of it minus what was measured, µm; NaN when not identified.
+        expected_um: rms expected of the stated uncertainties, scaled to the fit's scatter, µm.
+        identified: the others determine what all have in common.
+        probability: of a prediction this bad, corrected for the number of folds.
+    """
+
+    name: str
+    rows: int
+    in_sample_um: float
+    predicted_um: float
+    expected_um: float
+    identified: bool
+    probability: float
+
+    @property
+    def weak(self) -> bool:
+        """The others say next to nothing about it."""
+        return self.identified and self.expected_um > _WEAK * self.in_sample_um
+
+    @property
+    def fails(self) -> bool:
+        """The others predict it worse than their uncertainties explain."""
+        return self.identified and self.probability < SIGNIFICANCE
+
+
+@dataclass(frozen=True)
+class CrossValidation:
+    """All folds of one way to leave something out.
+
+    Attributes:
+        way: what is left out at a time.
+        folds: each of them.
+        predicted_um: rms of all predictions, weak folds left out, µm; NaN when no fold is left.
+        in_sample_um: rms of the same rows in the fit, µm.
+        expected_um: rms expected of the predictions, µm.
+    """
+
+    way: str
+    folds: tuple[Fold, ...]
+    predicted_um: float
+    in_sample_um: float
+    expected_um: float
+
+
+def cross_validation(projection: Projection, folds: Folds) -> CrossValidation:
+    """Leave out each fold in turn.
+
+    Args:
+        projection: of the fit.
+        folds: what to leave out at a time.
+    """
+    found = [_fold(projection, folds, i) for i in range(len(folds.names))]
+    used = [fold for fold in found if fold.identified and not fold.weak]
+    return CrossValidation(
+        folds.way,
+        tuple(found),
+        _pooled([fold.predicted_um for fold in used], used),
+        _pooled([fold.in_sample_um for fold in used], used),
+        _pooled([fold.expected_um for fold in used], used),
+    )
+
+
+def predicted_residuals(projection: Projection, folds: Folds) -> Floats:
+    """Return what the others predict of each row minus what was measured, mm, shape (n,).
+
+    NaN where the others do not determine what all have in common.
+    """
+    predicted = np.full(folds.group.size, np.nan)
+    for i in range(len(folds.names)):
+        left_out, rows = _LeftOut.of(projection, folds, i), folds.rows(i)
+        if left_out.identified:
+            predicted[rows] = left_out.predict(projection.residuals[rows]) / projection.weights[rows]
+    return predicted
+
+
+def _pooled(values_um: list[float], folds: list[Fold]) -> float:
+    if not folds:
+        return float("nan")
+    rows = np.array([fold.rows for fold in folds], dtype=np.float64)
+    return float(np.sqrt(np.sum(rows * np.square(values_um)) / rows.sum()))
+
+
+@dataclass(frozen=True)
+class _LeftOut:
+    """Algebra of one fold: singular vectors of its part of the basis.
+
+    Attributes:
+        vectors: left singular vectors, shape (rows, k).
+        shares: σ², how far the fold determines its own fitted values along them, shape (k,).
+        identified: what others share is determined without the fold.
+    """
+
+    vectors: Floats
+    shares: Floats
+    identified: bool
+
+    @classmethod
+    def of(cls, projection: Projection, folds: Folds, fold: int) -> "_LeftOut":
+        own = projection.orthonormal[folds.rows(fold)]
+        vectors, values, _ = np.linalg.svd(own, full_matrices=False)
+        shares = np.minimum(values**2, 1.0)
+        alone = int(np.sum(1.0 - shares < _OWN))
+        return cls(vectors, shares, alone == int(folds.own[fold]))
+
+    @property
+    def _grown(self) -> Floats:
+        """Eigenvalues of (I − H_gg)⁺ less one along the vectors; −1 where the fold fits its own parameters."""
+        alone = 1.0 - self.shares < _OWN
+        return np.where(alone, -1.0, self.shares / np.where(alone, 1.0, 1.0 - self.shares))
+
+    def predict(self, columns: Floats) -> Floats:
+        """Return (I − H_gg)⁺ times columns, shape (rows,) or (rows, m)."""
+        along = self.vectors.T @ columns
+        return np.asarray(columns + self.vectors @ (along.T * self._grown).T, dtype=np.float64)
+
+    def expected(self, effects: Floats) -> tuple[float, float]:
+        """Return mean and effective degrees of freedom of the predictions' sum of squares (Satterthwaite).
+
+        Args:
+            effects: what the predictions owe to unit contributors, shape (rows, m).
+        """
+        rows, grown = self.vectors.shape[0], self._grown
+        plain = rows - grown.size
+        mean = plain + float(np.sum(1.0 + grown)) + float(np.sum(effects**2))
+        inner = effects.T @ effects
+        square = plain + float(np.sum((1.0 + grown) ** 2))
+        square += 2.0 * float(np.sum(effects * self.predict(effects))) + float(np.sum(inner**2))
+        return mean, mean**2 / square
+
+
+def _fold(projection: Projection, folds: Folds, fold: int) -> Fold:
+    left_out, rows, name = _LeftOut.of(projection, folds, fold), folds.rows(fold), folds.names[fold]
+    weights, residuals = projection.weights[rows], projection.residuals[rows]
+    in_sample_um = 1e3 * float(np.sqrt(np.mean((residuals / weights) ** 2)))
+    if not left_out.identified or projection.square <= 0.0:
+        return Fold(name, int(rows.size), in_sample_um, float("nan"), float("nan"), left_out.identified, 1.0)
+    predicted = left_out.predict(residuals)
+    mean, dof = left_out.expected(left_out.predict(projection.effects[rows]))
+    scatter = projection.square / projection.expected.mean
+    ratio = float(predicted @ predicted) / mean / scatter
+    unit_um = 1e3 / float(np.sqrt(np.mean(weights**2)))
+    return Fold(
+        name=name,
+        rows=int(rows.size),
+        in_sample_um=in_sample_um,
+        predicted_um=1e3 * float(np.sqrt(np.mean((predicted / weights) ** 2))),
+        expected_um=unit_um * float(np.sqrt(scatter * mean / rows.size)),
+        identified=True,
+        probability=adjusted(float(special.fdtrc(dof, projection.expected.dof, ratio)), len(folds.names)),
+    )

@@ -1,0 +1,1 @@
+"""Optimal design: which rows to measure."""

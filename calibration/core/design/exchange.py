@@ -1,0 +1,154 @@
+"""Choosing a few of many candidates: take one out, put the best one in, until nothing improves.
+
+Information adds up over candidates, and each criterion is convex in it. A tangent therefore bounds from below what
+any candidate can reach in an exchange; only candidates whose bound beats the best value so far are worked out. The
+result is that of the full search of each exchange.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from catseye.calibration.core.design.criteria import Criterion, covariances
+from catseye.calibration.core.design.information import Information
+from catseye.calibration.core.types import Bools, Floats, Ints
+
+_BATCH = 16
+"""Candidates that are worked out at once; the bound is looked at again after each batch."""
+
+_LEAST_GAIN = 1e-9
+"""Relative gain below which an exchange is rounding."""
+
+
+@dataclass(frozen=True)
+class Pool:
+    """Candidates.
+
+    Attributes:
+        matrix: information that each brings, shape (m, f, f).
+        effects: of shared errors, shape (m, f, e); None leaves them out of the criterion.
+        compatible: pairs that may be chosen together, shape (m, m).
+    """
+
+    matrix: Floats
+    effects: Floats | None
+    compatible: Bools
+
+    @classmethod
+    def of(cls, brought: list[Information], compatible: Bools, *, systematic: bool) -> "Pool":
+        """Return the pool of what each candidate brings."""
+        effects = np.stack([one.effects for one in brought]) if systematic else None
+        return cls(np.stack([one.matrix for one in brought]), effects, compatible)
+
+    def __len__(self) -> int:
+        """Return the number of candidates."""
+        return int(self.matrix.shape[0])
+
+    def value(self, chosen: Ints, criterion: Criterion) -> float:
+        """Return the criterion of a choice."""
+        effects = None if self.effects is None else self.effects[chosen].sum(axis=0)
+        return float(criterion.value(covariances(self.matrix[chosen].sum(axis=0), effects)))
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A choice.
+
+    Attributes:
+        places: indices into the pool, increasing, shape (k,).
+        value: its criterion.
+    """
+
+    places: Ints
+    value: float
+
+
+def exchange(pool: Pool, start: Ints, criterion: Criterion) -> Chosen:
+    """Improve a choice by exchanges until none improves it.
+
+    Args:
+        pool: candidates.
+        start: indices of different, compatible candidates, shape (k,).
+        criterion: what is made small.
+    """
+    chosen, value = np.array(start, dtype=np.int64), pool.value(start, criterion)
+    idle, position = 0, 0
+    while idle < chosen.size:
+        others = np.delete(chosen, position)
+        place, reached = _best_addition(pool, others, int(chosen[position]), value, criterion)
+        idle = idle + 1 if place == chosen[position] else 1
+        chosen[position], value = place, reached
+        position = (position + 1) % chosen.size
+    return Chosen(np.sort(chosen), value)
+
+
+def random_start(pool: Pool, count: int, rng: np.random.Generator) -> Ints | None:
+    """Return a random choice of compatible candidates, None when those drawn leave no room for another."""
+    chosen: list[int] = []
+    free = np.ones(len(pool), dtype=np.bool_)
+    for _ in range(count):
+        left = np.flatnonzero(free)
+        if not left.size:
+            return None
+        chosen.append(int(rng.choice(left)))
+        free &= pool.compatible[chosen[-1]]
+        free[chosen[-1]] = False
+    return np.array(chosen, dtype=np.int64)
+
+
+def greedy_start(pool: Pool, count: int, criterion: Criterion) -> Ints | None:
+    """Return a choice to which each time the best candidate was added, None when there is no room for so many."""
+    chosen = np.zeros(0, dtype=np.int64)
+    while chosen.size < count:
+        place, _ = _best_addition(pool, chosen, -1, np.inf, criterion)
+        if place < 0:
+            return None
+        chosen = np.append(chosen, place)
+    return chosen
+
+
+def _best_addition(
+    pool: Pool, others: Ints, present: int, value: float, criterion: Criterion
+) -> tuple[int, float]:
+    """Return the candidate that goes best with others, and the value reached; the present one unless beaten.
+
+    Args:
+        pool: candidates.
+        others: the rest of the choice.
+        present: the place to beat; -1 for none, then the first possible one stands in where all are singular.
+        value: what is reached with it.
+        criterion: what is made small.
+    """
+    possible = np.asarray(np.all(pool.compatible[others], axis=0), dtype=np.bool_).reshape(len(pool))
+    possible[others] = False
+    matrix = pool.matrix[others].sum(axis=0)
+    effects = None if pool.effects is None else pool.effects[others].sum(axis=0)
+    order, bounds = _by_bound(pool, matrix, np.flatnonzero(possible), present, criterion)
+    for first in range(0, order.size, _BATCH):
+        if bounds[first] >= value - _LEAST_GAIN * abs(value):
+            break
+        batch = order[first : first + _BATCH]
+        own = None if effects is None or pool.effects is None else effects + pool.effects[batch]
+        reached = criterion.value(covariances(matrix + pool.matrix[batch], own))
+        best = int(np.argmin(reached))
+        if reached[best] < value - _LEAST_GAIN * abs(value) or (present < 0 and np.isinf(value)):
+            present, value = int(batch[best]), float(reached[best])
+    return present, value
+
+
+def _by_bound(
+    pool: Pool, matrix: Floats, possible: Ints, present: int, criterion: Criterion
+) -> tuple[Ints, Floats]:
+    """Return candidates in the order of what they could reach at best, and that bound, shape (k,) each.
+
+    Shared errors are not convex in the information, and a singular choice has no tangent: then nothing is
+    bounded.
+    """
+    here = covariances(matrix + pool.matrix[present], None) if present >= 0 else None
+    value = np.inf if here is None else float(criterion.value(here))
+    if pool.effects is not None or here is None or np.isinf(value):
+        return possible, np.full(possible.size, -np.inf)
+    gain = pool.matrix.reshape(len(pool), -1) @ criterion.slope(here).ravel()
+    bounds = value - (gain[possible] - gain[present])
+    order = np.argsort(bounds, kind="stable")
+    return possible[order], bounds[order]

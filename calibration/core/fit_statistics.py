@@ -1,0 +1,139 @@
+"""How well a model fits: statistics of its residuals, χ² test, and what its covariance is widened by."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from catseye.calibration.core.lack_of_fit import LackOfFit, WeightedFit, lack_of_fit
+from catseye.calibration.core.significance import SIGNIFICANCE, Expected, smaller_product
+from catseye.calibration.core.types import Floats
+
+
+@dataclass(frozen=True)
+class RobustLoss:
+    """What a robust loss made of the rows.
+
+    Attributes:
+        name: "huber" or "soft-l1".
+        sigma_um: robust standard deviation of a row, µm.
+        half: residual that counts half, in robust standard deviations.
+        counted_little: rows that count less than half.
+    """
+
+    name: str
+    sigma_um: float
+    half: float
+    counted_little: int
+
+
+@dataclass(frozen=True)
+class FitStatistics:
+    """Quality of a fit.
+
+    Attributes:
+        n_points: rows used.
+        n_parameters: free parameters, the gauge's constraint taken off.
+        dof: degrees of freedom.
+        rms_um: rms of the residuals, µm.
+        sigma0_um: standard deviation of a row estimated from the fit, µm.
+        chi2_reduced: χ² / dof for the stated white uncertainties; None when none were stated.
+        chi2_expected: its expectation, shared errors included.
+        chi2_probability: of a χ² this large; None when no uncertainties were stated.
+        lack_of_fit: test against repeats; None when too few rows are repeated.
+        variance_factor: what the covariance of the stated uncertainties was multiplied with.
+        iterations: steps of the solver.
+        loss: of a robust fit; None for least squares.
+    """
+
+    n_points: int
+    n_parameters: int
+    dof: int
+    rms_um: float
+    sigma0_um: float
+    chi2_reduced: float | None
+    chi2_expected: float
+    chi2_probability: float | None
+    lack_of_fit: LackOfFit | None
+    variance_factor: float
+    iterations: int
+    loss: RobustLoss | None = None
+
+
+@dataclass(frozen=True)
+class FitSums:
+    """What the statistics need of a fit.
+
+    Attributes:
+        n_points: rows used.
+        free: number of free parameters.
+        square: sum of the squares of the weighted residuals.
+        square_mm2: sum of the squares of the residuals, mm².
+        weight: sum of the squares of the weights, 1/mm².
+        inner: products of the weighted effects that the fit leaves over, EᵀE or EEᵀ.
+        stated: the weights come from stated uncertainties.
+        iterations: steps of the solver.
+    """
+
+    n_points: int
+    free: int
+    square: float
+    square_mm2: float
+    weight: float
+    inner: Floats
+    stated: bool
+    iterations: int
+
+
+def fit_statistics(fit: WeightedFit) -> FitStatistics:
+    """Judge a fit."""
+    weights = fit.weights
+    sums = FitSums(
+        n_points=weights.size,
+        free=fit.free,
+        square=float(fit.residuals @ fit.residuals),
+        square_mm2=float(np.sum((fit.residuals / weights) ** 2)),
+        weight=float(np.sum(weights**2)),
+        inner=smaller_product(fit.effects),
+        stated=fit.stated,
+        iterations=fit.iterations,
+    )
+    return summed_statistics(sums, lack_of_fit(fit))
+
+
+def summed_statistics(sums: FitSums, lack: LackOfFit | None) -> FitStatistics:
+    """Judge a fit by its sums and, where rows are repeated, by its lack of fit."""
+    dof = sums.n_points - sums.free
+    expected = Expected.of_products(dof, sums.inner)
+    probability = expected.probability(sums.square) if sums.stated else None
+    variance = sums.square / dof
+    return FitStatistics(
+        n_points=sums.n_points,
+        n_parameters=sums.free,
+        dof=dof,
+        rms_um=1e3 * float(np.sqrt(sums.square_mm2 / sums.n_points)),
+        sigma0_um=1e3 * float(np.sqrt(variance / (sums.weight / sums.n_points))),
+        chi2_reduced=variance if sums.stated else None,
+        chi2_expected=expected.mean / dof,
+        chi2_probability=probability,
+        lack_of_fit=lack,
+        variance_factor=_variance_factor(variance, expected.mean / dof, probability, lack),
+        iterations=sums.iterations,
+    )
+
+
+def _variance_factor(
+    variance: float, expected: float, probability: float | None, lack: LackOfFit | None
+) -> float:
+    """Return the factor that keeps the stated uncertainties honest.
+
+    Stated uncertainties stand unless the χ² test rejects them; without any, the fit's own scatter is taken. A
+    lack of fit that nothing stated explains is common to the repeats and does not average out.
+    """
+    factor = 1.0
+    if probability is None:
+        factor = variance
+    elif probability < SIGNIFICANCE:
+        factor = variance / expected
+    if lack is not None and lack.significant and not lack.explained:
+        factor = max(factor, lack.excess)
+    return factor

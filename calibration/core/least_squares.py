@@ -1,0 +1,198 @@
+"""Weighted non-linear least squares: Gauss-Newton steps, damped after Levenberg and Marquardt when they fail.
+
+Steps come from the normal equations in scaled columns, which the iteration corrects; rank and covariance come
+from QR and singular values of the Jacobian itself, where squaring would hide a null direction.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import linalg
+
+from catseye.calibration.core.errors import ConvergenceError
+from catseye.calibration.core.types import Bools, Floats
+
+RANK_TOLERANCE = 1e-10
+"""Singular values of the scaled Jacobian below this share of the largest count as zero."""
+
+STEP_TOLERANCE = 1e-8
+"""The iteration ends after a step that changes the residuals by less than this (rms, residual units)."""
+
+MAX_ITERATIONS = 50
+
+
+@dataclass(frozen=True)
+class Factor:
+    """Singular values of a scaled, weighted Jacobian on a basis of free steps.
+
+    Attributes:
+        singular_values: of the scaled columns, descending, shape (free,).
+        right: right singular vectors as rows, shape (free, free).
+        scale: column norms that the columns were divided by, shape (free,).
+    """
+
+    singular_values: Floats
+    right: Floats
+    scale: Floats
+
+    @property
+    def regular(self) -> Bools:
+        """Flags of the directions that the rows determine, shape (free,)."""
+        return np.asarray(self.singular_values > RANK_TOLERANCE * self.singular_values[0])
+
+    def covariance(self) -> Floats:
+        """Return the covariance of the free directions for unit weights, shape (free, free)."""
+        regular = self.regular
+        inverse = np.where(regular, 1.0 / np.where(regular, self.singular_values, 1.0), 0.0)
+        half = (self.right.T * inverse) / self.scale[:, None]
+        return np.asarray(half @ half.T, dtype=np.float64)
+
+    def covariance_on(self, basis: Floats) -> Floats:
+        """Return the covariance of the parameters for unit weights, shape (p, p).
+
+        Args:
+            basis: steps that keep the gauge, shape (p, free).
+        """
+        return np.asarray(basis @ self.covariance() @ basis.T, dtype=np.float64)
+
+
+def factorise(jacobian: Floats) -> Factor:
+    """Decompose a weighted Jacobian of shape (n, free)."""
+    scale = _column_norms(jacobian)
+    triangle = linalg.qr(jacobian / scale, mode="r", overwrite_a=True, check_finite=False)[0]
+    _, values, right = linalg.svd(triangle[: jacobian.shape[1]], check_finite=False)
+    padded = np.zeros(jacobian.shape[1])
+    padded[: values.size] = values
+    return Factor(padded, right, scale)
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Where the iteration ended.
+
+    Attributes:
+        parameters: estimate, shape (p,).
+        residuals: unweighted residuals there, shape (n,).
+        jacobian: unweighted Jacobian there, shape (n, p).
+        free: weighted Jacobian there on the free directions, shape (n, free).
+        iterations: steps taken.
+    """
+
+    parameters: Floats
+    residuals: Floats
+    jacobian: Floats
+    free: Floats
+    iterations: int
+
+    @cached_property
+    def factor(self) -> Factor:
+        """Decomposition of the weighted Jacobian on the free directions; it takes as long as two steps."""
+        return factorise(self.free)
+
+
+def minimise(
+    residuals: Callable[[Floats], Floats],
+    jacobian: Callable[[Floats], Floats],
+    start: Floats,
+    basis: Floats,
+    weights: Floats,
+    unsettled: str = "check the starting values",
+) -> Solution:
+    """Minimise the sum of squares of weights × residuals.
+
+    Args:
+        residuals: residuals at parameters of shape (p,), shape (n,).
+        jacobian: their derivatives, shape (n, p).
+        start: starting values, shape (p,); they fulfil the gauge.
+        basis: steps that keep the gauge, shape (p, free).
+        weights: reciprocal standard uncertainties, shape (n,).
+        unsettled: advice for an iteration that does not settle.
+
+    Raises:
+        ConvergenceError: no convergence within the iteration limit, or no step lowers the residuals.
+    """
+    parameters, current, change = start, residuals(start), np.inf
+    for iteration in range(1, MAX_ITERATIONS + 1):
+        weighted = jacobian(parameters) * weights[:, None]
+        gradient = weighted.T @ (current * weights)
+        equations = NormalEquations.of(weighted.T @ weighted, gradient, basis)
+        parameters, current, change = _improve(residuals, parameters, current, weights, equations)
+        if change < STEP_TOLERANCE:
+            final = jacobian(parameters)
+            return Solution(parameters, current, final, (final * weights[:, None]) @ basis, iteration)
+    raise ConvergenceError(
+        f"no convergence after {MAX_ITERATIONS} iterations (last change {change:.3g} mm rms): {unsettled}"
+    )
+
+
+@dataclass(frozen=True)
+class NormalEquations:
+    """Normal equations in scaled free directions.
+
+    Attributes:
+        matrix: scaled, its diagonal is 1, shape (free, free).
+        gradient: scaled, shape (free,).
+        directions: the free directions divided by their scale, shape (p, free).
+    """
+
+    matrix: Floats
+    gradient: Floats
+    directions: Floats
+
+    @classmethod
+    def of(cls, matrix: Floats, gradient: Floats, basis: Floats) -> "NormalEquations":
+        """Reduce JᵀWJ of shape (p, p) and JᵀWr of shape (p,) to the free directions, a basis of shape (p, free)."""
+        reduced = basis.T @ matrix @ basis
+        diagonal = np.diag(reduced)
+        scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+        directions = basis * scale
+        return cls(reduced * np.outer(scale, scale), directions.T @ gradient, directions)
+
+    def step(self, damping: float) -> Floats | None:
+        """Return the damped step in all parameters, or None when the matrix is not positive definite."""
+        damped = self.matrix + damping * np.eye(self.matrix.shape[0])
+        try:
+            factor = linalg.cho_factor(damped, overwrite_a=True, check_finite=False)
+        except linalg.LinAlgError:
+            return None
+        solution = linalg.cho_solve(factor, self.gradient, check_finite=False)
+        return np.asarray(-(self.directions @ solution), dtype=np.float64)
+
+
+def _improve(
+    residuals: Callable[[Floats], Floats],
+    parameters: Floats,
+    current: Floats,
+    weights: Floats,
+    equations: NormalEquations,
+) -> tuple[Floats, Floats, float]:
+    """Return better parameters, their residuals and the rms change of the residuals."""
+    cost = _cost(current, weights)
+    damping = 0.0
+    for _ in range(30):
+        step = equations.step(damping)
+        if step is not None:
+            trial = residuals(parameters + step)
+            change = float(np.sqrt(np.mean((trial - current) ** 2)))
+            if _cost(trial, weights) < cost:
+                return parameters + step, trial, change
+            if change < STEP_TOLERANCE:
+                # At the minimum rounding decides whether the cost still falls.
+                return parameters, current, change
+        damping = max(10.0 * damping, 1e-9)
+    raise ConvergenceError(
+        "the residuals do not fall in any direction; look for rows that are not finite or mixed up"
+    )
+
+
+def _cost(residuals: Floats, weights: Floats) -> float:
+    weighted = residuals * weights
+    cost = float(weighted @ weighted)
+    return cost if np.isfinite(cost) else np.inf
+
+
+def _column_norms(matrix: Floats) -> Floats:
+    norms = np.sqrt(np.einsum("ij,ij->j", matrix, matrix))
+    return np.where(norms > 0.0, norms, 1.0)

@@ -1,0 +1,71 @@
+"""Residuals of single rows: studentised, their leverage, their influence."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from catseye.calibration.core.projection import Projection
+from catseye.calibration.core.types import Floats
+
+NORMAL_MAD = 0.6744897501960817
+"""Median of the modulus of a standard normal error."""
+
+_DETERMINED = 1e-10
+"""A row whose leverage comes closer to 1 than this determines a parameter alone; nothing speaks about it."""
+
+
+@dataclass(frozen=True)
+class StudentisedResiduals:
+    """Residuals in their own standard deviations; NaN where a row determines a parameter alone.
+
+    Attributes:
+        leverage: share that a row has in its own fitted value, shape (n,); they add up to the free parameters.
+        internal: residual over its standard deviation s √(1 − h), s from all residuals, shape (n,).
+        external: the same with s from the other residuals; Student's t with dof − 1, shape (n,).
+        cook: Cook's distance: how far the estimate moves without the row, in its own confidence region.
+        normalised: residual over its stated standard uncertainty, shared errors included, shape (n,); None when no
+            uncertainty is stated. Shared errors make neighbours alike and `external` too large where their effect is
+            large; this one takes them into account.
+    """
+
+    leverage: Floats
+    internal: Floats
+    external: Floats
+    cook: Floats
+    normalised: Floats | None
+
+
+def studentised(projection: Projection, stated: bool) -> StudentisedResiduals:
+    """Return the studentised residuals of a fit (Cook and Weisberg, "Residuals and Influence in Regression").
+
+    Args:
+        projection: of the fit.
+        stated: the weights are stated uncertainties.
+    """
+    free = projection.orthonormal.shape[1]
+    leverage = np.einsum("ij,ij->i", projection.orthonormal, projection.orthonormal)
+    own = np.where(1.0 - leverage > _DETERMINED, 1.0 - leverage, np.nan)
+    scatter = projection.square / projection.dof
+    internal = projection.residuals / np.sqrt(own * scatter) if scatter > 0.0 else 0.0 * own
+    others = np.maximum(projection.dof - internal**2, 0.0) / max(projection.dof - 1, 1)
+    with np.errstate(divide="ignore"):
+        external = internal / np.sqrt(others)
+    common = np.einsum("ij,ij->i", projection.effects, projection.effects)
+    return StudentisedResiduals(
+        leverage=leverage,
+        internal=internal,
+        external=external,
+        cook=internal**2 * leverage / (own * free),
+        normalised=projection.residuals / np.sqrt(own + common) if stated else None,
+    )
+
+
+def robustly_studentised(projection: Projection) -> Floats:
+    """Return externally studentised residuals with a robust scale, shape (n,); NaN where a row stands alone.
+
+    The scale is 1.4826 times the median modulus of the studentised residuals, which outliers hardly move.
+    """
+    own = 1.0 - np.einsum("ij,ij->i", projection.orthonormal, projection.orthonormal)
+    raw = projection.residuals / np.sqrt(np.where(own > _DETERMINED, own, np.nan))
+    scale = float(np.nanmedian(np.abs(raw))) / NORMAL_MAD
+    return raw / max(scale, 1e-9 * float(np.mean(projection.weights)))

@@ -1,0 +1,8 @@
+"""Array types of the kinematics, which import nothing of ours."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]

@@ -1,0 +1,147 @@
+"""Distances of many draws of one plan at once.
+
+The gradient needs no dense Jacobian: commands that repeat share their trigonometry, and what is linear is sparse.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import sparse
+
+from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.scara.distance_model import DistanceModel
+
+
+@dataclass(frozen=True)
+class BatchedDistances:
+    """Rows of a Monte Carlo; m distinct arm states among n distances, p parameters.
+
+    Attributes:
+        model: the distances, their commands and the order of the parameters.
+        squares: squares of the weights, shape (n, 1).
+        command_rad: θ1 and θ2 commands of the states, shape (2, m, 1).
+        to_states: parameters to L1, L2, θ1 and θ2 of the states, shape (4 m, p).
+        from_states: its transpose.
+        to_rows: parameters to minus reflector x, y and to what is added to the lengths, shape (3 n, p).
+        from_rows: its transpose.
+        state: state of each distance, shape (n,).
+        gather: sums distances over their state, shape (m, n).
+    """
+
+    model: DistanceModel
+    squares: Floats
+    command_rad: Floats
+    to_states: sparse.csr_array
+    from_states: sparse.csr_array
+    to_rows: sparse.csr_array
+    from_rows: sparse.csr_array
+    state: Ints
+    gather: sparse.csr_array
+
+    @classmethod
+    def of(cls, model: DistanceModel) -> "BatchedDistances":
+        """Prepare a plan."""
+        first, state = _distinct_states(model)
+        to_states, to_rows = _arm_matrix(model, first), _row_matrix(model)
+        rows, commands = np.arange(state.size), model.design.commands
+        return cls(
+            model=model,
+            squares=(model.weights**2)[:, None],
+            command_rad=np.stack([commands.theta1_rad, commands.theta2_rad])[:, first, None],
+            to_states=to_states,
+            from_states=to_states.T.tocsr(),
+            to_rows=to_rows,
+            from_rows=to_rows.T.tocsr(),
+            state=state,
+            gather=sparse.csr_array((np.ones(rows.size), (state, rows)), shape=(first.size, rows.size)),
+        )
+
+    @property
+    def measured_mm(self) -> Floats:
+        """Measured displacements, mm, shape (n,)."""
+        return self.model.points.displacement_mm
+
+    def with_measured(self, measured_mm: Floats) -> DistanceModel:
+        """Return the model of a draw's displacements, mm, shape (n,)."""
+        return replace(self.model, points=replace(self.model.points, displacement_mm=measured_mm))
+
+    def gradient(self, values: Floats, measured_mm: Floats) -> Floats:
+        """Return half the gradient of the weighted sums of squared residuals.
+
+        Args:
+            values: of the parameters, one column a draw, shape (p, b).
+            measured_mm: displacements, one column a draw, shape (n, b).
+
+        Returns:
+            The exact Jᵀ W² r, shape (p, b).
+        """
+        draws = values.shape[1]
+        link1, link2, theta1, theta2 = (self.to_states @ values).reshape(4, -1, draws)
+        theta1 += self.command_rad[0]
+        both = theta1 + theta2
+        both += self.command_rad[1]
+        cos1, sin1, cos12, sin12 = np.cos(theta1), np.sin(theta1), np.cos(both), np.sin(both)
+        x2, y2 = link2 * cos12, link2 * sin12
+        x, y = link1 * cos1 + x2, link1 * sin1 + y2
+        # Overwritten step by step: beam and residual, then the pull of each distance on its ends.
+        rows = (self.to_rows @ values).reshape(3, -1, draws)
+        beam_x, beam_y, residual = rows
+        beam_x += x[self.state]
+        beam_y += y[self.state]
+        length = beam_x * beam_x
+        length += beam_y * beam_y
+        np.sqrt(length, out=length)
+        residual += length
+        residual -= measured_mm
+        residual *= self.squares
+        np.divide(residual, length, out=length)
+        beam_x *= length
+        beam_y *= length
+        force_x, force_y = self.gather @ beam_x, self.gather @ beam_y
+        on_states = np.stack(
+            [
+                cos1 * force_x + sin1 * force_y,
+                cos12 * force_x + sin12 * force_y,
+                x * force_y - y * force_x,
+                x2 * force_y - y2 * force_x,
+            ]
+        )
+        gradient = self.from_states @ on_states.reshape(-1, draws)
+        gradient += self.from_rows @ rows.reshape(-1, draws)
+        return np.asarray(gradient, dtype=np.float64)
+
+
+def _distinct_states(model: DistanceModel) -> tuple[Ints, Ints]:
+    """Return a row of each distinct arm state, and the state of each distance."""
+    commands, terms = model.design.commands, model.layout.terms
+    acting = [i for i, term in enumerate(terms) if term.target != "length"]
+    columns = [commands.theta1_rad, commands.theta2_rad, commands.direction1, commands.direction2]
+    table = np.column_stack([*columns, model.design.extra[:, acting]])
+    _, first, state = np.unique(table, axis=0, return_index=True, return_inverse=True)
+    return first, np.ravel(state)
+
+
+def _arm_matrix(model: DistanceModel, rows: Ints) -> sparse.csr_array:
+    """Return how L1, L2, θ1 and θ2 of the states follow from all parameters."""
+    blocks = []
+    for quantity in range(4):
+        local = np.zeros((len(model.points), 4))
+        local[:, quantity] = 1.0
+        blocks.append(model.design.spread(local)[rows])
+    arm = np.vstack(blocks)
+    return sparse.csr_array(np.hstack([arm, np.zeros((arm.shape[0], model.layout.size - arm.shape[1]))]))
+
+
+def _row_matrix(model: DistanceModel) -> sparse.csr_array:
+    """Return what the parameters add to each distance's beam, in x and y, and to its length."""
+    layout, points = model.layout, model.points
+    rows = np.arange(len(points))
+    x, y, added = np.zeros((3, len(points), layout.size))
+    place = layout.reflectors.start + 2 * points.reflector
+    x[rows, place] = -1.0
+    y[rows, place + 1] = -1.0
+    added[rows, layout.dead_path.start + points.dead_path] = -1.0
+    for i, term in enumerate(layout.terms):
+        if term.target == "length":
+            added[:, layout.extension.start + i] = model.design.extra[:, i]
+    return sparse.csr_array(np.vstack([x, y, added]))

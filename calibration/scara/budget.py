@@ -1,0 +1,235 @@
+"""The error budget of a distance: contributors, what each does to the distances, and what it has in common.
+
+Distances that share an error do not average it out. Each contributor therefore says what it is common to: nothing
+(every reading draws anew), the pose, the angle of an axis, or the whole measurement.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from catseye.calibration.core.budget import (
+    Distribution,
+    Shared,
+    White,
+    harmonics,
+    per_angle,
+    per_group,
+    stacked,
+)
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.extension import Term, term_values
+from catseye.calibration.scara.points import Points
+from catseye.calibration.scara.radial import axis_frame
+
+Kind = Literal["length", "scale", "position", "angle", "radial", "direction"]
+"""What is uncertain: the distance, its scale, the position of the J4 axis, a joint's angle, the place of a joint's
+axis, the direction of the beam."""
+
+Correlation = Literal["reading", "pose", "axis-angle", "common"]
+"""What shares one and the same error: nothing, a pose, an angle of an axis, the whole measurement."""
+
+Axis = Literal["j1", "j2", "j4"]
+
+_ALLOWED: dict[Kind, tuple[Correlation, ...]] = {
+    "length": ("reading", "pose", "axis-angle", "common"),
+    "scale": ("reading", "common"),
+    "position": ("reading", "pose", "common"),
+    "angle": ("reading", "axis-angle", "common"),
+    "radial": ("axis-angle",),
+    "direction": ("reading",),
+}
+
+
+@dataclass(frozen=True)
+class Contributor:
+    """One line of the budget.
+
+    Attributes:
+        name: what a reader calls it.
+        kind: what is uncertain.
+        u: standard uncertainty: mm (length, position, radial), rad (angle, direction), a share (scale).
+        correlation: what shares the error.
+        axis: whose angle repeats it (axis-angle), or whose angle is uncertain (angle).
+        distribution: of a draw.
+        orders: harmonics 1…orders of the angle share an axis-angle error evenly.
+        dof: degrees of freedom of u.
+    """
+
+    name: str
+    kind: Kind
+    u: float
+    correlation: Correlation = "reading"
+    axis: Axis | None = None
+    distribution: Distribution = "normal"
+    orders: int = 5
+    dof: float = math.inf
+
+    def __post_init__(self) -> None:
+        if self.correlation not in _ALLOWED[self.kind]:
+            raise ValueError(
+                f"{self.name}: kind {self.kind} cannot be correlated per {self.correlation}; "
+                f"possible: {', '.join(_ALLOWED[self.kind])}"
+            )
+        needed = self.kind in {"radial", "angle"} or self.correlation == "axis-angle"
+        if needed and self.axis is None:
+            raise ValueError(f"{self.name}: say which axis: j1, j2 or j4")
+        if self.kind == "angle" and self.axis == "j4":
+            raise ValueError(
+                f"{self.name}: the angle of J4 acts on the direction of the beam: kind direction"
+            )
+
+
+@dataclass(frozen=True)
+class Budget:
+    """All contributors."""
+
+    contributors: tuple[Contributor, ...]
+
+    @property
+    def white(self) -> tuple[Contributor, ...]:
+        """Contributors that differ from reading to reading."""
+        return tuple(one for one in self.contributors if one.correlation == "reading")
+
+    @property
+    def systematic(self) -> tuple[Contributor, ...]:
+        """Contributors that several distances have in common."""
+        return tuple(one for one in self.contributors if one.correlation != "reading")
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """How distances answer to the arm.
+
+    Attributes:
+        points: where the arm was sent, n rows.
+        unit: unit vectors from the reflector to the arm, shape (n, 2).
+        length_mm: lengths of the beam, shape (n,).
+        turn_mm: derivatives of the distance by θ1 and θ2, mm/rad, shape (n, 2).
+        terms: functions beyond the model that are identified with the arm.
+    """
+
+    points: Points
+    unit: Floats
+    length_mm: Floats
+    turn_mm: Floats
+    terms: tuple[Term, ...] = ()
+
+
+def white_mm(contributor: Contributor, geometry: Geometry) -> Floats:
+    """Return the standard uncertainty that a white contributor gives each distance, mm, shape (n,)."""
+    columns = _columns(contributor, geometry)
+    if contributor.kind == "position":
+        # Independent in x and y: along any beam it is the same.
+        return np.full(len(geometry.points), contributor.u)
+    return np.abs(columns[:, 0]) * contributor.u
+
+
+def combined_white_mm(budget: Budget, geometry: Geometry) -> Floats:
+    """Return the standard uncertainty of each distance from all white contributors, mm, shape (n,)."""
+    squares = [white_mm(one, geometry) ** 2 for one in budget.white]
+    return np.sqrt(np.sum(squares, axis=0)) if squares else np.zeros(len(geometry.points))
+
+
+def effects(contributor: Contributor, geometry: Geometry) -> Floats:
+    """Return what independent unit-variance sources of a systematic contributor do to the distances.
+
+    What J4 does at its angle is a Fourier series of that angle. Orders that are identified as terms (a J4 map) are
+    left out: there the map says what J4 did, and is no longer uncertain by how much J4 might do.
+
+    Returns:
+        Effects, mm, shape (n, m); the covariance that they give the distances is E Eᵀ.
+    """
+    columns = contributor.u * _columns(contributor, geometry)
+    match contributor.correlation:
+        case "common":
+            return columns
+        case "pose":
+            return per_group(columns, geometry.points.commands.poses())
+        case _:
+            angle = _angle(contributor.axis, geometry)
+            repeated = per_angle(columns, angle, contributor.orders)
+            known = tuple(
+                term for term in geometry.terms if (term.target, term.source) == ("length", "theta4")
+            )
+            if contributor.axis != "j4" or not known:
+                return repeated
+            return repeated - term_values(known, {"theta4": angle}, angle.size) @ _described(
+                contributor, known
+            )
+
+
+def _described(contributor: Contributor, known: tuple[Term, ...]) -> Floats:
+    """Return how much of each source of a J4 contributor terms describe, shape (terms, sources).
+
+    They are Fourier coefficients, exact from values around the whole circle.
+    """
+    values = 4 * (contributor.orders + max(term.order for term in known))
+    angle = 2.0 * np.pi * np.arange(values) / values
+    # The beam's angle against link 2 is θ4 itself, and the unit vectors point the other way.
+    beam = np.ones((values, 1)) if contributor.kind == "length" else -harmonics(angle, 1)
+    sources = per_angle(contributor.u * beam, angle, contributor.orders)
+    return np.asarray(2.0 / values * term_values(known, {"theta4": angle}, values).T @ sources)
+
+
+def white_errors(budget: Budget, geometry: Geometry, share: Floats) -> tuple[White, ...]:
+    """Return the white contributors as errors of the distances.
+
+    Args:
+        budget: contributors.
+        geometry: how the distances answer to the arm.
+        share: of each contributor's uncertainty that counts, shape (n,).
+    """
+    return tuple(
+        White(
+            one.name,
+            share * white_mm(one, geometry),
+            one.distribution,
+            one.dof,
+            one.u if one.kind == "direction" and one.u > 0.0 else None,
+        )
+        for one in budget.white
+    )
+
+
+def shared_errors(budget: Budget | None, geometry: Geometry) -> tuple[Shared, ...]:
+    """Return the systematic contributors as errors that distances have in common."""
+    systematic = () if budget is None else budget.systematic
+    return tuple(Shared(one.name, effects(one, geometry), one.distribution, one.dof) for one in systematic)
+
+
+def systematic_effects(budget: Budget | None, geometry: Geometry) -> Floats:
+    """Return the effects of all systematic contributors, mm, shape (n, m)."""
+    return stacked(shared_errors(budget, geometry), len(geometry.points))
+
+
+def _columns(contributor: Contributor, geometry: Geometry) -> Floats:
+    """Return what a unit of the uncertain quantity does to each distance, shape (n, 1) or (n, 2)."""
+    match contributor.kind:
+        case "length":
+            return np.ones((len(geometry.points), 1))
+        case "scale":
+            return geometry.points.displacement_mm[:, None]
+        case "position":
+            return geometry.unit
+        case "angle":
+            return geometry.turn_mm[:, [0 if contributor.axis == "j1" else 1]]
+        case "direction":
+            # A cosine error is of second order: L δ²/2 scatters by L u²/√2.
+            return (geometry.length_mm * contributor.u / math.sqrt(2.0))[:, None]
+        case "radial":
+            commands = geometry.points.commands
+            frame = {"j1": 0.0 * commands.theta1_rad, "j2": commands.theta1_rad}
+            turned = frame.get(str(contributor.axis), commands.theta1_rad + commands.theta2_rad)
+            return axis_frame(geometry.unit, turned)
+
+
+def _angle(axis: Axis | None, geometry: Geometry) -> Floats:
+    commands, unit = geometry.points.commands, geometry.unit
+    if axis == "j1":
+        return commands.theta1_rad
+    if axis == "j2":
+        return commands.theta2_rad
+    return np.arctan2(-unit[:, 1], -unit[:, 0]) - commands.theta1_rad - commands.theta2_rad

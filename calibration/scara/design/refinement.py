@@ -1,0 +1,41 @@
+"""Moving chosen places off the grid: a compass search that keeps every constraint."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from catseye.calibration.core.types import Floats
+
+_DIRECTIONS = np.array([[1, 0], [0, 1], [-1, 0], [0, -1], [1, 1], [-1, 1], [-1, -1], [1, -1]], dtype=float)
+
+
+def refine(
+    places_mm: Floats, value: Callable[[Floats], float], step_mm: float, finest_mm: float = 1.0
+) -> tuple[Floats, float]:
+    """Improve a layout by moving one reflector at a time in eight directions, with ever smaller steps.
+
+    Args:
+        places_mm: layout, mm, shape (k, 2).
+        value: criterion of a layout; infinite where it breaks a constraint.
+        step_mm: first step.
+        finest_mm: last step; places stay multiples of it apart.
+
+    Returns:
+        The layout and its value, which is never above that of the start.
+    """
+    places, best = places_mm.copy(), value(places_mm)
+    step = max(finest_mm, float(np.ceil(step_mm / finest_mm)) * finest_mm)
+    while True:
+        moved = False
+        for k in range(len(places)):
+            for direction in _DIRECTIONS:
+                trial = places.copy()
+                trial[k] += step * direction
+                reached = value(trial)
+                if reached < best:
+                    places, best, moved = trial, reached, True
+        if moved:
+            continue
+        if step <= finest_mm:
+            return places, best
+        step = max(finest_mm, float(np.floor(0.5 * step / finest_mm)) * finest_mm)

@@ -1,0 +1,193 @@
+"""Harmonics that a fit leaves: amplitude, uncertainty and false-alarm probability of each order, and its aliases."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from catseye.calibration.core.projection import addition
+from catseye.calibration.core.significance import SIGNIFICANCE, adjusted
+from catseye.calibration.core.types import Bools, Floats
+from catseye.calibration.scara.diagnostics.projection import DistanceProjection
+from catseye.calibration.scara.extension import Source, Target
+from catseye.calibration.scara.pointing import beam_turn_rad
+
+_SAME = 1.0 - 1e-9
+"""Two orders whose waves at the commands correlate more than this are one."""
+
+SERIES: tuple[tuple[Target, Source], ...] = (
+    ("theta1", "theta1"),
+    ("theta2", "theta2"),
+    ("theta1", "theta2"),
+    ("theta2", "theta1"),
+    ("length", "theta4"),
+)
+"""What may vary with which angle: each joint with its own, with the other's, the distance with the beam's."""
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """One order of one series.
+
+    Attributes:
+        target: what varies: a joint's angle or the distance.
+        source: angle that it varies with.
+        order: multiple of the angle.
+        aliases: higher orders that take the same values at the commands.
+        amplitude: rad for a joint, mm for the distance.
+        u: standard uncertainty of each of both parts, along the wave found.
+        explained_um: standard deviation of a distance that it would explain, µm.
+        probability: that chance alone gives an order this clear among all that were looked at; white errors.
+        probability_stated: the same with the stated systematic contributors.
+    """
+
+    target: Target
+    source: Source
+    order: int
+    aliases: tuple[int, ...]
+    amplitude: float
+    u: float
+    explained_um: float
+    probability: float
+    probability_stated: float
+
+    @property
+    def significant(self) -> bool:
+        """White errors alone do not look like this."""
+        return self.probability < SIGNIFICANCE
+
+    @property
+    def explained(self) -> bool:
+        """The stated systematic contributors account for it."""
+        return self.probability_stated >= SIGNIFICANCE
+
+
+@dataclass(frozen=True)
+class HarmonicSeries:
+    """All orders of one series.
+
+    Attributes:
+        target: what varies.
+        source: angle that it varies with.
+        harmonics: orders that the model leaves, ascending.
+        absorbed: orders that the model takes up at these commands, so that nothing can be said of them.
+    """
+
+    target: Target
+    source: Source
+    harmonics: tuple[Harmonic, ...]
+    absorbed: tuple[int, ...]
+
+
+def harmonic_series(
+    projection: DistanceProjection, nominal_mm: tuple[float, float], reflectors_mm: Floats, orders: int = 120
+) -> list[HarmonicSeries]:
+    """Return orders 1 … `orders` of every series; of orders that are one at the commands the lowest stands for all.
+
+    Args:
+        projection: of the fit.
+        nominal_mm: nominal links, mm.
+        reflectors_mm: places that the beam was aimed at, mm, shape (reflectors, 2).
+        orders: highest order.
+    """
+    commands = projection.points.commands
+    angles: dict[Source, Floats] = {
+        "theta1": commands.theta1_rad,
+        "theta2": commands.theta2_rad,
+        "theta4": beam_turn_rad(projection.points, nominal_mm, reflectors_mm),
+    }
+    found = [_series(projection, target, source, angles[source], orders) for target, source in SERIES]
+    tests = sum(len(one.harmonics) for one in found)
+    return [replace(one, harmonics=tuple(_corrected(h, tests) for h in one.harmonics)) for one in found]
+
+
+def _corrected(one: Harmonic, tests: int) -> Harmonic:
+    return replace(
+        one,
+        probability=adjusted(one.probability, tests),
+        probability_stated=adjusted(one.probability_stated, tests),
+    )
+
+
+def _series(
+    projection: DistanceProjection, target: Target, source: Source, angle_rad: Floats, orders: int
+) -> HarmonicSeries:
+    gain = projection.geometry.turn_mm
+    factor = {"theta1": gain[:, 0], "theta2": gain[:, 1]}.get(target, np.ones(angle_rad.size))
+    harmonics, absorbed = [], []
+    # A distance owes its first order of θ4 to dead path, L2 and the mean of the J2 map: nothing of it is left.
+    for order, aliases in aliased_orders(angle_rad, range(2 if target == "length" else 1, orders + 1)):
+        one = _harmonic(projection, (target, source), factor, angle_rad, (order, aliases))
+        if one is None:
+            absorbed += [order, *aliases]
+        else:
+            harmonics.append(one)
+    return HarmonicSeries(target, source, tuple(harmonics), tuple(sorted(absorbed)))
+
+
+def _harmonic(
+    projection: DistanceProjection,
+    series: tuple[Target, Source],
+    factor: Floats,
+    angle_rad: Floats,
+    order: tuple[int, tuple[int, ...]],
+) -> Harmonic | None:
+    found = addition(projection, factor[:, None] * _wave(angle_rad, order[0]))
+    if found is None:
+        return None
+    amplitude = float(np.hypot(*found.coefficients))
+    along = found.coefficients / amplitude if amplitude > 0.0 else np.array([1.0, 0.0])
+    return Harmonic(
+        *series,
+        *order,
+        amplitude=amplitude,
+        u=float(np.sqrt(along @ found.covariance @ along)),
+        explained_um=found.explained_um,
+        probability=found.probability,
+        probability_stated=found.probability_stated,
+    )
+
+
+def _wave(angle_rad: Floats, order: int) -> Floats:
+    wave = np.column_stack([np.cos(order * angle_rad), np.sin(order * angle_rad)])
+    wave[np.abs(wave) < 1e-11] = 0.0
+    return wave
+
+
+def aliased_orders(angle_rad: Floats, orders: Sequence[int]) -> list[tuple[int, tuple[int, ...]]]:
+    """Return orders that differ at the commands, each with those that take the same values there.
+
+    Args:
+        angle_rad: command angles, rad, shape (n,).
+        orders: to tell apart, ascending.
+
+    Returns:
+        The lowest order of each group and its aliases; an order that is constant at the commands is none.
+    """
+    distinct = angle_rad[np.unique(np.round(angle_rad, 9), return_index=True)[1]]
+    bases = [_basis(distinct, order) for order in orders]
+    groups: list[tuple[int, Floats, list[int]]] = []
+    for order, basis in zip(orders, bases, strict=True):
+        if basis.shape[1] == 0:
+            continue
+        known = next((group for group in groups if _same(group[1], basis)), None)
+        if known is None:
+            groups.append((order, basis, []))
+        else:
+            known[2].append(order)
+    return [(order, tuple(aliases)) for order, _, aliases in groups]
+
+
+def _basis(angle_rad: Floats, order: int) -> Floats:
+    """Return an orthonormal basis of what an order adds to a constant, shape (angles, 0…2)."""
+    wave = _wave(angle_rad, order)
+    centred = wave - wave.mean(axis=0)
+    left, values, _ = np.linalg.svd(centred, full_matrices=False)
+    known: Bools = values > 1e-8 * np.sqrt(angle_rad.size)
+    return np.asarray(left[:, known], dtype=np.float64)
+
+
+def _same(one: Floats, other: Floats) -> bool:
+    if one.shape[1] != other.shape[1]:
+        return False
+    return bool(np.linalg.svd(one.T @ other, compute_uv=False)[-1] > _SAME)

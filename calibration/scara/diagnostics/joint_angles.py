@@ -1,0 +1,98 @@
+"""Residuals against each joint angle: is there a pattern along J1, J2 or J4 that the model leaves?"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from catseye.calibration.core.projection import addition
+from catseye.calibration.core.significance import SIGNIFICANCE
+from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.scara.diagnostics.projection import DistanceProjection
+from catseye.calibration.scara.pointing import beam_turn_rad
+
+_MOST_LEVELS = 40
+_BIN_RAD = np.deg2rad(10.0)
+
+
+@dataclass(frozen=True)
+class AnglePattern:
+    """Mean residuals over the levels of one joint's angle, with a test whether they differ.
+
+    Attributes:
+        joint: 1, 2, or 4 for the beam's angle against link 2.
+        angle_deg: mean angle of each level, °.
+        mean_um: mean residual of each level (predicted minus measured), µm.
+        count: distances of each level.
+        explained_um: standard deviation of a distance that levels of their own would explain, µm.
+        ratio: F; None when the model absorbs a level of its own for each angle.
+        dof: independent levels that the model leaves.
+        probability: of a ratio this large, white errors.
+        probability_stated: of a ratio this large, stated contributors included.
+    """
+
+    joint: int
+    angle_deg: Floats
+    mean_um: Floats
+    count: Ints
+    explained_um: float
+    ratio: float | None
+    dof: int
+    probability: float
+    probability_stated: float
+
+    @property
+    def significant(self) -> bool:
+        """White errors alone do not look like this."""
+        return self.probability < SIGNIFICANCE
+
+    @property
+    def explained(self) -> bool:
+        """The stated systematic contributors account for it."""
+        return self.probability_stated >= SIGNIFICANCE
+
+
+def angle_patterns(
+    projection: DistanceProjection, nominal_mm: tuple[float, float], reflectors_mm: Floats
+) -> list[AnglePattern]:
+    """Return the residuals against θ1, θ2 and θ4.
+
+    Args:
+        projection: of the fit.
+        nominal_mm: nominal links, mm.
+        reflectors_mm: places that the beam was aimed at, mm, shape (reflectors, 2).
+    """
+    points = projection.points
+    angles = {
+        1: points.commands.theta1_rad,
+        2: points.commands.theta2_rad,
+        4: beam_turn_rad(points, nominal_mm, reflectors_mm),
+    }
+    return [_pattern(projection, joint, angle) for joint, angle in angles.items()]
+
+
+def _pattern(projection: DistanceProjection, joint: int, angle_rad: Floats) -> AnglePattern:
+    level = _levels(angle_rad)
+    count = np.bincount(level)
+    member = np.zeros((angle_rad.size, count.size))
+    member[np.arange(angle_rad.size), level] = 1.0
+    residual_um = 1e3 * projection.residuals / projection.weights
+    found = addition(projection, member)
+    return AnglePattern(
+        joint=joint,
+        angle_deg=np.rad2deg(np.bincount(level, angle_rad) / count),
+        mean_um=np.bincount(level, residual_um) / count,
+        count=count.astype(np.int64),
+        explained_um=0.0 if found is None else found.explained_um,
+        ratio=None if found is None else found.ratio,
+        dof=0 if found is None else found.dof,
+        probability=1.0 if found is None else found.probability,
+        probability_stated=1.0 if found is None else found.probability_stated,
+    )
+
+
+def _levels(angle_rad: Floats) -> Ints:
+    """Return the number of each row's level: its angle, or its bin of 10° where angles are many, shape (n,)."""
+    distinct, number = np.unique(np.round(angle_rad, 6), return_inverse=True)
+    if distinct.size > _MOST_LEVELS:
+        number = np.unique(np.floor(angle_rad / _BIN_RAD), return_inverse=True)[1]
+    return np.asarray(np.ravel(number), dtype=np.int64)

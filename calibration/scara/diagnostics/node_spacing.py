@@ -1,0 +1,150 @@
+"""How far apart may the nodes stand? Information criteria and cross-validation of other grids of nodes."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.core.significance import aicc, bic
+from catseye.calibration.core.types import Bools, Floats
+from catseye.calibration.scara.diagnostics.folds import predicted_residuals
+from catseye.calibration.scara.diagnostics.problem import Problem
+from catseye.calibration.scara.diagnostics.projection import projection_of
+
+_COARSER = (1, 2, 3)
+"""Every node, every second, every third."""
+
+_OFF_NODE_RAD = 1e-6
+
+
+@dataclass(frozen=True)
+class Grid:
+    """One choice of nodes.
+
+    Attributes:
+        name: what it is.
+        nodes1_rad: nodes of J1, rad.
+        nodes2_rad: nodes of J2, rad.
+        refused: why it could not be identified; empty when it was.
+        free: free parameters.
+        rms_um: rms of the residuals, µm.
+        aicc: information criterion.
+        bic: information criterion.
+        predicted_um: rms of sweeps of J2 that the others predict, µm, over the distances that every grid predicts.
+    """
+
+    name: str
+    nodes1_rad: Floats
+    nodes2_rad: Floats
+    refused: str
+    free: int
+    rms_um: float
+    aicc: float
+    bic: float
+    predicted_um: float
+
+
+@dataclass(frozen=True)
+class NodeSpacing:
+    """All grids that were tried.
+
+    Attributes:
+        grids: the present one first.
+        between1: commands of J1 stand between its nodes too, so that finer nodes can be judged.
+        between2: the same of J2.
+    """
+
+    grids: tuple[Grid, ...]
+    between1: bool
+    between2: bool
+
+    @property
+    def by_aicc(self) -> Grid:
+        """The grid that Akaike's criterion prefers."""
+        return min(self.grids, key=lambda one: one.aicc)
+
+    @property
+    def by_bic(self) -> Grid:
+        """The grid that Schwarz's criterion prefers."""
+        return min(self.grids, key=lambda one: one.bic)
+
+    @property
+    def by_prediction(self) -> Grid | None:
+        """The grid that predicts left-out sweeps best; None where none can."""
+        able = [one for one in self.grids if np.isfinite(one.predicted_um)]
+        return min(able, key=lambda one: one.predicted_um, default=None)
+
+
+def node_spacing(problem: Problem, progress: Callable[[str], None] = lambda _: None) -> NodeSpacing:
+    """Try coarser grids, and finer ones where commands stand between the nodes.
+
+    Args:
+        problem: distances with the present nodes.
+        progress: called with the name of each grid when its turn comes.
+
+    Raises:
+        CalibrationError: the present grid cannot be identified.
+    """
+    commands = problem.points.commands
+    between = (
+        _between(problem.nodes1_rad, commands.theta1_rad),
+        _between(problem.nodes2_rad, commands.theta2_rad),
+    )
+    choices1 = _choices(problem.nodes1_rad, between[0])
+    choices2 = _choices(problem.nodes2_rad, between[1])
+    present = replace(problem, points=problem.solve().points)
+    tried = []
+    for word1, nodes1 in choices1:
+        for word2, nodes2 in choices2:
+            name = f"J1 {word1} ({nodes1.size}), J2 {word2} ({nodes2.size})"
+            progress(name)
+            tried.append(_grid(present, name, nodes1, nodes2))
+    return NodeSpacing(_with_common_rows(tried), *between)
+
+
+def _between(nodes_rad: Floats, theta_rad: Floats) -> bool:
+    """Return whether a good part of the commands stands between the nodes."""
+    distance = np.min(np.abs(theta_rad[:, None] - nodes_rad[None, :]), axis=1)
+    return bool(np.mean(distance > _OFF_NODE_RAD) > 0.2)
+
+
+def _choices(nodes_rad: Floats, between: bool) -> list[tuple[str, Floats]]:
+    words = {1: "every node", 2: "every 2nd", 3: "every 3rd"}
+    choices = [(words[step], _thinned(nodes_rad, step)) for step in _COARSER]
+    distinct = [one for i, one in enumerate(choices) if i == 0 or one[1].size < choices[i - 1][1].size]
+    if between and nodes_rad.size > 1:
+        middle = (nodes_rad[1:] + nodes_rad[:-1]) / 2.0
+        distinct.append(("halved", np.sort(np.concatenate([nodes_rad, middle]))))
+    return distinct
+
+
+def _thinned(nodes_rad: Floats, step: int) -> Floats:
+    """Return every so many-th node; the last one stays, since a map is never extrapolated."""
+    kept = nodes_rad[::step]
+    return kept if kept[-1] == nodes_rad[-1] else np.append(kept, nodes_rad[-1])
+
+
+def _grid(problem: Problem, name: str, nodes1: Floats, nodes2: Floats) -> tuple[Grid, Floats | None]:
+    try:
+        identified = replace(problem, nodes1_rad=nodes1, nodes2_rad=nodes2).solve()
+    except CalibrationError as error:
+        return Grid(name, nodes1, nodes2, str(error), 0, np.nan, np.inf, np.inf, np.nan), None
+    projection = projection_of(identified)
+    size = (projection.square, len(identified.points), identified.fit.n_parameters)
+    grid = Grid(
+        name, nodes1, nodes2, "", size[2], identified.fit.rms_um, aicc(*size), bic(*size), predicted_um=np.nan
+    )
+    return grid, predicted_residuals(projection, "sweep")
+
+
+def _with_common_rows(tried: list[tuple[Grid, Floats | None]]) -> tuple[Grid, ...]:
+    """Work out the predictions over the distances that every grid predicts."""
+    known = [predicted for _, predicted in tried if predicted is not None]
+    common: Bools = np.all(np.isfinite(known), axis=0)
+    return tuple(
+        grid
+        if predicted is None or not common.any()
+        else replace(grid, predicted_um=1e3 * float(np.sqrt(np.mean(predicted[common] ** 2))))
+        for grid, predicted in tried
+    )

@@ -1,0 +1,140 @@
+"""Distances that a model predicts, their residuals and derivatives (Eqs 5 and 10)."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from catseye.calibration.core.budget import Shared, White
+from catseye.calibration.core.model import Parameters
+from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.scara.arm import ArmDesign, arm_design
+from catseye.calibration.scara.budget import (
+    Budget,
+    Geometry,
+    combined_white_mm,
+    shared_errors,
+    white_errors,
+)
+from catseye.calibration.scara.layout import Layout
+from catseye.calibration.scara.points import Points
+
+
+@dataclass(frozen=True)
+class DistanceModel:
+    """An arm seen through measured distances: a `catseye.calibration.core.model.Model`.
+
+    Attributes:
+        layout: order of the parameters.
+        points: what was measured, n rows.
+        design: the points' commands, prepared.
+        budget: contributors to the uncertainty of a distance; None for what the points state alone.
+    """
+
+    layout: Layout
+    points: Points
+    design: ArmDesign
+    budget: Budget | None = None
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """Names, units and gauge."""
+        return self.layout.parameters()
+
+    @property
+    def weights(self) -> Floats:
+        """Reciprocal white standard uncertainties, 1/mm, shape (n,); ones when none are stated."""
+        return self.points.weights
+
+    @property
+    def stated(self) -> bool:
+        """The points state their uncertainties."""
+        return self.points.sigma_mm is not None
+
+    @property
+    def repeats(self) -> Ints:
+        """Number of what each distance measures, shape (n,); maps tell directions of approach apart."""
+        return self.points.repeats(bidirectional=self.layout.model == "error-map")
+
+    def geometry(self, parameters: Floats) -> Geometry:
+        """Return how the distances answer to the arm at parameters of shape (p,)."""
+        length, unit = self.beam(parameters)
+        local = np.einsum("ni,nij->nj", unit, self.design.local_jacobian(parameters))
+        return Geometry(self.points, unit, length, local[:, 2:], self.layout.terms)
+
+    def white(self, parameters: Floats) -> tuple[White, ...]:
+        """Return the errors that differ from reading to reading."""
+        sigma = self.points.sigma_mm
+        if sigma is None:
+            return (White("scatter of the fit", np.ones(len(self.points))),)
+        if self.budget is None or not self.budget.white:
+            return (White("sigma_mm of the points", sigma),)
+        geometry = self.geometry(parameters)
+        # The weights were made at the starting values; what they are is what the contributors share.
+        return white_errors(self.budget, geometry, sigma / combined_white_mm(self.budget, geometry))
+
+    def shared(self, parameters: Floats) -> tuple[Shared, ...]:
+        """Return the errors that several distances have in common."""
+        return shared_errors(self.budget, self.geometry(parameters))
+
+    def residuals(self, parameters: Floats) -> Floats:
+        """Return predicted minus measured displacement, mm, shape (n,)."""
+        length = self.beam(parameters)[0] + self.design.added("length", parameters)
+        dead_path = parameters[self.layout.dead_path][self.points.dead_path]
+        return length - dead_path - self.points.displacement_mm
+
+    def jacobian(self, parameters: Floats) -> Floats:
+        """Return the derivatives of the residuals, shape (n, layout.size), mm/mm and mm/rad."""
+        _, unit = self.beam(parameters)
+        rows = np.arange(len(self.points))
+        jacobian = np.zeros((len(self.points), self.layout.size))
+        local = np.einsum("ni,nij->nj", unit, self.design.local_jacobian(parameters))
+        jacobian[:, : self.layout.arm_size] = self.design.spread(local)
+        for i, term in enumerate(self.layout.terms):
+            if term.target == "length":
+                jacobian[:, self.layout.extension.start + i] = self.design.extra[:, i]
+        place = self.layout.reflectors.start + 2 * self.points.reflector
+        jacobian[rows, place] = -unit[:, 0]
+        jacobian[rows, place + 1] = -unit[:, 1]
+        jacobian[rows, self.layout.dead_path.start + self.points.dead_path] = -1.0
+        return jacobian
+
+    def start(self, link1_mm: float, link2_mm: float, reflectors_mm: Floats) -> Floats:
+        """Return starting values: nominal arm, rough reflectors, dead paths that fit them.
+
+        Args:
+            link1_mm: nominal length of link 1, mm.
+            link2_mm: nominal length of link 2, mm.
+            reflectors_mm: rough places, mm, shape (reflectors, 2).
+        """
+        parameters = np.zeros(self.layout.size)
+        parameters[:2] = link1_mm, link2_mm
+        parameters[self.layout.reflectors] = np.ravel(reflectors_mm)
+        counts = np.bincount(self.points.dead_path, minlength=len(self.layout.dead_paths))
+        sums = np.bincount(
+            self.points.dead_path, self.residuals(parameters), minlength=len(self.layout.dead_paths)
+        )
+        parameters[self.layout.dead_path] = sums / counts
+        return parameters
+
+    def beam(self, parameters: Floats) -> tuple[Floats, Floats]:
+        """Return the beam's lengths, mm, shape (n,), and unit vectors from reflector to arm, shape (n, 2)."""
+        places = parameters[self.layout.reflectors].reshape(-1, 2)
+        beam = self.design.positions(parameters) - places[self.points.reflector]
+        length = np.hypot(beam[:, 0], beam[:, 1])
+        return length, beam / length[:, None]
+
+
+def distance_model(layout: Layout, points: Points, budget: Budget | None = None) -> DistanceModel:
+    """Prepare points for a model.
+
+    Args:
+        layout: order of the parameters.
+        points: what was measured.
+        budget: contributors to the uncertainty of a distance; None for what the points state alone.
+
+    Raises:
+        MapRangeError: a point lies outside the nodes.
+    """
+    design = arm_design(layout, points.commands, points.theta4_rad, points.elapsed_share)
+    return DistanceModel(layout, points, design, budget)

@@ -1,0 +1,165 @@
+"""From measured distances to the arm's parameters with their uncertainties."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from catseye.calibration.core.errors import BudgetError, InsufficientPointsError
+from catseye.calibration.core.estimation import Estimate, estimate
+from catseye.calibration.core.fit_statistics import FitStatistics
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.budget import Budget, combined_white_mm
+from catseye.calibration.scara.distance_model import DistanceModel, distance_model
+from catseye.calibration.scara.extension import Term
+from catseye.calibration.scara.layout import Layout, ModelName
+from catseye.calibration.scara.pointing import beam_turn_rad
+from catseye.calibration.scara.points import Points, without_short_segments
+
+
+@dataclass(frozen=True)
+class IdentifiedArm:
+    """What is known of an arm, without the reflectors that it was measured with.
+
+    Attributes:
+        layout: order of the parameters, no reflectors and no dead paths.
+        parameters: estimates, mm and rad, shape (p,).
+        covariance: of the estimates in the gauge of the layout, shape (p, p).
+    """
+
+    layout: Layout
+    parameters: Floats
+    covariance: Floats
+
+
+@dataclass(frozen=True)
+class Identification:
+    """An arm identified from distances.
+
+    Attributes:
+        layout: order of the parameters.
+        parameters: estimates, mm and rad, shape (p,).
+        covariance: of the estimates in the stated gauge, shape (p, p).
+        points: the distances that were used.
+        residuals_mm: predicted minus measured, shape (n,).
+        fit: quality of the fit.
+        rejected: sentences about what was left out.
+        budget: the contributors that its uncertainties were propagated from; None for the points' own sigma_mm.
+    """
+
+    layout: Layout
+    parameters: Floats
+    covariance: Floats
+    points: Points
+    residuals_mm: Floats
+    fit: FitStatistics
+    rejected: list[str]
+    budget: Budget | None = None
+
+    @property
+    def arm(self) -> IdentifiedArm:
+        """The arm alone."""
+        size = self.layout.arm_size
+        return IdentifiedArm(self.layout.of_arm(), self.parameters[:size], self.covariance[:size, :size])
+
+    @property
+    def model(self) -> DistanceModel:
+        """The distances as rows of the model."""
+        return distance_model(self.layout, self.points, self.budget)
+
+    @property
+    def estimate(self) -> Estimate:
+        """The estimate without what it is of."""
+        return Estimate(self.parameters, self.covariance, self.residuals_mm, self.fit)
+
+    @property
+    def standard_uncertainty(self) -> Floats:
+        """Standard uncertainties (k = 1) of the parameters, shape (p,)."""
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+
+def identify(
+    points: Points,
+    model: ModelName,
+    nodes1_rad: Floats,
+    nodes2_rad: Floats,
+    link1_mm: float,
+    link2_mm: float,
+    reflectors_mm: Floats,
+    budget: Budget | None = None,
+    terms: tuple[Term, ...] = (),
+) -> Identification:
+    """Identify the arm from distances.
+
+    Args:
+        points: measured distances.
+        model: "conventional" (L1, L2, θ20) or "error-map" (L1, L2, both maps).
+        nodes1_rad: nodes of the J1 map, rad, strictly increasing.
+        nodes2_rad: nodes of the J2 map, rad, strictly increasing.
+        link1_mm: nominal length of link 1, mm.
+        link2_mm: nominal length of link 2, mm.
+        reflectors_mm: rough places of points.reflector_names, mm, shape (reflectors, 2).
+        budget: contributors. What distances have in common widens the uncertainties beyond points.sigma_mm; where
+            the points state none, the white contributors give it. None for what the points state alone.
+        terms: functions beyond the model, each with a coefficient.
+
+    Raises:
+        MapRangeError: a point lies outside the nodes.
+        InsufficientPointsError: fewer points than parameters.
+        UnidentifiableError: null directions beyond the gauge; the parameters are named.
+        BudgetError: it states shared errors only.
+        ConvergenceError: the iteration does not settle.
+    """
+    used, rejected = without_short_segments(points)
+    rough = reflectors_mm[[points.reflector_names.index(name) for name in used.reflector_names]]
+    empty = np.zeros(0)
+    nodes = (nodes1_rad, nodes2_rad) if model == "error-map" else (empty, empty)
+    layout = Layout(model, *nodes, used.reflector_names, used.dead_paths, terms)
+    if any(term.source == "theta4" for term in terms):
+        used = replace(used, theta4_rad=beam_turn_rad(used, (link1_mm, link2_mm), rough))
+    _require_points(used, layout)
+    if budget is not None and used.sigma_mm is not None:
+        # What differs from reading to reading is stated with the points.
+        budget = Budget(budget.systematic)
+    distances = distance_model(layout, used, budget)
+    start = distances.start(link1_mm, link2_mm, rough)
+    if budget is not None and used.sigma_mm is None:
+        distances = _weighted(distances, start, budget)
+    found = estimate(distances, start)
+    return Identification(
+        layout,
+        found.values,
+        found.covariance,
+        distances.points,
+        found.residuals_mm,
+        found.fit,
+        rejected,
+        budget,
+    )
+
+
+def _weighted(distances: DistanceModel, start: Floats, budget: Budget) -> DistanceModel:
+    """Give the points the standard uncertainty that follows from the white contributors."""
+    sigma = combined_white_mm(budget, distances.geometry(start))
+    if not sigma.all():
+        _require_nothing_shared(budget)
+        return distances
+    return replace(distances, points=replace(distances.points, sigma_mm=sigma))
+
+
+def _require_nothing_shared(budget: Budget) -> None:
+    shared = [one.name for one in budget.systematic if one.u > 0.0]
+    if shared:
+        raise BudgetError(
+            f"the budget states {', '.join(shared)}, which several distances share, but nothing that differs from "
+            'reading to reading: add a contributor with correlation = "reading", as the repeatability of the robot, '
+            "or state sigma_mm with the points"
+        )
+
+
+def _require_points(points: Points, layout: Layout) -> None:
+    free = layout.gauge_basis().shape[1]
+    if len(points) <= free:
+        raise InsufficientPointsError(
+            f"{len(points)} usable distances cannot determine {free} parameters of the {layout.model} model: "
+            "measure more points, use fewer nodes or choose the conventional model"
+        )

@@ -1,0 +1,206 @@
+"""Measured distances, as columns."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from catseye.calibration.core.types import Bools, Floats, Ints
+
+
+@dataclass(frozen=True)
+class Commands:
+    """Command angles with their state of approach.
+
+    Attributes:
+        theta1_rad: J1 command angles, rad, shape (n,).
+        theta2_rad: J2 command angles, rad, shape (n,).
+        direction1: state of approach of J1, 1 or -1, shape (n,).
+        direction2: state of approach of J2, 1 or -1, shape (n,).
+    """
+
+    theta1_rad: Floats
+    theta2_rad: Floats
+    direction1: Ints
+    direction2: Ints
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return int(self.theta1_rad.size)
+
+    def select(self, rows: Bools | Ints) -> "Commands":
+        """Return the chosen rows."""
+        return Commands(
+            self.theta1_rad[rows], self.theta2_rad[rows], self.direction1[rows], self.direction2[rows]
+        )
+
+    def poses(self) -> Ints:
+        """Return the number of each row's pose, whatever its directions, shape (n,)."""
+        angles = np.column_stack([self.theta1_rad, self.theta2_rad])
+        return np.asarray(
+            np.unique(np.round(angles, 9), axis=0, return_inverse=True)[1], dtype=np.int64
+        ).ravel()
+
+
+@dataclass(frozen=True)
+class Points:
+    """Distances in measuring order.
+
+    Attributes:
+        commands: where the arm was sent.
+        reflector: index into reflector_names, shape (n,).
+        dead_path: index into dead_paths, shape (n,).
+        displacement_mm: distance relative to the zero of its segment, shape (n,).
+        sigma_mm: standard uncertainty of each distance, shape (n,), or None when it is not known.
+        reflector_names: names of the reflectors.
+        dead_paths: (reflector name, segment) of each dead path.
+        theta4_rad: angle of the beam against link 2, rad, shape (n,); None where nothing depends on it.
+        time_s: when each distance was measured, shape (n,); None when only the order is known.
+    """
+
+    commands: Commands
+    reflector: Ints
+    dead_path: Ints
+    displacement_mm: Floats
+    sigma_mm: Floats | None
+    reflector_names: tuple[str, ...]
+    dead_paths: tuple[tuple[str, int], ...]
+    theta4_rad: Floats | None = None
+    time_s: Floats | None = None
+
+    def __len__(self) -> int:
+        """Return the number of distances."""
+        return int(self.displacement_mm.size)
+
+    @property
+    def weights(self) -> Floats:
+        """Reciprocal standard uncertainties, 1/mm, shape (n,); ones when none are stated."""
+        return np.ones(len(self)) if self.sigma_mm is None else 1.0 / self.sigma_mm
+
+    def repeats(self, *, bidirectional: bool) -> Ints:
+        """Return the number of what each distance measures, shape (n,): reflector, dead path, θ1, θ2.
+
+        Args:
+            bidirectional: distances at a pose repeat each other whatever the directions of approach.
+        """
+        commands = self.commands
+        key = np.zeros(len(self), dtype=np.int64)
+        columns = [self.reflector, self.dead_path]
+        columns += [np.round(commands.theta1_rad, 9), np.round(commands.theta2_rad, 9)]
+        if not bidirectional:
+            columns += [commands.direction1, commands.direction2]
+        for column in columns:
+            values, number = np.unique(column, return_inverse=True)
+            key = key * values.size + number
+        return np.asarray(np.unique(key, return_inverse=True)[1], dtype=np.int64)
+
+    @property
+    def elapsed_share(self) -> Floats:
+        """Share of the measurement that had passed, less a half, shape (n,): by time or, without, by order."""
+        clock = np.arange(len(self), dtype=np.float64) if self.time_s is None else self.time_s
+        span = float(np.ptp(clock)) if clock.size else 0.0
+        return (clock - clock.min()) / span - 0.5 if span > 0.0 else np.zeros(len(self))
+
+    def rows(self, rows: Bools | Ints) -> "Points":
+        """Return the chosen rows; all dead paths and reflectors keep their names and numbers."""
+        return replace(
+            self,
+            commands=self.commands.select(rows),
+            reflector=self.reflector[rows],
+            dead_path=self.dead_path[rows],
+            displacement_mm=self.displacement_mm[rows],
+            sigma_mm=_rows_of(self.sigma_mm, rows),
+            theta4_rad=_rows_of(self.theta4_rad, rows),
+            time_s=_rows_of(self.time_s, rows),
+        )
+
+    def select(self, rows: Bools | Ints) -> "Points":
+        """Return the chosen rows; dead paths and reflectors that lose all rows are left out."""
+        kept = self.rows(rows)
+        paths, path_index = np.unique(kept.dead_path, return_inverse=True)
+        names, name_index = np.unique(kept.reflector, return_inverse=True)
+        return replace(
+            kept,
+            dead_path=path_index.astype(np.int64),
+            dead_paths=tuple(self.dead_paths[int(i)] for i in paths),
+            reflector=name_index.astype(np.int64),
+            reflector_names=tuple(self.reflector_names[int(i)] for i in names),
+        )
+
+
+def _rows_of(column: Floats | None, rows: Bools | Ints) -> Floats | None:
+    return None if column is None else column[rows]
+
+
+FEWEST = 3
+"""Distances that a segment needs to carry a dead path of its own."""
+
+
+def rows_of_long_segments(points: Points, fewest: int = FEWEST) -> Bools:
+    """Return which rows belong to segments of at least so many distances, shape (n,)."""
+    counts = np.bincount(points.dead_path, minlength=len(points.dead_paths))
+    return np.asarray((counts >= fewest)[points.dead_path], dtype=np.bool_)
+
+
+def concatenated(parts: Sequence[Points]) -> Points:
+    """Return the rows of several tables one after another; they have the names of the first."""
+    commands = [part.commands for part in parts]
+    return replace(
+        parts[0],
+        commands=Commands(
+            np.concatenate([one.theta1_rad for one in commands]),
+            np.concatenate([one.theta2_rad for one in commands]),
+            np.concatenate([one.direction1 for one in commands]),
+            np.concatenate([one.direction2 for one in commands]),
+        ),
+        reflector=np.concatenate([part.reflector for part in parts]),
+        dead_path=np.concatenate([part.dead_path for part in parts]),
+        displacement_mm=np.concatenate([part.displacement_mm for part in parts]),
+        sigma_mm=_joined([part.sigma_mm for part in parts]),
+        theta4_rad=_joined([part.theta4_rad for part in parts]),
+        time_s=_joined([part.time_s for part in parts]),
+    )
+
+
+def _joined(columns: list[Floats | None]) -> Floats | None:
+    present = [column for column in columns if column is not None]
+    return np.concatenate(present) if len(present) == len(columns) else None
+
+
+def short_segments(
+    counts: Ints, dead_paths: Sequence[tuple[str, int]], fewest: int = FEWEST
+) -> tuple[Bools, list[str]]:
+    """Find segments that are too short to carry a dead path of their own.
+
+    Args:
+        counts: number of distances of each dead path, shape (k,).
+        dead_paths: (reflector name, segment) of each.
+        fewest: smallest number of distances that a segment keeps its place with.
+
+    Returns:
+        Flags of the short ones, shape (k,), and a sentence for each.
+    """
+    short = counts < fewest
+    sentences = [
+        f"segment {segment} of reflector {name} dropped: {counts[i]} distance(s), fewer than {fewest}"
+        for i, (name, segment) in enumerate(dead_paths)
+        if short[i]
+    ]
+    return short, sentences
+
+
+def without_short_segments(points: Points, fewest: int = FEWEST) -> tuple[Points, list[str]]:
+    """Drop segments that are too short to carry a dead path of their own.
+
+    Args:
+        points: all distances.
+        fewest: smallest number of distances that a segment keeps its place with.
+
+    Returns:
+        The remaining points and a sentence for each segment dropped.
+    """
+    counts = np.bincount(points.dead_path, minlength=len(points.dead_paths))
+    short, sentences = short_segments(counts, points.dead_paths, fewest)
+    if not sentences:
+        return points, []
+    return points.select(~short[points.dead_path]), sentences

@@ -1,0 +1,94 @@
+"""One pass over the distances of a scan: sums at given parameters."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from catseye.calibration.core.blockwise.normal_sums import NormalSums
+from catseye.calibration.core.blockwise.residual_sums import ResidualSums
+from catseye.calibration.core.budget import stacked
+from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.arm import arm_design
+from catseye.calibration.scara.budget import Budget, combined_white_mm
+from catseye.calibration.scara.distance_model import DistanceModel
+from catseye.calibration.scara.layout import Layout
+from catseye.calibration.scara.pointing import beam_turn_rad
+from catseye.calibration.scara.points import Points
+from catseye.calibration.scara.scans.distance_rows import sparse_rows
+from catseye.calibration.scara.scans.used_rows import UsedRows
+
+
+@dataclass(frozen=True)
+class Passes:
+    """What each pass knows.
+
+    Attributes:
+        used: where the blocks come from.
+        layout: order of the parameters.
+        nominal_mm: nominal links, mm.
+        rough_mm: rough places of the reflectors, mm, shape (reflectors, 2).
+        budget: contributors; None for what the points state alone.
+    """
+
+    used: UsedRows
+    layout: Layout
+    nominal_mm: tuple[float, float]
+    rough_mm: Floats
+    budget: Budget | None
+
+    def __post_init__(self) -> None:
+        common = (
+            [one.name for one in self.budget.systematic if one.correlation == "pose"] if self.budget else []
+        )
+        if common:
+            raise CalibrationError(
+                f"{', '.join(common)}: an error common to a pose cannot be separated from a reading's own in a scan, "
+                "which repeats no pose; state it per reading"
+            )
+
+    def start(self, few: Points) -> Floats:
+        """Return starting values from rows of each segment, shape (p,)."""
+        return self.model(few, weighted=False).start(*self.nominal_mm, self.rough_mm)
+
+    def model(self, block: Points, *, weighted: bool = True) -> DistanceModel:
+        """Prepare a block.
+
+        Args:
+            block: distances.
+            weighted: give them the uncertainty of the white contributors where they state none.
+        """
+        elapsed = self.used.elapsed_share(block)
+        if any(term.source == "theta4" for term in self.layout.terms):
+            block = replace(block, theta4_rad=beam_turn_rad(block, self.nominal_mm, self.rough_mm))
+        design = arm_design(self.layout, block.commands, block.theta4_rad, elapsed)
+        model = DistanceModel(self.layout, block, design, self.budget)
+        if not weighted or block.sigma_mm is not None or self.budget is None or not self.budget.white:
+            return model
+        sigma = combined_white_mm(self.budget, model.geometry(self._nominal_parameters()))
+        if not sigma.all():
+            raise CalibrationError(
+                "the white contributors leave some distances without an uncertainty: add one of kind length"
+            )
+        return replace(model, points=replace(block, sigma_mm=sigma))
+
+    def sums(self, parameters: Floats, blocks: Iterable[Points], half_width_mm: float) -> NormalSums:
+        """Return the sums over blocks at parameters of shape (p,)."""
+        residuals = ResidualSums.empty(len(self.layout.dead_paths), half_width_mm)
+        sums = NormalSums(self.layout.size, residuals)
+        for block in blocks:
+            model = self.model(block)
+            weights = model.weights
+            rows = sparse_rows(model, parameters, weights)
+            sums.add(rows, weights, block.dead_path)
+            if self.budget is not None and self.budget.systematic:
+                effects = stacked(model.shared(parameters), weights.size)
+                sums.add_effects(rows, effects * weights[:, None])
+        return sums
+
+    def _nominal_parameters(self) -> Floats:
+        parameters = np.zeros(self.layout.size)
+        parameters[:2] = self.nominal_mm
+        parameters[self.layout.reflectors] = np.ravel(self.rough_mm)
+        return parameters

@@ -1,0 +1,115 @@
+"""The distances of a scan that are used, and the few of them that stand for all."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.scara.points import Points, concatenated, short_segments
+from catseye.calibration.scara.scans.source import PointSource
+
+_FEW = 40_000
+"""So many rows, evenly spread, give starting values that one full pass improves to the end."""
+
+
+@dataclass(frozen=True)
+class UsedRows:
+    """A source without the segments that are too short to carry a dead path of their own.
+
+    Attributes:
+        source: all distances.
+        dead_path: new index of each dead path of the source; -1 where it is left out.
+        reflector: the same of each reflector.
+        reflector_names: names of those left.
+        dead_paths: (reflector name, segment) of those left.
+        rows: number of distances left.
+        clock: when the measurement began and how long it took, s; in rows where the source has no times.
+        rejected: a sentence for each segment left out.
+    """
+
+    source: PointSource
+    dead_path: Ints
+    reflector: Ints
+    reflector_names: tuple[str, ...]
+    dead_paths: tuple[tuple[str, int], ...]
+    rows: int
+    clock: tuple[float, float]
+    rejected: list[str]
+
+    @property
+    def kept_reflectors(self) -> Ints:
+        """Indices of the reflectors left among those of the source."""
+        return np.flatnonzero(self.reflector >= 0)
+
+    def blocks(self) -> Iterator[Points]:
+        """Return the used distances in measuring order, each with a time."""
+        first = 0
+        for block in self.source.blocks():
+            kept = block if not self.rejected else block.rows(self.dead_path[block.dead_path] >= 0)
+            if len(kept):
+                yield replace(
+                    kept,
+                    dead_path=self.dead_path[kept.dead_path],
+                    reflector=self.reflector[kept.reflector],
+                    reflector_names=self.reflector_names,
+                    dead_paths=self.dead_paths,
+                    time_s=np.arange(first, first + len(kept), dtype=np.float64)
+                    if kept.time_s is None
+                    else kept.time_s,
+                )
+            first += len(kept)
+
+    def elapsed_share(self, block: Points) -> Floats:
+        """Return the share of the measurement that had passed, less a half, shape (n,)."""
+        begin, span = self.clock
+        if block.time_s is None or span <= 0.0:
+            return np.zeros(len(block))
+        return (block.time_s - begin) / span - 0.5
+
+    def few(self) -> Points:
+        """Return evenly spread rows, with some of each segment."""
+        every, first, chosen = -(-self.rows // _FEW), 0, []
+        for block in self.blocks():
+            rows = np.arange(-first % every, len(block), every)
+            beginnings = np.unique(block.dead_path, return_index=True)[1]
+            chosen.append(block.rows(np.union1d(rows, beginnings)))
+            first += len(block)
+        return concatenated(chosen)
+
+
+def used_rows(source: PointSource, check: Callable[[Points, int], None]) -> UsedRows:
+    """Count the rows of each segment and leave out the short ones.
+
+    Args:
+        source: all distances.
+        check: is called with each block and the number of its first row, from 1; raises if it cannot be used.
+    """
+    counts = np.zeros(len(source.dead_paths), dtype=np.int64)
+    begin, end = np.inf, -np.inf
+    first = 1
+    for block in source.blocks():
+        check(block, first)
+        first += len(block)
+        counts += np.bincount(block.dead_path, minlength=counts.size)
+        if block.time_s is not None:
+            begin, end = min(begin, float(block.time_s.min())), max(end, float(block.time_s.max()))
+    short, rejected = short_segments(counts, source.dead_paths)
+    dead_paths = tuple(path for path, left_out in zip(source.dead_paths, short, strict=True) if not left_out)
+    present = {name for name, _ in dead_paths}
+    kept = np.array([name in present for name in source.reflector_names])
+    rows = int(counts[~short].sum())
+    return UsedRows(
+        source,
+        _renumbered(~short),
+        _renumbered(kept),
+        tuple(name for name in source.reflector_names if name in present),
+        dead_paths,
+        rows,
+        (begin, end - begin) if np.isfinite(begin) else (0.0, rows - 1.0),
+        rejected,
+    )
+
+
+def _renumbered(kept: Bools) -> Ints:
+    return np.where(kept, np.cumsum(kept) - 1, -1).astype(np.int64)

@@ -1,1 +1,0 @@
-"""What results are good for: error budget, law of propagation, Monte Carlo, contributions."""

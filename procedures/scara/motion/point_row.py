@@ -1,0 +1,64 @@
+"""A measured point as a row."""
+
+from catseye.drivers.roles.pose import Pose
+from catseye.procedures.kit.context import Json, Measurement, Row
+from catseye.procedures.scara.motion.approach import Command
+
+
+def title_of(reflector: str, command: Command) -> str:
+    """Return a point in words."""
+    return (
+        f"{reflector}: θ1 {command.theta1_deg:g}° ({'+' if command.direction1 > 0 else '−'}), "
+        f"θ2 {command.theta2_deg:g}° ({'+' if command.direction2 > 0 else '−'})"
+    )
+
+
+def point_row(reflector: str, segment: int, command: Command, sent: Pose, measured: Measurement) -> Row:
+    """Return the row of a distance.
+
+    Args:
+        reflector: name.
+        segment: number of the unbroken stretch.
+        command: the node.
+        sent: where the joints were sent.
+        measured: the distance.
+    """
+    reported = measured.reported
+    return {
+        "reflector": reflector,
+        "segment": segment,
+        "theta1_deg": command.theta1_deg,
+        "theta2_deg": command.theta2_deg,
+        "j3_mm": sent[2],
+        "j4_deg": sent[3],
+        "reported1_deg": reported[0],
+        "reported2_deg": reported[1],
+        "reported3_mm": reported[2],
+        "reported4_deg": reported[3],
+        "direction1": command.direction1,
+        "direction2": command.direction2,
+        "displacement_mm": measured.displacement_mm,
+        "spread_mm": measured.spread_mm,
+        "readings": measured.readings,
+        "signal": measured.beam.signal,
+        "temperature_c": measured.air.temperature_c,
+        "pressure_hpa": measured.air.pressure_hpa,
+        "humidity_percent": measured.air.humidity_percent,
+        "time_utc": measured.time_utc,
+        "duration_s": measured.duration_s,
+        **_correction(measured),
+        **({} if measured.material_c is None else {"material_c": measured.material_c}),
+    }
+
+
+def _correction(measured: Measurement) -> dict[str, Json]:
+    used = measured.correction
+    if used is None:
+        return {}
+    return {
+        "raw_displacement_mm": used.raw_displacement_mm,
+        "refractive_index": used.refractive_index,
+        "zero_refractive_index": used.zero_refractive_index,
+        "dead_path_mm": used.dead_path_mm,
+        "formula": used.formula,
+    }

@@ -1,0 +1,114 @@
+"""attocube IDS: JSON-RPC 2.0 on TCP 9090 (sheet `interferometers`, section 4).
+
+A request is one JSON object, with or without an end of line behind it; an answer is one line that ends with CR LF and
+carries the same id. A result is an array that begins with an error number.
+"""
+
+import json
+from collections import deque
+from collections.abc import Callable
+from typing import Literal
+
+from pydantic import Field
+
+from catseye.simulators.attocube.device import Ids, IdsError, IdsOptions
+from catseye.simulators.attocube.json_stream import JsonCutter
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.context import EmulationContext
+from catseye.simulators.emulator import Emulator, Note
+from catseye.simulators.lengths import LengthOptions
+from catseye.simulators.ports.session import Answer, Session
+
+_NOT_JSON = (-32700, "Parse error")
+_NO_REQUEST = (-32600, "Invalid Request")
+_NO_METHOD = (-32601, "Method not found")
+_BAD_PARAMS = (-32602, "Invalid params")
+
+
+class IdsSession(Session):
+    """Conversation with one client.
+
+    Args:
+        ids: the instrument.
+        note: called with each request.
+    """
+
+    def __init__(self, ids: Ids, note: Callable[[str], None]) -> None:
+        self._ids = ids
+        self._note = note
+        self._cutter = JsonCutter()
+        self._objects: deque[bytes] = deque()
+
+    def feed(self, data: bytes) -> None:
+        """Take bytes, cut anywhere."""
+        self._objects += self._cutter.feed(data)
+
+    def answer(self) -> Answer | None:
+        """Carry out the next request."""
+        if not self._objects:
+            return None
+        try:
+            request = json.loads(self._objects.popleft())
+        except ValueError:
+            return _line(None, _failure(_NOT_JSON))
+        number = request.get("id")
+        if not isinstance(number, int | str | None):
+            number = None
+        return _line(number, self._carry_out(request.get("method"), request.get("params", [])))
+
+    def _carry_out(self, method: object, params: object) -> dict[str, object]:
+        if not isinstance(method, str):
+            return _failure(_NO_REQUEST)
+        if not isinstance(params, list):
+            return _failure(_BAD_PARAMS)
+        self._note(f"{method}{json.dumps(params)}"[:200])
+        function = self._ids.methods.get(method)
+        if function is None:
+            return _failure(_NO_METHOD)
+        try:
+            return {"result": function(*params)}
+        except IdsError as error:
+            return {"result": [error.number, *error.values]}
+        except (TypeError, ValueError):
+            return _failure(_BAD_PARAMS)
+
+
+def _failure(error: tuple[int, str]) -> dict[str, object]:
+    return {"error": {"code": error[0], "message": error[1]}}
+
+
+def _line(number: int | str | None, said: dict[str, object]) -> bytes:
+    return json.dumps({"jsonrpc": "2.0", **said, "id": number}).encode("ascii") + b"\r\n"
+
+
+class AttocubeIds(Emulator):
+    """An instrument that all its clients share.
+
+    Args:
+        context: what the emulators of the bench share.
+        device: the endpoint and its options.
+        note: called with each request.
+    """
+
+    role = "interferometer"
+
+    class Options(LengthOptions):
+        """Options; see `IdsOptions`."""
+
+        dialect: Literal["ids", "sen"] = "ids"
+        axis: int = Field(default=0, ge=0, le=2)
+        bare_mode: bool = False
+        start_time_s: float = 3.0
+        ecu_enabled: bool = False
+
+    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
+        given = self.Options.of(device)
+        options = IdsOptions(
+            given.dialect, given.axis, given.sign, given.bare_mode, given.start_time_s, given.ecu_enabled
+        )
+        self._ids = Ids(context.instrument(device.name), context.probe, options)
+        self._note = note
+
+    def session(self) -> Session:
+        """Return the session of a new client."""
+        return IdsSession(self._ids, self._note)

@@ -1,0 +1,81 @@
+"""What all emulators of one bench share."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from catseye.simulators.config import EmulationConfig
+from catseye.simulators.world.air_probe import AirProbe
+from catseye.simulators.world.bench import Bench, Instrument
+from catseye.simulators.world.door import Door
+from catseye.simulators.world.journal import Journal
+from catseye.simulators.world.timekeeper import TimeKeeper
+
+
+class RobotController(Protocol):
+    """What the control port shows and does of a robot controller, whatever its make."""
+
+    @property
+    def servo_on(self) -> bool:
+        """The drives hold the arm."""
+        ...
+
+    @property
+    def alarm(self) -> int:
+        """The active alarm, 0 for none."""
+        ...
+
+    def raise_alarm(self, number: int) -> None:
+        """Let an alarm occur."""
+        ...
+
+    def set_emergency_stop(self, *, on: bool) -> None:
+        """Open or close the emergency stop circuit."""
+        ...
+
+    def set_teach_mode(self, *, on: bool) -> None:
+        """Turn the key."""
+        ...
+
+    def switch_servo_off(self) -> None:
+        """Stop the arm and take the power off."""
+        ...
+
+    def clear_faults(self) -> None:
+        """Close the emergency stop circuit, turn the key back and reset the alarm."""
+        ...
+
+
+@dataclass(frozen=True)
+class EmulationContext:
+    """One emulated bench, as its emulators see it.
+
+    Attributes:
+        config: of the emulation.
+        bench: the physical truth.
+        truth: the true arm in the result format.
+        controller: the robot controller; all its endpoints lead to it.
+        keeper: bench time.
+        journal: what happened.
+        probe: what the air sensors measure.
+        door: of the cell.
+        coils: outputs of remote blocks by the name of the device.
+        instruments: length counters by the name of the device.
+    """
+
+    config: EmulationConfig
+    bench: Bench
+    truth: Mapping[str, object]
+    controller: RobotController
+    keeper: TimeKeeper
+    journal: Journal
+    probe: AirProbe
+    door: Door = field(default_factory=Door)
+    coils: dict[str, list[bool]] = field(default_factory=dict)
+    instruments: dict[str, Instrument] = field(default_factory=dict)
+
+    def instrument(self, device: str) -> Instrument:
+        """Return the length counter of a device; all its endpoints and clients lead to the same one."""
+        if device not in self.instruments:
+            self.instruments[device] = self.bench.new_instrument()
+        return self.instruments[device]

@@ -1,0 +1,466 @@
+"""Requests and answers of the control port: one JSON object a line.
+
+A request has `op` and its arguments, a fault `"op": "fault"` and its `name`; an answer is `{"ok": true, …}` or
+`{"ok": false, "error": "…"}`. Durations are bench time. The models import nothing of the emulation, so that clients
+can use them.
+"""
+
+import json
+from typing import Any, ClassVar, Generic, Literal, TypeVar, cast
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from catseye.simulators.errors import EmulatorError
+
+
+class RefusedRequestError(ValueError):
+    """The emulated bench refused a request; the text is its own."""
+
+
+class Answer(BaseModel):
+    """An answer that says no more than that the request was carried out."""
+
+    model_config = ConfigDict(frozen=True)
+
+
+class Identity(Answer):
+    """Who answers, its bench time and its bench seconds in one real second."""
+
+    name: str
+    time_s: float
+    speed: float
+
+
+class Truth(Answer):
+    """The true arm in the result format."""
+
+    truth: dict[str, Any]
+
+
+class BeamState(BaseModel):
+    """Where the beam really goes.
+
+    Attributes:
+        reflector: that returns it, None without a return.
+        returns: it is returned.
+        lost: latch of the interferometer.
+        lost_of: latches of all length counters by the name of the device.
+        nearest: reflector that is missed least.
+        miss_mm: distance of its centre from the beam's line.
+        largest_miss_mm: since a counter was zeroed last.
+        length_mm: true length of the beam to the nearest reflector.
+        direction_deg: true world direction.
+    """
+
+    reflector: str | None
+    returns: bool
+    lost: bool
+    lost_of: dict[str, bool]
+    nearest: str
+    miss_mm: float
+    largest_miss_mm: float
+    length_mm: float
+    direction_deg: float
+
+
+class MountState(BaseModel):
+    """How the beam lies on the arm; `turns` is what each screw's head has turned, clockwise positive."""
+
+    offset_mm: float
+    pitch_mrad: float
+    height_j3_mm: float
+    turns: dict[str, float]
+
+
+class State(Answer):
+    """The true state of the bench; joints in deg or mm.
+
+    Attributes:
+        joints: as commanded.
+        true_joints: as they really are.
+        play: states of the play of the joints that have any, -1...1.
+        xy_mm: true position of the axis that turns the beam.
+        alarm: of the controller, 0 for none.
+        coils: outputs by the name of the device.
+        in_place: nests with a reflector in them.
+    """
+
+    time_s: float
+    joints: tuple[float, ...]
+    true_joints: tuple[float, ...]
+    play: tuple[float, ...]
+    xy_mm: tuple[float, float]
+    moving: bool
+    servo: bool
+    alarm: int
+    beam: BeamState
+    coils: dict[str, list[bool]]
+    mount: MountState
+    in_place: list[str]
+    laser_ready: bool
+
+
+class TrackedPlace(Answer):
+    """The axis that turns the beam as a laser tracker sees it, with the standard uncertainty of a coordinate."""
+
+    x_mm: float
+    y_mm: float
+    u_mm: float
+
+
+class JournalEntry(BaseModel):
+    """What the bench saw.
+
+    Attributes:
+        time_s: bench time.
+        kind: `request` for what came over the wire, `motion` for what the arm did.
+        text: the request or the event.
+    """
+
+    model_config = ConfigDict(frozen=True)
+
+    time_s: float
+    kind: str
+    text: str
+
+
+class Log(Answer):
+    """The last events of a device, oldest first."""
+
+    entries: list[JournalEntry]
+
+
+class Nests(Answer):
+    """Names of the nests with a reflector in them."""
+
+    in_place: list[str]
+
+
+A = TypeVar("A", bound=Answer)
+
+
+class Request(BaseModel, Generic[A]):
+    """A request; the type parameter is its answer."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
+
+    op: ClassVar[str]
+    answer: ClassVar[type[Answer]] = Answer
+
+    def encode(self) -> bytes:
+        """Return the line that asks for it."""
+        return _line({"op": self.op, **self.model_dump()})
+
+    def decode(self, line: bytes) -> A:
+        """Read the answer.
+
+        Raises:
+            RefusedRequestError: the bench refused the request.
+            ValueError: the line is no answer to it.
+        """
+        document = json.loads(line)
+        if not isinstance(document, dict):
+            raise ValueError(f"{line!r} is no answer of a control port")
+        if not document.pop("ok", False):
+            raise RefusedRequestError(f"the emulated bench refused: {document.get('error')}")
+        return cast(A, self.answer.model_validate(document))
+
+
+def encode_answer(answer: Answer) -> bytes:
+    """Return the line that answers a request that was carried out."""
+    return _line({"ok": True, **answer.model_dump()})
+
+
+def encode_refusal(error: str) -> bytes:
+    """Return the line that answers a request that was not carried out."""
+    return _line({"ok": False, "error": error})
+
+
+def _line(document: dict[str, Any]) -> bytes:
+    return json.dumps(document).encode() + b"\n"
+
+
+class Identify(Request[Identity]):
+    """Who is there?"""
+
+    op = "identify"
+    answer = Identity
+
+
+class ReadTruth(Request[Truth]):
+    """What is the true arm?"""
+
+    op = "truth"
+    answer = Truth
+
+
+class ReadState(Request[State]):
+    """What is the true state of the bench?"""
+
+    op = "state"
+    answer = State
+
+
+class Track(Request[TrackedPlace]):
+    """Where does the laser tracker see the arm?"""
+
+    op = "tracker"
+    answer = TrackedPlace
+
+
+class ReadLog(Request[Log]):
+    """What came over the wire of a device? For the robot the arm's motions too."""
+
+    op = "log"
+    answer = Log
+    device: str
+
+
+class SetSpeed(Request[Answer]):
+    """Set how many bench seconds pass in a real second."""
+
+    op = "speed"
+    value: float = Field(gt=0.0)
+
+
+class TurnScrew(Request[Answer]):
+    """Turn a screw of the mount, clockwise positive."""
+
+    op = "turn_screw"
+    screw: Literal["stage", "level"]
+    # A screw has an end, and so has a hand's patience.
+    turns: float = Field(ge=-20.0, le=20.0)
+
+
+class PlaceReflector(Request[Nests]):
+    """Put the reflector into a nest, the others are empty then; "all" fills them all."""
+
+    op = "place_reflector"
+    answer = Nests
+    reflector: str
+
+
+class ClearBeam(Request[Answer]):
+    """Take away what stands in the beam."""
+
+    op = "clear_beam"
+
+
+class Fault(Request[Answer]):
+    """Something goes wrong."""
+
+    op = "fault"
+    name: ClassVar[str]
+
+    def encode(self) -> bytes:
+        """Return the line that asks for it."""
+        return _line({"op": self.op, "name": self.name, **self.model_dump()})
+
+
+class BlockBeam(Fault):
+    """Something stands in the beam; None: for ever."""
+
+    name = "block_beam"
+    duration_s: float | None = Field(default=None, gt=0.0)
+
+
+class ClearFaults(Fault):
+    """End what goes on: screws, reflectors and a lost count stay as they are."""
+
+    name = "clear_faults"
+
+
+class RaiseAlarm(Fault):
+    """An alarm of the controller occurs."""
+
+    name = "alarm"
+    number: int = Field(ge=1, le=9999)
+
+
+class EmergencyStop(Fault):
+    """Somebody presses the emergency stop, or releases it."""
+
+    name = "emergency_stop"
+    on: bool = True
+
+
+class TeachMode(Fault):
+    """Somebody turns the controller's key."""
+
+    name = "teach_mode"
+    on: bool = True
+
+
+class ServoOff(Fault):
+    """The drives lose their power."""
+
+    name = "servo_off"
+
+
+class MoveReflector(Fault):
+    """Somebody pushes a reflector."""
+
+    name = "move_reflector"
+    reflector: str
+    dx_mm: float = 0.0
+    dy_mm: float = 0.0
+
+
+class SpoilAir(Fault):
+    """The air sensors are wrong by so much, or measure nothing."""
+
+    name = "air"
+    nan: bool = False
+    temperature_k: float = 0.0
+    pressure_hpa: float = 0.0
+    humidity_percent: float = 0.0
+
+
+class MoveDoor(Fault):
+    """Somebody opens or closes the door."""
+
+    name = "door"
+    open: bool = True
+
+
+class Stall(Fault):
+    """A device hangs for a time, then answers late."""
+
+    name = "stall"
+    device: str
+    duration_s: float = Field(gt=0.0)
+
+
+class Drop(Fault):
+    """A device closes its links; new ones are welcome."""
+
+    name = "drop"
+    device: str
+
+
+class Mute(Fault):
+    """A device works on and says nothing."""
+
+    name = "mute"
+    device: str
+
+
+class SpoilAnswers(Fault):
+    """A share of a device's answers is lost, doubled or garbled."""
+
+    name = "lossy"
+    device: str
+    share: float = Field(ge=0.0, le=1.0)
+    seed: int = Field(default=0, ge=0)
+
+
+class Overspeed(Fault):
+    """All counters lose count as after too fast a motion."""
+
+    name = "overspeed"
+
+
+class Vibrate(Fault):
+    """Something keeps the arm ringing."""
+
+    name = "vibration"
+    amplitude_um: float = Field(gt=0.0, le=5000.0)
+    duration_s: float = Field(gt=0.0, le=3600.0)
+
+
+class LoseLaser(Fault):
+    """The laser loses its lock, or finds it again."""
+
+    name = "laser"
+    ready: bool = False
+
+
+class Weaken(Fault):
+    """Dirt leaves this part of the signal."""
+
+    name = "weaken"
+    factor: float = Field(gt=0.0, le=1.0)
+
+
+class Slip(Fault):
+    """The next move ends so far off, as after a collision."""
+
+    name = "slip"
+    joint: Literal[1, 2, 4]
+    deg: float = Field(ge=-30.0, le=30.0)
+
+
+_OPERATIONS: dict[str, type[Request[Any]]] = {
+    kind.op: kind
+    for kind in (
+        Identify,
+        ReadTruth,
+        ReadState,
+        Track,
+        ReadLog,
+        SetSpeed,
+        TurnScrew,
+        PlaceReflector,
+        ClearBeam,
+        Fault,
+    )
+}
+_FAULTS: dict[str, type[Fault]] = {
+    kind.name: kind
+    for kind in (
+        BlockBeam,
+        ClearFaults,
+        RaiseAlarm,
+        EmergencyStop,
+        TeachMode,
+        ServoOff,
+        MoveReflector,
+        SpoilAir,
+        MoveDoor,
+        Stall,
+        Drop,
+        Mute,
+        SpoilAnswers,
+        Overspeed,
+        Vibrate,
+        LoseLaser,
+        Weaken,
+        Slip,
+    )
+}
+Kind = TypeVar("Kind", bound=type[Request[Any]])
+
+
+def decode_request(line: bytes) -> Request[Any]:
+    """Read a request.
+
+    Raises:
+        EmulatorError: it is no JSON object, or there is no such operation or fault.
+        ValidationError: an argument is wrong.
+    """
+    try:
+        document = json.loads(line)
+    except (ValueError, RecursionError) as error:
+        raise EmulatorError("a request is one JSON object on one line") from error
+    if not isinstance(document, dict):
+        raise EmulatorError("a request is one JSON object on one line")
+    operation = _known(_OPERATIONS, "op", document.pop("op", None))
+    if operation is Fault:
+        return fault_named(document.pop("name", None), document)
+    return operation.model_validate(document)
+
+
+def fault_named(name: object, arguments: dict[str, object]) -> Fault:
+    """Return a fault by its name.
+
+    Raises:
+        EmulatorError: there is no such fault.
+        ValidationError: an argument is wrong.
+    """
+    return _known(_FAULTS, "fault", name).model_validate(arguments)
+
+
+def _known(table: dict[str, Kind], what: str, name: object) -> Kind:
+    if not isinstance(name, str) or name not in table:
+        raise EmulatorError(f"there is no {what} {name!r}; there are {', '.join(table)}")
+    return table[name]

@@ -1,0 +1,122 @@
+"""The emulated bench with its servers, as one asynchronous context."""
+
+from dataclasses import dataclass
+from types import TracebackType
+
+from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
+from catseye.simulators.context import EmulationContext
+from catseye.simulators.control_port.operations import Reach
+from catseye.simulators.control_port.session import ControlSession
+from catseye.simulators.emulator import DeviceOptions
+from catseye.simulators.errors import EmulatorError
+from catseye.simulators.melfa.controller import Controller
+from catseye.simulators.ports.port import Port
+from catseye.simulators.registry import new_emulator
+from catseye.simulators.world.air_probe import AirProbe
+from catseye.simulators.world.journal import Journal
+from catseye.simulators.world.scara.bench import scara_bench
+from catseye.simulators.world.scara.truth import draw_truth, true_arm, truth_document
+from catseye.simulators.world.timekeeper import TimeKeeper
+from catseye.simulators.world.tracker import Tracker
+
+__all__ = [
+    "EmulatedBench",
+    "EmulatedDevice",
+    "EmulationConfig",
+    "EmulatorError",
+    "ErrorBudget",
+    "ReflectorPlace",
+    "ServedEndpoint",
+]
+
+
+@dataclass(frozen=True)
+class ServedEndpoint:
+    """Where a device of the bench answers.
+
+    Attributes:
+        device: its name; control for the control port.
+        protocol: what it speaks there; catseye-control for the control port.
+        endpoint: as asked for, with the port that is really used.
+    """
+
+    device: str
+    protocol: str
+    endpoint: str
+
+
+class EmulatedBench:
+    """All emulators of one bench. Use it as an asynchronous context: it listens inside, and is silent after.
+
+    Args:
+        config: what to emulate and where to listen.
+
+    Raises:
+        EmulatorError: the truth file, the reflectors, a protocol or an option cannot be used.
+    """
+
+    def __init__(self, config: EmulationConfig) -> None:
+        _check(config)
+        truth = draw_truth(config.seed, config) if config.truth is None else true_arm(config.truth, config)
+        self.bench = scara_bench(truth, config, lambda text: self.journal.add("robot", "motion", text))
+        self.journal = Journal(lambda: self.bench.time_s)
+        self.keeper = TimeKeeper(self.bench, config.speed)
+        self.controller = Controller(self.bench, config, self.keeper.changed)
+        probe = AirProbe(self.bench)
+        self.context = EmulationContext(
+            config, self.bench, truth_document(truth), self.controller, self.keeper, self.journal, probe
+        )
+        self._ports = [self._port(device) for device in config.devices]
+        by_name: dict[str, list[Port]] = {}
+        for port in self._ports:
+            by_name.setdefault(port.device, []).append(port)
+        self.reach = Reach(self.context, Tracker(config.seed), by_name)
+        self._ports.append(
+            Port(
+                "control", "catseye-control", config.control, self.keeper, lambda: ControlSession(self.reach)
+            )
+        )
+
+    @property
+    def endpoints(self) -> list[ServedEndpoint]:
+        """Where each device answers; final once the context is entered."""
+        return [ServedEndpoint(port.device, port.protocol, port.endpoint) for port in self._ports]
+
+    async def __aenter__(self) -> "EmulatedBench":
+        try:
+            for port in self._ports:
+                await port.open()
+        except EmulatorError:
+            await self._close()
+            raise
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        await self._close()
+
+    async def _close(self) -> None:
+        for port in self._ports:
+            await port.close()
+
+    def _port(self, device: EmulatedDevice) -> Port:
+        emulator = new_emulator(
+            self.context, device, lambda text: self.journal.add(device.name, "request", text)
+        )
+        most = DeviceOptions.of(device).clients or None
+        return Port(
+            device.name, device.protocol, device.endpoint, self.keeper, emulator.session, most_clients=most
+        )
+
+
+def _check(config: EmulationConfig) -> None:
+    if not config.reflectors:
+        raise EmulatorError("the emulated bench needs at least one reflector")
+    if config.speed <= 0.0:
+        raise EmulatorError(f"the speed must be above 0, found {config.speed:g}")
+    if config.axis_pattern not in {4, 6, 8}:
+        raise EmulatorError(f"position answers have 4, 6 or 8 axes, not {config.axis_pattern}")

@@ -1,0 +1,74 @@
+"""What an emulator is: one endpoint of one device, with the options and the role that its class declares."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import ClassVar, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.context import EmulationContext
+from catseye.simulators.errors import EmulatorError
+from catseye.simulators.ports.session import Session
+
+Note = Callable[[str], None]
+"""Called with each request of a client."""
+
+Role = Literal["robot", "interferometer", "environment", "io"]
+
+
+class DeviceOptions(BaseModel):
+    """Options of an emulated device; keys that only its driver knows are left alone.
+
+    Attributes:
+        clients: most clients at once over TCP; 0: any number.
+    """
+
+    model_config = ConfigDict(strict=True, frozen=True, extra="ignore", allow_inf_nan=False)
+
+    clients: int = Field(default=0, ge=0, le=100)
+
+    @classmethod
+    def of(cls, device: EmulatedDevice) -> Self:
+        """Read the options of a device.
+
+        Raises:
+            EmulatorError: one of them is wrong; the text names device and option.
+        """
+        try:
+            return cls.model_validate(dict(device.options))
+        except ValidationError as error:
+            first = error.errors()[0]
+            key = ".".join(map(str, first["loc"]))
+            raise EmulatorError(
+                f"{device.name}: option {key}: {first['msg']}, found {first['input']!r}"
+            ) from None
+
+
+class Emulator(ABC):
+    """One endpoint of one device; what all its clients share is made here, once.
+
+    Args:
+        context: what the emulators of the bench share.
+        device: the endpoint and its options.
+        note: called with each request.
+
+    Raises:
+        EmulatorError: an option is wrong.
+
+    Attributes:
+        role: what kind of device it emulates.
+        Options: its options.
+        link: what carries its bytes where no endpoint says so.
+    """
+
+    role: ClassVar[Role]
+    Options: ClassVar[type[DeviceOptions]] = DeviceOptions
+    link: ClassVar[Literal["tcp", "udp"]] = "tcp"
+
+    @abstractmethod
+    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None: ...
+
+    @abstractmethod
+    def session(self) -> Session:
+        """Return the session of a new client."""

@@ -1,0 +1,232 @@
+"""What the controller does with its arm: servo, alarms, stop, overrides, motion; and the variables it moves by."""
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from catseye.simulators.config import EmulationConfig, Joints
+from catseye.simulators.melfa import alarms
+from catseye.simulators.melfa.alarms import Refusal
+from catseye.simulators.melfa.choices import Choices
+from catseye.simulators.melfa.values import Position, Variable, joints_of, position_of, rounded
+from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.types import Floats
+
+
+@dataclass
+class Run:
+    """One motion that a client may wait for.
+
+    Attributes:
+        end_s: bench time of its standstill, s.
+        target: joints at its end, unless it is interrupted.
+        interrupted_by: error number that ended it early, 0 for none.
+    """
+
+    end_s: float
+    target: Joints = (0.0, 0.0, 0.0, 0.0)
+    interrupted_by: int = 0
+
+
+@dataclass(frozen=True)
+class LogLine:
+    """One line of the error log: bench time, s, and error number."""
+
+    time_s: float
+    number: int
+
+
+class ArmControl:
+    """The controller's hold on the arm.
+
+    Args:
+        bench: the arm.
+        config: limits, nominal links, delays.
+        changed: called when a motion ends at another moment than it would have.
+        choices: what no source says of a controller.
+
+    Attributes:
+        on_interrupt: called with the error number when something stops the arm, before it stops.
+    """
+
+    def __init__(
+        self,
+        bench: Bench,
+        config: EmulationConfig,
+        changed: Callable[[], None],
+        choices: Choices | None = None,
+    ) -> None:
+        self.bench: Bench = bench
+        self.config = config
+        self.choices = choices or Choices()
+        self.override_percent: float = 100.0
+        self.program_override_percent: float = 100.0
+        self.joint_override_percent: float = 100.0
+        self.linear_speed_mm_s: float = 10_000.0
+        self.accel_percent = 100.0
+        self.tool: int = 0
+        self.alarm: int = 0
+        self.caution: int = 0
+        self.emergency_stop = False
+        self.start_enabled = True
+        self.stop_latched = False
+        self.stopped = True
+        self.variables: dict[str, Variable] = {}
+        self.log: deque[LogLine] = deque(maxlen=128)
+        self._changed = changed
+        self._servo_from_s: float | None = None
+        self._run = Run(0.0)
+        self.on_interrupt: list[Callable[[int], None]] = []
+
+    @property
+    def alarm_shown(self) -> int:
+        """The alarm that ERROR answers: the active one, else a caution that nobody has reset."""
+        return self.alarm or self.caution
+
+    @property
+    def servo_on(self) -> bool:
+        """The drives hold the arm."""
+        return self._servo_from_s is not None and self.bench.time_s >= self._servo_from_s
+
+    def switch_servo_on(self) -> None:
+        """Start to power the drives; they hold after the configured delay."""
+        if self.emergency_stop:
+            raise Refusal(alarms.SERVO_ON_IMPOSSIBLE)
+        if self.alarm:
+            raise Refusal(alarms.ALARM_PRESENT)
+        if self._servo_from_s is None:
+            self._servo_from_s = self.bench.time_s + self.config.dynamics.servo_delay_s
+
+    def switch_servo_off(self, number: int = alarms.SERVO_IS_OFF) -> None:
+        """Stop the arm and take the power off; a waiting client gets the number."""
+        self.interrupt(number)
+        self._servo_from_s = None
+
+    def move(self, target: Joints | Position) -> Run:
+        """Start a joint-interpolated motion.
+
+        Raises:
+            Refusal: the controller or the arm is not in a state to move, or the target is not permitted.
+        """
+        self.require_ready()
+        joints = target if not isinstance(target, Position) else self._solve(target)
+        joints = rounded(joints)
+        limits = zip(joints, self.config.limits, strict=True)
+        if not all(low - 1e-9 <= value <= high + 1e-9 for value, (low, high) in limits):
+            raise Refusal(alarms.DESTINATION_OUT_OF_RANGE)
+        return self.start(joints, self.effective_percent)
+
+    def start(self, joints: Joints, percent: float) -> Run:
+        """Start a motion that is permitted, at a speed in per cent of the largest."""
+        self.stopped = False
+        self.bench.move_to(joints, percent, self.accel_percent)
+        self._run = Run(self.bench.standstill_s, joints)
+        return self._run
+
+    def follow(self, times_s: Floats, joints: Floats, target: Joints) -> Run:
+        """Start a motion through knots that is permitted; see `Bench.follow`."""
+        self.stopped = False
+        if times_s.size:
+            self.bench.follow(times_s, joints)
+        self._run = Run(self.bench.standstill_s, target)
+        return self._run
+
+    def wait(self, seconds: float) -> Run:
+        """Stand still for a while; what waits for the end of a motion waits for that of the delay."""
+        return Run(self.bench.time_s + seconds, self.bench.joints)
+
+    @property
+    def effective_percent(self) -> float:
+        """Speed of joint motions: panel override times program overrides."""
+        return self.override_percent * self.program_override_percent * self.joint_override_percent / 1e4
+
+    def stop(self) -> None:
+        """Stop the motion; a client that waits for it gets an error."""
+        self.stopped = True
+        self.interrupt(alarms.STOP_IS_ON)
+
+    def raise_alarm(self, number: int) -> None:
+        """Let an alarm occur: the arm stops, one of high level switches the servo off too."""
+        self.log.append(LogLine(self.bench.time_s, number))
+        if alarms.level(number) == alarms.CAUTION:
+            self.caution = number
+            return
+        self.alarm = number
+        if alarms.level(number) == alarms.HIGH:
+            self.switch_servo_off(number)
+        else:
+            self.interrupt(number)
+
+    def set_emergency_stop(self, *, on: bool) -> None:
+        """Open or close the emergency stop circuit; its alarm stays until it is reset."""
+        self.emergency_stop = on
+        if on:
+            self.raise_alarm(alarms.EMERGENCY_STOP)
+
+    def reset_alarm(self) -> None:
+        """Clear alarm and caution.
+
+        Raises:
+            Refusal: its cause, the open emergency stop circuit, is still there.
+        """
+        if self.emergency_stop:
+            raise Refusal(alarms.EMERGENCY_STOP)
+        self.alarm = self.caution = 0
+
+    def position(self) -> Position:
+        """Return the nominal position of the commanded joints."""
+        return self.position_of(self.bench.joints)
+
+    def position_of(self, joints: Joints) -> Position:
+        """Return the nominal position of joints."""
+        return position_of(joints, self.config)
+
+    def changed(self) -> None:
+        """Let everybody who waits for something look again."""
+        self._changed()
+
+    def tool_speed_mm_s(self) -> float:
+        """Return the speed of the tool's end at this moment, mm/s."""
+        return self.bench.tool_speed_mm_s()
+
+    def _solve(self, position: Position) -> Joints:
+        return joints_of(position, self.bench.joints, self.config)
+
+    def require_start(self) -> None:
+        """Raise a refusal unless a program may start.
+
+        Raises:
+            Refusal: an alarm is active, a STOP is on, or the start is disabled.
+        """
+        if self.alarm:
+            raise Refusal(alarms.ALARM_PRESENT)
+        if self.stop_latched:
+            raise Refusal(alarms.STOP_IS_ON)
+        if not self.start_enabled:
+            raise Refusal(alarms.START_DISABLED)
+
+    def require_ready(self) -> None:
+        """Raise a refusal unless the arm may move.
+
+        Raises:
+            Refusal: an alarm is active, the servo is off, a STOP is on, or the arm moves already.
+        """
+        if self.alarm:
+            raise Refusal(alarms.ALARM_PRESENT)
+        if not self.servo_on:
+            raise Refusal(alarms.SERVO_IS_OFF)
+        if self.stop_latched:
+            raise Refusal(alarms.STOP_IS_ON)
+        if self.bench.moving:
+            raise Refusal(alarms.WHILE_RUNNING)
+
+    def interrupt(self, number: int) -> None:
+        """Stop the arm and everything that moves it; a waiting client gets the error number."""
+        for listener in self.on_interrupt:
+            listener(number)
+        if not self.bench.moving:
+            return
+        self.bench.stop()
+        self._run.end_s = self.bench.standstill_s
+        self._run.interrupted_by = self._run.interrupted_by or number
+        self._changed()

@@ -1,0 +1,487 @@
+"""The bench as one thing: arm, beam, counter and air on one bench time."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from catseye.simulators.config import EmulationConfig, Joints
+from catseye.simulators.errors import BenchError
+from catseye.simulators.world.air import Air, AirSample
+from catseye.simulators.world.arm import Arm
+from catseye.simulators.world.counter import Counter, Gap, Reading, gaps_between
+from catseye.simulators.world.motion import SHORTEST
+from catseye.simulators.world.mount import Mount
+from catseye.simulators.world.optics import NOBODY, Optics, Reflectors, Sight
+from catseye.simulators.world.sampling import BeamSampling
+from catseye.simulators.world.true_state import TrueState
+from catseye.simulators.world.types import Floats
+
+_MOMENT_S = 1e-3
+"""Speeds are taken over this time."""
+
+OnEvent = Callable[[str], None]
+"""Called with what happens on the bench, at the moment it happens."""
+
+
+class Bench:
+    """The physical truth. Commands act at the present bench time; `advance` lets time pass.
+
+    Results depend on the sequence of commands and their bench times, never on the steps of `advance`: the beam is
+    looked at on times fixed by each motion, and whenever somebody asks.
+
+    Args:
+        arm: that carries the beam.
+        reflectors: where their centres are.
+        config: everything else.
+        on_event: called with motions, stops and arrivals.
+    """
+
+    def __init__(
+        self, arm: Arm, reflectors: Reflectors, config: EmulationConfig, on_event: OnEvent | None = None
+    ) -> None:
+        if not reflectors:
+            raise BenchError("a bench needs at least one reflector")
+        self.time_s = 0.0
+        self._arm = arm
+        self._optics = Optics(reflectors, config, float(arm.poses(np.zeros(1)).height_mm[0]))
+        self._air = Air(config.air, config.seed)
+        self._config = config
+        self._counter = Counter(config, self._look(np.zeros(1)), self._air.index_at)
+        self._instruments: list[Counter] = []
+        self._largest_miss_mm = 0.0
+        self._on_event = on_event or (lambda _text: None)
+        self._sampling = BeamSampling(self._arm.sample_times())
+        self._arrived = True
+        self._scheduled: list[tuple[float, Callable[[], None]]] = []
+        self._slip: Floats = np.zeros(len(arm.motion.end))
+
+    @property
+    def joints(self) -> Joints:
+        """Joints as commanded at this moment, deg or mm."""
+        return self._arm.motion.joints_at(self.time_s)
+
+    def joints_at(self, time_s: float) -> Joints:
+        """Return the joints as commanded at a moment of the present motion or after it."""
+        return self._arm.motion.joints_at(time_s)
+
+    @property
+    def destination(self) -> Joints:
+        """Joints at the end of the present motion."""
+        return self._arm.motion.end
+
+    @property
+    def moving(self) -> bool:
+        """A motion is under way."""
+        return self.time_s < self._arm.motion.end_s
+
+    @property
+    def standstill_s(self) -> float:
+        """Bench time at which the present or last motion ends, s."""
+        return self._arm.motion.end_s
+
+    def advance(self, step_s: float) -> None:
+        """Let bench time pass, s."""
+        self.advance_to(self.time_s + step_s)
+
+    def call_at(self, time_s: float, action: Callable[[], None]) -> None:
+        """Have something done at a moment of bench time, before anything later happens.
+
+        Args:
+            time_s: bench time, s; a moment in the past is now, at the next `advance_to`.
+            action: may command the arm and schedule further calls.
+        """
+        self._scheduled.append((max(time_s, self.time_s), action))
+
+    def advance_to(self, time_s: float) -> None:
+        """Let bench time pass up to a moment, with all that is to be done until then; the past is left alone."""
+        while due := [at for at in self._scheduled if at[0] <= time_s]:
+            first = min(due, key=lambda at: at[0])
+            self._scheduled.remove(first)
+            self._pass_to(first[0])
+            first[1]()
+        self._pass_to(time_s)
+        if not self.moving:
+            self._note_arrival()
+
+    def _pass_to(self, time_s: float) -> None:
+        if time_s <= self.time_s:
+            return
+        due = self._sampling.due(self.time_s, time_s)
+        if due.size:
+            self._follow(self._look(due))
+        if time_s > self.standstill_s + SHORTEST:
+            self._note_arrival()
+        self.time_s = time_s
+
+    def _note_arrival(self) -> None:
+        """Report the end of a motion; at its very end something that is to be done may still continue it."""
+        if self._arrived:
+            return
+        self._arrived = True
+        self.time_s = self.standstill_s
+        self._on_event(f"arrival at {_listed(self.destination)}")
+
+    def move_to(self, target: Joints, override_percent: float = 100.0, accel_percent: float = 100.0) -> None:
+        """Start a joint-interpolated motion.
+
+        Args:
+            target: joints to reach, deg or mm.
+            override_percent: speed, per cent of the largest.
+            accel_percent: acceleration, per cent of the largest.
+
+        Raises:
+            BenchError: the arm moves already.
+        """
+        self._require_rest()
+        self._observe()
+        target = self._slipped(np.array(target))
+        self._arm.move_to(target, self.time_s, override_percent / 100.0, accel_percent / 100.0)
+        self._on_event(f"motion to {_listed(target)} at {override_percent:g} %")
+        self._restart_looks()
+
+    def follow(self, times_s: Floats, joints: Floats) -> None:
+        """Start a motion through knots, straight and at constant speed from one to the next.
+
+        Args:
+            times_s: when each knot is passed, s from now, above 0 and increasing, shape (m,).
+            joints: knots, deg or mm, shape (m, n).
+
+        Raises:
+            BenchError: the arm moves already, or the knots do not fit each other.
+        """
+        self._require_rest()
+        if (
+            not times_s.size
+            or joints.shape != (times_s.size, self._slip.size)
+            or np.any(np.diff(times_s, prepend=0.0) <= 0.0)
+        ):
+            raise BenchError(
+                f"a way needs knots of {self._slip.size} joints, and times above 0 that increase"
+            )
+        self._observe()
+        joints = np.concatenate([joints[:-1], [self._slipped(joints[-1])]])
+        self._arm.follow(times_s, joints, self.time_s)
+        self._on_event(f"way through {times_s.size} knots to {_listed(self.destination)}")
+        self._restart_looks()
+
+    def glide(self, target: Joints, duration_s: float) -> None:
+        """Move at constant speed to joints within a time, s: one cycle of real-time control.
+
+        Consecutive glides join without standing still; one that comes early leaves the one before where it is.
+
+        Raises:
+            BenchError: the arm moves otherwise than by a glide.
+        """
+        if self.moving and not self._arm.gliding:
+            raise BenchError("the arm moves already")
+        self._observe()
+        rested = self._arrived
+        if self._arm.glide(target, self.time_s, duration_s):
+            if rested:
+                self._on_event(f"stream from {_listed(self._arm.motion.start)}")
+            self._restart_looks()
+
+    def _require_rest(self) -> None:
+        if self.moving:
+            raise BenchError("the arm moves already")
+        self._note_arrival()
+
+    def stop(self) -> None:
+        """Decelerate to standstill; without a motion nothing happens."""
+        if not self.moving:
+            return
+        self._observe()
+        self._arm.stop(self.time_s)
+        self._on_event(f"stop towards {_listed(self.destination)}")
+        self._restart_looks()
+
+    def new_instrument(self) -> "Instrument":
+        """Return a further length counter on the beam, with zero, latches and noise of its own."""
+        counter = Counter(
+            self._config, self._observe().last(), self._air.index_at, number=len(self._instruments)
+        )
+        counter.set_laser(ready=self._counter.laser_ready)
+        self._instruments.append(counter)
+        return Instrument(self, counter)
+
+    def read(self, counter: Counter | None = None) -> Reading:
+        """Return one reading at this moment.
+
+        Args:
+            counter: which one; by default the bench's own, which no emulated instrument wears.
+        """
+        sight = self._observe()
+        level = self._optics.level(float(sight.miss_mm[0]))
+        return (counter or self._counter).read(self.time_s, level)
+
+    def zero(self, counter: Counter | None = None) -> bool:
+        """Zero a counter, by default the bench's own; False when it refuses because no beam returns."""
+        self._observe()
+        self._largest_miss_mm = 0.0
+        return (counter or self._counter).zero(self.time_s)
+
+    def velocity_mm_s(self) -> float:
+        """Return the displacement rate at this moment, mm/s; 0 without a beam."""
+        since_s, until_s = self._moment()
+        before, after = (self._look(np.array([t])) for t in (since_s, until_s))
+        if after.index[0] == NOBODY or before.index[0] != after.index[0] or since_s == until_s:
+            return 0.0
+        return float(after.length_mm[0] - before.length_mm[0]) / (until_s - since_s)
+
+    def tool_speed_mm_s(self) -> float:
+        """Return the speed of the axis that turns the beam at this moment, mm/s."""
+        since_s, until_s = self._moment()
+        if not self.moving or since_s == until_s:
+            return 0.0
+        before, after = self._arm.poses(np.array([since_s, until_s])).axis_mm
+        return float(abs(after - before)) / (until_s - since_s)
+
+    def _moment(self) -> tuple[float, float]:
+        """Return the millisecond before now, or that after the start of the present motion, s."""
+        start_s = self._arm.motion.start_s
+        if self.time_s - start_s >= _MOMENT_S:
+            return self.time_s - _MOMENT_S, self.time_s
+        return start_s, max(self.time_s, min(start_s + _MOMENT_S, self.standstill_s))
+
+    def air(self) -> AirSample:
+        """Return the air's state at this moment."""
+        return self._air.at(self.time_s)
+
+    def air_index(self) -> float:
+        """Return the refractive index of the air for a helium-neon laser at this moment."""
+        return self._air.index_at(self.time_s)
+
+    def true_state(self) -> TrueState:
+        """Return the truth of this moment; nothing on the bench notices."""
+        now = np.array([self.time_s])
+        poses = self._arm.poses(now)
+        sight = self._optics.look(poses)
+        axis = complex(poses.axis_mm[0])
+        nearest = self._nearest(sight)
+        return TrueState(
+            axis_mm=(axis.real, axis.imag),
+            joints=self._arm.true_joints(self.time_s),
+            beam_deg=float(np.rad2deg(poses.beam_rad[0])),
+            play=tuple(float(state) for state in self._arm.play_at(self.time_s)),
+            reflector=nearest if sight.index[0] != NOBODY else None,
+            nearest=nearest,
+            miss_mm=float(sight.miss_mm[0]),
+            length_mm=float(sight.length_mm[0]),
+        )
+
+    @property
+    def largest_miss_mm(self) -> float:
+        """Largest distance between beam and reflector since a counter was zeroed last, mm."""
+        return self._largest_miss_mm
+
+    @property
+    def beam_lost(self) -> bool:
+        """The counter's latch."""
+        return self._counter.beam_lost
+
+    def block_beam(self, duration_s: float | None) -> None:
+        """Hold something into the beam, for a time in s or until it is taken away."""
+        until_s = np.inf if duration_s is None else self.time_s + duration_s
+        self._optics.block(self.time_s, until_s)
+        self._observe()
+
+    def unblock_beam(self) -> None:
+        """Take away what stands in the beam."""
+        self._observe()
+        self._optics.block(np.inf, np.inf)
+        self._observe()
+
+    def move_reflector(self, name: str, dx_mm: float, dy_mm: float) -> None:
+        """Shift a reflector; the counter counts what it sees of it.
+
+        Raises:
+            BenchError: there is no such reflector.
+        """
+        self._require_nest(name)
+        self._observe()
+        self._optics.move_reflector(name, complex(dx_mm, dy_mm))
+        self._shift_target()
+
+    def place_reflector(self, name: str) -> None:
+        """Put the reflector into a nest and leave all others empty, or fill them all.
+
+        Args:
+            name: of the nest, or "all".
+
+        Raises:
+            BenchError: there is no such nest.
+        """
+        names = self._optics.names if name == "all" else [name]
+        if name != "all":
+            self._require_nest(name)
+        self._observe()
+        self._optics.remove_all_but(names)
+        self._observe()
+        self._optics.put(names)
+        self._observe()
+
+    @property
+    def in_place(self) -> list[str]:
+        """Names of the nests with a reflector in them."""
+        return self._optics.in_place
+
+    @property
+    def mount(self) -> Mount:
+        """How the beam lies on the arm."""
+        return self._optics.mount
+
+    def turn_screw(self, screw: str, turns: float) -> None:
+        """Turn a screw of the mount; the counter counts what the beam's length changes by.
+
+        Args:
+            screw: "stage" or "level".
+            turns: clockwise positive.
+
+        Raises:
+            BenchError: there is no such screw.
+        """
+        if screw not in self.mount.screws:
+            raise BenchError(f"there is no screw {screw!r}; there are {', '.join(self.mount.screws)}")
+        self._observe()
+        self.mount.turn(screw, turns)
+        self._shift_target()
+
+    def weaken(self, factor: float) -> None:
+        """Let dirt leave a part of the signal, 0...1 of the clean one."""
+        self._observe()
+        self._optics.clearness = factor
+        self._observe()
+
+    def shake(self, amplitude_mm: float, duration_s: float) -> None:
+        """Keep the arm ringing from now on for a time, s."""
+        self._observe()
+        self._arm.shake(amplitude_mm, self.time_s, self.time_s + duration_s)
+        self._sampling.plan(self._arm.sample_times(), self.time_s)
+
+    def outrun_counters(self) -> None:
+        """Let all counters lose count as after too fast a motion.
+
+        Raises:
+            BenchError: no beam returns, so nothing is counted.
+        """
+        if self._observe().index[0] == NOBODY:
+            raise BenchError("no beam returns: there is no count to lose; aim at a reflector first")
+        for counter in self._counters():
+            counter.outrun()
+
+    def set_laser(self, *, ready: bool) -> None:
+        """Let the laser of all counters hold its frequency, or lose it."""
+        self._observe()
+        for counter in self._counters():
+            counter.set_laser(ready=ready)
+
+    @property
+    def laser_ready(self) -> bool:
+        """The laser holds its frequency."""
+        return self._counter.laser_ready
+
+    def slip(self, joint: int, by: float) -> None:
+        """Let the next motion end beside its target, as after a collision; the encoders show where.
+
+        Real-time streams are left alone.
+
+        Args:
+            joint: its number, from 1.
+            by: how far, deg or mm.
+        """
+        self._slip[joint - 1] = by
+
+    def clear_faults(self) -> None:
+        """Take away what stands in the beam, shakes, dims, unlocks the laser or waits to let a joint slip."""
+        self.unblock_beam()
+        self.weaken(1.0)
+        self.shake(0.0, 0.0)
+        self.set_laser(ready=True)
+        self._slip[:] = 0.0
+
+    def _slipped(self, target: Floats) -> Joints:
+        slipped = tuple((target + self._slip).tolist())
+        self._slip[:] = 0.0
+        return slipped
+
+    def _require_nest(self, name: str) -> None:
+        if name not in self._optics.names:
+            known = ", ".join(self._optics.names)
+            raise BenchError(f"there is no reflector {name!r}; there are {known}")
+
+    def _counters(self) -> tuple[Counter, ...]:
+        return (self._counter, *self._instruments)
+
+    def _shift_target(self) -> None:
+        """Go on counting after a hand changed the beam or its target."""
+        sight = self._look(np.array([self.time_s]))
+        # A push by hand is counted, for it takes time; a jump to another reflector or to none is not.
+        jumped = int(sight.index[0]) != int(self._counter.last.index[0])
+        gaps = self._gaps(sight) if jumped else []
+        for counter in self._counters():
+            counter.follow(gaps, sight)
+
+    def _look(self, time_s: Floats) -> Sight:
+        return self._optics.look(self._arm.poses(time_s))
+
+    def _observe(self) -> Sight:
+        sight = self._look(np.array([self.time_s]))
+        self._follow(sight)
+        return sight
+
+    def _follow(self, sight: Sight) -> None:
+        self._largest_miss_mm = max(self._largest_miss_mm, float(sight.miss_mm.max()))
+        gaps, last = self._gaps(sight), sight.last()
+        for counter in self._counters():
+            counter.follow(gaps, last)
+
+    def _gaps(self, sight: Sight) -> list[Gap]:
+        """Return what no counter counts from the last look to some looks: all of them have seen the same."""
+        return gaps_between(self._counter.last, sight, self._config.speed_limit_mm_s, self._air.index_at)
+
+    def _nearest(self, sight: Sight) -> str:
+        return self._optics.names[int(sight.nearest[0])]
+
+    def _restart_looks(self) -> None:
+        self._sampling.plan(self._arm.sample_times(), self.time_s)
+        self._arrived = not self.moving
+
+
+class Instrument:
+    """One emulated instrument's length counter; several look along the same beam.
+
+    Args:
+        bench: where it stands.
+        counter: its count.
+    """
+
+    def __init__(self, bench: Bench, counter: Counter) -> None:
+        self.bench = bench
+        self._counter = counter
+
+    @property
+    def beam_lost(self) -> bool:
+        """The latch of this instrument."""
+        return self._counter.beam_lost
+
+    @property
+    def break_count(self) -> int:
+        """Breaks of the beam so far."""
+        return self._counter.break_count
+
+    @property
+    def overspeed_count(self) -> int:
+        """How often the beam's length changed too fast so far."""
+        return self._counter.overspeed_count
+
+    def read(self) -> Reading:
+        """Return one reading at this moment."""
+        return self.bench.read(self._counter)
+
+    def zero(self) -> bool:
+        """Zero the count; False when it refuses because no beam returns."""
+        return self.bench.zero(self._counter)
+
+
+def _listed(joints: Joints) -> str:
+    return ", ".join(f"{value:.3f}" for value in joints)

@@ -1,0 +1,1 @@
+"""A SCARA that carries the interferometer: its motion, its errors, and what it truly is."""

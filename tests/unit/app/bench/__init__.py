@@ -1,1 +1,0 @@
-"""Tests of the bench between runs and of what clients are told about it."""

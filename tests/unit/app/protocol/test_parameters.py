@@ -1,0 +1,112 @@
+"""What parameters may be, in words that a technician can act on."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pydantic import BaseModel
+
+from catseye.app.errors import UsageError
+from catseye.app.protocol.parameters import param_text, range_text, typed_fault, value_text
+from catseye.app.protocol.procedures import load_procedure, parse_params, procedure_names
+from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
+
+
+@pytest.mark.parametrize(
+    ("facts", "text"),
+    [
+        ({"type": "integer", "minimum": 4, "maximum": 40}, "a whole number, 4 … 40"),
+        ({"type": "number", "exclusiveMinimum": 0.0, "maximum": 45.0}, "more than 0, at most 45"),
+        (
+            {"anyOf": [{"type": "number", "minimum": -360.0, "maximum": 360.0}, {"type": "null"}]},
+            "-360 … 360",
+        ),
+        ({"enum": ["automatic", "manual"], "type": "string"}, "automatic or manual"),
+        ({"type": "array", "items": {"type": "string"}}, 'a list of names, such as ["P1", "P2"]'),
+        ({"type": "boolean"}, "true or false"),
+    ],
+)
+def test_a_range_reads_plainly(facts: dict[str, object], text: str) -> None:
+    assert range_text(facts) == text
+
+
+@pytest.mark.parametrize("name", procedure_names())
+def test_every_number_of_every_procedure_has_a_range(name: str) -> None:
+    schema = load_procedure(name).params_type.model_json_schema()["properties"]
+    for key, facts in schema.items():
+        text = range_text(facts)
+        assert facts.get("description"), key
+        assert "None" not in text, key
+        assert text not in {"a number", "a whole number", "a value"}, key
+
+
+@pytest.mark.parametrize(
+    ("params", "given", "told"),
+    [
+        (
+            OpenLoopParams,
+            "closures=300",
+            "--param closures: 300 is not possible; it takes a whole number, 0 … 20",
+        ),
+        (
+            OpenLoopParams,
+            "reflectors=P9",
+            'P9 is not possible; it takes a list of names, such as ["P1", "P2"]',
+        ),
+    ],
+)
+def test_a_wrong_value_is_told_with_what_is_possible(params: type[BaseModel], given: str, told: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        parse_params(params, [given])
+    assert told in str(caught.value)
+
+
+def facts_of(name: str, key: str) -> dict[str, Any]:
+    schema: dict[str, Any] = load_procedure(name).params_type.model_json_schema()["properties"][key]
+    return schema
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "good", "bad"),
+    [
+        ("reflector-search", "poses", ["4", "40", " 8 ", ""], ["3", "41", "8.0", "many"]),
+        ("reflector-search", "most_poses", ["", "4", "120"], ["3", "121", "null"]),
+        ("reflector-search", "half_range_deg", ["0.1", "45", "1e1"], ["0", "45.1", "nan", "6 deg", "-1"]),
+        ("reflector-search", "mode", ["automatic", "manual"], ["auto"]),
+        ("open-loop", "subdivide", ["true", "false"], ["yes", "1"]),
+        ("open-loop", "reflectors", ["P1, P2", '["P1"]'], ['["P1"', "[1]"]),
+        ("warmup", "reference_deg", ["[0, 90]", ""], ["[0]", "0, 90", "[0, 361]"]),
+        ("repeatability", "poses", ["5", "[[0, 10], [20, 30]]"], ["51", "[[0]]", "[]"]),
+        ("validation-path", "joints", ["path.csv"], []),
+    ],
+)
+def test_typed_values_are_judged_as_the_procedure_will_judge_them(
+    name: str, key: str, good: list[str], bad: list[str]
+) -> None:
+    facts, params_type = facts_of(name, key), load_procedure(name).params_type
+    for text in good:
+        assert typed_fault(facts, text) == "", text
+        if text and "file" not in facts:
+            parse_params(params_type, [param_text(facts, key, text)])
+    for text in bad:
+        assert typed_fault(facts, text) == range_text(facts), text
+        with pytest.raises(UsageError):
+            parse_params(params_type, [f"{key}={text}"])
+
+
+def test_a_name_that_looks_like_a_number_stays_a_name() -> None:
+    assert param_text(facts_of("warmup", "reflector"), "reflector", "1") == 'reflector="1"'
+
+
+def test_a_file_is_named_from_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    typed = param_text(facts_of("validation-path", "joints"), "joints", "a.csv")
+    assert typed == f'joints="{tmp_path / "a.csv"}"'
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(None, ""), ("", ""), ([], ""), (True, "true"), (8.0, "8"), ("P1", "P1"), ([1, 2], "[1, 2]")],
+)
+def test_values_as_they_are_typed(value: object, text: str) -> None:
+    assert value_text(value) == text

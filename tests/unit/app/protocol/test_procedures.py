@@ -1,0 +1,53 @@
+"""Procedures by name and their parameters as texts."""
+
+import pytest
+
+from catseye.app.errors import UsageError
+from catseye.app.protocol.procedures import load_procedure, parse_params, procedure_names
+from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
+from catseye.procedures.scara.path.validation_path import PathParams
+from catseye.procedures.scara.search.reflector_search import SearchParams
+
+
+def test_the_built_in_procedures_are_installed() -> None:
+    assert {"reflector-search", "open-loop", "validation-path"} <= set(procedure_names())
+    for name in procedure_names():
+        assert load_procedure(name).name == name
+
+
+def test_an_unknown_procedure_is_told_with_the_nearest() -> None:
+    with pytest.raises(UsageError, match=r"'open-lop'; did you mean open-loop\? Installed are: "):
+        load_procedure("open-lop")
+    with pytest.raises(UsageError, match=r"there is no procedure 'xyz'\. Installed are: .*open-loop"):
+        load_procedure("xyz")
+
+
+def test_texts_become_values_of_their_type() -> None:
+    params = parse_params(PathParams, ["x_mm=150", " y_to_mm = -2.5e1 ", "hand=left", "passes=3"])
+    assert params == PathParams(x_mm=150.0, y_to_mm=-25.0, hand="left", passes=3)
+    chosen = parse_params(OpenLoopParams, ['reflectors=["P1", "P3"]', "subdivide=false"])
+    assert chosen == OpenLoopParams(reflectors=["P1", "P3"], subdivide=False)
+    assert parse_params(SearchParams, []) == SearchParams()
+
+
+@pytest.mark.parametrize(
+    ("texts", "parts"),
+    [
+        (["poses"], ["'poses'", "name=value"]),
+        (["poses=3"], ["--param poses: 3", "4 … 40"]),
+        (["poses=many"], ["--param poses: many", "whole number"]),
+        (["poses=4.5"], ["--param poses: 4.5", "whole number"]),
+        (["half_range_deg=nan"], ["--param half_range_deg"]),
+        (["half_range_deg=inf"], ["--param half_range_deg"]),
+        (
+            ["pose=4", "half=2"],
+            ["--param pose: unknown; known are mode, poses, most_poses, half_range_deg", "--param half"],
+        ),
+        (["=4"], ["unknown; known are mode, poses"]),
+    ],
+)
+def test_a_wrong_parameter_is_told_with_its_remedy(texts: list[str], parts: list[str]) -> None:
+    with pytest.raises(UsageError) as caught:
+        parse_params(SearchParams, texts)
+    for part in parts:
+        assert part in str(caught.value)

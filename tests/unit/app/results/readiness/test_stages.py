@@ -1,0 +1,200 @@
+"""The next sensible step follows what is stored of a cell, and nothing else."""
+
+import json
+import sqlite3
+from contextlib import closing
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from catseye.app.cell.bench import bench_of
+from catseye.app.cell.load import load_cell
+from catseye.app.cli.init import init
+from catseye.app.cli.procedures import procedures as list_procedures
+from catseye.app.protocol.bench import DeviceStatus, LinkState
+from catseye.app.protocol.procedures import load_procedure, procedure_names
+from catseye.app.results.readiness.cell_runs import runs_of_cell
+from catseye.app.results.readiness.need import Need, links_need
+from catseye.app.results.readiness.needs import aim_of
+from catseye.app.results.readiness.stages import Stage, results_in, stages_of
+from catseye.app.results.readiness.survey import Survey, survey_cell
+from catseye.app.store.run_store import RunStore
+from catseye.procedures.kit.context import Json
+from tests.unit.app.engine.fakes import ManualClock
+
+START = datetime(2026, 11, 21, 9, 0, tzinfo=UTC)
+
+
+class History:
+    """A cell's runs, made one an hour."""
+
+    def __init__(self, folder: Path) -> None:
+        self.cell, self.root = folder / "cell.toml", folder / "runs"
+        init(self.cell)
+        self.clock = ManualClock()
+        self.bench = bench_of(load_cell(self.cell).cell)
+
+    async def put(self, procedure: str, status: str = "complete", cell: str = "lab-1") -> str:
+        places: list[Json] = [{"name": r.name, "x_mm": r.x_mm, "y_mm": r.y_mm} for r in self.bench.reflectors]
+        meta: dict[str, Json] = {"cell": cell, "configuration": {"reflector": places}}
+        store = await RunStore.create(self.root, procedure, meta, self.clock, reserve_bytes=0)
+        if procedure == "reflector-search" and status == "complete":
+            found: dict[str, Json] = {"reflectors": places, "theta40_deg": 0.0}
+            await store.append_step("solve", 1, "solve", found, [])
+        await store.finish(status, 0)
+        self.clock.advance(3600.0)
+        return store.path.name
+
+    def survey(self) -> Survey:
+        """Return everything."""
+        return survey_cell(self.cell, self.root, self.clock.now_utc())
+
+    def stages(self, later_s: float = 0.0) -> dict[str, Stage]:
+        """Return the stages by name, without the plans of all procedures: those take their time."""
+        runs = runs_of_cell(self.root, "lab-1", self.clock.now_utc() + timedelta(seconds=later_s))
+        needs: dict[str, list[Need]] = {name: [] for name in procedure_names()}
+        search = aim_of(self.bench, self.root, runs).search
+        after = [one for name in procedure_names() for one in load_procedure(name).needs.after]
+        found = stages_of(runs, needs, search, results_in([self.cell.parent]), self.cell, after)
+        return {stage.name: stage for stage in found}
+
+    def next(self, later_s: float = 0.0) -> str:
+        """Return the name of the only stage that is the next."""
+        (name,) = [name for name, stage in self.stages(later_s).items() if stage.state == "next"]
+        return name
+
+
+@pytest.fixture
+def history(tmp_path: Path) -> History:
+    return History(tmp_path)
+
+
+async def test_the_way_leads_from_levelling_to_validation(history: History) -> None:
+    assert history.next() == "beam-level"
+    await history.put("beam-level", cell="lab-2")
+    assert history.next() == "beam-level"
+    for done, following in (
+        ("beam-level", "beam-to-j4"),
+        ("beam-to-j4", "reflector-search"),
+        ("reflector-search", "warmup"),
+        ("warmup", "open-loop"),
+    ):
+        await history.put(done)
+        assert history.next() == following
+    measured = await history.put("open-loop")
+    assert history.next() == "identify"
+    result = {
+        "format": "catseye-result/1",
+        "model": "error-map",
+        "provenance": {"runs": [measured]},
+    }
+    (history.cell.parent / "map.json").write_text(json.dumps(result))
+    assert history.next() == "validation-path"
+    await history.put("validation-path")
+    assert history.next() == "validate"
+    assert "map.json" in history.stages()["validate"].command
+
+
+async def test_levelling_again_makes_alignment_next_and_keeps_the_search(history: History) -> None:
+    for name in ("beam-level", "beam-to-j4", "reflector-search", "beam-level"):
+        await history.put(name)
+    assert history.next() == "beam-to-j4"
+    assert history.stages()["reflector-search"].state == "done"
+
+
+async def test_a_stage_that_was_passed_over_does_not_stay_the_next(history: History) -> None:
+    await history.put("reflector-search")
+    assert history.next() == "warmup"
+    stages = history.stages()
+    assert stages["beam-level"].state == stages["beam-to-j4"].state == "left out"
+
+
+async def test_a_warm_arm_cools_down(history: History) -> None:
+    for name in ("beam-level", "beam-to-j4", "reflector-search", "warmup"):
+        await history.put(name)
+    assert history.next() == "open-loop"
+    assert history.next(later_s=4 * 3600.0) == "warmup"
+
+
+async def test_a_search_after_which_the_beam_was_moved_is_missing_and_next(history: History) -> None:
+    for name in ("beam-level", "reflector-search"):
+        await history.put(name)
+    clock = history.clock
+    store = await RunStore.create(history.root, "beam-to-j4", {"cell": "lab-1"}, clock, reserve_bytes=0)
+    await store.event("asked", {"id": "stage/1", "text": "Turn it.", "asked_utc": "now"})
+    await store.finish("complete", 0)
+    survey = history.survey()
+    (need,) = [need for need in survey.needs["open-loop"] if need.what == "search"]
+    assert need.met == "missing"
+    assert "Search again" in need.text
+    assert survey.next is not None
+    assert survey.next.name == "reflector-search"
+
+
+async def test_what_the_cell_cannot_do_is_left_out(history: History) -> None:
+    text = history.cell.read_text()
+    line = next(line for line in text.splitlines() if line.startswith("j3_range_mm"))
+    history.cell.write_text(text.replace(line, ""))
+    survey = history.survey()
+    assert survey.stages[0].state == "left out"
+    assert "j3_range_mm" in survey.stages[0].text
+    assert survey.next is not None
+    assert survey.next.name == "beam-to-j4"
+
+
+async def test_last_runs_and_needs_are_told(history: History, capsys: pytest.CaptureFixture[str]) -> None:
+    run = await history.put("open-loop", status="stopped")
+    list_procedures(history.cell, history.root, as_json=True)
+    *procedures, stages = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    (open_loop,) = [each for each in procedures if each["name"] == "open-loop"]
+    assert open_loop["last"]["name"] == run
+    assert open_loop["last"]["status"] == "stopped"
+    assert {need["what"] for need in open_loop["needs"]} >= {"reflectors", "search", "warm arm", "plan"}
+    assert stages["cell"] == "lab-1"
+    list_procedures(history.cell, history.root, as_json=False)
+    out = capsys.readouterr()
+    assert "→ beam-level" in out.out
+    assert out.err.startswith("next: catseye run beam-level")
+
+
+@pytest.mark.parametrize("time_utc", ["2026-11-2", "2026-11-21T09:00:00"])
+async def test_a_run_with_a_changed_time_is_passed_over(history: History, time_utc: str) -> None:
+    sound = await history.put("warmup")
+    changed = await history.put("warmup")
+    database = history.root / changed / "run.sqlite"
+    database.chmod(0o644)
+    with closing(sqlite3.connect(database, isolation_level=None)) as connection:
+        connection.execute("DROP TRIGGER events_no_update")
+        connection.execute("UPDATE events SET time_utc = ?", (time_utc,))
+    found = runs_of_cell(history.root, "lab-1", history.clock.now_utc())
+    assert [found.named(name) is not None for name in (sound, changed)] == [True, False]
+
+
+def robot(link: LinkState, error: str | None = None) -> DeviceStatus:
+    endpoint = "tcp://127.0.0.1:10001"
+    return DeviceStatus(
+        name="robot", endpoint=endpoint, driver="melfa-r3", link=link, identity=None, error=error, age_s=None
+    )
+
+
+def test_lost_devices_are_missing_and_unknown_ones_are_not() -> None:
+    assert links_need(None).met == "advised"
+    assert links_need([robot("ok")]).met == "met"
+    lost = links_need([robot("lost", "no answer: is it on?")])
+    assert lost.met == "missing"
+    assert lost.text == "robot: no answer: is it on?"
+    assert links_need([robot("connecting")]).met == "advised"
+
+
+@pytest.mark.parametrize("provenance", ["anywhere", ["a run"], {"runs": None}, {"runs": 7}, None])
+def test_a_result_file_of_another_shape_names_no_run(tmp_path: Path, provenance: Json) -> None:
+    document = {"format": "catseye-result/1", "model": "error-map", "provenance": provenance}
+    (tmp_path / "odd.json").write_text(json.dumps(document))
+    assert not results_in([tmp_path])
+
+
+def test_only_error_maps_count_as_results(tmp_path: Path) -> None:
+    (tmp_path / "a.json").write_text("{")
+    (tmp_path / "b.json").write_text('{"format": "catseye-result/1", "model": "conventional"}')
+    assert results_in([tmp_path, tmp_path / "none"]) == {}

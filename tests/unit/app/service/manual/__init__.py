@@ -1,0 +1,1 @@
+"""Tests of motion by hand between runs."""

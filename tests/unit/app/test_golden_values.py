@@ -1,0 +1,79 @@
+"""Values that stored runs, answers files and rehearsals rely on, pinned for the cell of the template."""
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+from catseye.app.cell.load import load_cell
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.engine.dry_run import DryRunContext
+from catseye.app.engine.walked.register import geometry_digest
+from catseye.app.protocol.procedures import load_procedure
+from catseye.app.service.plan_digest import plan_digest
+from catseye.app.service.running import plan_run, rehearse
+
+
+class Golden(NamedTuple):
+    """What a procedure with its defaults gives; digests are the first digits of a SHA-256."""
+
+    plan: str
+    rehearsal: str
+    total_s: float
+
+
+GOLDEN = {
+    "beam-level": Golden("5033766d9cdae053", "1a9d856a3f389f37", 2.763),
+    "beam-to-j4": Golden("f99e2bba93d5503f", "a8ea83207aa7f648", 42.399),
+    "open-loop": Golden("3e3da2aa0faba12e", "7ac5a0a84b0554ab", 1396.366),
+    "reflector-search": Golden("a3297a49e9064bff", "680c66752c16bd1f", 37.828),
+    "repeatability": Golden("bb891e02c4da1b23", "79da6b2642ec1fd0", 1342.062),
+    "validation-path": Golden("24c5f90a054127e7", "4dc01925e2387970", 114.38),
+    "warmup": Golden("63927e2eeb26293e", "17ca490e37ab2bf7", 1928.261),
+}
+
+
+@pytest.fixture
+def cell_file(tmp_path: Path) -> Path:
+    path = tmp_path / "cell.toml"
+    path.write_text(TEMPLATE, "utf-8")
+    return path
+
+
+def digest(value: Any) -> str:
+    return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def rehearsed(dry: DryRunContext) -> str:
+    steps = [
+        [
+            step.step_id,
+            step.moves,
+            step.measurements,
+            round(step.duration_s, 4),
+            *(round(value, 4) + 0.0 for value in step.end),
+        ]
+        for step in dry.steps
+    ]
+    return digest([steps, [prompt.id for prompt in dry.prompts]])
+
+
+def test_the_values_of_a_cell_file_stay(cell_file: Path) -> None:
+    assert digest(load_cell(cell_file).cell.model_dump(mode="json")) == "abb6f6bc057dd369"
+
+
+def test_stored_walks_still_fit_their_cell(cell_file: Path) -> None:
+    assert geometry_digest(load_cell(cell_file).cell)[:16] == "07db9f3374434d23"
+
+
+@pytest.mark.parametrize("name", list(GOLDEN))
+async def test_default_plans_and_rehearsals_stay(cell_file: Path, name: str) -> None:
+    procedure = load_procedure(name)
+    planned = plan_run(
+        load_cell(cell_file), procedure, procedure.params_type(), cell_file.parent / "runs", "auto"
+    )
+    dry = await rehearse(planned)
+    found = Golden(plan_digest(planned.plan)[:16], rehearsed(dry), round(dry.total_s, 3))
+    assert found == GOLDEN[name]

@@ -1,0 +1,1 @@
+"""Tests of the algebra of rows and parameters."""

@@ -1,0 +1,167 @@
+"""Information of places against the dense problem with all its nuisances."""
+
+from typing import get_args
+
+import numpy as np
+import pytest
+
+from catseye.calibration.core.design.criteria import CriterionName, covariances
+from catseye.calibration.core.design.information import Information
+from catseye.calibration.core.errors import UnidentifiableError
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.budget import Budget, Contributor
+from catseye.calibration.scara.design.criterion import Criterion
+from catseye.calibration.scara.design.sight import Sight
+from catseye.calibration.scara.planar import forward
+from tests.unit.calibration.scara.design.cases import RING, SIGMA_MM, SMALL, WHITE, seen_by_all, study
+from tests.unit.calibration.scara.design.dense import DenseArm
+from tests.unit.calibration.scara.paper import NODES1_DEG, NODES2_DEG, NOMINAL_REFLECTORS
+
+PAPER = DenseArm(tuple(NODES1_DEG), tuple(NODES2_DEG))
+
+
+def information(arm: DenseArm, places: Floats, budget: Budget = WHITE) -> Information:
+    problem = study(arm, budget)
+    parts = [problem.rows(seen_by_all(place, len(problem.commands))).information() for place in places]
+    total = parts[0]
+    for part in parts[1:]:
+        total = total + part
+    return total
+
+
+@pytest.mark.parametrize("places", [RING[[2]], RING[[1, 8]], RING[[0, 5, 11]]])
+def test_covariance_is_that_of_the_dense_problem(places: Floats) -> None:
+    covariance = study(SMALL).covariance(information(SMALL, places), systematic=False)
+    mine = study(SMALL).arm(covariance).covariance
+    dense = SMALL.covariance([SMALL.block(place) for place in places], places, SIGMA_MM)
+    scale = np.sqrt(np.diag(dense))
+    assert np.abs((mine - dense) / np.outer(scale, scale)).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("chosen", "largest_mdeg"),
+    [((0, 1, 2), (0.90, 1.5)), ((0, 2), (1.0, 1.8)), ((1,), (2.7, 2.8))],
+)
+def test_paper_layout_has_the_known_uncertainties(
+    chosen: tuple[int, ...], largest_mdeg: tuple[float, float]
+) -> None:
+    """15.6 µm white: the published check of the paper's layout with three, two and one reflector."""
+    problem = study(PAPER)
+    found = information(PAPER, NOMINAL_REFLECTORS[list(chosen)])
+    u = np.sqrt(np.diag(problem.arm(problem.covariance(found, systematic=False)).covariance))
+    maps = [1e3 * np.rad2deg(u[part].max()) for part in (problem.layout.map1, problem.layout.map2)]
+    assert [float(f"{value:.2g}") for value in maps] == list(largest_mdeg)
+
+
+def test_what_is_common_to_all_distances_shifts_the_arm_as_the_dense_problem_says() -> None:
+    """A scale error and an axis-angle error of J1 by their definitions: columns of effects, one fit."""
+    places = RING[[1, 8]]
+    budget = Budget(
+        (
+            *WHITE.contributors,
+            Contributor("scale", "scale", 2e-6, "common"),
+            Contributor("length", "length", 0.01, "axis-angle", "j1", orders=1),
+        )
+    )
+    problem = study(SMALL, budget)
+    mine = problem.arm(problem.covariance(information(SMALL, places, budget), systematic=True)).covariance
+    rows = SMALL.rows()
+    arm = np.concatenate([[325.0, 225.0], np.zeros(SMALL.arm_size - 2)])
+    length = np.array([SMALL.distance(arm, row, place) for place in places for row in rows])
+    angle = np.tile(np.deg2rad([SMALL.nodes1_deg[row[0]] for row in rows]), 2)
+    effects = np.column_stack([2e-6 * length, 0.01 * np.cos(angle), 0.01 * np.sin(angle)])
+    blocks = [SMALL.block(place) for place in places]
+    jacobian = SMALL.jacobian(blocks)
+    shifts = (np.linalg.pinv(jacobian, rcond=1e-11) @ effects)[: SMALL.arm_size]
+    shifts[2 : 2 + 2 * len(SMALL.nodes1_deg)] -= shifts[2 : 2 + 2 * len(SMALL.nodes1_deg)].mean(axis=0)
+    expected = SMALL.covariance(blocks, places, SIGMA_MM) + shifts @ shifts.T
+    scale = np.sqrt(np.diag(expected))
+    assert np.abs((mine - expected) / np.outer(scale, scale)).max() < 1e-5
+
+
+def test_a_break_of_the_beam_costs_a_dead_path() -> None:
+    problem = study(SMALL)
+    n = len(problem.commands)
+    whole = seen_by_all(RING[4], n)
+    halves = Sight(whole.xy_mm, 0.0, whole.seen, (np.arange(n) >= n // 2).astype(np.int64), 1, "")
+    kept, lost = (problem.rows(sight).information().matrix for sight in (whole, halves))
+    values = np.linalg.eigvalsh(kept - lost)
+    # One more unknown takes away a single direction's information.
+    assert values[-1] > 1e-3 * np.linalg.eigvalsh(kept)[-1] / n
+    assert np.abs(values[:-1]).max() < 1e-6 * values[-1] + 1e-6 * np.linalg.eigvalsh(kept)[-1]
+
+
+def test_commands_that_see_nothing_count_as_if_they_were_not_there() -> None:
+    problem = study(SMALL)
+    n = len(problem.commands)
+    seen = np.arange(n) % 3 != 0
+    partly = Sight(RING[4], 0.0, seen, np.where(seen, 0, -1), 0, "")
+    mine = problem.rows(partly).information().matrix
+    block = SMALL.block(RING[4], [row for row, keep in zip(SMALL.rows(), seen, strict=True) if keep])
+    arm, nuisance = block[:, : SMALL.arm_size] @ problem.basis, block[:, SMALL.arm_size :]
+    residual = arm - nuisance @ np.linalg.lstsq(nuisance, arm, rcond=None)[0]
+    expected = residual.T @ residual / SIGMA_MM**2
+    assert np.abs(mine - expected).max() < 1e-5 * np.abs(expected).max()
+
+
+def test_repeats_average_white_errors_only() -> None:
+    budget = Budget((*WHITE.contributors, Contributor("scale", "scale", 2e-6, "common")))
+    problem = study(SMALL, budget)
+    once = information(SMALL, RING[[1, 8]], budget)
+    four = once.times(4)
+    white = problem.covariance(once, systematic=False)
+    systematic = problem.covariance(once, systematic=True) - white
+    assert np.allclose(problem.covariance(four, systematic=False), white / 4.0, rtol=1e-9, atol=0.0)
+    # Differences of covariances, so rounding counts against their largest element.
+    left = problem.covariance(four, systematic=True) - white / 4.0
+    assert np.allclose(left, systematic, rtol=0.0, atol=1e-6 * np.abs(systematic).max())
+
+
+def test_a_node_that_nobody_sees_is_named() -> None:
+    problem = study(SMALL)
+    seen = np.array([row[0] != 3 or row[2] > 0 for row in SMALL.rows()])
+    blind = Sight(RING[4], 0.0, seen, np.where(seen, 0, -1), 0, "")
+    with pytest.raises(UnidentifiableError, match=r"no point touches Δθ1\(20°, −\)"):
+        problem.require_determined([blind])
+
+
+def test_one_node_of_j2_leaves_the_links_undetermined() -> None:
+    single = DenseArm((-100.0, -60.0, -20.0, 20.0), (60.0,))
+    problem = study(single)
+    with pytest.raises(UnidentifiableError, match="L1"):
+        problem.require_determined([seen_by_all(place, len(problem.commands)) for place in RING[[2, 9]]])
+
+
+@pytest.mark.parametrize("sigma_mm", [SIGMA_MM, 1e-4, 1e-6])
+def test_what_is_undetermined_stays_so_however_good_the_distances(sigma_mm: float) -> None:
+    single = DenseArm((-100.0, -60.0, -20.0, 20.0), (60.0,))
+    problem = study(single, Budget((Contributor("white", "length", sigma_mm),)))
+    brought = [
+        problem.rows(seen_by_all(place, len(problem.commands))).information() for place in RING[[2, 9]]
+    ]
+    covariance = covariances((brought[0] + brought[1]).matrix, None)
+    for name in get_args(CriterionName):
+        criterion = Criterion(name, single.arm_size, np.eye(single.arm_size - 1))
+        assert np.isinf(criterion.value(covariance))
+
+
+def test_a_place_that_the_j4_axis_passes_over_brings_what_the_other_commands_see() -> None:
+    problem = study(SMALL)
+    theta1, theta2 = problem.commands.theta1_rad, problem.commands.theta2_rad
+    positions = forward(theta1, theta2, problem.link1_mm, problem.link2_mm)
+    on_the_way = positions[7]
+    seen = np.hypot(*(positions - on_the_way).T) > 1.0
+    assert 0 < seen.sum() < len(seen)
+    sight = Sight(on_the_way, 0.0, seen, np.where(seen, 0, -1), 0, "")
+    found = problem.rows(sight).information().matrix
+    block = SMALL.block(on_the_way, [row for row, keep in zip(SMALL.rows(), seen, strict=True) if keep])
+    arm, nuisance = block[:, : SMALL.arm_size] @ problem.basis, block[:, SMALL.arm_size :]
+    residual = arm - nuisance @ np.linalg.lstsq(nuisance, arm, rcond=None)[0]
+    expected = residual.T @ residual / SIGMA_MM**2
+    assert np.abs(found - expected).max() < 1e-5 * np.abs(expected).max()
+
+
+def test_exact_distances_are_refused() -> None:
+    problem = study(SMALL, Budget((Contributor("scale", "scale", 1e-6, "common"),)))
+    with pytest.raises(ValueError, match="exact"):
+        problem.rows(seen_by_all(RING[0], len(problem.commands)))

@@ -1,0 +1,131 @@
+"""Nested models and grids of nodes on arms whose truth is known."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from catseye.calibration.core.significance import aicc, bic
+from catseye.calibration.scara.budget import Budget, Contributor
+from catseye.calibration.scara.diagnostics.nested_models import ComparedModel, Extension, compare_models
+from catseye.calibration.scara.diagnostics.node_spacing import node_spacing
+from catseye.calibration.scara.extension import crosstalk, j4_map, periodic, thermal_drift
+from catseye.calibration.scara.points import Points
+from tests.unit.calibration.scara.diagnostics.bench import (
+    Extra,
+    commands_between,
+    commands_on_nodes,
+    measured,
+    problem,
+)
+from tests.unit.calibration.scara.paper import MDEG, NODES1_DEG, NODES2_DEG, Truth, random_truth
+
+TRUTH = random_truth(10)
+EXTENSIONS = [
+    Extension("crosstalk", crosstalk()),
+    Extension("J4 map", j4_map()),
+    Extension("thermal drift", thermal_drift()),
+]
+
+
+def on_nodes(extra: Extra | None = None, seed: int = 1) -> Points:
+    return measured(TRUTH, commands_on_nodes(), extra, noise_mm=0.008, sigma_mm=0.008, seed=seed)
+
+
+def models(points: Points, budget: Budget | None = None) -> dict[str, ComparedModel]:
+    posed = replace(problem(points), budget=budget)
+    return {one.name: one for one in compare_models(posed, EXTENSIONS)}
+
+
+def test_only_what_acts_is_significant_and_its_coefficients_are_right() -> None:
+    extra = Extra(theta2=lambda p: 3.0 * MDEG * math.sin(p.theta1))
+    found = models(on_nodes(extra))
+    assert found["error map"].significant
+    assert found["error map"].base == "conventional"
+    assert [name for name in ("crosstalk", "J4 map", "thermal drift") if found[name].significant] == [
+        "crosstalk"
+    ]
+    values = dict(
+        zip([term.name for term in found["crosstalk"].terms], found["crosstalk"].coefficients, strict=True)
+    )
+    u = dict(zip([term.name for term in found["crosstalk"].terms], found["crosstalk"].u, strict=True))
+    assert values["Δθ2 sin θ1"] == pytest.approx(3.0 * MDEG, abs=3.0 * u["Δθ2 sin θ1"])
+    assert found["crosstalk"].aicc < found["error map"].aicc
+    assert found["all together"].free == found["error map"].free + 8 + 10 + 2
+
+
+def test_f_is_the_textbook_ratio_of_both_fits() -> None:
+    points = on_nodes()
+    small, large = problem(points).solve(), problem(points, terms=crosstalk()).solve()
+    assert small.fit.chi2_reduced is not None
+    assert large.fit.chi2_reduced is not None
+    gain = small.fit.chi2_reduced * small.fit.dof - large.fit.chi2_reduced * large.fit.dof
+    ratio = gain / 8 / large.fit.chi2_reduced
+    found = models(points)["crosstalk"]
+    assert found.ratio == pytest.approx(ratio, rel=1e-6)
+    alone = float(stats.f.sf(ratio, 8, large.fit.dof))
+    assert found.probability == pytest.approx(1.0 - (1.0 - alone) ** 3, rel=1e-6)
+
+
+def test_what_the_budget_states_is_significant_and_explained() -> None:
+    extra = Extra(length=lambda p: 0.012 * math.cos(3 * p.beam))
+    budget = Budget((Contributor("J4", "radial", 0.010, "axis-angle", "j4"),))
+    plain, stated = models(on_nodes(extra))["J4 map"], models(on_nodes(extra), budget)["J4 map"]
+    assert (plain.significant, plain.explained) == (True, False)
+    assert (stated.significant, stated.explained) == (True, True)
+    assert plain.explained_um == pytest.approx(12.0 / math.sqrt(2.0), rel=0.2)
+
+
+def test_nothing_is_significant_on_white_noise() -> None:
+    for seed in range(4):
+        found = models(on_nodes(seed=seed))
+        assert not any(one.significant for one in found.values() if one.terms)
+
+
+def test_what_the_commands_cannot_tell_is_refused_with_its_reason() -> None:
+    found = compare_models(problem(on_nodes()), [*EXTENSIONS, Extension("periodic", periodic(1, (36,)))])
+    refused = next(one for one in found if one.name == "periodic")
+    assert "measure between the nodes" in refused.refused
+    together = next(one for one in found if one.name == "all together")
+    assert not together.refused
+    assert not together.significant
+
+
+def test_information_criteria_against_their_definitions() -> None:
+    # Burnham and Anderson: n log(RSS/n) + 2K + 2K(K+1)/(n−K−1), K counts the variance.
+    assert aicc(50.0, 20, 3) == pytest.approx(20 * math.log(2.5) + 8 + 40 / 15)
+    assert bic(50.0, 20, 3) == pytest.approx(20 * math.log(2.5) + 4 * math.log(20))
+    assert aicc(1.0, 5, 3) == math.inf
+
+
+def straight_truth() -> Truth:
+    one, two = [0.1 * MDEG * node for node in NODES1_DEG], [0.2 * MDEG * node for node in NODES2_DEG]
+    return replace(TRUTH, map1={1: one, -1: one}, map2={1: two, -1: two})
+
+
+def test_coarse_nodes_are_recommended_where_the_maps_are_straight() -> None:
+    points = measured(straight_truth(), commands_on_nodes(), noise_mm=0.01, sigma_mm=0.01)
+    found = node_spacing(problem(points))
+    assert found.by_aicc.nodes1_rad.size == 5
+    assert found.by_bic.nodes2_rad.size == 4
+    assert not found.between1
+    assert found.grids[0].name == "J1 every node (11), J2 every node (8)"
+    assert found.by_aicc.nodes1_rad[-1] == pytest.approx(np.deg2rad(60.0))
+
+
+def test_every_node_is_needed_where_the_maps_turn_from_node_to_node() -> None:
+    points = measured(TRUTH, commands_on_nodes(), noise_mm=0.01, sigma_mm=0.01)
+    found = node_spacing(problem(points))
+    for best in (found.by_aicc, found.by_bic, found.by_prediction):
+        assert best is found.grids[0]
+
+
+def test_finer_nodes_are_judged_where_commands_stand_between_them() -> None:
+    extra = Extra(theta1=lambda p: 6.0 * MDEG * math.cos(18.0 * p.theta1))
+    points = measured(TRUTH, commands_between(7.3, 17.1), extra, noise_mm=0.004, sigma_mm=0.004)
+    found = node_spacing(problem(points))
+    assert found.between1
+    assert found.by_aicc.nodes1_rad.size == 21
+    assert found.by_aicc.nodes2_rad.size == 8

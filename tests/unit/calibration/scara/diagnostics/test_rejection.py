@@ -1,0 +1,60 @@
+"""What is rejected, why, and when nothing is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from catseye.calibration.core.errors import RejectionError
+from catseye.calibration.scara.diagnostics.rejection import reject
+from catseye.calibration.scara.points import Points
+from tests.unit.calibration.scara.diagnostics.bench import commands_on_nodes, measured, problem, split
+from tests.unit.calibration.scara.paper import random_truth
+
+TRUTH = random_truth(4)
+COMMANDS = commands_on_nodes()
+
+
+def with_errors(errors_mm: dict[int, float], seed: int = 1) -> Points:
+    points = measured(TRUTH, COMMANDS, noise_mm=0.01, sigma_mm=0.01, seed=seed)
+    displacement = points.displacement_mm.copy()
+    for row, error in errors_mm.items():
+        displacement[row] += error
+    return replace(points, displacement_mm=displacement)
+
+
+def test_the_wrong_distances_go_and_no_others_and_each_says_why() -> None:
+    wrong = {30: 0.08, 31: 5.0, 500: -0.12, 900: 0.09, 1000: 0.3}
+    cleaned = reject(problem(with_errors(wrong)), 5.0)
+    assert [one.row for one in cleaned.rejected] == [row + 1 for row in wrong]
+    for one, (row, error) in zip(cleaned.rejected, wrong.items(), strict=True):
+        a, b, s1, s2 = COMMANDS[row % 352]
+        assert (one.theta1_deg, one.theta2_deg, one.direction1, one.direction2) == (a, b, s1, s2)
+        assert one.reflector == f"P{row // 352 + 1}"
+        assert -one.residual_um == pytest.approx(1e3 * error, abs=45.0)
+    text = cleaned.identified.rejected[1]
+    assert text.startswith("row 32, reflector P1, segment 0, θ1 ")
+    assert "limit 5" in text
+    assert len(cleaned.identified.points) == 1056 - 5
+    clean = problem(with_errors({}).select(~np.isin(np.arange(1056), list(wrong)))).solve()
+    assert cleaned.identified.parameters == pytest.approx(clean.parameters, abs=1e-9)
+
+
+def test_clean_distances_stay() -> None:
+    cleaned = reject(problem(with_errors({})), 5.0)
+    assert cleaned.rejected == ()
+    assert cleaned.identified.rejected == []
+
+
+def test_too_many_wrong_distances_question_the_model() -> None:
+    rows = np.random.default_rng(3).choice(1056, 80, replace=False)
+    with pytest.raises(RejectionError, match="the model is in doubt, not the points"):
+        reject(problem(with_errors({int(row): 0.5 for row in rows})), 4.0)
+
+
+def test_a_segment_that_loses_its_distances_goes_as_a_whole_and_row_numbers_stay() -> None:
+    points = split(with_errors({351: 0.4, 700: 0.5}), 349)
+    short = replace(points, dead_path=np.where(np.arange(1056) < 2, 4, points.dead_path))
+    short = replace(short, dead_paths=(*points.dead_paths, ("P1", 2)))
+    cleaned = reject(problem(short), 5.0)
+    assert 701 in [one.row for one in cleaned.rejected]

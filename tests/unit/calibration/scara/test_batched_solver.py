@@ -1,0 +1,134 @@
+"""Many draws solved at once: each is the minimum that solvers for a single one find."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import optimize
+
+from catseye.calibration.core.batched_solver import BatchedProblem, solve_draws
+from catseye.calibration.core.least_squares import minimise
+from catseye.calibration.core.model import Model
+from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.batched_distances import BatchedDistances
+from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.points import Points
+from tests.unit.calibration.scara.samples import TERMS, WEAK, identified, noisy_points, segmented
+
+CASES = {
+    "error map": lambda: identified(),
+    "conventional": lambda: identified(model="conventional"),
+    "segments and unequal weights": lambda: identified(uneven()),
+    "terms": lambda: identified(terms=TERMS),
+    "terms of the conventional model": lambda: identified(model="conventional", terms=TERMS[:4]),
+}
+
+
+def uneven() -> Points:
+    points = segmented(noisy_points())
+    return replace(points, sigma_mm=np.random.default_rng(3).uniform(0.005, 0.03, len(points)))
+
+
+def problem_of(one: Identification) -> BatchedProblem:
+    return BatchedProblem.of(BatchedDistances.of(one.model), one.parameters)
+
+
+def with_noise(problem: BatchedProblem, noise_mm: Floats) -> Model:
+    return problem.rows.with_measured(problem.predicted_mm + noise_mm)
+
+
+def alone(problem: BatchedProblem, noise_mm: Floats) -> Floats:
+    model, basis = with_noise(problem, noise_mm), problem.rows.model.parameters.basis
+    return minimise(model.residuals, model.jacobian, problem.nominal, basis, problem.weights).parameters
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_each_draw_is_the_minimum_that_a_single_solve_finds(case: str) -> None:
+    problem = problem_of(CASES[case]())
+    noise = np.random.default_rng(1).normal(0.0, 0.0156, (20, problem.predicted_mm.size))
+    found = solve_draws(problem, noise)
+    assert found.fallbacks == 0
+    for parameters, errors in zip(found.parameters, noise, strict=True):
+        # 1e-9 mm; 1e-9 mdeg are 1.7e-14 rad, 1e-9 rad leaves no doubt about them either.
+        assert np.abs(parameters - alone(problem, errors)).max() < 1e-9
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_gradient_is_that_of_the_dense_jacobian_far_from_the_nominal_arm(case: str) -> None:
+    problem = problem_of(CASES[case]())
+    rng = np.random.default_rng(2)
+    parameters = problem.nominal[:, None] + rng.normal(0.0, 0.01, (problem.nominal.size, 5))
+    noise = rng.normal(0.0, 1.0, (problem.predicted_mm.size, 5))
+    gradient = problem.rows.gradient(parameters, problem.predicted_mm[:, None] + noise)
+    for k in range(5):
+        model = with_noise(problem, noise[:, k])
+        weighted = problem.weights**2 * model.residuals(parameters[:, k])
+        dense = model.jacobian(parameters[:, k]).T @ weighted
+        assert gradient[:, k] == pytest.approx(dense, rel=1e-9, abs=1e-9 * float(np.abs(dense).max()))
+
+
+def test_the_gradient_of_the_true_problem_vanishes() -> None:
+    problem = problem_of(identified())
+    noise = np.random.default_rng(3).normal(0.0, 0.0156, (10, 1056))
+    basis = problem.rows.model.parameters.basis
+    for parameters, errors in zip(solve_draws(problem, noise).parameters, noise, strict=True):
+        model = with_noise(problem, errors)
+        jacobian = (model.jacobian(parameters) * problem.weights[:, None]) @ basis
+        residuals = model.residuals(parameters) * problem.weights
+        # The Gauss-Newton step that is left, as rms change of the residuals in mm.
+        step = np.linalg.lstsq(jacobian, -residuals, rcond=None)[0]
+        assert float(np.sqrt(np.mean((jacobian @ step / problem.weights) ** 2))) < 1e-10
+
+
+def test_every_draw_keeps_the_gauge() -> None:
+    one = identified()
+    found = solve_draws(problem_of(one), np.random.default_rng(4).normal(0.0, 0.05, (30, 1056)))
+    assert np.abs(found.parameters[:, one.layout.map1].mean(axis=1)).max() < 1e-14
+
+
+def minimum_of_scipy(problem: BatchedProblem, noise_mm: Floats) -> Floats:
+    model, basis = with_noise(problem, noise_mm), problem.rows.model.parameters.basis
+    directions = basis / np.linalg.norm(model.jacobian(problem.nominal) @ basis, axis=0)
+
+    def residuals(z: Floats) -> Floats:
+        return model.residuals(problem.nominal + directions @ z)
+
+    def jacobian(z: Floats) -> Floats:
+        return np.asarray(model.jacobian(problem.nominal + directions @ z) @ directions)
+
+    start = np.zeros(basis.shape[1])
+    found = optimize.least_squares(residuals, start, jac=jacobian, xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    return np.asarray(problem.nominal + directions @ found.x)
+
+
+def test_millimetres_of_noise_are_solved_to_the_minimum_of_scipy() -> None:
+    problem = problem_of(identified())
+    noise = np.random.default_rng(5).normal(0.0, 3.0, (4, 1056))
+    for parameters, errors in zip(solve_draws(problem, noise).parameters, noise, strict=True):
+        expected = minimum_of_scipy(problem, errors)
+        # The first-order start is far off here: the problem is not linear any more.
+        assert np.abs(problem.nominal + problem.gain @ errors - expected).max() > 1e-3
+        assert np.abs(parameters - expected).max() < 1e-6
+
+
+def test_a_weakly_determined_problem_is_solved_to_the_minimum_too() -> None:
+    problem = problem_of(identified(terms=WEAK))
+    noise = np.random.default_rng(7).normal(0.0, 0.0156, (20, 1056))
+    found = solve_draws(problem, noise)
+    assert found.fallbacks <= 2
+    expected = np.array([minimum_of_scipy(problem, errors) for errors in noise[:5]])
+    # The second order moves links and places by a tenth of a micrometre and more.
+    assert np.abs(problem.nominal + noise[:5] @ problem.gain.T - expected).max() > 1e-4
+    # Where scipy stops, a ten thousandth of the standard uncertainties is still open.
+    assert np.abs(found.parameters[:5] - expected).max() < 1e-5
+
+
+def test_draws_that_do_not_settle_are_left_to_the_damped_solver(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("catseye.calibration.core.batched_solver._MOST_STEPS", 1)
+    problem = problem_of(identified(model="conventional"))
+    noise = np.random.default_rng(6).normal(0.0, 1.0, (3, 1056))
+    noise[1] = 0.0
+    found = solve_draws(problem, noise)
+    assert found.fallbacks == 2
+    for parameters, errors in zip(found.parameters, noise, strict=True):
+        assert parameters == pytest.approx(alone(problem, errors), abs=1e-9)

@@ -1,1 +1,0 @@
-"""Tests of budget, law of propagation and Monte Carlo."""
