@@ -27,8 +27,8 @@ _CONNECT_S = 10.0
 _LOOK_S = 2.0
 """How often it is looked whether there still are workers while nothing arrives."""
 
-_PATIENCE = 5
-"""After so many looks without any worker the work is given up."""
+_PATIENCE = 15
+"""After so many looks without any worker the work is given up; a busy machine takes ten seconds to restart one."""
 
 _PACKAGES = ("catseye", "numpy", "scipy", "distributed")
 
