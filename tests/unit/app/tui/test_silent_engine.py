@@ -1,4 +1,4 @@
-"""RequestHandler to an engine that does not answer."""
+"""Orders to an engine that does not answer."""
 
 from pathlib import Path
 from typing import Any, cast
@@ -30,8 +30,8 @@ class Asked:
     def __init__(self) -> None:
         self.ops: list[str] = []
 
-    async def request(self, op: str, **_fields: Any) -> dict[str, Any]:
-        self.ops.append(op)
+    async def request(self, request: AnyRequest) -> dict[str, Any]:
+        self.ops.append(request.op)
         return {}
 
 
