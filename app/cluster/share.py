@@ -20,7 +20,7 @@ class Share(Protocol):
             function: of a module, not of another function: other processes look it up by its name. It has to depend
                 on its item alone; whatever is random in it comes from a seed in the item.
             items: what it is called with; they and the results travel as pickles.
-            done: is told how many items are finished, each time one is.
+            done: is called with the number of finished items, each time it grows.
 
         Returns:
             Results in the order of the items.

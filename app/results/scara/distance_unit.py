@@ -31,7 +31,7 @@ def require_millimetres(file: Path, points: Points, bench: Bench) -> None:
         bench: nominal links and rough places of the reflectors.
 
     Raises:
-        UsageError: the distances are another unit's multiple of those that the rough places let expect.
+        UsageError: the distances are another unit's multiple of those expected from the rough places.
     """
     expected, found = _changes_mm(points, bench)
     if expected.size < _FEWEST or not (expected.any() and found.any()):

@@ -56,8 +56,8 @@ def identify_scan_file(
         bench: nodes, nominal links and rough reflectors.
         model: which model.
         terms: functions beyond the model.
-        reading: is told the share of the file that is read.
-        solving: is told the rows done and the rows expected of all passes.
+        reading: is called with the share of the file that is read.
+        solving: is called with the rows done and the rows expected of all passes.
 
     Raises:
         UsageError: the file is wrong; names file and line.

@@ -77,7 +77,7 @@ def by_monte_carlo(
         draws: how many.
         seed: of the draws.
         share: who carries them out.
-        done: is told how many draws are done, each time some are.
+        done: is called with the number of finished draws, each time it grows.
 
     Raises:
         UsageError: too few draws for intervals.
@@ -218,7 +218,7 @@ def _validation(
     for name, (unit, factor), interval, column in zip(
         identified.layout.names(), _scales(identified.layout), calculated, drawn.T, strict=True
     ):
-        # Significant digits are those of the unit that the parameter is told in.
+        # Significant digits are those of the unit that the parameter is stated in.
         scaled = Interval(factor * interval.low, factor * interval.high)
         values = factor * column
         one = validate(scaled, values, COVERAGE, float(np.std(values, ddof=1)))

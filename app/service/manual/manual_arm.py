@@ -51,7 +51,7 @@ class ManualArm:
         gate: of every motion.
         clock: real time.
         limits: how long a halt may take.
-        listener: is told what becomes of motions.
+        listener: is called with what becomes of motions.
 
     Attributes:
         motion: under way; None while the arm stands.

@@ -22,7 +22,7 @@ class ManualMotion:
     """A step, or a joint that is kept moving.
 
     Args:
-        joint: what moves, as clients are told.
+        joint: what moves, as clients see it.
         robot: the controller.
         clock: real time.
         limits: how long a halt may take.
@@ -120,4 +120,4 @@ class ManualMotion:
 
 
 def _ignore(_state: ControlState, _reason: str) -> None:
-    """Clients are told what moves, not the states of each motion."""
+    """Clients see what moves, not the states of each motion."""

@@ -63,7 +63,7 @@ class HeightWindow:
 
 
 def half_window_deg(acceptance_mm: float, beam_mm: float) -> float:
-    """Return half the width of the return window that geometry lets expect, deg."""
+    """Return half the width of the return window expected from geometry, deg."""
     return math.degrees(math.asin(min(1.0, acceptance_mm / beam_mm)))
 
 

@@ -112,7 +112,7 @@ def design(problem: Problem, wanted: Wanted, share: Share, done: Done) -> Design
         problem: what it is for.
         wanted: how much.
         share: who carries out the work.
-        done: is told the progress.
+        done: is called with the progress.
 
     Raises:
         UsageError: no place is allowed, there is no room for so many, or the minutes do not suffice.

@@ -156,7 +156,7 @@ def best_layouts(
         counts: numbers of reflectors.
         seed: of the random starts.
         share: who carries out the searches.
-        done: is told how many of how many are finished.
+        done: is called with how many of how many are finished.
 
     Raises:
         UsageError: there is no room for so many reflectors.
