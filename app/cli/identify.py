@@ -20,7 +20,7 @@ from catseye.app.cli.options import (
 from catseye.app.cli.output import emit_json, say
 
 if TYPE_CHECKING:
-    from catseye.app.files.result_json import Result
+    from catseye.app.results.scara.result import Result
 
 
 def identify(
@@ -85,8 +85,8 @@ def identify(
 def _hand_over(result: "Result", output: Path, *, as_json: bool) -> None:
     """Write a result and show it."""
     from catseye.app.cli.report_output import emit_tables, say_statements
-    from catseye.app.files.result_json import write_result
     from catseye.app.results.scara.identification_report import identification_report
+    from catseye.app.results.scara.result import write_result
 
     write_result(result, output)
     report = identification_report(result)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from catseye.app.errors import UsageError
 from catseye.app.files.csv_table import csv_rows
-from catseye.app.files.path_csv import DIRECTIONS, JOINTS, PLACE
+from catseye.app.results.scara.path_csv import DIRECTIONS, JOINTS, PLACE
 
 JOINT_ROWS = (*PLACE, *JOINTS, *DIRECTIONS)
 """Columns that tell how to drive a row; take-ups follow from them."""
