@@ -13,17 +13,11 @@ from catseye.app.engine.waiting import cancel
 from catseye.app.errors import OutputError, exit_code_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.answers import Refusal, refused
-from catseye.app.protocol.events import (
-    AnyEvent,
-    ClientLost,
-    ControlChanged,
-    Dropped,
-    PromptAnswered,
-    PromptAsked,
-    RunEnded,
-)
+from catseye.app.protocol.engine_events import ClientLost, ControlChanged, Dropped
+from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.message import VERSION, JsonObject, MessageError, RequestId, decode_object
 from catseye.app.protocol.requests import AnyRequest, Plain, Reply, request_of
+from catseye.app.protocol.run_events import PromptAnswered, PromptAsked, RunEnded
 from catseye.app.service.client import EngineClient
 from catseye.app.service.console import KEYS, SLASH, command_of
 from catseye.app.service.errors import RefusedError, ServiceError

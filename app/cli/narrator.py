@@ -7,10 +7,10 @@ from typing import Final
 from catseye.app.cli.output import emit_json, say
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.question_line import QuestionLine, live_text
-from catseye.app.protocol.events import (
-    AnyEvent,
+from catseye.app.protocol.events import AnyEvent
+from catseye.app.protocol.run_events import (
     DrivesLeft,
-    ErrorTold,
+    ErrorReported,
     FirstMotionShown,
     LiveShown,
     Progressed,
@@ -18,7 +18,7 @@ from catseye.app.protocol.events import (
     PromptAsked,
     RunEnded,
     StateChanged,
-    WarningTold,
+    WarningIssued,
 )
 from catseye.app.protocol.state import ENDING, ControlState
 from catseye.app.story.words import first_motion_text
@@ -58,9 +58,9 @@ class Narrator:
         match event:
             case Progressed() if self._question.asked is None:
                 self._bar.update(event.done, event.total, event.text)
-            case WarningTold():
+            case WarningIssued():
                 self.show(f"warning: {event.text}")
-            case ErrorTold():
+            case ErrorReported():
                 self.show(f"error: {event.text}")
             case PromptAsked() if self.interactive:
                 self._bar.close()
