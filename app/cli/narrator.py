@@ -21,7 +21,7 @@ from catseye.app.protocol.run_events import (
     WarningIssued,
 )
 from catseye.app.protocol.state import ENDING, ControlState
-from catseye.app.story.words import first_motion_text
+from catseye.app.results.runs.event_text import first_motion_text
 
 _SHOWN_STATES: Final = ENDING | {
     ControlState.STOPPED,

@@ -22,7 +22,7 @@ from catseye.app.service.watching.bench_facts import BenchFacts, facts_of
 from catseye.app.service.watching.cell_devices import cell_devices
 from catseye.app.service.watching.device_pool import CellDevices, DevicePool
 from catseye.app.service.watching.telemetry import Telemetry
-from catseye.app.store.aim import find_aim
+from catseye.app.store.basis import find_aim
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.io import Io

@@ -292,8 +292,8 @@ class RunState:
         if event.kind in NOT_LOGGED:
             return
         # The first screen is painted before this is imported.
+        from catseye.app.results.runs.event_text import event_text
         from catseye.app.store.reader import StoredEvent
-        from catseye.app.story.words import event_text
 
         text = event_text(StoredEvent(0, event.t, event.kind, data))
         if text:

@@ -35,7 +35,7 @@ from catseye.app.results.scara.truth import gauge_turn_rad, turned_places
 from catseye.app.results.scara.truth_tables import TruthMap, TruthTables
 from catseye.app.results.scara.uncertainty import by_jacobian
 from catseye.app.results.scara.validation import PathValidation
-from catseye.app.store.aim import search_result
+from catseye.app.store.basis import search_result
 from catseye.app.store.reader import RunReader
 from catseye.app.store.seal import read_manifest
 from catseye.app.store.software import SOFTWARE
