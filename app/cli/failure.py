@@ -1,4 +1,4 @@
-"""Telling a failure: sentences on stderr, never a traceback unless it is asked for."""
+"""A failure as sentences on stderr, never a traceback unless it is asked for."""
 
 import os
 import sys
@@ -12,10 +12,10 @@ from catseye.drivers.roles.text import harmless_lines
 _DEBUG = "CATSEYE_DEBUG"
 
 SEE_WHERE: Final = f"set {_DEBUG}=1 and repeat to see where it happened"
-"""Said of a fault of the program."""
+"""Follows a fault of the program."""
 
 
-def tell(error: BaseException) -> int:
+def write_failure(error: BaseException) -> int:
     """Write what went wrong to stderr and return the exit code."""
     code = int(exit_code_of(error))
     texts = (

@@ -3,7 +3,6 @@
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
-from functools import cache
 from types import NoneType, UnionType
 from typing import Any, ClassVar, Final, Literal, get_args, get_origin, get_type_hints
 
@@ -112,7 +111,6 @@ OBSERVATIONS: Final = Table("records", (Column("kind", "TEXT", required=True),))
 """The table of observations."""
 
 
-@cache
 def table_of(record: type[Record]) -> Table:
     """Return the table that takes a type of records.
 
@@ -129,14 +127,14 @@ def table_of(record: type[Record]) -> Table:
 
 def tables_of(records: Iterable[type[Record]]) -> tuple[Table, ...]:
     """Return the tables that take types of records, each once, in their order."""
-    return tuple(dict.fromkeys(table_of(record) for record in records))
+    return tuple(dict.fromkeys(map(table_of, records)))
 
 
 def row_of(record: Record) -> Row:
-    """Return the values of a record by name, without those that are None."""
+    """Return the values of a record by name."""
     own = {each.name: getattr(record, each.name) for each in fields(record) if each.name != EXTRA}
     kind: Row = {"kind": record.kind} if isinstance(record, Observation) else {}
-    return {**kind, **record.extra, **{name: value for name, value in own.items() if value is not None}}
+    return {**kind, **own, **record.extra}
 
 
 def _column(name: str, hint: Any) -> Column:
