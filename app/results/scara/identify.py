@@ -23,6 +23,7 @@ from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.layout import ModelName
 from catseye.procedures.kit.bench import Bench, Reflector
+from catseye.procedures.scara.records import Distance
 
 _SAME_PLACE_MM = 2.0
 """Two searches find one and the same place to much better than this."""
@@ -53,7 +54,7 @@ def run_rows(readers: Sequence[RunReader]) -> list[PointRow]:
     rows: list[PointRow] = []
     for reader in readers:
         first = 1 + max((row.segment for row in rows), default=-1)
-        points = reader.points()
+        points = reader.rows(Distance.table)
         if not points:
             raise UsageError(f"{reader.path.name} holds no points; identify needs runs of open-loop")
         rows += [_row(point, first) for point in points]

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from catseye.calibration.scara.comparison import rigid_fit
 from catseye.procedures.kit.context import MeasuredPoint
 from catseye.procedures.kit.errors import MeasuredFileError
-from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.path.tracked_path import PathPoint
+from catseye.procedures.scara.records import PathPosition
 
 Floats = NDArray[np.float64]
 
@@ -37,10 +37,10 @@ _UNIT_SHARE = 0.05
 """A ratio of spreads this near to a factor gives the unit away."""
 
 
-def matched_rows(
+def matched_positions(
     file: str, points: tuple[PathPoint, ...], passes: int, measured: Sequence[MeasuredPoint]
-) -> list[Row]:
-    """Return the rows of a path from what a file holds.
+) -> list[PathPosition]:
+    """Return the positions of a path from what a file holds.
 
     Args:
         file: its name, for complaints.
@@ -64,13 +64,7 @@ def matched_rows(
     _require_places(file, driven, measured)
     _require_uncertainties(file, measured)
     return [
-        {
-            **point.as_row(),
-            "x_meas_mm": row.x_meas_mm,
-            "y_meas_mm": row.y_meas_mm,
-            "u_mm": row.u_mm,
-            "pass_number": number // len(points),
-        }
+        point.position(number // len(points), (row.x_meas_mm, row.y_meas_mm), row.u_mm)
         for number, (point, row) in enumerate(zip(driven, measured, strict=True))
     ]
 

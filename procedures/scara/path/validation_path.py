@@ -12,13 +12,14 @@ from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import ArmMovedError, MeasuredFileError
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.records import Record, Row
 from catseye.procedures.scara.before import ALIGNED
 from catseye.procedures.scara.motion.entry import way_in
 from catseye.procedures.scara.path.joint_rows import plan_joint_rows
-from catseye.procedures.scara.path.measured_path import matched_rows
+from catseye.procedures.scara.path.measured_path import matched_positions
 from catseye.procedures.scara.path.path_plan import Instrument, PathPlan, plan_path, take_up_of
 from catseye.procedures.scara.path.tracked_path import PathPoint, TrackedCampaign
+from catseye.procedures.scara.records import Overlap, PathPosition
 
 _ATTEMPTS = 3
 """So often a point is measured anew when the arm was moved meanwhile."""
@@ -68,6 +69,7 @@ class ValidationPath:
     name = "validation-path"
     title = "Validation path"
     needs: ClassVar[Needs] = Needs(after=(ALIGNED,), aim=True, tracker=True)
+    records: ClassVar[tuple[type[Record], ...]] = (PathPosition, Overlap)
     params_type = PathParams
 
     def plan(self, bench: Bench, params: PathParams) -> PathPlan:
@@ -192,11 +194,8 @@ class _Drive:
     def _kept(self, point: PathPoint, pass_number: int, found: Position | None) -> Row:
         if found is None:
             return {}
-        measured = {"x_meas_mm": found.x_mm, "y_meas_mm": found.y_mm}
-        self._ctx.record(
-            "path", {**point.as_row(), **measured, "u_mm": found.u_mm, "pass_number": pass_number}
-        )
-        return measured
+        self._ctx.record(point.position(pass_number, (found.x_mm, found.y_mm), found.u_mm))
+        return {"x_meas_mm": found.x_mm, "y_meas_mm": found.y_mm}
 
     async def _hold(self, point: PathPoint, prompt_id: str) -> None:
         """Stand still for the instrument; a "no" of the operator gives it more time."""
@@ -228,14 +227,16 @@ async def _take_file(ctx: Context, plan: PathPlan) -> Row:
     for number in range(1, _MOST_FILES + 1):
         file = await ctx.ask(_file_prompt(number, complaint))
         try:
-            rows = matched_rows(file, plan.points, plan.passes, await ctx.load_path(file, driven_mm))
+            positions = matched_positions(
+                file, plan.points, plan.passes, await ctx.load_path(file, driven_mm)
+            )
         except MeasuredFileError as error:
             complaint = str(error)
             await ctx.warn(complaint)
             continue
-        for row in rows:
-            ctx.record("path", row)
-        return {"file": file, "points": len(rows)}
+        for position in positions:
+            ctx.record(position)
+        return {"file": file, "points": len(positions)}
     raise MeasuredFileError(
         f"{complaint}; {_MOST_FILES} files could not be used: the arm has been driven along the whole path, so go on "
         "with catseye resume when the file is right"

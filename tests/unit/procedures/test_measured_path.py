@@ -9,7 +9,7 @@ import pytest
 
 from catseye.procedures.kit.context import MeasuredPoint
 from catseye.procedures.kit.errors import MeasuredFileError
-from catseye.procedures.scara.path.measured_path import matched_rows
+from catseye.procedures.scara.path.measured_path import matched_positions
 from catseye.procedures.scara.path.path_plan import plan_path
 from catseye.procedures.scara.path.tracked_path import PathPoint
 from tests.unit.procedures.benches import bench
@@ -45,7 +45,7 @@ def joints() -> list[MeasuredPoint]:
 
 def refused(points: list[MeasuredPoint], passes: int = 1) -> str:
     with pytest.raises(MeasuredFileError) as caught:
-        matched_rows("t.csv", POINTS, passes, points)
+        matched_positions("t.csv", POINTS, passes, points)
     return str(caught.value)
 
 
@@ -53,15 +53,15 @@ def refused(points: list[MeasuredPoint], passes: int = 1) -> str:
 def test_rows_take_commands_from_the_path_and_places_from_the_file(
     form: Callable[[], list[MeasuredPoint]],
 ) -> None:
-    rows = matched_rows("t.csv", POINTS, 1, form())
+    rows = matched_positions("t.csv", POINTS, 1, form())
     assert len(rows) == 26
     for row, point in zip(rows, POINTS, strict=True):
-        assert (row["x_mm"], row["y_mm"], row["theta1_deg"]) == (point.x_mm, point.y_mm, point.theta1_deg)
-        assert (row["direction1"], row["direction2"]) == (point.direction1, point.direction2)
-        assert (row["x_meas_mm"], row["y_meas_mm"]) == seen(point)
-        assert row["u_mm"] == (0.01 if form is places else None)
-    twice = matched_rows("t.csv", POINTS, 2, form() + form())
-    assert [row["pass_number"] for row in twice] == [0] * 26 + [1] * 26
+        assert (row.x_mm, row.y_mm, row.theta1_deg) == (point.x_mm, point.y_mm, point.theta1_deg)
+        assert (row.direction1, row.direction2) == (point.direction1, point.direction2)
+        assert (row.x_meas_mm, row.y_meas_mm) == seen(point)
+        assert row.u_mm == (0.01 if form is places else None)
+    twice = matched_positions("t.csv", POINTS, 2, form() + form())
+    assert [row.extra["pass_number"] for row in twice] == [0] * 26 + [1] * 26
 
 
 def test_another_number_of_points_is_told() -> None:
@@ -72,7 +72,7 @@ def test_another_number_of_points_is_told() -> None:
 def test_an_uncertainty_in_um_is_told() -> None:
     # 15 µm + 6 µm/m of a tracker, as its data sheet writes it.
     stated = [replace(row, u_mm=0.015) for row in places()]
-    assert len(matched_rows("t.csv", POINTS, 1, stated)) == 26
+    assert len(matched_positions("t.csv", POINTS, 1, stated)) == 26
     stated[4] = replace(stated[4], u_mm=15.0)
     assert "t.csv:6: u_mm = 15 is more than 1 mm: it seems to be in µm" in refused(stated)
 
