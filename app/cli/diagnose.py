@@ -1,7 +1,7 @@
 """diagnose: what speaks for and against a fit."""
 
 from catseye.app.cli.options import AsJson, MeasuredRuns, PointsCell, PointsFile, Runs
-from catseye.app.cli.output import emit, emit_json, say
+from catseye.app.cli.output import emit, emit_json, say, warn
 from catseye.app.cli.progress import ProgressBar
 
 _STEPS = 20
@@ -29,7 +29,7 @@ def diagnose(
 
     source = load_distances(run or [], points, cell, runs)
     for text in source.warnings:
-        say(text)
+        warn(text)
     bar, step = ProgressBar("diagnose"), iter(range(1, 1000))
     try:
         diagnosis = diagnose_distances(

@@ -7,6 +7,7 @@ from typing import Final
 from catseye.app.cli.output import emit_json, say
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.question_line import QuestionLine, live_text
+from catseye.app.cli.reporting import report_warning
 from catseye.app.protocol.events import (
     AnyEvent,
     DrivesLeft,
@@ -60,6 +61,7 @@ class Narrator:
                 self._bar.update(event.done, event.total, event.text)
             case WarningTold():
                 self.show(f"warning: {event.text}")
+                report_warning(event.text)
             case ErrorTold():
                 self.show(f"error: {event.text}")
             case PromptAsked() if self.interactive:

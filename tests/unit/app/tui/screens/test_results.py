@@ -17,7 +17,7 @@ from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.screens.results import ResultsScreen
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.test_runs import settle
-from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, work_of
+from tests.unit.app.tui.scripted import ScriptedLink, compare, failed, make_app, shown, work_of
 from tests.unit.app.tui.stored_results import (
     DIAGNOSIS,
     RUN,
@@ -224,9 +224,7 @@ async def test_a_diagnosis_and_a_result_that_changes_or_goes_after_it(bench: Pat
 
 async def test_what_is_missing_for_a_diagnosis_or_a_validation_is_told(bench: Path) -> None:
     app = open_app(bench)
-    work_of(app).outcomes["export"] = Done(
-        (), 2, "", "catseye: it holds nothing to export: look at its story\n"
-    )
+    work_of(app).outcomes["export"] = failed(2, "it holds nothing to export: look at its story")
     async with app.run_test(size=(80, 24)) as pilot:
         text = await press(app, pilot, "enter", "t", "enter")
         assert isinstance(app.screen, ErrorDialog)
