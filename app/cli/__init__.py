@@ -56,10 +56,10 @@ add_commands(cli, COMMANDS)
 
 def _show_version(wanted: bool) -> None:
     if wanted:
-        from catseye.app.cli.output import emit
+        from catseye.app.cli.output import write_line
         from catseye.app.store.software import SOFTWARE
 
-        emit(SOFTWARE)
+        write_line(SOFTWARE)
         raise typer.Exit
 
 
@@ -81,9 +81,9 @@ def main() -> None:
     open_channel()
     try:
         cli()
-    except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001  # the outermost frame tells and ends the process
+    except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001  # the outermost frame reports it and ends the process
         # The process is ending anyway; another Ctrl-C must not cut the sentence short.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
-        from catseye.app.cli.failure import tell
+        from catseye.app.cli.failure import write_failure
 
-        sys.exit(tell(error))
+        sys.exit(write_failure(error))

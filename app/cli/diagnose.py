@@ -1,7 +1,7 @@
 """diagnose: what speaks for and against a fit."""
 
 from catseye.app.cli.options import AsJson, MeasuredRuns, PointsCell, PointsFile, Runs
-from catseye.app.cli.output import emit, emit_json, say, warn
+from catseye.app.cli.output import note, warn, write_json, write_line
 from catseye.app.cli.progress import ProgressBar
 
 _STEPS = 20
@@ -39,12 +39,12 @@ def diagnose(
     finally:
         bar.close()
     if as_json:
-        emit_json(diagnosis_json(diagnosis, source.names))
+        write_json(diagnosis_json(diagnosis, source.names))
         return
     report = diagnosis_report(diagnosis, origin_now(simulated=bool(are_simulated(source.readers))))
-    emit(tables_text(report))
+    write_line(tables_text(report))
     for text in diagnosis.identified.rejected:
-        say(f"left out: {text}")
-    emit("")
+        note(f"left out: {text}")
+    write_line("")
     for line in statement_lines(report):
-        emit(line)
+        write_line(line)

@@ -1,4 +1,4 @@
-"""Telling a failure: sentences on stderr, never a traceback unless it is asked for."""
+"""A failure as sentences on stderr, never a traceback unless it is asked for."""
 
 import os
 import sys
@@ -13,10 +13,10 @@ from catseye.drivers.roles.text import harmless_lines
 _DEBUG = "CATSEYE_DEBUG"
 
 SEE_WHERE: Final = f"set {_DEBUG}=1 and repeat to see where it happened"
-"""Said of a fault of the program."""
+"""Follows a fault of the program."""
 
 
-def tell(error: BaseException) -> int:
+def write_failure(error: BaseException) -> int:
     """Write what went wrong to stderr and return the exit code."""
     code = int(exit_code_of(error))
     texts = (
@@ -28,11 +28,11 @@ def tell(error: BaseException) -> int:
         sys.stderr.write(trace)
         report_failure("\n".join(texts), code)
     else:
-        say_failure(texts, code)
+        write_failure_texts(texts, code)
     return code
 
 
-def say_failure(texts: Sequence[str], code: int) -> None:
+def write_failure_texts(texts: Sequence[str], code: int) -> None:
     """Write to stderr, and report, why the command ends with a code other than 0."""
     texts = [harmless_lines(text) for text in texts]
     for text in texts:

@@ -6,8 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from catseye.app.files.result_files import ResultFile
-from catseye.app.files.result_json import MapTable, Result
 from catseye.app.render.cells import cell_text
 from catseye.app.render.text import table_text
 from catseye.app.results.model import Sign, Statement
@@ -18,6 +16,8 @@ from catseye.app.results.scara.comparison_report import comparison_report
 from catseye.app.results.scara.diagnosis_document import finding_statements
 from catseye.app.results.scara.fit_text import fit_statements, identified_text, left_out_statements
 from catseye.app.results.scara.names import MODEL_TITLES
+from catseye.app.results.scara.result import MapTable, Result
+from catseye.app.results.scara.result_files import ResultFile
 from catseye.app.results.scara.uncertainty import uncertainty_statements
 from catseye.app.results.scara.values import parameter_table
 from catseye.app.tui.widgets.result_charts import MapColumns

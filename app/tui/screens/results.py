@@ -34,8 +34,8 @@ from catseye.app.tui.work import Done
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
-    from catseye.app.files.result_files import ResultFile, ResultFiles
     from catseye.app.results.scara.comparison import ResultComparison
+    from catseye.app.results.scara.result_files import ResultFile, ResultFiles
 
 _PARTS: Final = ("files", "maps", "values", "layout", "residuals", "fit", "path", "compare")
 _TITLES: Final = ("Files", "Maps", "Values", "Layout", "Residuals", "Fit", "Path", "Compare")
@@ -477,7 +477,7 @@ def _shelf(root: Path) -> "ResultFiles":
     # What shows a result is imported here, in a thread: it takes longer than a key may.
     for module in ("catseye.app.tui.result_texts", "catseye.app.tui.widgets.result_charts"):
         import_module(module)
-    from catseye.app.files.result_files import ResultFiles
+    from catseye.app.results.scara.result_files import ResultFiles
 
     return ResultFiles([root.absolute().parent, Path.cwd(), DEMO_FOLDER.absolute()])
 

@@ -13,8 +13,8 @@ from catseye.app.tui.widgets.static_text import StaticText
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
-    from catseye.app.files.result_json import Result
     from catseye.app.results.scara.comparison import ResultComparison
+    from catseye.app.results.scara.result import Result
 
 _MAP_LEGEND: Final = "+ approached upwards   − downwards   ± both   bars ±2u (k = 2)"
 

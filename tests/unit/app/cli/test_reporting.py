@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import pytest
 
 from catseye.app.cli import reporting
-from catseye.app.cli.failure import tell
+from catseye.app.cli.failure import write_failure
 from catseye.app.cli.output import warn
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.errors import UsageError
@@ -64,7 +64,7 @@ def test_a_warning_is_read_and_reported(starter: Starter, capsys: pytest.Capture
 
 
 def test_a_failure_is_read_and_reported(starter: Starter, capsys: pytest.CaptureFixture[str]) -> None:
-    assert tell(UsageError("no such cell")) == 2
+    assert write_failure(UsageError("no such cell")) == 2
     assert capsys.readouterr().err == "catseye: no such cell\n"
     assert starter.heard() == [CommandFailed(text="no such cell", exit_code=2)]
 

@@ -12,7 +12,7 @@ from catseye.app.engine.devices import Devices, WireRecorder
 from catseye.app.engine.gate import JointLimits
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.request import RunRequest
-from catseye.app.protocol.events import RunEvent
+from catseye.app.protocol.run_events import RunEvent
 from catseye.drivers.roles.air import AirSample, AirSensor
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import DeviceError

@@ -9,7 +9,7 @@ import pytest
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.results.scara.path_rows import path_measurement
 from catseye.app.results.scara.validation import established_rows
-from catseye.app.store.aim import find_aim
+from catseye.app.store.basis import find_aim
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.calibration.scara.points import Commands

@@ -10,7 +10,8 @@ from textual.app import App
 from textual.pilot import Pilot
 
 from catseye.app.protocol.commands import CommandEvent, CommandFailed
-from catseye.app.protocol.events import Client, event_of
+from catseye.app.protocol.engine_events import Client
+from catseye.app.protocol.events import event_of
 from catseye.app.protocol.requests import AnyRequest, Control, Plain, Request
 from catseye.app.protocol.snapshot import Snapshot
 from catseye.app.service.errors import RefusedError

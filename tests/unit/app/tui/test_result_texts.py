@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from catseye.app.files.result_json import Result
+from catseye.app.results.scara.result import Result
 from catseye.app.tui.result_texts import fit_sentences, residual_text
 from tests.unit.app.tui.stored_results import DIAGNOSIS, error_map
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.protocol.events import Client
+from catseye.app.protocol.engine_events import Client
 from catseye.app.protocol.requests import Override, Resume
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.override_dialog import OverrideDialog
