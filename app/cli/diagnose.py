@@ -22,7 +22,7 @@ def diagnose(
     from catseye.app.render.text import statement_lines, tables_text
     from catseye.app.results.origin import origin_now
     from catseye.app.results.scara.diagnosis import diagnose_distances
-    from catseye.app.results.scara.diagnosis_document import diagnosis_json
+    from catseye.app.results.scara.diagnosis_document import diagnosis_document
     from catseye.app.results.scara.diagnosis_report import diagnosis_report
     from catseye.app.results.scara.distances import load_distances
     from catseye.app.results.scara.identify import are_simulated
@@ -39,7 +39,7 @@ def diagnose(
     finally:
         bar.close()
     if as_json:
-        write_json(diagnosis_json(diagnosis, source.names))
+        write_json(diagnosis_document(diagnosis, source.names).json_object())
         return
     report = diagnosis_report(diagnosis, origin_now(simulated=bool(are_simulated(source.readers))))
     write_line(tables_text(report))

@@ -10,13 +10,17 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from catseye.app.protocol.channel import EVENTS_FD
 
 if TYPE_CHECKING:
-    # The first screen is painted before this is imported.
+    # The first screen is painted before these are imported.
+    from pydantic import BaseModel
+
     from catseye.app.protocol.commands import CommandEvent
+
+Written = TypeVar("Written", bound="BaseModel")
 
 _LONGEST_LINE = 64 * 1024 * 1024
 _END_S = 5.0
@@ -63,6 +67,10 @@ class Done:
         from catseye.app.protocol.commands import CommandWarning
 
         return tuple(event.text for event in self.events if isinstance(event, CommandWarning))
+
+    def document(self, kind: type[Written]) -> Written:
+        """Return the JSON that it wrote, as the class from which it was written."""
+        return kind.model_validate_json(self.out)
 
     def data(self) -> Any:
         """Return the JSON that it wrote: one value, or a list when it wrote several lines."""

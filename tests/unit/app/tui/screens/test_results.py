@@ -42,8 +42,8 @@ def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def open_app(bench: Path) -> CatseyeApp:
     app = make_app(ScriptedLink(), "results", root=bench / "runs")
     work = work_of(app)
-    work.outcomes["diagnose"] = Done((), 0, json.dumps(DIAGNOSIS), "")
-    work.outcomes["validate"] = Done((), 0, json.dumps(validation()), "")
+    work.outcomes["diagnose"] = Done((), 0, DIAGNOSIS.model_dump_json(), "")
+    work.outcomes["validate"] = Done((), 0, validation().model_dump_json(), "")
     return app
 
 
@@ -179,7 +179,7 @@ async def test_a_validation_that_ends_late_does_not_take_the_screen_of_another_r
         assert isinstance(screen, ResultsScreen)
         late = screen._files[1]  # noqa: SLF001  # what a command under way is given
         await press(app, pilot, "3")
-        screen._validated(late, Done((), 0, json.dumps(validation()), ""))  # noqa: SLF001  # as its end
+        screen._validated(late, Done((), 0, validation().model_dump_json(), ""))  # noqa: SLF001  # as its end
         assert screen.query_one(ContentSwitcher).current == "values"
         assert "later.json: choose it, then 7" in await press(app, pilot)
 
