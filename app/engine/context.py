@@ -44,9 +44,10 @@ from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position, Tracker
 from catseye.procedures.kit.columns import Columns, TableRule
-from catseye.procedures.kit.context import Json, Measurement, Prompt, Row, Table
+from catseye.procedures.kit.context import Measurement, Prompt, Table
 from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.records import Json, Row
 
 _DEFAULT_AIR = AirRule()
 

@@ -62,7 +62,7 @@ def load_distances(
     root = runs_folder(runs)
     readers = [RunReader(resolve_run(root, text), accept(unverified=unverified)) for text in run]
     warnings = [
-        f"warning: {reader.path.name} is {reader.status}; identifying from what it holds"
+        f"{reader.path.name} is {reader.status}; identifying from what it holds"
         for reader in readers
         if reader.status != "complete"
     ]

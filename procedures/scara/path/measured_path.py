@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from catseye.calibration.scara.comparison import rigid_fit
 from catseye.procedures.kit.columns import Columns
-from catseye.procedures.kit.context import Row
 from catseye.procedures.kit.errors import TableFileError
+from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.path.tracked_path import PathPoint
 
 Floats = NDArray[np.float64]

@@ -15,7 +15,7 @@ from catseye.app.files.tabular import table_csv, table_parquet
 from catseye.app.results.scara.export import Export, result_export, result_rows, run_export
 from catseye.app.results.scara.points import read_points
 from catseye.app.results.scara.result import TermEstimate, write_result
-from catseye.procedures.kit.context import Json, Row
+from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.scara.path.tables import MEASURED
 from tests.unit.app.engine.fakes import point
 from tests.unit.app.results.scara import sample

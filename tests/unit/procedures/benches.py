@@ -16,9 +16,10 @@ from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Arm, Bench, Optics, Reflector, Timing, Workspace
 from catseye.procedures.kit.columns import Columns, TableRule
-from catseye.procedures.kit.context import Json, Measurement, Prompt, Row, Table
+from catseye.procedures.kit.context import Measurement, Prompt, Table
 from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.records import Json, Row
 
 LINK1_MM, LINK2_MM = 325.0, 225.0
 NODES1_DEG = tuple(-140.0 + 20.0 * i for i in range(11))

@@ -14,7 +14,8 @@ from catseye.app.engine.gate import JointLimits
 from catseye.app.protocol.procedures import load_procedure
 from catseye.app.service.running import PlannedRun
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Prompt, Row
+from catseye.procedures.kit.context import Prompt
+from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
 from tests.unit.procedures.benches import bench
 

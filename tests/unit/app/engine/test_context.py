@@ -34,9 +34,10 @@ from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import RobotAbilities, RobotStatus
 from catseye.procedures.kit.columns import Columns
-from catseye.procedures.kit.context import Context, Json, Prompt, Row
+from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.scara.path.tables import MEASURED
 from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, free_way, point
 

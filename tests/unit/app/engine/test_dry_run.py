@@ -13,7 +13,8 @@ from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Following
 from catseye.procedures.kit.bench import Arm, Bench
 from catseye.procedures.kit.columns import Columns
-from catseye.procedures.kit.context import Context, Prompt, Row
+from catseye.procedures.kit.context import Context, Prompt
+from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.path.tables import MEASURED
 from tests.unit.app.engine.fakes import HOME, LIMITS, point
 from tests.unit.procedures.benches import bench
