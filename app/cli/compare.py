@@ -28,7 +28,7 @@ def compare(
     found = compare_results(read_result(first), read_result(second))
     report = comparison_report(found, (first.name, second.name), origin_now())
     if as_json:
-        write_json({"first": str(first), "second": str(second), **comparison_document(found)})
+        write_json(comparison_document(found, first, second).json_object())
     else:
         write_tables(report)
     note_statements(report)

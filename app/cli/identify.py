@@ -17,7 +17,7 @@ from catseye.app.cli.options import (
     Unverified,
     Workers,
 )
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import note, warn, write_json
 
 if TYPE_CHECKING:
     from catseye.app.results.scara.result import Result
@@ -76,7 +76,7 @@ def identify(
         return
     source = load_distances(run or [], points, cell, runs, unverified)
     for text in source.warnings:
-        note(text)
+        warn(text)
     with taken_as_it_is(*source.readers):
         result = identified(source, method, partial(sharing, workers, dask, insecure=insecure_cluster))
     _hand_over(result, output, as_json=as_json)
