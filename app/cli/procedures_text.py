@@ -17,7 +17,7 @@ def procedure_facts(procedure: Runnable) -> dict[str, Any]:
     return {
         "name": procedure.name,
         "title": procedure.title,
-        "needs_aim": procedure.needs.aim,
+        "needs_aim": procedure.needs.basis is not None,
         "params": _schema(procedure),
     }
 

@@ -19,7 +19,6 @@ from catseye.app.service.running import PlannedRun
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader
 from catseye.app.store.resumable import why_not_resumable, writer_of
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.records import Json
 
 
@@ -54,7 +53,9 @@ def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> Plan
     walked = meta.get(WALK)
     procedure = load_procedure(str(meta["procedure"] if walked is None else walked["procedure"]))
     params = _params(path.name, procedure, meta["params"])
-    bench = _aimed(bench_of(loaded.cell), meta["aimed"])
+    bench, basis = bench_of(loaded.cell), procedure.needs.basis
+    if basis is not None:
+        bench = basis.apply(bench, meta["aimed"])
     plan = procedure.plan(bench, params)
     if plan_digest(plan) != meta["plan_sha256"]:
         raise UsageError(
@@ -116,11 +117,6 @@ def _params(name: str, procedure: Runnable, values: Any) -> Any:
             f"{name}: its parameters do not fit this program's {procedure.name} ({error.errors()[0]['msg']}): go on "
             "with the version that wrote it, or start a new run"
         ) from error
-
-
-def _aimed(bench: Bench, aimed: Any) -> Bench:
-    places = {name: (float(x_mm), float(y_mm)) for name, (x_mm, y_mm) in aimed["reflectors"].items()}
-    return bench.aimed(places, float(aimed["theta40_deg"]))
 
 
 def _require_same_but_links(name: str, stored: Cell, given: Cell) -> None:

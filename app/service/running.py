@@ -34,7 +34,7 @@ from catseye.app.protocol.procedures import Runnable
 from catseye.app.service.plan_digest import plan_digest
 from catseye.app.service.walk.fed_robot import fed
 from catseye.app.service.walk.walk import Walk
-from catseye.app.store.basis import find_aim
+from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.pose import Pose
@@ -95,7 +95,7 @@ def plan_run(
         ProcedureError: the plan violates a limit or cannot be made.
         UsageError: the search run cannot be used.
     """
-    aim = find_aim(bench_of(loaded.cell), root, search if procedure.needs.aim else "none")
+    aim = find_basis(procedure.needs.basis, bench_of(loaded.cell), root, search)
     plan = procedure.plan(aim.bench, params)
     return PlannedRun(loaded, procedure, params, aim.bench, plan, aim.source, aim.simulated)
 
@@ -235,14 +235,10 @@ def run_meta(planned: PlannedRun, speed: float) -> dict[str, Json]:
 
 
 def _aimed(planned: PlannedRun) -> dict[str, Json]:
-    """Return what the plan was aimed with: the search that found it may be gone when the run goes on."""
-    bench = planned.bench
-    places: dict[str, Json] = {r.name: [r.x_mm, r.y_mm] for r in bench.reflectors}
-    return {
-        "reflectors": places,
-        "theta40_deg": bench.optics.theta40_deg,
-        "simulated": planned.aim_simulated,
-    }
+    """Return what the plan was made from: the run that found it may be gone when this one goes on."""
+    basis = planned.procedure.needs.basis
+    described = {} if basis is None else basis.describe(planned.bench)
+    return {**described, "simulated": planned.aim_simulated}
 
 
 def _meta_of_resumption(planned: PlannedRun, speed: float) -> dict[str, Json]:

@@ -5,10 +5,12 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
+from catseye.app.protocol.procedures import declared_by
 from catseye.app.results.runs.event_text import between_s, device_text, gap_text
 from catseye.app.results.runs.timeline import last_signs
 from catseye.app.store.reader import RunReader
 from catseye.app.store.resumable import why_not_resumable
+from catseye.procedures.kit.records import Observation, Record, Row
 
 _RESULT = "solve"
 _FEW = 20
@@ -18,6 +20,8 @@ _FEW = 20
 def summary(reader: RunReader) -> list[str]:
     """Return what was run, on what, how often it was interrupted, and what came out."""
     meta: dict[str, Any] = dict(reader.meta)
+    declared = declared_by(str(meta.get("procedure")))
+    types = declared.records if declared else ()
     lines = ["SIMULATED: every device is an emulator; these data say nothing about a real robot"]
     if not meta.get("simulated"):
         lines = []
@@ -29,8 +33,8 @@ def summary(reader: RunReader) -> list[str]:
     lines += [f"{name:<16}{device_text(facts)}" for name, facts in (meta.get("devices") or {}).items()]
     tables = ("steps", *(table.name for table in reader.tables()))
     counts = ", ".join(f"{count} {name}" for name in tables if (count := reader.count(name)))
-    lines += [f"stored          {counts or 'nothing'}", *_interruptions(reader), *_reflectors(reader)]
-    lines += [*_alignments(reader.records("alignment")), *_others(reader), *_results(reader)]
+    lines += [f"stored          {counts or 'nothing'}", *_interruptions(reader), *_reflectors(reader, types)]
+    lines += [*_observed(reader, types), *_results(reader)]
     if not why_not_resumable(reader):
         lines.append(f"to go on            catseye resume {reader.path.name}")
     return lines
@@ -55,8 +59,8 @@ def _interruptions(reader: RunReader) -> list[str]:
     ]
 
 
-def _reflectors(reader: RunReader) -> list[str]:
-    points = reader.rows("points")
+def _reflectors(reader: RunReader, types: Sequence[type[Record]]) -> list[str]:
+    points = [row for kind in types if kind.is_point for row in reader.rows(kind.table)]
     lines = []
     for name in dict.fromkeys(row["reflector"] for row in points):
         own = [row for row in points if row["reflector"] == name]
@@ -66,38 +70,16 @@ def _reflectors(reader: RunReader) -> list[str]:
     return [*lines, f"beam lost       {lost}×"] if lost else lines
 
 
-def _alignments(rows: Sequence[dict[str, Any]]) -> list[str]:
+def _observed(reader: RunReader, types: Sequence[type[Record]]) -> list[str]:
+    """Return what was observed beside what the run measures."""
+    known = {each.kind: each for each in types if issubclass(each, Observation)}
+    by_kind: dict[str, list[Row]] = {}
+    for row in reader.records():
+        by_kind.setdefault(str(row["kind"]), []).append(row)
     lines = []
-    for quantity in dict.fromkeys(str(row.get("quantity")) for row in rows):
-        own = [row for row in rows if str(row.get("quantity")) == quantity]
-        before, after = own[0], own[-1]
-        unit = before.get("unit", "")
-        lines.append(
-            f"alignment       {quantity}: {before['value']:+.3g} {unit} before, {after['value']:+.3g} {unit} after "
-            f"{len(own)} round(s)"
-        )
+    for kind, rows in by_kind.items():
+        lines += known[kind].summary(rows) if kind in known else [f"{kind:<16}{len(rows)}×"]
     return lines
-
-
-def _others(reader: RunReader) -> list[str]:
-    """Return closures, drift and whatever else was observed: how often, and the largest change in µm."""
-    rows = [row for row in reader.records() if row["kind"] not in {"alignment", "screw"}]
-    lines = []
-    for kind in dict.fromkeys(str(row["kind"]) for row in rows):
-        own = [row for row in rows if row["kind"] == kind]
-        text = f"{kind:<16}{len(own)}×"
-        found = [change for row in own if (change := _change_um(row)) is not None]
-        if found:
-            text += f", largest change {max(found, key=abs):+.1f} µm"
-        lines.append(text)
-    return lines
-
-
-def _change_um(row: dict[str, Any]) -> float | None:
-    for key, scale in (("drift_um", 1.0), ("change_um", 1.0), ("difference_um", 1.0), ("difference_mm", 1e3)):
-        if isinstance(row.get(key), int | float):
-            return float(row[key]) * scale
-    return None
 
 
 def _results(reader: RunReader) -> list[str]:

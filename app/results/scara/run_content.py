@@ -35,13 +35,13 @@ from catseye.app.results.scara.truth import gauge_turn_rad, turned_places
 from catseye.app.results.scara.truth_tables import TruthMap, TruthTables
 from catseye.app.results.scara.uncertainty import by_jacobian
 from catseye.app.results.scara.validation import PathValidation
-from catseye.app.store.basis import search_result
 from catseye.app.store.reader import RunReader
 from catseye.app.store.seal import read_manifest
 from catseye.app.store.software import SOFTWARE
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
 from catseye.calibration.scara.identification import Identification
+from catseye.procedures.scara.aiming import search_result
 from catseye.procedures.scara.records import Distance, PathPosition
 
 _MEASURED_WITH = ("python", "numpy", "sqlite", "platform")

@@ -86,7 +86,7 @@ class Walk:
     @property
     def needs(self) -> Needs:
         """It is planned as the procedure is; nothing is measured."""
-        return Needs(aim=self.procedure.needs.aim)
+        return Needs(basis=self.procedure.needs.basis)
 
     @property
     def records(self) -> Collection[type[Record]]:
