@@ -12,6 +12,7 @@ from catseye.procedures.kit.errors import AlignmentError, BeamLostError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
+from catseye.procedures.kit.tasks import TurnScrew
 
 _ROUND_S: Final = 60.0
 """Expected time of a round, hands included; the run's own pace corrects it."""
@@ -330,7 +331,7 @@ class GuidedScrew:
                 id=f"{screw.name}/{number}",
                 kind="confirm",
                 text=f"{told[0].upper()}{told[1:]}, then confirm.",
-                task={"do": "turn-screw", "screw": screw.name, "turns": turns},
+                task=TurnScrew(screw=screw.name, turns=turns),
                 motion=True,
                 target=self._target,
             ),
