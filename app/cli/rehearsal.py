@@ -1,7 +1,7 @@
 """What a rehearsal found, as a step table or as data."""
 
 from catseye.app.cli.output import note, table, warn, write_json, write_line
-from catseye.app.engine.arm_model import AT_REST, Speeds
+from catseye.app.engine.driven import AT_REST, Speeds
 from catseye.app.engine.dry_run import DryRunContext, DryStep
 from catseye.app.results.numbers import duration_text
 from catseye.app.service.running import PlannedRun
@@ -68,7 +68,7 @@ def _as_json(planned: PlannedRun, context: DryRunContext) -> dict[str, Json]:
         "joint_deg_s": speeds.joint_deg_s,
         "tool_mm_s": speeds.tool_mm_s,
         "miss_mm": miss_mm,
-        "max_miss_mm": planned.bench.optics.max_miss_mm,
+        "max_miss_mm": context.ideal.max_miss_mm,
         "steps": [_step_as_json(step) for step in context.steps],
         "warnings": [*_warnings(context), *_excesses(context)],
         "questions": [{"id": p.id, "kind": p.kind, "text": p.text} for p in context.prompts],
@@ -106,12 +106,12 @@ def _excesses(context: DryRunContext) -> list[str]:
     if not context.excess:
         return []
     worst = max(context.excess, key=lambda step: step.miss_mm or 0.0)
-    optics = context.bench.optics
-    kept = "the cat's eye still returns it" if (worst.miss_mm or 0.0) <= optics.acceptance_mm else "it breaks"
+    beam = context.ideal
+    kept = "the cat's eye still returns it" if (worst.miss_mm or 0.0) <= beam.acceptance_mm else "it breaks"
     return [
         f"the beam misses by up to {worst.miss_mm:.3f} mm on the way of {worst.step_id} and by more than "
-        f"max_miss_mm = {optics.max_miss_mm:g} in {len(context.excess)} step(s); {kept} (acceptance_mm = "
-        f"{optics.acceptance_mm:g}): split the moves, or move the reflector away from the arm"
+        f"max_miss_mm = {beam.max_miss_mm:g} in {len(context.excess)} step(s); {kept} (acceptance_mm = "
+        f"{beam.acceptance_mm:g}): split the moves, or move the reflector away from the arm"
     ]
 
 

@@ -41,7 +41,7 @@ from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.interferometer import BeamStatus
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Axes, Pose
 from catseye.drivers.roles.tracker import Position, Tracker
 from catseye.procedures.kit.context import Json, MeasuredPoint, Measurement, Prompt, Row, Table
 from catseye.procedures.kit.errors import MeasuredFileError
@@ -76,12 +76,12 @@ class RunContext:
         store: of the run.
         control: the stop ladder.
         clock: of the run.
+        axes: of the arm.
         gate: passes motions.
         operator: answers prompts.
         announcer: publishes to front ends.
         air: how the program corrects for the air where the instrument does not.
         poll_s: between two looks at a condition that is missing, s of the clock.
-        speed_deg_s: fastest J1, J2, J4 at 100 % override, as questions before a motion tell them; None for unknown.
 
     Attributes:
         step_times: where the time of each step that ran went.
@@ -93,18 +93,19 @@ class RunContext:
         store: RunStore,
         control: RunControl,
         clock: Clock,
+        axes: Axes,
         gate: MotionGate,
         operator: Operator,
         announcer: Announcer,
         air: AirRule = _DEFAULT_AIR,
         poll_s: float = 0.5,
-        speed_deg_s: Sequence[float] | None = None,
     ) -> None:
         self.step_times: list[StepTime] = []
         self._devices = devices
         self._store = store
         self._control = control
         self._clock = clock
+        self._axes = axes
         self._gate = gate
         self._operator = operator
         self._announcer = announcer
@@ -115,13 +116,12 @@ class RunContext:
         self._progress = Progress(clock)
         self._asked_s = 0.0
         self._poll_s = poll_s
-        self._speed_deg_s = speed_deg_s
         self._step: _OpenStep | None = None
         self._prompt_open = False
         self._zeroed = False
         self._looking = 0
         self._mover = Mover(
-            devices.robot, control, gate, self.wait_until, self._timed, self._waive, self._first_motion
+            devices.robot, axes, control, gate, self.wait_until, self._timed, self._waive, self._first_motion
         )
         self._acknowledging = Acknowledging(
             control, gate, devices.guard, clock, poll_s, self._ask_to_go_on, self.warn
@@ -325,11 +325,11 @@ class RunContext:
         )
 
     def _motion_after(self) -> MotionAfter:
-        """Return at which override the arm would move now, and how fast its joints can be."""
-        percent, speeds = self._gate.override_percent, self._speed_deg_s
+        """Return at which override the arm would move now, and how fast its revolute axes can be."""
+        percent = self._gate.override_percent
         return MotionAfter(
             override_percent=percent,
-            speed_deg_s=None if speeds is None else tuple(speed * percent / 100.0 for speed in speeds),
+            speed_deg_s=tuple(axis.speed * percent / 100.0 for axis in self._axes if axis.unit == "deg"),
         )
 
     def _begin(self, step_id: str, title: str) -> _OpenStep:

@@ -12,7 +12,7 @@ from catseye.app.engine.announcer import Announcer
 from catseye.app.engine.context import RunContext
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.devices import Devices
-from catseye.app.engine.gate import JointLimits, MotionGate
+from catseye.app.engine.gate import MotionGate, require_in_range
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answer, Operator
 from catseye.app.engine.simulated_operator import SimulatedOperator
@@ -35,7 +35,8 @@ from catseye.drivers.roles.robot import RobotAbilities, RobotStatus
 from catseye.procedures.kit.context import Context, Json, Prompt, Row
 from catseye.procedures.kit.errors import MeasuredFileError
 from catseye.procedures.kit.live import Live
-from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, free_way, point
+from tests.unit.app.engine.fakes import ARM, AWAY, HOME, FakeBench, FakeRobot, Script, free_way, point
+from tests.unit.procedures.benches import scara_axes
 
 READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
 
@@ -67,10 +68,9 @@ async def parts(tmp_path: Path) -> AsyncIterator[Parts]:
     bench.robot.state = READY
     announcer = Announcer(store.path.name, bench.clock, bench.publish, lambda: None)
     devices = Devices(bench.robot, bench.counter, bench.air)
-    gate = MotionGate(bench.robot, LIMITS, free_way, 20.0)
+    gate = MotionGate(bench.robot, ARM.axes, free_way, 20.0)
     operator = Operator(bench.clock, {}, None, simulated=True, hands=Willing("tcp://127.0.0.1:1"))
-    speeds = (420.0, 720.0, 3000.0)
-    ctx = RunContext(devices, store, control, bench.clock, gate, operator, announcer, speed_deg_s=speeds)
+    ctx = RunContext(devices, store, control, bench.clock, ARM.axes, gate, operator, announcer)
     yield Parts(bench, ctx, control, RunReader(store.path))
     await control.halted()
     await store.abandon()
@@ -194,10 +194,9 @@ async def test_limits_hold_at_the_gate(parts: Parts, target: Pose, text: str) ->
     assert "move" not in parts.bench.robot.calls
 
 
-def test_limits_of_j3_are_optional() -> None:
-    limits = JointLimits((-1.0, 1.0), (-1.0, 1.0), (-1.0, 1.0), j3_mm=(-10.0, 0.0))
-    with pytest.raises(LimitError, match="J3 = 1 mm"):
-        limits.require((0.0, 0.0, 1.0, 0.0))
+def test_prismatic_axes_are_checked_in_millimetres() -> None:
+    with pytest.raises(LimitError, match="J3 = 1 mm is outside -10 … 0 mm"):
+        require_in_range(scara_axes(j3_mm=(-10.0, 0.0)), (0.0, 0.0, 1.0, 0.0))
 
 
 @pytest.mark.parametrize(
@@ -249,7 +248,7 @@ class WayFakeRobot(FakeRobot):
 async def test_a_way_is_one_motion_where_the_robot_can_pass_targets(parts: Parts) -> None:
     robot = WayFakeRobot(parts.bench.clock, state=READY)
     parts.control.attach(robot)
-    gate = MotionGate(robot, LIMITS, free_way, 20.0)
+    gate = MotionGate(robot, ARM.axes, free_way, 20.0)
     parts.ctx._gate = gate  # noqa: SLF001  # the fixture's own context, with another robot
     parts.ctx._mover._robot, parts.ctx._mover._gate = robot, gate  # noqa: SLF001  # as above
     parts.ctx._devices = replace(parts.ctx._devices, robot=robot)  # noqa: SLF001  # as above

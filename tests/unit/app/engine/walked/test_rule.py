@@ -12,7 +12,7 @@ from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Json, Prompt
-from tests.unit.app.engine.walked.test_tube import CORNER, WALKED
+from tests.unit.app.engine.walked.test_tube import AXES, CORNER, WALKED
 from tests.unit.app.store.fakes import TickingClock
 
 
@@ -30,7 +30,7 @@ async def rule(root: Path, *, blended: bool) -> WalkRule:
     async def motions(_here: Pose) -> Sequence[Leg]:
         return []
 
-    made = WalkRule(motions, lambda _arm: WALKED, blended)
+    made = WalkRule(AXES, motions, lambda _arm: WALKED, blended)
     store = await RunStore.create(root, "open-loop", {}, TickingClock(), reserve_bytes=0)
     await made.begin(Identity("fake", "1.0", "7", False), CORNER[0], SilentDesk(), store)
     await store.abandon()
