@@ -49,7 +49,7 @@ def note(text: str) -> None:
 def warn(text: str) -> None:
     """Warn people on stderr, and the program that started this one."""
     note(f"warning: {text}")
-    report_warning(text)
+    report_warning(harmless_lines(text))
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

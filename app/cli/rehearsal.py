@@ -6,7 +6,7 @@ from catseye.app.engine.dry_run import DryRunContext, DryStep
 from catseye.app.results.numbers import duration_text
 from catseye.app.service.running import PlannedRun
 from catseye.procedures.kit.bench import Arm
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 
 _HEADER = [
     "step",

@@ -17,7 +17,8 @@ from catseye.app.engine.walked.rule import WalkRule
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.run_store import DEFAULT_RESERVE_BYTES
 from catseye.procedures.kit.bench import Arm
-from catseye.procedures.kit.context import Context, Json
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.records import Json
 
 
 class Procedure(Protocol):

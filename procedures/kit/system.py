@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from catseye.drivers.roles.pose import Axes, Pose, with_axis
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Json
 from catseye.procedures.kit.errors import ManualStepError, WayBlockedError
 from catseye.procedures.kit.ideal import IdealBeam, NoBeam
 from catseye.procedures.kit.motion.clear_way import way_refusal
+from catseye.procedures.kit.records import Json
 
 
 class System:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from catseye.calibration.scara.planar import forward
 from catseye.calibration.scara.pointing import beam_miss
 from catseye.drivers.roles.pose import Axes, Pose
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 from catseye.procedures.kit.system import System
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.ideal import ScaraBeam

@@ -8,9 +8,10 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.calibration.scara.reflector_search import SearchResult
-from catseye.procedures.kit.context import Context, Json, Row
+from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import ReflectorNotFoundError
 from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.scara.before import ALIGNED
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.search.search_plan import Jogging, SearchPlan, SearchPose, plan_search

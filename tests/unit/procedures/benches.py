@@ -15,9 +15,10 @@ from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Axes, Axis, Pose
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Arm, Timing, Workspace
-from catseye.procedures.kit.context import Json, MeasuredPoint, Measurement, Prompt, Row, Table
+from catseye.procedures.kit.context import MeasuredPoint, Measurement, Prompt, Table
 from catseye.procedures.kit.errors import MeasuredFileError
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.scara.bench import Optics, Reflector, ScaraBench
 
 LINK1_MM, LINK2_MM = 325.0, 225.0

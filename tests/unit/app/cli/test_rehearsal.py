@@ -12,7 +12,8 @@ from catseye.app.cli.rehearsal import write_rehearsal
 from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.protocol.procedures import load_procedure
 from catseye.app.service.running import PlannedRun
-from catseye.procedures.kit.context import Prompt, Row
+from catseye.procedures.kit.context import Prompt
+from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
 from catseye.procedures.scara.system import ScaraSystem

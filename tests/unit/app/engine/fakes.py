@@ -19,7 +19,8 @@ from catseye.drivers.roles.interferometer import BeamStatus, Compensated, Interf
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Robot, RobotAbilities, RobotStatus
 from catseye.procedures.kit.bench import Arm
-from catseye.procedures.kit.context import Context, Json, Row
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.records import Json, Row
 from tests.unit.procedures.benches import scara_axes
 
 ARM = Arm(

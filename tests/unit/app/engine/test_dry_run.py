@@ -12,7 +12,8 @@ from catseye.app.errors import LimitError, MeasurementRejectedError
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Following
 from catseye.procedures.kit.bench import Arm
-from catseye.procedures.kit.context import Context, Prompt, Row
+from catseye.procedures.kit.context import Context, Prompt
+from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.ideal import ScaraBeam
 from catseye.procedures.scara.system import ScaraSystem
