@@ -195,6 +195,7 @@ async def rehearse(planned: PlannedRun, here: Pose | None = None) -> DryRunConte
     context = DryRunContext(
         system,
         pose=here or system.rest,
+        declared=planned.procedure.records,
         done={step.step_id: step.result for step in steps},
     )
     await planned.procedure.run(context, planned.plan)

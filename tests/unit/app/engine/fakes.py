@@ -20,7 +20,8 @@ from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Robot, RobotAbilities, RobotStatus
 from catseye.procedures.kit.bench import Arm
 from catseye.procedures.kit.context import Context
-from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.kit.records import Json, Record, Row
+from catseye.procedures.scara.records import Distance
 from tests.unit.procedures.benches import scara_axes
 
 ARM = Arm(
@@ -209,6 +210,7 @@ class Script:
 
     name = "script"
     title = "Scripted procedure"
+    records: ClassVar[tuple[type[Record], ...]] = (Distance,)
 
     def __init__(
         self,
@@ -281,6 +283,11 @@ class FakeBench:
     def states(self) -> list[Json]:
         states = [entry["state"] for entry in self.said("state")]
         return [state for number, state in enumerate(states) if number == 0 or states[number - 1] != state]
+
+
+def distance(number: int = 0, **changes: Any) -> Distance:
+    values: dict[str, Any] = {**point(number), **changes}
+    return Distance(**values)
 
 
 def point(number: int = 0) -> Row:

@@ -18,8 +18,9 @@ from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.ideal import ScaraBeam
 from catseye.procedures.scara.path.tables import MEASURED
+from catseye.procedures.scara.records import Distance
 from catseye.procedures.scara.system import ScaraSystem
-from tests.unit.app.engine.fakes import HOME, point
+from tests.unit.app.engine.fakes import HOME, distance
 from tests.unit.procedures.benches import bench, scara_axes
 
 ARM = Arm(
@@ -33,7 +34,7 @@ BENCH = replace(bench(places={"P1": (650.0, 0.0), "P2": (0.0, 900.0)}), arm=ARM,
 
 
 def dry_run(of: ScaraBench = BENCH) -> DryRunContext:
-    return DryRunContext(ScaraSystem(of), HOME)
+    return DryRunContext(ScaraSystem(of), HOME, declared=[Distance])
 
 
 @pytest.fixture
@@ -196,7 +197,7 @@ async def test_it_gives_a_step_table_and_the_time(dry: DryRunContext) -> None:
     async def action() -> Row:
         await dry.move((100.0, 0.0, 0.0, 0.0))
         await dry.measure(0.5, 0.5, 5)
-        dry.record("points", point())
+        dry.record(distance())
         return {"done": True}
 
     context: Context = dry
@@ -205,7 +206,7 @@ async def test_it_gives_a_step_table_and_the_time(dry: DryRunContext) -> None:
     assert (step.moves, step.measurements, step.end) == (1, 1, (100.0, 0.0, 0.0, 0.0))
     assert step.duration_s == pytest.approx(3.25)
     assert dry.total_s == pytest.approx(3.25)
-    assert len(dry.rows) == 1
+    assert dry.records == [distance()]
 
 
 async def test_limits_hold_at_every_move(dry: DryRunContext) -> None:
@@ -261,6 +262,6 @@ async def test_rows_and_steps_follow_the_same_rules(dry: DryRunContext) -> None:
         return await dry.step("inner", "inner", inner)
 
     with pytest.raises(RuntimeError, match="outside of a step"):
-        dry.record("points", point())
+        dry.record(distance())
     with pytest.raises(RuntimeError, match="do not nest"):
         await dry.step("outer", "outer", outer)
