@@ -13,6 +13,7 @@ import typer
 
 from catseye.app.cli.commands import COMMANDS
 from catseye.app.cli.lazy import LazyGroup, add_commands
+from catseye.app.cli.reporting import open_channel
 
 
 class _Commands(LazyGroup):
@@ -77,6 +78,7 @@ def main() -> None:
     """Run the command line; every error becomes a sentence on stderr and an exit code."""
     # The matrices are small: threads of the linear algebra would wait for one another and for busy cores.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
+    open_channel()
     try:
         cli()
     except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001  # the outermost frame reports it and ends the process

@@ -38,13 +38,13 @@ def compensate(
     from catseye.app.cli.compensation import cell_of, checked, origin_of, settings_of
     from catseye.app.cli.report_output import note_statements, write_tables
     from catseye.app.files.atomic import require_output, write_atomically
-    from catseye.app.files.identified_arm import arm_of, arm_remarks
-    from catseye.app.files.path_csv import read_path_csv, start_states
-    from catseye.app.files.result_json import read_result
     from catseye.app.results.scara.compensated_path import write_compensated_csv, write_compensated_json
     from catseye.app.results.scara.compensation import compensate_path
     from catseye.app.results.scara.compensation_report import compensation_figures, compensation_report
+    from catseye.app.results.scara.identified_arm import arm_of, arm_remarks
     from catseye.app.results.scara.melfa_program import melfa_program
+    from catseye.app.results.scara.path_csv import read_path_csv, start_states
+    from catseye.app.results.scara.result import read_result
     from catseye.app.results.scara.validation import TAKE_UP_DEG
 
     require_output(output, result, path, cell)

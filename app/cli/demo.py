@@ -29,6 +29,7 @@ def demo(
     """
     from catseye.app.cli.demo_job import DemoInterruptedError, evaluate, measure, prepare_folder
     from catseye.app.cli.demo_report import demo_facts, write_demo_report
+    from catseye.app.cli.failure import write_failure_texts
     from catseye.app.render.text import statement_lines, tables_text
     from catseye.app.results.scara.job_summary import job_summary
 
@@ -37,7 +38,7 @@ def demo(
     try:
         runs = asyncio.run(measure(out, speed, seed, truth, _narrator))
     except DemoInterruptedError as ended:
-        note(f"catseye: {ended}")
+        write_failure_texts([str(ended)], ended.outcome.exit_code)
         sys.exit(int(ended.outcome.exit_code))
     note("identifying both models and comparing them with truth and validation path")
     result = evaluate(out, runs)

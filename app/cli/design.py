@@ -151,7 +151,7 @@ def _rectangle(text: str | None) -> tuple[float, float, float, float] | None:
 
 
 def _commands_of(path: Path, loaded: "LoadedCell") -> "Commands":
-    from catseye.app.files.path_csv import read_path_csv
+    from catseye.app.results.scara.path_csv import read_path_csv
 
     robot = loaded.cell.robot
     return read_path_csv(path, (robot.link1_mm, robot.link2_mm)).commands
@@ -176,7 +176,7 @@ def _write_cell(found: "Design", loaded: "LoadedCell", file: Path) -> None:
 def _write_commands(found: "Design", file: Path) -> None:
     from catseye.app.files.atomic import write_atomically
     from catseye.app.files.csv_text import csv_text
-    from catseye.app.files.path_csv import DIRECTIONS, JOINTS
+    from catseye.app.results.scara.path_csv import DIRECTIONS, JOINTS
 
     if found.choice is None:
         return

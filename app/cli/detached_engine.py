@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO, NoReturn, cast
 
-from catseye.app.cli.failure import SEE_WHERE, trace_of
+from catseye.app.cli.failure import SEE_WHERE, trace_of, write_failure_texts
 from catseye.app.cli.output import note, write_json, write_line
 from catseye.app.errors import OutputError, exit_code_of, text_of
 from catseye.app.exitcode import ExitCode
@@ -134,6 +134,6 @@ def _heard(line: EngineLine, as_json: bool) -> int | None:
             return 0
         case EngineFailed() | EngineEnded():
             if line.error:
-                note(f"catseye: {line.error}")
+                write_failure_texts([line.error], line.exit_code)
             return line.exit_code
     return None

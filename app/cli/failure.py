@@ -3,6 +3,7 @@
 import os
 import sys
 import traceback
+from collections.abc import Sequence
 from typing import Final
 
 from catseye.app.cli.reporting import report_failure
@@ -25,12 +26,19 @@ def write_failure(error: BaseException) -> int:
     )
     if trace := trace_of(error):
         sys.stderr.write(trace)
+        report_failure("\n".join(texts), code)
     else:
-        for text in texts:
-            sys.stderr.write(f"catseye: {harmless_lines(text)}\n")
+        write_failure_texts(texts, code)
+    return code
+
+
+def write_failure_texts(texts: Sequence[str], code: int) -> None:
+    """Write to stderr, and report, why the command ends with a code other than 0."""
+    texts = [harmless_lines(text) for text in texts]
+    for text in texts:
+        sys.stderr.write(f"catseye: {text}\n")
     if texts:
         report_failure("\n".join(texts), code)
-    return code
 
 
 def trace_of(error: BaseException) -> str:

@@ -7,6 +7,7 @@ from typing import Final
 from catseye.app.cli.output import note, write_json
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.question_line import QuestionLine, live_text
+from catseye.app.cli.reporting import report_warning
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.run_events import (
     DrivesLeft,
@@ -22,6 +23,7 @@ from catseye.app.protocol.run_events import (
 )
 from catseye.app.protocol.state import ENDING, ControlState
 from catseye.app.results.runs.event_text import first_motion_text
+from catseye.drivers.roles.text import harmless_lines
 
 _SHOWN_STATES: Final = ENDING | {
     ControlState.STOPPED,
@@ -60,6 +62,7 @@ class Narrator:
                 self._bar.update(event.done, event.total, event.text)
             case WarningIssued():
                 self.show(f"warning: {event.text}")
+                report_warning(harmless_lines(event.text))
             case ErrorReported():
                 self.show(f"error: {event.text}")
             case PromptAsked() if self.interactive:

@@ -48,4 +48,4 @@ def note(text: str) -> None:
 def warn(text: str) -> None:
     """Warn people on stderr, and the program that started this one."""
     note(f"warning: {text}")
-    report_warning(text)
+    report_warning(harmless_lines(text))

@@ -23,12 +23,12 @@ def predict(
     """
     from catseye.app.cli.report_output import note_statements, write_tables
     from catseye.app.files.atomic import require_output
-    from catseye.app.files.identified_arm import nominal_of
-    from catseye.app.files.path_csv import read_path_csv, start_states
-    from catseye.app.files.predicted_csv import write_predicted_csv
-    from catseye.app.files.result_json import read_result
+    from catseye.app.results.scara.identified_arm import nominal_of
+    from catseye.app.results.scara.path_csv import read_path_csv, start_states
+    from catseye.app.results.scara.predicted_csv import write_predicted_csv
     from catseye.app.results.scara.prediction import predict_path
     from catseye.app.results.scara.prediction_report import prediction_report
+    from catseye.app.results.scara.result import read_result
 
     require_output(output, result, path)
     identified = read_result(result)

@@ -36,7 +36,7 @@ def validate(
     from catseye.app.files.atomic import require_output
     from catseye.app.render.page import require_html, write_page
     from catseye.app.results.scara.file_validation_report import file_validation_report
-    from catseye.app.results.scara.validation_document import validation_facts
+    from catseye.app.results.scara.validation_document import validation_document
     from catseye.app.results.scara.validation_of_files import validate_files
 
     require_output(output, result, measured, reference)
@@ -45,7 +45,7 @@ def validate(
     found = validate_files(result, measured, reference, hand, start_direction)
     report = file_validation_report(found, measured.name)
     if as_json:
-        write_json(validation_facts(found, limit))
+        write_json(validation_document(found, limit).json_object())
     else:
         write_tables(report)
     note_statements(report)

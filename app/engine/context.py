@@ -43,9 +43,10 @@ from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position, Tracker
-from catseye.procedures.kit.context import Json, MeasuredPoint, Measurement, Prompt, Row, Table
+from catseye.procedures.kit.context import MeasuredPoint, Measurement, Prompt, Table
 from catseye.procedures.kit.errors import MeasuredFileError
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.records import Json, Row
 
 _DEFAULT_AIR = AirRule()
 

@@ -56,7 +56,7 @@ from catseye.app.store.lines import LogHandler
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.clock import Clock
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 
 _log = logging.getLogger(__name__)
 

@@ -39,8 +39,8 @@ from catseye.app.store.reader import RunReader
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Json
 from catseye.procedures.kit.motion.clear_way import way_check
+from catseye.procedures.kit.records import Json
 
 
 @dataclass(frozen=True)

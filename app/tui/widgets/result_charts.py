@@ -1,13 +1,14 @@
 """Charts of a result: maps, differences of maps, residuals, a validation path, the layout."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from catseye.app.results.numbers import EXPANDED
+from catseye.app.results.scara.validation_document import DeviationPart, PathPart
 from catseye.app.tui.widgets.braille import Canvas, Floats
 from catseye.app.tui.widgets.chart import AXIS, Chart, ends_of
 from catseye.app.tui.widgets.inks import Line
@@ -113,19 +114,19 @@ def draw_residuals(
     return list(chart.canvas.lines())
 
 
-def draw_path(facts: Mapping[str, Any], deviation: Mapping[str, Any], width: int, height: int) -> list[Line]:
+def draw_path(path: PathPart, deviation: DeviationPart, width: int, height: int) -> list[Line]:
     """Return a deviation along a validation path: dots measured, lines with letters predicted.
 
     Args:
-        facts: of the path, as `catseye validate --json` tells them.
+        path: that was measured.
         deviation: one of its deviations.
         width: in cells.
         height: in cells.
     """
-    x, measured = _numbers(facts["axis_mm"]), _numbers(deviation["measured_um"])
-    models = [_numbers(values) for values in deviation["predicted_um"]]
+    x, measured = np.array(path.axis_mm), np.array(deviation.measured_um)
+    models = [np.array(values) for values in deviation.predicted_um]
     ends = float(np.min(x)), float(np.max(x))
-    title = f"{deviation['symbol']} µm"
+    title = f"{deviation.symbol} µm"
     chart = Chart(width, height, ends, ends_of(measured, *models), x_unit="mm", title=title)
     if not chart.usable:
         return list(chart.canvas.lines())
@@ -176,7 +177,3 @@ def draw_layout(
 
 def _write(canvas: Canvas, dot: tuple[float, float], text: str, ink: str) -> None:
     canvas.text(round(dot[0]) // 2, round(dot[1]) // 4, text, ink)
-
-
-def _numbers(values: Sequence[float | None]) -> Floats:
-    return np.array([math.nan if value is None else value for value in values], dtype=np.float64)

@@ -1,7 +1,7 @@
 """The parts of a result that are drawn: maps, layout, residuals, path, comparison."""
 
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -13,8 +13,10 @@ from catseye.app.tui.widgets.static_text import StaticText
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
-    from catseye.app.files.result_json import Result
     from catseye.app.results.scara.comparison import ResultComparison
+    from catseye.app.results.scara.diagnosis_document import DiagnosisDocument
+    from catseye.app.results.scara.result import Result
+    from catseye.app.results.scara.validation_document import ValidationDocument
 
 _MAP_LEGEND: Final = "+ approached upwards   − downwards   ± both   bars ±2u (k = 2)"
 
@@ -79,12 +81,12 @@ class ResidualsPart(Vertical):
         with VerticalScroll(id="outliers-text", classes="text short"):
             yield StaticText(id="outliers")
 
-    def show(self, result: "Result", diagnosis: dict[str, Any] | None) -> None:
+    def show(self, result: "Result", diagnosis: "DiagnosisDocument | None") -> None:
         """Show the residuals of a result.
 
         Args:
             result: whose residuals.
-            diagnosis: what `catseye diagnose --json` tells; None before it.
+            diagnosis: of it; None before it is made.
         """
         import numpy as np
 
@@ -113,13 +115,13 @@ class PathPart(Vertical):
         with VerticalScroll(id="validation-text", classes="text short"):
             yield StaticText(id="validation")
 
-    def show(self, facts: dict[str, Any] | None) -> None:
+    def show(self, found: "ValidationDocument | None") -> None:
         """Show a validation.
 
         Args:
-            facts: what `catseye validate --json` tells; None before it.
+            found: what a validation found; None before it.
         """
-        if facts is None:
+        if found is None:
             for place in (1, 2):
                 self.query_one(f"#path{place}", Drawing).show(None)
             _tell(self, "#path-legend", "t: choose a run of a validation path, or a measured file")
@@ -128,13 +130,13 @@ class PathPart(Vertical):
         from catseye.app.tui.result_texts import path_text
         from catseye.app.tui.widgets.result_charts import draw_path
 
-        path = facts["path"]
-        for place, deviation in enumerate(path["deviations"], 1):
+        path = found.path
+        for place, deviation in enumerate(path.deviations, 1):
             self.query_one(f"#path{place}", Drawing).show(partial(draw_path, path, deviation))
-        letters = zip("ce"[-len(path["models"]) :], path["models"], strict=True)
+        letters = zip("ce"[-len(path.models) :], path.models, strict=True)
         legend = ["∙ measured", *(f"{letter} {title}" for letter, title in letters)]
         _tell(self, "#path-legend", "   ".join(legend))
-        _tell(self, "#validation", path_text(facts))
+        _tell(self, "#validation", path_text(found))
 
 
 class ComparePart(Vertical):

@@ -36,7 +36,7 @@ class Starter:
 @pytest.fixture
 def starter(monkeypatch: pytest.MonkeyPatch) -> Iterator[Starter]:
     reading, writing = os.pipe()
-    monkeypatch.setattr(reporting, "_DESCRIPTOR", writing)
+    monkeypatch.setattr(reporting, "_descriptor", writing)
     yield Starter(reading)
     for descriptor in (reading, writing):
         os.close(descriptor)
@@ -74,7 +74,7 @@ def test_a_starter_that_is_gone_disturbs_nobody(
 ) -> None:
     reading, writing = os.pipe()
     os.close(reading)
-    monkeypatch.setattr(reporting, "_DESCRIPTOR", writing)
+    monkeypatch.setattr(reporting, "_descriptor", writing)
     warn("an estimate")
     assert "an estimate" in capsys.readouterr().err
     os.close(writing)
@@ -82,7 +82,10 @@ def test_a_starter_that_is_gone_disturbs_nobody(
 
 def test_what_a_command_starts_does_not_report_for_it() -> None:
     reading, writing = os.pipe()
-    program = f"import os; from catseye.app.cli import reporting; print(os.environ.get({EVENTS_FD!r}))"
+    program = (
+        "import os; from catseye.app.cli.reporting import open_channel; "
+        f"open_channel(); print(os.environ.get({EVENTS_FD!r}))"
+    )
     found = subprocess.run(
         [sys.executable, "-c", program],
         env={**os.environ, EVENTS_FD: str(writing)},

@@ -16,7 +16,8 @@ from catseye.app.results.rehearsal import first_target_text, rehearsal_report
 from catseye.app.service.rehearsal import rehearsal_of
 from catseye.app.service.running import PlannedRun
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Prompt, Row
+from catseye.procedures.kit.context import Prompt
+from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
 from tests.unit.procedures.benches import bench
 

@@ -20,7 +20,7 @@ from catseye.app.protocol.state import ControlState
 from catseye.app.service.client import EngineClient, over
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.server import Server
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import LIMITS, FakeRobot, ManualClock, free_way
 

@@ -13,7 +13,7 @@ from catseye.app.store.basis import find_aim
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.calibration.scara.points import Commands
-from catseye.procedures.kit.context import Json, Row
+from catseye.procedures.kit.records import Json, Row
 from tests.unit.app.store.fakes import TickingClock
 from tests.unit.procedures.benches import bench
 
