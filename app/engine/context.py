@@ -18,7 +18,7 @@ from catseye.app.engine.operator import Answer, Operator
 from catseye.app.engine.timekeeping import Progress, StepTime
 from catseye.app.engine.waiting import cancel, uncancelled
 from catseye.app.errors import ConfigError, UnwalkedError, UsageError
-from catseye.app.files.measured_csv import read_typed_csv
+from catseye.app.files.columns import read_typed_table
 from catseye.app.protocol.prompts import MotionAfter
 from catseye.app.protocol.run_events import (
     FirstMotionData,
@@ -43,8 +43,9 @@ from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position, Tracker
-from catseye.procedures.kit.context import MeasuredPoint, Measurement, Prompt, Table
-from catseye.procedures.kit.errors import MeasuredFileError
+from catseye.procedures.kit.columns import Columns, TableRule
+from catseye.procedures.kit.context import Measurement, Prompt, Table
+from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Json, Row
 
@@ -262,19 +263,19 @@ class RunContext:
         await self.checkpoint()
         await self._control.command(self._sleep(duration_s))
 
-    async def load_path(self, file: str, driven_mm: Sequence[tuple[float, float]]) -> Sequence[MeasuredPoint]:
-        """Return what an independent instrument measured along a path; the file alone says what that is.
+    async def read_table(self, file: str, table: TableRule, rehearsed: Columns) -> Columns:
+        """Return what a file holds that the operator names; see the protocol.
 
         Raises:
-            MeasuredFileError: the file cannot be read or used.
+            TableFileError: the file cannot be read or used.
         """
-        del driven_mm
+        del rehearsed
         await self._control.checkpoint()
         try:
             # A file may lie on a disk that takes its time.
-            return await asyncio.to_thread(read_typed_csv, file)
+            return await asyncio.to_thread(read_typed_table, file, table)
         except UsageError as error:
-            raise MeasuredFileError(str(error)) from error
+            raise TableFileError(str(error)) from error
 
     async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:
         """Put a question to the operator; question and answer are stored.

@@ -18,7 +18,8 @@ from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import MeasuredPoint, Measurement, Prompt, Table
+from catseye.procedures.kit.columns import Columns, TableRule
+from catseye.procedures.kit.context import Measurement, Prompt, Table
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import legs_refusal
 from catseye.procedures.kit.motion.motion_time import way_time_s
@@ -272,12 +273,10 @@ class DryRunContext:
         """Account for the time."""
         self._account.time_s += duration_s
 
-    async def load_path(self, file: str, driven_mm: Sequence[tuple[float, float]]) -> Sequence[MeasuredPoint]:
-        """Return the commands as an ideal instrument sees an ideal arm."""
-        del file
-        return [
-            MeasuredPoint(line, None, None, place, *place, None) for line, place in enumerate(driven_mm, 2)
-        ]
+    async def read_table(self, file: str, table: TableRule, rehearsed: Columns) -> Columns:
+        """Return what the procedure goes on with where there is no file."""
+        del file, table
+        return rehearsed
 
     async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:
         """Keep the question and return the answer that goes on: nothing moves in a rehearsal.

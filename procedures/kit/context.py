@@ -8,6 +8,7 @@ from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
+from catseye.procedures.kit.columns import Columns, TableRule
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Json, Row
 
@@ -60,29 +61,6 @@ class Measurement:
     material_c: float | None = None
     correction: AirCorrection | None = None
     clock_s: float = 0.0
-
-
-@dataclass(frozen=True)
-class MeasuredPoint:
-    """A row of a file of positions that an independent instrument has measured.
-
-    Attributes:
-        line: of the file, from 1.
-        theta_deg: commands of J1 and J2, deg; None in a file of Cartesian commands.
-        directions: states of approach of J1 and J2, 1 or -1; None in a file of Cartesian commands.
-        command_mm: x and y of the command, mm; None in a file of joint commands.
-        x_meas_mm: measured position along x, in the instrument's own frame.
-        y_meas_mm: measured position along y.
-        u_mm: standard uncertainty of each coordinate; None when it is not stated.
-    """
-
-    line: int
-    theta_deg: tuple[float, float] | None
-    directions: tuple[int, int] | None
-    command_mm: tuple[float, float] | None
-    x_meas_mm: float
-    y_meas_mm: float
-    u_mm: float | None
 
 
 Table = Literal["points", "search", "path", "records"]
@@ -225,15 +203,16 @@ class Context(Protocol):
         """Let the arm stand still for a time, s."""
         ...
 
-    async def load_path(self, file: str, driven_mm: Sequence[tuple[float, float]]) -> Sequence[MeasuredPoint]:
-        """Return what an independent instrument measured along a path, from a measured CSV.
+    async def read_table(self, file: str, table: TableRule, rehearsed: Columns) -> Columns:
+        """Return what a file holds that the operator names.
 
         Args:
             file: its path, as an operator types it.
-            driven_mm: x and y of the commands; in a rehearsal, which has no file, they are what is measured.
+            table: what it may hold.
+            rehearsed: what a rehearsal, which has no file, goes on with.
 
         Raises:
-            MeasuredFileError: the file cannot be read or used; the text names file, line and remedy.
+            TableFileError: the file cannot be read or used; the text names file, line and remedy.
         """
         ...
 

@@ -12,8 +12,8 @@ from catseye.app.results.scara.identify import (
     cell_of_run,
     error_budget,
     identified_result,
-    identify_rows,
-    run_rows,
+    identify_points,
+    run_points,
 )
 from catseye.app.results.scara.material import with_reference_links
 from catseye.app.results.scara.mirrored import mirrored_text
@@ -62,7 +62,7 @@ def compare_path(reader: RunReader, root: Path) -> PathComparison:
     bench = bench_of_runs([measured], root)
     try:
         identified = [
-            identify_rows(run_rows([measured]), bench, model, error_budget(cell_of_run(measured)))
+            identify_points(run_points([measured]), bench, model, error_budget(cell_of_run(measured)))
             for model in MODELS
         ]
         found = _compared(reader, identified, bench)

@@ -23,9 +23,9 @@ from catseye.app.results.scara.identify import (
     cell_of_run,
     error_budget,
     identified_result,
-    identify_rows,
-    problem_of_rows,
-    run_rows,
+    identify_points,
+    problem_of_points,
+    run_points,
 )
 from catseye.app.results.scara.material import with_reference_links
 from catseye.app.results.scara.path_of_run import compare_path
@@ -129,11 +129,11 @@ def _truth_map(table: Mapping[str, Any], shift_mdeg: float) -> TruthMap:
 
 def _identified(reader: RunReader, root: Path) -> tuple[list[Result], list[str]]:
     """Return both models as far as the points determine them, and what could not be done."""
-    bench, rows = bench_of_runs([reader], root), run_rows([reader])
+    bench, points = bench_of_runs([reader], root), run_points([reader])
     results, notes = [], []
     for model in MODELS:
         try:
-            one = identify_rows(rows, bench, model, error_budget(cell_of_run(reader)))
+            one = identify_points(points, bench, model, error_budget(cell_of_run(reader)))
         except CalibrationError as error:
             notes.append(f"the {model} model could not be identified: {error}")
             continue
@@ -150,7 +150,7 @@ def _diagnosed(reader: RunReader, root: Path) -> Diagnosis | None:
         return None
     bench, budget = bench_of_runs([reader], root), error_budget(cell_of_run(reader))
     try:
-        return diagnose(problem_of_rows(run_rows([reader]), bench, "error-map", budget))
+        return diagnose(problem_of_points(run_points([reader]), bench, "error-map", budget))
     except CalibrationError:
         return None
 

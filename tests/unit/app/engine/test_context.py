@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar, NamedTuple
 
+import numpy as np
 import pytest
 
 from catseye.app.engine.announcer import Announcer
@@ -32,10 +33,12 @@ from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import RobotAbilities, RobotStatus
+from catseye.procedures.kit.columns import Columns
 from catseye.procedures.kit.context import Context, Prompt
-from catseye.procedures.kit.errors import MeasuredFileError
+from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.scara.path.tables import MEASURED
 from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, free_way, point
 
 READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
@@ -398,15 +401,17 @@ async def test_a_stop_ends_a_pause(parts: Parts) -> None:
 async def test_a_measured_file_is_read_or_refused_with_its_name(parts: Parts, tmp_path: Path) -> None:
     path = tmp_path / "tracker.csv"
     path.write_text("x_mm,y_mm,x_meas_mm,y_meas_mm\n200,-500,1200.5,-500.25\n", encoding="utf-8")
-    (point,) = await parts.ctx.load_path(f" {path} ", [])
-    assert (point.line, point.x_meas_mm, point.y_meas_mm) == (2, 1200.5, -500.25)
+    nothing = Columns({}, np.arange(0))
+    found = await parts.ctx.read_table(f" {path} ", MEASURED, nothing)
+    assert found.lines.tolist() == [2]
+    assert found.stacked(("x_meas_mm", "y_meas_mm")).tolist() == [[1200.5, -500.25]]
     path.write_text("x_mm,y_mm,x_meas_mm,y_meas_mm\n200,-500,nan,-500.25\n", encoding="utf-8")
-    with pytest.raises(MeasuredFileError, match=r"tracker\.csv:2: x_meas_mm = 'nan'"):
-        await parts.ctx.load_path(str(path), [])
-    with pytest.raises(MeasuredFileError, match="there is no such file"):
-        await parts.ctx.load_path("elsewhere.csv", [])
-    with pytest.raises(MeasuredFileError, match="type the whole path"):
-        await parts.ctx.load_path("~nobody-of-that-name/tracker.csv", [])
+    with pytest.raises(TableFileError, match=r"tracker\.csv:2: x_meas_mm = 'nan'"):
+        await parts.ctx.read_table(str(path), MEASURED, nothing)
+    with pytest.raises(TableFileError, match="there is no such file"):
+        await parts.ctx.read_table("elsewhere.csv", MEASURED, nothing)
+    with pytest.raises(TableFileError, match="type the whole path"):
+        await parts.ctx.read_table("~nobody-of-that-name/tracker.csv", MEASURED, nothing)
 
 
 async def test_question_and_answer_are_stored_and_published(parts: Parts) -> None:

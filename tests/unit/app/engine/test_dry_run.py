@@ -12,8 +12,10 @@ from catseye.app.errors import LimitError, MeasurementRejectedError
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Following
 from catseye.procedures.kit.bench import Arm, Bench
+from catseye.procedures.kit.columns import Columns
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.records import Row
+from catseye.procedures.scara.path.tables import MEASURED
 from tests.unit.app.engine.fakes import HOME, LIMITS, point
 from tests.unit.procedures.benches import bench
 
@@ -177,11 +179,14 @@ async def test_questions_without_end_are_told(dry: DryRunContext) -> None:
         await ask(50)
 
 
-async def test_a_path_is_measured_as_it_was_commanded(dry: DryRunContext) -> None:
+async def test_a_pause_takes_its_time(dry: DryRunContext) -> None:
     await dry.pause(2.0)
     assert dry.total_s == pytest.approx(2.0)
-    (point,) = await dry.load_path("anything.csv", [(0.0, 550.0)])
-    assert point.command_mm == (point.x_meas_mm, point.y_meas_mm) == (0.0, 550.0)
+
+
+async def test_a_file_holds_what_a_rehearsal_goes_on_with(dry: DryRunContext) -> None:
+    rehearsed = Columns({"x_mm": np.array([550.0])}, np.array([2]))
+    assert await dry.read_table("anything.csv", MEASURED, rehearsed) is rehearsed
 
 
 async def test_it_gives_a_step_table_and_the_time(dry: DryRunContext) -> None:
