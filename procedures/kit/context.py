@@ -10,7 +10,7 @@ from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.columns import Columns, TableRule
 from catseye.procedures.kit.live import Live
-from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.kit.records import Json, Record, Row
 
 
 @dataclass(frozen=True)
@@ -61,10 +61,6 @@ class Measurement:
     material_c: float | None = None
     correction: AirCorrection | None = None
     clock_s: float = 0.0
-
-
-Table = Literal["points", "search", "path", "records"]
-"""Where a row is kept: distances, sightings of reflectors, points of a path, and anything else that was observed."""
 
 
 def in_band(value: float, low: float | None, high: float | None) -> bool:
@@ -138,11 +134,12 @@ class Context(Protocol):
         """
         ...
 
-    def record(self, table: Table, row: Row) -> None:
-        """Keep a row of data; it becomes durable with the step that is under way.
+    def record(self, record: Record) -> None:
+        """Keep a record; it becomes durable with the step that is under way.
 
         Raises:
-            RuntimeError: no step is under way.
+            RuntimeError: no step is under way, or the procedure does not declare this type of records.
+            ValueError: a value is not finite or not of its column's type.
         """
         ...
 

@@ -1,6 +1,6 @@
 """Stored runs as `catseye runs`, `show` and `verify` write them with --json."""
 
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import BaseModel, Field
 
@@ -10,16 +10,7 @@ from catseye.app.store.catalog import RunSummary
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.resumable import why_not_resumable
 from catseye.app.store.verify import Verification
-from catseye.procedures.kit.context import Table
 
-_COUNTED: tuple[Table | Literal["steps", "events"], ...] = (
-    "steps",
-    "points",
-    "search",
-    "path",
-    "records",
-    "events",
-)
 _OVER_OR_BUSY = frozenset({"complete", "running", "damaged"})
 
 
@@ -123,12 +114,13 @@ def run_entry(summary: RunSummary) -> RunEntry:
 
 def run_document(reader: RunReader) -> RunDocument:
     """Return what a run keeps."""
+    counted = ("steps", *(table.name for table in reader.tables()), "events")
     return RunDocument(
         run=reader.path.name,
         status=reader.status,
         exit_code=reader.exit_code,
         meta=dict(reader.meta),
-        counts={name: reader.count(name) for name in _COUNTED},
+        counts={name: reader.count(name) for name in counted},
         results={step.step_id: step.result for step in reader.steps() if step.row_count == 0 and step.result},
         events=[EventEntry(t=event.time_utc, kind=event.kind, data=event.data) for event in reader.events()],
         prompts=reader.prompts(),

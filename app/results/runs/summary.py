@@ -3,18 +3,16 @@
 import json
 from collections import Counter
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Any
 
 from catseye.app.results.runs.event_text import between_s, device_text, gap_text
 from catseye.app.results.runs.timeline import last_signs
 from catseye.app.store.reader import RunReader
 from catseye.app.store.resumable import why_not_resumable
-from catseye.procedures.kit.context import Table
 
 Entry = tuple[str, str]
 """A label and its text."""
 
-_TABLES: tuple[Table | Literal["steps"], ...] = ("steps", "points", "search", "path", "records")
 _RESULT = "solve"
 _FEW = 20
 """A longer list of parameters is the content of a file."""
@@ -29,7 +27,8 @@ def summary(reader: RunReader) -> list[Entry]:
         ("aim", f"from {meta.get('aim')}"),
     ]
     entries += [(name, device_text(facts)) for name, facts in (meta.get("devices") or {}).items()]
-    counts = ", ".join(f"{count} {name}" for name in _TABLES if (count := reader.count(name)))
+    tables = ("steps", *(table.name for table in reader.tables()))
+    counts = ", ".join(f"{count} {name}" for name in tables if (count := reader.count(name)))
     entries += [("stored", counts or "nothing"), *_interruptions(reader), *_reflectors(reader)]
     entries += [*_alignments(reader.records("alignment")), *_others(reader), *_results(reader)]
     if not why_not_resumable(reader):
@@ -60,7 +59,7 @@ def _interruptions(reader: RunReader) -> list[Entry]:
 
 
 def _reflectors(reader: RunReader) -> list[Entry]:
-    points = reader.points()
+    points = reader.rows("points")
     entries: list[Entry] = []
     for name in dict.fromkeys(row["reflector"] for row in points):
         own = [row for row in points if row["reflector"] == name]

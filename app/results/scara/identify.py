@@ -24,6 +24,7 @@ from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.layout import ModelName
 from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.columns import Columns
+from catseye.procedures.scara.records import Distance
 
 _SAME_PLACE_MM = 2.0
 """Two searches find one and the same place to much better than this."""
@@ -54,7 +55,7 @@ def run_points(readers: Sequence[RunReader]) -> Columns:
     rows: list[dict[str, object]] = []
     first = 0
     for reader in readers:
-        points = reader.points()
+        points = reader.rows(Distance.table)
         if not points:
             raise UsageError(f"{reader.path.name} holds no points; identify needs runs of open-loop")
         rows += [{**point, "segment": first + int(str(point["segment"]))} for point in points]

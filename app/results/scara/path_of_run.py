@@ -25,6 +25,7 @@ from catseye.app.store.reader import Accept, RunReader
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.scara.identification import Identification
 from catseye.procedures.kit.bench import Bench
+from catseye.procedures.scara.records import Distance, PathPosition
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,7 @@ def compare_path(reader: RunReader, root: Path) -> PathComparison:
 
 
 def _compared(reader: RunReader, identified: list[Identification], bench: Bench) -> PathComparison:
-    if holds_distances(reader.path_rows()):
+    if holds_distances(reader.rows(PathPosition.table)):
         distances = validate_on_distances(distance_path(reader, bench.take_up_deg), identified)
         return PathComparison(list(distances.rejected), distances=distances)
     nominal = (bench.arm.link1_mm, bench.arm.link2_mm)
@@ -96,7 +97,7 @@ def _measurement(reader: RunReader, root: Path) -> RunReader | None:
     for run in reversed(list_runs(root)):
         if run.procedure == "open-loop" and run.status == "complete":
             found = RunReader(run.path, Accept.UNCHECKED)
-            if _bench_key(found) == wanted and found.count("points"):
+            if _bench_key(found) == wanted and found.count(Distance.table):
                 return reader.beside(run.path)
     return None
 

@@ -16,10 +16,10 @@ from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Arm, Bench, Optics, Reflector, Timing, Workspace
 from catseye.procedures.kit.columns import Columns, TableRule
-from catseye.procedures.kit.context import Measurement, Prompt, Table
+from catseye.procedures.kit.context import Measurement, Prompt
 from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
-from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.kit.records import Json, Record, Row, row_of
 
 LINK1_MM, LINK2_MM = 325.0, 225.0
 NODES1_DEG = tuple(-140.0 + 20.0 * i for i in range(11))
@@ -207,9 +207,9 @@ class IdealContext:
         self.stored[step_id] = result
         return result
 
-    def record(self, table: Table, row: Row) -> None:
-        """Keep a row."""
-        self.rows.append((table, row))
+    def record(self, record: Record) -> None:
+        """Keep a record as a row with the name of its table."""
+        self.rows.append((record.table, row_of(record)))
 
     async def checkpoint(self) -> None:
         """Nothing stops here."""

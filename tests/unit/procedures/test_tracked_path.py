@@ -130,7 +130,7 @@ async def test_every_point_is_a_distance_to_one_reflector() -> None:
     assert [row["pass_number"] for row in rows] == [0] * 22 + [1] * 22
     assert [row["y_mm"] for row in rows[:22]] == [point.y_mm for point in plan.points]
     assert {row["segment"] for row in rows} == {0}
-    assert all("x_meas_mm" not in row for row in rows)
+    assert all(row["x_meas_mm"] is None for row in rows)
     require_true(rows)
     done_s, total_s, text = context.told[-1]
     assert text == "path point 44/44"

@@ -13,10 +13,10 @@ from catseye.calibration.scara.errors import OutOfReachError
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.columns import Columns
-from catseye.procedures.kit.context import Prompt, Table
+from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import ArmMovedError, PlanError, PlanLimitError, TableFileError
 from catseye.procedures.kit.motion.motion_time import move_time_s
-from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.records import Record
 from catseye.procedures.scara.path.path_plan import PathPlan, plan_path, states_of_approach
 from catseye.procedures.scara.path.validation_path import PathParams, ValidationPath
 from tests.unit.procedures.benches import IdealContext, arm_xy, bench
@@ -214,9 +214,9 @@ class PushedContext(IdealContext):
         self.located.append((self.pose[0], self.pose[1]))
         return await super().locate(settle_time_s)
 
-    def record(self, table: Table, row: Row) -> None:
-        """Keep a row; then the run is held."""
-        super().record(table, row)
+    def record(self, record: Record) -> None:
+        """Keep a record; then the run is held."""
+        super().record(record)
         self._push(self.after.get(len(self.rows) - 1, 0.0))
 
     def _push(self, by_deg: float) -> None:

@@ -1,6 +1,7 @@
 """What a procedure is given, on scripted instruments and a real store."""
 
 import asyncio
+import math
 from collections.abc import AsyncIterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -39,7 +40,8 @@ from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.scara.path.tables import MEASURED
-from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, free_way, point
+from catseye.procedures.scara.records import Distance, SeenReflector
+from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, distance, free_way
 
 READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
 
@@ -63,7 +65,7 @@ class Parts(NamedTuple):
 @pytest.fixture
 async def parts(tmp_path: Path) -> AsyncIterator[Parts]:
     bench = FakeBench(tmp_path)
-    store = await RunStore.create(tmp_path, "script", {}, bench.clock, reserve_bytes=0)
+    store = await RunStore.create(tmp_path, "script", {}, bench.clock, records=[Distance], reserve_bytes=0)
     control = RunControl(bench.clock, lambda _state, _reason: None)
     control.attach(bench.robot)
     control.starting()
@@ -74,7 +76,17 @@ async def parts(tmp_path: Path) -> AsyncIterator[Parts]:
     gate = MotionGate(bench.robot, LIMITS, free_way, 20.0)
     operator = Operator(bench.clock, {}, None, simulated=True, hands=Willing("tcp://127.0.0.1:1"))
     speeds = (420.0, 720.0, 3000.0)
-    ctx = RunContext(devices, store, control, bench.clock, gate, operator, announcer, speed_deg_s=speeds)
+    ctx = RunContext(
+        devices,
+        store,
+        control,
+        bench.clock,
+        gate,
+        operator,
+        announcer,
+        speed_deg_s=speeds,
+        records=[Distance],
+    )
     yield Parts(bench, ctx, control, RunReader(store.path))
     await control.halted()
     await store.abandon()
@@ -86,13 +98,13 @@ async def nothing() -> Row:
 
 async def test_rows_become_durable_with_their_step_and_are_published_after_that(parts: Parts) -> None:
     async def action() -> Row:
-        parts.ctx.record("points", point(1))
-        parts.ctx.record("points", point(2))
-        assert parts.reader.points() == []
+        parts.ctx.record(distance(1))
+        parts.ctx.record(distance(2))
+        assert parts.reader.rows("points") == []
         return {"answer": 42}
 
     assert await parts.ctx.step("s1", "first", action) == {"answer": 42}
-    assert [row["theta1_deg"] for row in parts.reader.points()] == [1.0, 2.0]
+    assert [row["theta1_deg"] for row in parts.reader.rows("points")] == [1.0, 2.0]
     assert parts.reader.steps()[0].row_count == 2
     assert [entry["event"] for entry in parts.bench.published] == [
         "step-started",
@@ -148,7 +160,7 @@ async def test_a_done_step_returns_its_stored_result_and_does_not_run(parts: Par
 
 async def test_an_exception_drops_the_rows_and_stores_that(parts: Parts) -> None:
     async def fails() -> Row:
-        parts.ctx.record("points", point())
+        parts.ctx.record(distance())
         raise ValueError("bad luck")
 
     with pytest.raises(ValueError, match="bad luck"):
@@ -156,21 +168,30 @@ async def test_an_exception_drops_the_rows_and_stores_that(parts: Parts) -> None
     await parts.ctx.step("s1", "first", nothing)
     (dropped,) = [event for event in parts.reader.events() if event.kind == "step-dropped"]
     assert dropped.data == {"step_id": "s1", "attempt": 1, "error": "ValueError: bad luck", "rows": 1}
-    assert parts.reader.points() == []
+    assert parts.reader.rows("points") == []
     assert parts.reader.steps()[0].attempt == 2
 
 
 async def test_a_row_outside_of_a_step_is_refused(parts: Parts) -> None:
     with pytest.raises(RuntimeError, match="outside of a step"):
-        parts.ctx.record("points", point())
+        parts.ctx.record(distance())
 
 
 async def test_a_row_that_does_not_fit_is_refused_where_it_is_recorded(parts: Parts) -> None:
     async def action() -> Row:
-        parts.ctx.record("points", {"reflector": "P1"})
+        parts.ctx.record(distance(signal=math.nan))
         return {}
 
-    with pytest.raises(ValueError, match="lacks segment"):
+    with pytest.raises(ValueError, match=r"points\.signal = nan"):
+        await parts.ctx.step("s1", "first", action)
+
+
+async def test_a_record_that_is_not_declared_is_refused(parts: Parts) -> None:
+    async def action() -> Row:
+        parts.ctx.record(SeenReflector(reflector="P1", theta1_deg=1.0, theta2_deg=2.0))
+        return {}
+
+    with pytest.raises(RuntimeError, match="records a SeenReflector, which it does not declare"):
         await parts.ctx.step("s1", "first", action)
 
 
@@ -317,7 +338,7 @@ async def test_software_time_is_what_is_neither_motion_nor_waiting(parts: Parts)
     async def action() -> Row:
         await parts.ctx.move(AWAY)
         await parts.ctx.measure(0.5, 0.5, 3)
-        parts.ctx.record("points", point())
+        parts.ctx.record(distance())
         parts.bench.clock.advance(0.007)
         return {}
 

@@ -16,7 +16,8 @@ from catseye.procedures.kit.columns import Columns
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.path.tables import MEASURED
-from tests.unit.app.engine.fakes import HOME, LIMITS, point
+from catseye.procedures.scara.records import Distance
+from tests.unit.app.engine.fakes import HOME, LIMITS, distance
 from tests.unit.procedures.benches import bench
 
 ARM = Arm(
@@ -37,7 +38,7 @@ BENCH = replace(bench(places={"P1": (650.0, 0.0), "P2": (0.0, 900.0)}), arm=ARM)
 
 @pytest.fixture
 def dry() -> DryRunContext:
-    return DryRunContext(LIMITS, BENCH)
+    return DryRunContext(LIMITS, BENCH, declared=[Distance])
 
 
 def following(way: Following) -> Bench:
@@ -193,7 +194,7 @@ async def test_it_gives_a_step_table_and_the_time(dry: DryRunContext) -> None:
     async def action() -> Row:
         await dry.move((100.0, 0.0, 0.0, 0.0))
         await dry.measure(0.5, 0.5, 5)
-        dry.record("points", point())
+        dry.record(distance())
         return {"done": True}
 
     context: Context = dry
@@ -202,7 +203,7 @@ async def test_it_gives_a_step_table_and_the_time(dry: DryRunContext) -> None:
     assert (step.moves, step.measurements, step.end) == (1, 1, (100.0, 0.0, 0.0, 0.0))
     assert step.duration_s == pytest.approx(3.25)
     assert dry.total_s == pytest.approx(3.25)
-    assert len(dry.rows) == 1
+    assert dry.records == [distance()]
 
 
 async def test_limits_hold_at_every_move(dry: DryRunContext) -> None:
@@ -258,6 +259,6 @@ async def test_rows_and_steps_follow_the_same_rules(dry: DryRunContext) -> None:
         return await dry.step("inner", "inner", inner)
 
     with pytest.raises(RuntimeError, match="outside of a step"):
-        dry.record("points", point())
+        dry.record(distance())
     with pytest.raises(RuntimeError, match="do not nest"):
         await dry.step("outer", "outer", outer)
