@@ -45,7 +45,7 @@ def validate(
     found = validate_files(result, measured, reference, hand, start_direction)
     report = file_validation_report(found, measured.name)
     if as_json:
-        emit_json(validation_facts(found, limit))
+        emit_json(validation_facts(found, limit, report.figures("validation")))
     else:
         emit_tables(report)
     say_statements(report)

@@ -7,20 +7,19 @@ from typing import Any
 import numpy as np
 
 from catseye.app.files.result_files import ResultFile
-from catseye.app.files.result_json import MapTable, Result
+from catseye.app.files.result_json import Result
 from catseye.app.render.cells import cell_text
 from catseye.app.render.text import table_text
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import EXPANDED
 from catseye.app.results.origin import origin_now
-from catseye.app.results.scara.comparison import MapDifference, ResultComparison
+from catseye.app.results.scara.comparison import ResultComparison
 from catseye.app.results.scara.comparison_report import comparison_report
 from catseye.app.results.scara.diagnosis_document import finding_statements
 from catseye.app.results.scara.fit_text import fit_statements, identified_text, left_out_statements
 from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.app.results.scara.uncertainty import uncertainty_statements
 from catseye.app.results.scara.values import parameter_table
-from catseye.app.tui.widgets.result_charts import MapColumns
 from catseye.app.tui.work import command_line
 
 
@@ -64,29 +63,6 @@ def value_rows(result: Result) -> list[list[str]]:
     return rows
 
 
-def map_columns(joint: int, table: MapTable) -> MapColumns:
-    """Return a map for its chart."""
-    return MapColumns(
-        f"Δθ{joint} mdeg",
-        np.array(table.node_deg),
-        np.array(table.positive_mdeg),
-        np.array(table.negative_mdeg),
-        np.array(table.u_positive_mdeg),
-        np.array(table.u_negative_mdeg),
-    )
-
-
-def difference_columns(one: MapDifference, *, in_u: bool) -> MapColumns:
-    """Return the difference of two maps for its chart: in mdeg with bars, or in combined standard uncertainties."""
-    if in_u:
-        title, (up, down) = f"Δθ{one.joint} difference / u", one.normalised
-        u_up = u_down = np.zeros(one.node_deg.size)
-    else:
-        title, (up, down) = f"Δθ{one.joint} difference mdeg", one.difference_mdeg
-        u_up, u_down = one.u_mdeg
-    return MapColumns(title, one.node_deg, up, down, u_up, u_down, limit=EXPANDED if in_u else 0.0)
-
-
 def layout_text(result: Result) -> str:
     """Return places of reflectors and dead paths with their uncertainties."""
     lines = ["reflector      x mm   U(k=2)       y mm   U(k=2)"]
@@ -115,18 +91,6 @@ def fit_sentences(result: Result, diagnosis: dict[str, Any] | None) -> list[Stat
     return [*statements, *left_out_statements(result)]
 
 
-def outlier_rows(result: Result, diagnosis: dict[str, Any] | None) -> list[int]:
-    """Return the numbers of the outlying distances, the farthest first.
-
-    None where the diagnosis is not of the residuals that the result holds.
-    """
-    if diagnosis is None or result.residuals is None or result.model != "error-map":
-        return []
-    if diagnosis["fit"]["n_points"] != len(result.residuals.residual_um):
-        return []
-    return [int(one["row"]) for one in diagnosis["outliers"]["distances"]]
-
-
 def residual_text(result: Result, diagnosis: dict[str, Any] | None) -> str:
     """Return the outliers in a numbered list; before a diagnosis the scatter of each reflector."""
     if result.residuals is None:
@@ -144,8 +108,6 @@ def residual_text(result: Result, diagnosis: dict[str, Any] | None) -> str:
         f"{place:>2}  {one['residual_um']:>+8.1f} µm {one['external']:>+6.1f}  {one['what']}"
         for place, one in enumerate(outliers["distances"], 1)
     ]
-    if not outlier_rows(result, diagnosis):
-        lines.append("not marked above: the diagnosis is of the error map over all distances of the runs")
     return "\n".join([*lines, *left_out])
 
 
@@ -167,9 +129,9 @@ def _rms(values: "np.ndarray[Any, np.dtype[np.float64]]") -> float:
 def path_text(facts: dict[str, Any]) -> str:
     """Return a validation in a few lines."""
     lines = [f"{facts['compared']} of {facts['rows']} rows compared"]
-    for letter, model in zip("ce"[-len(facts["models"]) :], facts["models"], strict=True):
+    for model in facts["models"]:
         leaves = f"leaves {model['rms_um']:>6.1f} µm rms (2-D), largest {model['max_um']:.1f} µm"
-        lines.append(f"{letter}  {model['title']:<20} {leaves}, expected {model['expected_um']:.1f} µm")
+        lines.append(f"{model['title']:<20} {leaves}, expected {model['expected_um']:.1f} µm")
     if facts["ratio"] is not None:
         lines.append(f"ratio {facts['ratio']:.3f}")
     return "\n".join([*lines, *facts["verdict"], *(f"left out: {text}" for text in facts["left_out"])])

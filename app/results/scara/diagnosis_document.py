@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from catseye.app.results.figure_document import figures_json
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.app.results.scara.diagnosis import coefficients, outlier_limit, outlying
 from catseye.app.results.scara.diagnosis_findings import distance_text, findings
+from catseye.app.results.scara.figures.diagnosis import diagnosis_figures
 from catseye.calibration.core.cross_validation import CrossValidation
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
 from catseye.calibration.scara.diagnostics.harmonics import HarmonicSeries
@@ -67,6 +69,7 @@ def diagnosis_json(diagnosis: Diagnosis, names: Sequence[str]) -> dict[str, Any]
             _validation(one) for one in (diagnosis.reflectors, diagnosis.sweeps, diagnosis.segments) if one
         ],
         "nodes": _nodes(diagnosis.nodes),
+        "figures": figures_json(diagnosis_figures(diagnosis)),
     }
 
 

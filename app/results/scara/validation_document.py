@@ -1,10 +1,13 @@
 """A validation as numbers, for machines."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from catseye.app.results.figure_document import figures_json
+from catseye.app.results.figures import Figure
 from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.app.results.scara.path_view import model_title, path_axis, there
 from catseye.app.results.scara.validation import ModelOnPath
@@ -12,12 +15,15 @@ from catseye.app.results.scara.validation_of_files import FileValidation
 from catseye.app.results.scara.validation_text import agreement_text
 
 
-def validation_facts(found: FileValidation, limit_um: float | None) -> dict[str, Any]:
+def validation_facts(
+    found: FileValidation, limit_um: float | None, figures: Sequence[Figure]
+) -> dict[str, Any]:
     """Return everything that a validation tells.
 
     Args:
         found: what was compared.
         limit_um: 2-D rms that may be left.
+        figures: of the path.
     """
     validation = found.validation
     left_um = validation.models[-1].comparison.rms_2d_um
@@ -45,6 +51,7 @@ def validation_facts(found: FileValidation, limit_um: float | None) -> dict[str,
         "iso9283": _repeat_facts(found),
         "path": _path_facts(found),
         "verdict": [agreement_text(model) for model in validation.models],
+        "figures": figures_json(figures),
     }
 
 

@@ -6,6 +6,11 @@ import os
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from catseye.app.results.figure_document import figures_json
+from catseye.app.results.figures import Axis, Figure, Level, Line, Panel, Points, Role, Text
+
 NODES1 = [-40.0, 0.0, 40.0]
 NODES2 = [20.0, 60.0, 100.0]
 RUN = "20261119T081500Z_open-loop_aaaaaa"
@@ -104,6 +109,20 @@ def write_results(folder: Path) -> None:
     (folder / "other.json").write_text('{"a": 1}', encoding="utf-8")
 
 
+def _order_figure() -> Figure:
+    """Return residuals in measuring order with two numbered outliers."""
+    size = np.sin(1.7 * np.arange(1.0, 41.0))
+    size[6], size[30] = 9.4, -6.1
+    marks = (
+        Points(np.arange(1.0, 41.0), size, 0, "reflector P1", size=2.4),
+        Level(3.9, Role.CHANGE, dash="dashed"),
+        Text("1", (7.0, 9.4), Role.CHANGE),
+        Text("2", (31.0, -6.1), Role.CHANGE),
+    )
+    panel = Panel("", Axis("distance in measuring order"), Axis("studentised residual"), marks)
+    return Figure("diagnosis-order", "Residuals", "Dashed: the limit.", ((panel,),))
+
+
 DIAGNOSIS: dict[str, Any] = {
     "findings": [
         {"kind": "good", "text": "The error map leaves 12.3 µm rms in 40 distances."},
@@ -117,6 +136,7 @@ DIAGNOSIS: dict[str, Any] = {
             {"row": 31, "what": "row 31 (reflector P2, θ1 20°)", "residual_um": -45.0, "external": -6.1},
         ],
     },
+    "figures": figures_json([_order_figure()]),
 }
 
 
@@ -127,6 +147,13 @@ def validation() -> dict[str, Any]:
     seen = [value + (2.0 if place % 2 else -2.0) for place, value in enumerate(true)]
     plain = [value - 25.0 for value in true]
     model = {"max_um": 40.0, "expected_um": 10.0}
+    at = np.array(way)
+    marks = (
+        Points(at, np.array(seen), Role.POSITIVE, "measured", marker="x"),
+        Line(at, np.array(plain), Role.CONVENTIONAL, "conventional model"),
+        Line(at, np.array(true), Role.NEGATIVE, "error map", "dashed"),
+    )
+    panels = tuple(Panel("", Axis("Y / mm"), Axis("µm", symbol), marks) for symbol in ("E_{YY}", "E_{XY}"))
     return {
         "rows": 33,
         "compared": 31,
@@ -137,13 +164,5 @@ def validation() -> dict[str, Any]:
             {"title": "conventional model", "rms_um": 25.0, **model},
             {"title": "error map", "rms_um": 2.0, **model},
         ],
-        "path": {
-            "axis": "Y / mm",
-            "axis_mm": way,
-            "models": ["conventional model", "error map"],
-            "deviations": [
-                {"symbol": symbol, "what": "", "measured_um": seen, "predicted_um": [plain, true]}
-                for symbol in ("E_YY", "E_XY")
-            ],
-        },
+        "figures": figures_json([Figure("path", "Path", "Actual minus command.", (panels,))]),
     }
