@@ -13,6 +13,7 @@ import typer
 
 from catseye.app.cli.commands import COMMANDS
 from catseye.app.cli.lazy import LazyGroup, add_commands
+from catseye.app.cli.reporting import open_channel
 
 
 class _Commands(LazyGroup):
@@ -55,10 +56,10 @@ add_commands(cli, COMMANDS)
 
 def _show_version(wanted: bool) -> None:
     if wanted:
-        from catseye.app.cli.output import emit
+        from catseye.app.cli.output import write_line
         from catseye.app.store.software import SOFTWARE
 
-        emit(SOFTWARE)
+        write_line(SOFTWARE)
         raise typer.Exit
 
 
@@ -77,11 +78,12 @@ def main() -> None:
     """Run the command line; every error becomes a sentence on stderr and an exit code."""
     # The matrices are small: threads of the linear algebra would wait for one another and for busy cores.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
+    open_channel()
     try:
         cli()
-    except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001  # the outermost frame tells and ends the process
+    except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001  # the outermost frame reports it and ends the process
         # The process is ending anyway; another Ctrl-C must not cut the sentence short.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
-        from catseye.app.cli.failure import tell
+        from catseye.app.cli.failure import write_failure
 
-        sys.exit(tell(error))
+        sys.exit(write_failure(error))

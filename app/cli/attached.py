@@ -8,22 +8,16 @@ from contextlib import ExitStack
 from typing import Any, Final
 
 from catseye.app.cli.narrator import Narrator
-from catseye.app.cli.output import emit_json, say
+from catseye.app.cli.output import note, write_json
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import OutputError, exit_code_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.answers import Refusal, refused
-from catseye.app.protocol.events import (
-    AnyEvent,
-    ClientLost,
-    ControlChanged,
-    Dropped,
-    PromptAnswered,
-    PromptAsked,
-    RunEnded,
-)
+from catseye.app.protocol.engine_events import ClientLost, ControlChanged, Dropped
+from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.message import VERSION, JsonObject, MessageError, RequestId, decode_object
 from catseye.app.protocol.requests import AnyRequest, Plain, Reply, request_of
+from catseye.app.protocol.run_events import PromptAnswered, PromptAsked, RunEnded
 from catseye.app.service.client import EngineClient
 from catseye.app.service.console import KEYS, SLASH, command_of
 from catseye.app.service.errors import RefusedError, ServiceError
@@ -134,12 +128,12 @@ class Programs(Front):
 
     async def follow(self) -> int:
         """Pass messages on until the run ends."""
-        emit_json({"v": VERSION, "snapshot": self._client.snapshot.json_object()})
+        write_json({"v": VERSION, "snapshot": self._client.snapshot.json_object()})
         return await super().follow()
 
     def show(self, event: AnyEvent) -> None:
         """Write an event."""
-        emit_json({"v": VERSION, **event.json_object()})
+        write_json({"v": VERSION, **event.json_object()})
 
     def typed(self, line: str) -> None:
         """Pass a request on."""
@@ -150,7 +144,7 @@ class Programs(Front):
             number = fields.pop("id", None)
             request = request_of(fields)
         except MessageError as error:
-            emit_json(refused(number, Refusal(error=str(error))))
+            write_json(refused(number, Refusal(error=str(error))))
             return
         self.begin(self._answer(number, request))
 
@@ -165,7 +159,7 @@ class Programs(Front):
             answer = {**await self._client.request(request), "re": number}
         except (RefusedError, ServiceError) as error:
             answer = refused(number, Refusal(error=str(error)))
-        emit_json(answer)
+        write_json(answer)
 
 
 class People(Front):
@@ -188,10 +182,10 @@ class People(Front):
         snapshot = self._client.snapshot
         run = snapshot.run or "no run is under way"
         holder = snapshot.control.who if snapshot.control else "nobody"
-        say(f"{run}: {snapshot.state}; control: {'you' if self._control else holder}")
+        note(f"{run}: {snapshot.state}; control: {'you' if self._control else holder}")
         if snapshot.simulated:
-            say("SIMULATED: every device is an emulator")
-        say(
+            note("SIMULATED: every device is an emulator")
+        note(
             f"{KEYS} · q leave, each with Enter"
             if self._control
             else "watching; q and Enter, or Ctrl-C, leaves"

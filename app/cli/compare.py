@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli.options import AsJson, ResultFile
-from catseye.app.cli.output import emit_json
+from catseye.app.cli.output import write_json
 
 
 def compare(
@@ -18,17 +18,17 @@ def compare(
 
     Example: catseye compare january.json june.json
     """
-    from catseye.app.cli.report_output import emit_tables, say_statements
-    from catseye.app.files.result_json import read_result
+    from catseye.app.cli.report_output import note_statements, write_tables
     from catseye.app.results.origin import origin_now
     from catseye.app.results.scara.comparison import compare_results
     from catseye.app.results.scara.comparison_document import comparison_document
     from catseye.app.results.scara.comparison_report import comparison_report
+    from catseye.app.results.scara.result import read_result
 
     found = compare_results(read_result(first), read_result(second))
     report = comparison_report(found, (first.name, second.name), origin_now())
     if as_json:
-        emit_json({"first": str(first), "second": str(second), **comparison_document(found)})
+        write_json(comparison_document(found, first, second).json_object())
     else:
-        emit_tables(report)
-    say_statements(report)
+        write_tables(report)
+    note_statements(report)

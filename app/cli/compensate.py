@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from catseye.app.cli.options import AsJson, Hand, Output, ResultFile, StartDirection
-from catseye.app.cli.output import emit_json, say, warn
+from catseye.app.cli.output import note, warn, write_json
 from catseye.app.errors import UsageError
 
 if TYPE_CHECKING:
@@ -36,15 +36,15 @@ def compensate(
     Example: catseye compensate result.json --path path.csv --format melfa --cell cell.toml -o path.prg
     """
     from catseye.app.cli.compensation import cell_of, checked, origin_of, settings_of
-    from catseye.app.cli.report_output import emit_tables, say_statements
+    from catseye.app.cli.report_output import note_statements, write_tables
     from catseye.app.files.atomic import require_output, write_atomically
-    from catseye.app.files.identified_arm import arm_of, arm_remarks
-    from catseye.app.files.path_csv import read_path_csv, start_states
-    from catseye.app.files.result_json import read_result
     from catseye.app.results.scara.compensated_path import write_compensated_csv, write_compensated_json
     from catseye.app.results.scara.compensation import compensate_path
     from catseye.app.results.scara.compensation_report import compensation_figures, compensation_report
+    from catseye.app.results.scara.identified_arm import arm_of, arm_remarks
     from catseye.app.results.scara.melfa_program import melfa_program
+    from catseye.app.results.scara.path_csv import read_path_csv, start_states
+    from catseye.app.results.scara.result import read_result
     from catseye.app.results.scara.validation import TAKE_UP_DEG
 
     require_output(output, result, path, cell)
@@ -71,13 +71,13 @@ def compensate(
     else:
         write_compensated_csv(compensated, origin, output)
     report = compensation_report(compensated, warnings)
-    say_statements(report)
+    note_statements(report)
     if as_json:
         figures = compensation_figures(compensated)
-        emit_json({"output": [str(output)], "form": format_, **figures, "warnings": warnings})
+        write_json({"output": [str(output)], "form": format_, **figures, "warnings": warnings})
     else:
-        emit_tables(report)
-    say(f"{output} written")
+        write_tables(report)
+    note(f"{output} written")
 
 
 def _write_tables(
@@ -93,10 +93,10 @@ def _write_tables(
     texts = [ssfk_table(joint, one, origin) for joint, one in zip((1, 2), maps_of(arm), strict=True)]
     for file, text in zip(files, texts, strict=True):
         write_atomically(file, text)
-    say(
+    note(
         f"links are not part of a table: give the controller's kinematics {origin.links_mm[0]:.4f} and "
         f"{origin.links_mm[1]:.4f} mm; read the comments at the head of the files before they are used"
     )
     if as_json:
-        emit_json({"output": [str(file) for file in files], "form": "kw-ssfk", "links_mm": origin.links_mm})
-    say(f"{files[0]} and {files[1]} written")
+        write_json({"output": [str(file) for file in files], "form": "kw-ssfk", "links_mm": origin.links_mm})
+    note(f"{files[0]} and {files[1]} written")

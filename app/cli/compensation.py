@@ -7,12 +7,12 @@ from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.errors import LimitError, MeasurementRejectedError, UsageError
-from catseye.app.files.identified_arm import nominal_of
-from catseye.app.files.result_json import Result
 from catseye.app.results.scara.compensated_path import Origin
 from catseye.app.results.scara.compensation import CompensatedPath, require_clear, require_limits
 from catseye.app.results.scara.compensation_report import advice, unsolved_text
+from catseye.app.results.scara.identified_arm import nominal_of
 from catseye.app.results.scara.melfa_program import MelfaSettings
+from catseye.app.results.scara.result import Result
 from catseye.app.store.software import SOFTWARE
 
 _UNCHECKED = (

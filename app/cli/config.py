@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from catseye.app.cli.options import AsJson, CellFile
-from catseye.app.cli.output import emit, emit_json, say, warn
+from catseye.app.cli.output import note, warn, write_json, write_line
 from catseye.app.engine.instruments import device_builder
 from catseye.app.errors import ConfigError, UsageError
 from catseye.drivers.links.endpoint import TcpEndpoint, parse_endpoint
@@ -33,9 +33,9 @@ def validate(file: CellFile, as_json: AsJson = False) -> None:
     doubts = [*_trouble_with_devices(loaded.cell), *_no_door(loaded.cell), *implausible(loaded.cell)]
     if as_json:
         facts = {"file": str(file), "valid": True, "name": loaded.cell.name, "sha256": loaded.sha256}
-        emit_json({**facts, "warnings": doubts})
+        write_json({**facts, "warnings": doubts})
     else:
-        say(f"{file}: cell {loaded.cell.name} is valid")
+        note(f"{file}: cell {loaded.cell.name} is valid")
     for text in doubts:
         warn(text)
 
@@ -49,11 +49,11 @@ def show(file: CellFile, as_json: AsJson = False) -> None:
     configuration = loaded.cell.model_dump(mode="json")
     if as_json:
         facts = {"file": str(file), "sha256": loaded.sha256, "configuration": configuration}
-        emit_json({**facts, "origins": loaded.origins})
+        write_json({**facts, "origins": loaded.origins})
         return
     values = _flat(configuration)
     for key, origin in loaded.origins.items():
-        emit(f"{key} = {json.dumps(values.get(key), ensure_ascii=False)}  # {origin}")
+        write_line(f"{key} = {json.dumps(values.get(key), ensure_ascii=False)}  # {origin}")
 
 
 @config.command()
@@ -67,7 +67,7 @@ def schema(
 
     if file is not None and not file.is_file():
         raise UsageError(f"{file}: there is no such file; the schema needs none: catseye config schema")
-    emit(json.dumps(Cell.model_json_schema(), indent=2, ensure_ascii=False))
+    write_line(json.dumps(Cell.model_json_schema(), indent=2, ensure_ascii=False))
 
 
 def _trouble_with_devices(cell: "Cell") -> list[str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from catseye.app.cli.options import AsJson, Seed, Speed, Truth
-from catseye.app.cli.output import emit, emit_json, say
+from catseye.app.cli.output import note, write_json, write_line
 
 if TYPE_CHECKING:
     from catseye.app.engine.announcer import Publish
@@ -29,30 +29,31 @@ def demo(
     """
     from catseye.app.cli.demo_job import DemoInterruptedError, evaluate, measure, prepare_folder
     from catseye.app.cli.demo_report import demo_facts, write_demo_report
+    from catseye.app.cli.failure import write_failure_texts
     from catseye.app.render.text import statement_lines, tables_text
     from catseye.app.results.scara.job_summary import job_summary
 
     prepare_folder(out, seed, truth)
-    say(f"emulators at {speed:g} times real speed, seed {seed}; everything is written to {out}")
+    note(f"emulators at {speed:g} times real speed, seed {seed}; everything is written to {out}")
     try:
         runs = asyncio.run(measure(out, speed, seed, truth, _narrator))
     except DemoInterruptedError as ended:
-        say(f"catseye: {ended}")
+        write_failure_texts([str(ended)], ended.outcome.exit_code)
         sys.exit(int(ended.outcome.exit_code))
-    say("identifying both models and comparing them with truth and validation path")
+    note("identifying both models and comparing them with truth and validation path")
     result = evaluate(out, runs)
-    say("drawing the report")
+    note("drawing the report")
     report = write_demo_report(result)
     if as_json:
-        emit_json(demo_facts(result, report))
+        write_json(demo_facts(result, report))
     else:
         summary = job_summary(result.truth, result.results["error-map"].fit, result.validation)
-        emit(tables_text(summary))
-        emit("")
+        write_line(tables_text(summary))
+        write_line("")
         for line in statement_lines(summary):
-            emit(line)
-        emit(f"report           {report}")
-        emit(f"run              {result.runs['open-loop']}")
+            write_line(line)
+        write_line(f"report           {report}")
+        write_line(f"run              {result.runs['open-loop']}")
 
 
 def _narrator(name: str) -> "Publish":

@@ -20,8 +20,6 @@ from catseye.app.errors import CatseyeError, InterruptedRunError, TerminatedRunE
 from catseye.app.exitcode import ExitCode
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.documents import read_truth
-from catseye.app.files.points_csv import points_csv
-from catseye.app.files.result_json import Result, write_result
 from catseye.app.protocol.procedures import load_procedure, parse_params
 from catseye.app.results.scara.identify import (
     MODELS,
@@ -33,6 +31,8 @@ from catseye.app.results.scara.identify import (
     run_rows,
 )
 from catseye.app.results.scara.path_rows import path_measurement
+from catseye.app.results.scara.points import points_csv
+from catseye.app.results.scara.result import Result, write_result
 from catseye.app.results.scara.truth import TruthComparison, compare_with_truth
 from catseye.app.results.scara.uncertainty import by_jacobian
 from catseye.app.results.scara.validation import PathValidation, validate_on_path

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from catseye.app.cli.options import AsJson, Dask, InsecureCluster, Workers
-from catseye.app.cli.output import emit_json, say
+from catseye.app.cli.output import note, write_json
 from catseye.app.errors import UsageError
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def design(
     from catseye.app.cell.bench import bench_of
     from catseye.app.cell.load import load_cell
     from catseye.app.cli.progress import ProgressBar
-    from catseye.app.cli.report_output import emit_tables, say_statements
+    from catseye.app.cli.report_output import note_statements, write_tables
     from catseye.app.cluster.sharing import sharing
     from catseye.app.files.atomic import require_output
     from catseye.app.render.page import write_page
@@ -114,13 +114,13 @@ def design(
         bar.close()
     report = design_report(found, loaded.cell.name)
     if as_json:
-        emit_json(design_document(found))
+        write_json(design_document(found))
     else:
-        emit_tables(report)
-    say_statements(report)
+        write_tables(report)
+    note_statements(report)
     if output is not None:
         write_page(report, output)
-        say(f"{output} written")
+        note(f"{output} written")
     if write_cell is not None:
         _write_cell(found, loaded, write_cell)
     if write_commands is not None:
@@ -151,7 +151,7 @@ def _rectangle(text: str | None) -> tuple[float, float, float, float] | None:
 
 
 def _commands_of(path: Path, loaded: "LoadedCell") -> "Commands":
-    from catseye.app.files.path_csv import read_path_csv
+    from catseye.app.results.scara.path_csv import read_path_csv
 
     robot = loaded.cell.robot
     return read_path_csv(path, (robot.link1_mm, robot.link2_mm)).commands
@@ -170,17 +170,17 @@ def _write_cell(found: "Design", loaded: "LoadedCell", file: Path) -> None:
     ]
     write_atomically(file, with_reflector_tables(loaded.path, reflectors))
     load_cell(file)
-    say(f"{file} written. Next: catseye run open-loop --cell {file} --dry-run")
+    note(f"{file} written. Next: catseye run open-loop --cell {file} --dry-run")
 
 
 def _write_commands(found: "Design", file: Path) -> None:
     from catseye.app.files.atomic import write_atomically
     from catseye.app.files.csv_text import csv_text
-    from catseye.app.files.path_csv import DIRECTIONS, JOINTS
+    from catseye.app.results.scara.path_csv import DIRECTIONS, JOINTS
 
     if found.choice is None:
         return
     rows = (found.problem.sequence[k] for k in found.choice.kept.nonzero()[0])
     cells = ([f"{o.theta1_deg:g}", f"{o.theta2_deg:g}", o.direction1, o.direction2] for o in rows)
     write_atomically(file, csv_text([*JOINTS, *DIRECTIONS], cells))
-    say(f"{file} written")
+    note(f"{file} written")

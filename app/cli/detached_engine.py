@@ -9,8 +9,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO, NoReturn, cast
 
-from catseye.app.cli.failure import SEE_WHERE, trace_of
-from catseye.app.cli.output import emit, emit_json, say
+from catseye.app.cli.failure import SEE_WHERE, trace_of, write_failure_texts
+from catseye.app.cli.output import note, write_json, write_line
 from catseye.app.errors import OutputError, exit_code_of, text_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.commands import (
@@ -66,7 +66,7 @@ def _one_request(request: AnyRequest) -> Start | Resume:
 def _write(line: EngineLine) -> None:
     # The engine outlives whoever started it.
     with suppress(OutputError):
-        emit_json(line.json_object())
+        write_json(line.json_object())
 
 
 def detach(request: Start | Resume, cell: Path, root: Path, *, as_json: bool) -> NoReturn:
@@ -96,7 +96,7 @@ def detach(request: Start | Resume, cell: Path, root: Path, *, as_json: bool) ->
             talk.seek(0)
             said = talk.read().decode(errors="replace").strip()
             code = _as_by_a_shell(process.wait())
-            say(f"the engine ended with code {code} before the run was open: {said}")
+            note(f"the engine ended with code {code} before the run was open: {said}")
     # The engine runs on without this process; nothing here waits for it.
     process.returncode = process.returncode or 0
     sys.exit(int(code))
@@ -126,14 +126,14 @@ def _heard(line: EngineLine, as_json: bool) -> int | None:
     match line:
         case EngineOpened():
             if as_json:
-                emit_json({"run": line.run, "path": line.path})
+                write_json({"run": line.run, "path": line.path})
             else:
-                emit(line.path)
-                say(f"it runs on by itself; join it with: catseye attach {line.path}")
+                write_line(line.path)
+                note(f"it runs on by itself; join it with: catseye attach {line.path}")
         case EngineBegun():
             return 0
         case EngineFailed() | EngineEnded():
             if line.error:
-                say(f"catseye: {line.error}")
+                write_failure_texts([line.error], line.exit_code)
             return line.exit_code
     return None

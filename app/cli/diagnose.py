@@ -1,7 +1,7 @@
 """diagnose: what speaks for and against a fit."""
 
 from catseye.app.cli.options import AsJson, MeasuredRuns, PointsCell, PointsFile, Runs
-from catseye.app.cli.output import emit, emit_json, say
+from catseye.app.cli.output import note, warn, write_json, write_line
 from catseye.app.cli.progress import ProgressBar
 
 _STEPS = 20
@@ -22,14 +22,14 @@ def diagnose(
     from catseye.app.render.text import statement_lines, tables_text
     from catseye.app.results.origin import origin_now
     from catseye.app.results.scara.diagnosis import diagnose_distances
-    from catseye.app.results.scara.diagnosis_document import diagnosis_json
+    from catseye.app.results.scara.diagnosis_document import diagnosis_document
     from catseye.app.results.scara.diagnosis_report import diagnosis_report
     from catseye.app.results.scara.distances import load_distances
     from catseye.app.results.scara.identify import are_simulated
 
     source = load_distances(run or [], points, cell, runs)
     for text in source.warnings:
-        say(text)
+        warn(text)
     bar, step = ProgressBar("diagnose"), iter(range(1, 1000))
     try:
         diagnosis = diagnose_distances(
@@ -39,12 +39,12 @@ def diagnose(
     finally:
         bar.close()
     if as_json:
-        emit_json(diagnosis_json(diagnosis, source.names))
+        write_json(diagnosis_document(diagnosis, source.names).json_object())
         return
     report = diagnosis_report(diagnosis, origin_now(simulated=bool(are_simulated(source.readers))))
-    emit(tables_text(report))
+    write_line(tables_text(report))
     for text in diagnosis.identified.rejected:
-        say(f"left out: {text}")
-    emit("")
+        note(f"left out: {text}")
+    write_line("")
     for line in statement_lines(report):
-        emit(line)
+        write_line(line)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from catseye.app.cli.options import AsJson, CellFile
-from catseye.app.cli.output import emit, emit_json, warn
+from catseye.app.cli.output import warn, write_json, write_line
 
 if TYPE_CHECKING:
     from catseye.app.service.examination import Finding
@@ -31,10 +31,10 @@ def doctor(
         warn(text)
     if as_json:
         devices = [asdict(finding) for finding in findings]
-        emit_json({"cell": loaded.cell.name, "devices": devices, "warnings": doubts})
+        write_json({"cell": loaded.cell.name, "devices": devices, "warnings": doubts})
     else:
         for finding in findings:
-            emit(_text(finding))
+            write_line(_text(finding))
     bad = [finding.device for finding in findings if not finding.ok]
     if bad:
         raise LinkFailedError(f"cannot be used: {', '.join(bad)}; see the advice above")

@@ -5,8 +5,8 @@ import sys
 from pathlib import Path
 
 from catseye.app.cli.hosting import DriveOptions, serve_and_run
-from catseye.app.cli.output import emit, say
-from catseye.app.cli.rehearsal import tell_rehearsal
+from catseye.app.cli.output import note, write_line
+from catseye.app.cli.rehearsal import write_rehearsal
 from catseye.app.engine.heap import settled_heap
 from catseye.app.service.running import PlannedRun, rehearse
 
@@ -14,11 +14,11 @@ from catseye.app.service.running import PlannedRun, rehearse
 def conduct(planned: PlannedRun, root: Path, options: DriveOptions, *, dry_run: bool) -> None:
     """Rehearse a plan, or run it and end the process with the run's exit code."""
     if dry_run:
-        tell_rehearsal(planned, asyncio.run(rehearse(planned)), as_json=options.as_json)
-        say("a real arm drives this where it was walked through (--walk), or with a reason (--waive-walk)")
+        write_rehearsal(planned, asyncio.run(rehearse(planned)), as_json=options.as_json)
+        note("a real arm drives this where it was walked through (--walk), or with a reason (--waive-walk)")
         return
     with settled_heap():
         outcome = asyncio.run(serve_and_run(planned, root, options))
     if not options.as_json:
-        emit(str(outcome.path))
+        write_line(str(outcome.path))
     sys.exit(int(outcome.exit_code))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from catseye.app.cli.options import CellFile, Seed, Speed, Truth
-from catseye.app.cli.output import emit_json, say
+from catseye.app.cli.output import note, write_json
 from catseye.app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -76,8 +76,8 @@ async def _serve(config: "EmulationConfig", what: str, end_with_stdin: bool) -> 
         loop.add_reader(sys.stdin.fileno(), _end_at_the_end, sys.stdin.fileno(), ended)
     async with EmulatedBench(config) as bench:
         for served in bench.endpoints:
-            emit_json({"device": served.device, "protocol": served.protocol, "endpoint": served.endpoint})
-        say(f"emulating {what}; Ctrl-C ends it")
+            write_json({"device": served.device, "protocol": served.protocol, "endpoint": served.endpoint})
+        note(f"emulating {what}; Ctrl-C ends it")
         await ended.wait()
 
 

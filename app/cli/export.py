@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from catseye.app.cli.options import RunOrResult, Runs, Unverified
-from catseye.app.cli.output import say
+from catseye.app.cli.output import note
 from catseye.app.errors import UsageError
 
 if TYPE_CHECKING:
@@ -44,9 +44,9 @@ def export(
         raise UsageError(f"{output} is the result itself; choose another -o FILE")
     table = _of_result(direct) if direct.is_file() else _of_run(source, runs, unverified=unverified)
     for text in table.unverified:
-        say(f"UNVERIFIED: {text}")
+        note(f"UNVERIFIED: {text}")
     write_atomically(output, _written(table, chosen))
-    say(f"{output}: {len(table.rows)} rows ({table.content}) of {table.source}")
+    note(f"{output}: {len(table.rows)} rows ({table.content}) of {table.source}")
 
 
 def _of_result(file: Path) -> "Export":

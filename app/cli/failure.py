@@ -1,8 +1,9 @@
-"""Telling a failure: sentences on stderr, never a traceback unless it is asked for."""
+"""A failure as sentences on stderr, never a traceback unless it is asked for."""
 
 import os
 import sys
 import traceback
+from collections.abc import Sequence
 from typing import Final
 
 from catseye.app.cli.reporting import report_failure
@@ -12,10 +13,10 @@ from catseye.drivers.roles.text import harmless_lines
 _DEBUG = "CATSEYE_DEBUG"
 
 SEE_WHERE: Final = f"set {_DEBUG}=1 and repeat to see where it happened"
-"""Said of a fault of the program."""
+"""Follows a fault of the program."""
 
 
-def tell(error: BaseException) -> int:
+def write_failure(error: BaseException) -> int:
     """Write what went wrong to stderr and return the exit code."""
     code = int(exit_code_of(error))
     texts = (
@@ -25,12 +26,19 @@ def tell(error: BaseException) -> int:
     )
     if trace := trace_of(error):
         sys.stderr.write(trace)
+        report_failure("\n".join(texts), code)
     else:
-        for text in texts:
-            sys.stderr.write(f"catseye: {harmless_lines(text)}\n")
+        write_failure_texts(texts, code)
+    return code
+
+
+def write_failure_texts(texts: Sequence[str], code: int) -> None:
+    """Write to stderr, and report, why the command ends with a code other than 0."""
+    texts = [harmless_lines(text) for text in texts]
+    for text in texts:
+        sys.stderr.write(f"catseye: {text}\n")
     if texts:
         report_failure("\n".join(texts), code)
-    return code
 
 
 def trace_of(error: BaseException) -> str:

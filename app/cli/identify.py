@@ -17,10 +17,10 @@ from catseye.app.cli.options import (
     Unverified,
     Workers,
 )
-from catseye.app.cli.output import emit_json, say
+from catseye.app.cli.output import note, warn, write_json
 
 if TYPE_CHECKING:
-    from catseye.app.files.result_json import Result
+    from catseye.app.results.scara.result import Result
 
 
 def identify(
@@ -76,7 +76,7 @@ def identify(
         return
     source = load_distances(run or [], points, cell, runs, unverified)
     for text in source.warnings:
-        say(text)
+        warn(text)
     with taken_as_it_is(*source.readers):
         result = identified(source, method, partial(sharing, workers, dask, insecure=insecure_cluster))
     _hand_over(result, output, as_json=as_json)
@@ -84,20 +84,20 @@ def identify(
 
 def _hand_over(result: "Result", output: Path, *, as_json: bool) -> None:
     """Write a result and show it."""
-    from catseye.app.cli.report_output import emit_tables, say_statements
-    from catseye.app.files.result_json import write_result
+    from catseye.app.cli.report_output import note_statements, write_tables
     from catseye.app.results.scara.identification_report import identification_report
+    from catseye.app.results.scara.result import write_result
 
     write_result(result, output)
     report = identification_report(result)
     if as_json:
-        emit_json(
+        write_json(
             {
                 "result": str(output),
                 **result.model_dump(include={"model", "gauge", "link1_mm", "link2_mm", "extension", "fit"}),
             }
         )
     else:
-        emit_tables(report)
-    say_statements(report)
-    say(f"{output} written")
+        write_tables(report)
+    note_statements(report)
+    note(f"{output} written")

@@ -10,7 +10,6 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cluster.share import Share
 from catseye.app.errors import UsageError
-from catseye.app.files.result_json import Result
 from catseye.app.results.scara.distances import DistanceSource
 from catseye.app.results.scara.extensions import parse_extensions
 from catseye.app.results.scara.identify import (
@@ -20,6 +19,7 @@ from catseye.app.results.scara.identify import (
     with_what_speaks_against,
 )
 from catseye.app.results.scara.material import with_reference_links
+from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.robust import identify_robustly
 from catseye.app.results.scara.scan import SCAN_ROWS, identify_scan_file
 from catseye.app.results.scara.uncertainty import Propagated, by_jacobian, by_monte_carlo, require_draws

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from catseye.app.cli.output import say
+from catseye.app.cli.output import note
 from catseye.app.errors import UsageError
 
 
@@ -24,4 +24,4 @@ def init(
     if not file.parent.is_dir():
         raise UsageError(f"{file.parent} is no folder; make it first")
     write_atomically(file, TEMPLATE)
-    say(f"{file} written. Next: catseye emulate {file}, and in another terminal: catseye doctor {file}")
+    note(f"{file} written. Next: catseye emulate {file}, and in another terminal: catseye doctor {file}")

@@ -4,13 +4,14 @@ import os
 import sys
 from typing import Final
 
-from catseye.app.cli.output import emit_json, say
+from catseye.app.cli.output import note, write_json
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.question_line import QuestionLine, live_text
-from catseye.app.protocol.events import (
-    AnyEvent,
+from catseye.app.cli.reporting import report_warning
+from catseye.app.protocol.events import AnyEvent
+from catseye.app.protocol.run_events import (
     DrivesLeft,
-    ErrorTold,
+    ErrorReported,
     FirstMotionShown,
     LiveShown,
     Progressed,
@@ -18,10 +19,11 @@ from catseye.app.protocol.events import (
     PromptAsked,
     RunEnded,
     StateChanged,
-    WarningTold,
+    WarningIssued,
 )
 from catseye.app.protocol.state import ENDING, ControlState
-from catseye.app.story.words import first_motion_text
+from catseye.app.results.runs.event_text import first_motion_text
+from catseye.drivers.roles.text import harmless_lines
 
 _SHOWN_STATES: Final = ENDING | {
     ControlState.STOPPED,
@@ -58,9 +60,10 @@ class Narrator:
         match event:
             case Progressed() if self._question.asked is None:
                 self._bar.update(event.done, event.total, event.text)
-            case WarningTold():
+            case WarningIssued():
                 self.show(f"warning: {event.text}")
-            case ErrorTold():
+                report_warning(harmless_lines(event.text))
+            case ErrorReported():
                 self.show(f"error: {event.text}")
             case PromptAsked() if self.interactive:
                 self._bar.close()
@@ -69,7 +72,7 @@ class Narrator:
                 self.show(f"question {event.id}: {event.text}")
             case PromptAnswered() if self._question.asked is not None:
                 self._question.close()
-                say(f"answer to {event.id}: {event.answer} ({event.who})")
+                note(f"answer to {event.id}: {event.answer} ({event.who})")
             case LiveShown():
                 self._live(live_text(event.data))
             case DrivesLeft():
@@ -90,7 +93,7 @@ class Narrator:
         """Write a line of talk; an open question is shown again below it."""
         self._bar.close()
         self._question.leave()
-        say(text)
+        note(text)
         self._question.again()
 
     def _state(self, event: StateChanged) -> None:
@@ -111,7 +114,7 @@ class Narrator:
 
     def _emit(self, event: AnyEvent) -> None:
         try:
-            emit_json(event.json_object())
+            write_json(event.json_object())
         except OSError:
             # The engine holds the run when it hears of this; people still read them on stderr.
             self._as_json = False

@@ -10,7 +10,7 @@ from catseye.app.errors import OutputError, ReaderGoneError
 from catseye.drivers.roles.text import harmless_lines
 
 
-def emit(text: str) -> None:
+def write_line(text: str) -> None:
     """Write a line of data to stdout at once, harmless to a terminal.
 
     Raises:
@@ -34,13 +34,13 @@ def _write(text: str) -> None:
         ) from error
 
 
-def emit_json(value: object) -> None:
+def write_json(value: object) -> None:
     """Write one JSON value on a line of its own to stdout."""
     # Bytes of a path that are no UTF-8 stand as escapes, which JSON reads back as they were.
     _write(json.dumps(value, ensure_ascii=False).encode(errors="backslashreplace").decode())
 
 
-def say(text: str) -> None:
+def note(text: str) -> None:
     """Write a line of talk to stderr at once, harmless to a terminal."""
     sys.stderr.write(harmless_lines(text) + "\n")
     sys.stderr.flush()
@@ -48,8 +48,8 @@ def say(text: str) -> None:
 
 def warn(text: str) -> None:
     """Warn people on stderr, and the program that started this one."""
-    say(f"warning: {text}")
-    report_warning(text)
+    note(f"warning: {text}")
+    report_warning(harmless_lines(text))
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

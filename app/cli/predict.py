@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli.options import AsJson, Hand, Output, ResultFile, StartDirection
-from catseye.app.cli.output import emit_json, say
+from catseye.app.cli.output import note, write_json
 
 
 def predict(
@@ -21,14 +21,14 @@ def predict(
 
     Example: catseye predict result.json --path path.csv -o predicted.csv
     """
-    from catseye.app.cli.report_output import emit_tables, say_statements
+    from catseye.app.cli.report_output import note_statements, write_tables
     from catseye.app.files.atomic import require_output
-    from catseye.app.files.identified_arm import nominal_of
-    from catseye.app.files.path_csv import read_path_csv, start_states
-    from catseye.app.files.predicted_csv import write_predicted_csv
-    from catseye.app.files.result_json import read_result
+    from catseye.app.results.scara.identified_arm import nominal_of
+    from catseye.app.results.scara.path_csv import read_path_csv, start_states
+    from catseye.app.results.scara.predicted_csv import write_predicted_csv
     from catseye.app.results.scara.prediction import predict_path
     from catseye.app.results.scara.prediction_report import prediction_report
+    from catseye.app.results.scara.result import read_result
 
     require_output(output, result, path)
     identified = read_result(result)
@@ -37,10 +37,10 @@ def predict(
     predicted = predict_path(identified, commanded, str(path))
     write_predicted_csv(commanded, predicted.prediction, output)
     report = prediction_report(predicted)
-    say_statements(report)
+    note_statements(report)
     if as_json:
         facts = {"output": str(output), "model": predicted.model, **predicted.figures()}
-        emit_json({**facts, "warnings": list(predicted.warnings)})
+        write_json({**facts, "warnings": list(predicted.warnings)})
     else:
-        emit_tables(report)
-    say(f"{output} written")
+        write_tables(report)
+    note(f"{output} written")

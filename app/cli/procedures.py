@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli.options import AsJson, Runs
-from catseye.app.cli.output import emit, emit_json, say
+from catseye.app.cli.output import note, write_json, write_line
 
 
 def procedures(
@@ -33,9 +33,9 @@ def _list_procedures(*, as_json: bool) -> None:
 
     for procedure in map(load_procedure, procedure_names()):
         if as_json:
-            emit_json(procedure_facts(procedure))
+            write_json(procedure_facts(procedure))
         else:
-            emit("\n".join(procedure_lines(procedure)))
+            write_line("\n".join(procedure_lines(procedure)))
 
 
 def _survey(cell: Path, runs: Path | None, *, as_json: bool) -> None:
@@ -46,8 +46,8 @@ def _survey(cell: Path, runs: Path | None, *, as_json: bool) -> None:
     survey = survey_cell(cell, runs_folder(runs), datetime.now(UTC))
     if as_json:
         for facts in survey_facts(survey):
-            emit_json(facts)
+            write_json(facts)
         return
-    emit("\n".join(survey_lines(survey)))
+    write_line("\n".join(survey_lines(survey)))
     if survey.next is not None:
-        say(f"next: {survey.next.command}")
+        note(f"next: {survey.next.command}")

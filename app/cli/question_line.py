@@ -3,7 +3,7 @@
 import shutil
 import sys
 
-from catseye.app.protocol.events import LiveData
+from catseye.app.protocol.run_events import LiveData
 from catseye.app.service.questions import hint
 from catseye.procedures.kit.context import Prompt
 

@@ -10,7 +10,7 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from pathlib import Path
 from typing import BinaryIO
 
-from catseye.app.cli.output import emit, say
+from catseye.app.cli.output import note, write_line
 from catseye.app.errors import SafetyError, UsageError
 from catseye.app.guard.raw import raw_connection, raw_guard
 from catseye.app.service.manual.raw_door import RawDoor, raw_door
@@ -55,7 +55,7 @@ class Traffic:
             part = data[start : start + _BYTES_A_LINE]
             text = part.translate(_PRINTABLE).decode("ascii")
             line = f"{stamp} {direction} {part.hex(' '):<{3 * _BYTES_A_LINE}}|{text}|"
-            emit(line)
+            write_line(line)
             if self._log:
                 _append(self._log, line)
         self.heard.set()
@@ -84,7 +84,7 @@ async def guarded(endpoint: str, stop: bytes | None, traffic: Traffic) -> AsyncI
         async with (
             raw_guard(endpoint, on_stop) as guard,
             raw_connection(
-                guard, endpoint, stop, traffic.show, runs_folder(None), simulated=False, tell=say
+                guard, endpoint, stop, traffic.show, runs_folder(None), simulated=False, tell=note
             ) as link,
         ):
             yield link
@@ -114,7 +114,7 @@ async def converse(
         try:
             if io is not None:
                 await io.connect()
-            async with raw_door(io, link, SystemClock(), lambda text: say(f"{text}; STOP was sent")) as door:
+            async with raw_door(io, link, SystemClock(), lambda text: note(f"{text}; STOP was sent")) as door:
                 await _pass_lines(link, traffic, _if_closed(door, encode), wait_s)
         finally:
             if io is not None:
@@ -170,7 +170,7 @@ async def _send(
         except ValueError as error:
             if not sys.stdin.isatty():
                 raise UsageError(f"not sent: {error}") from None
-            say(f"not sent: {error}")
+            note(f"not sent: {error}")
         else:
             await link.write(data)
     try:

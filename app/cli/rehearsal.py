@@ -1,12 +1,12 @@
 """What a rehearsal found, as a step table or as data."""
 
-from catseye.app.cli.output import emit, emit_json, say, table, warn
+from catseye.app.cli.output import note, table, warn, write_json, write_line
 from catseye.app.engine.arm_model import AT_REST, Speeds
 from catseye.app.engine.dry_run import DryRunContext, DryStep
 from catseye.app.results.numbers import duration_text
 from catseye.app.service.running import PlannedRun
 from catseye.procedures.kit.bench import Arm
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 
 _HEADER = [
     "step",
@@ -26,7 +26,7 @@ _HEADER = [
 _QUESTIONS_NAMED = 8
 
 
-def tell_rehearsal(planned: PlannedRun, context: DryRunContext, *, as_json: bool) -> None:
+def write_rehearsal(planned: PlannedRun, context: DryRunContext, *, as_json: bool) -> None:
     """Write the step table to stdout, and what there is to know about it to stderr.
 
     Args:
@@ -35,14 +35,14 @@ def tell_rehearsal(planned: PlannedRun, context: DryRunContext, *, as_json: bool
         as_json: one JSON object instead of the table.
     """
     if as_json:
-        emit_json(_as_json(planned, context))
+        write_json(_as_json(planned, context))
     else:
-        emit(table(_HEADER, [_row(step) for step in context.steps]))
+        write_line(table(_HEADER, [_row(step) for step in context.steps]))
     for text in (*_warnings(context), *_excesses(context)):
         warn(text)
-    say(_totals(planned, context))
+    note(_totals(planned, context))
     if context.prompts:
-        say(_questions(context))
+        note(_questions(context))
 
 
 def _row(step: DryStep) -> list[object]:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli.options import RunOrResult, Runs, Unverified
-from catseye.app.cli.output import say
+from catseye.app.cli.output import note
 
 
 def report(
@@ -42,4 +42,4 @@ def report(
         with taken_as_it_is(reader):
             content = run_content(reader, path.parent)
     write_page(run_report(content), output)
-    say(f"{output} written")
+    note(f"{output} written")

@@ -1,20 +1,20 @@
 """A report on the terminal: its tables are data, its statements are talk."""
 
-from catseye.app.cli.output import emit, say, warn
+from catseye.app.cli.output import note, warn, write_line
 from catseye.app.render.text import statement_line, tables_text
 from catseye.app.results.model import Report, Sign, Statement
 
 
-def emit_tables(report: Report) -> None:
+def write_tables(report: Report) -> None:
     """Write the tables of a report to stdout."""
-    emit(tables_text(report))
+    write_line(tables_text(report))
 
 
-def say_statements(report: Report) -> None:
+def note_statements(report: Report) -> None:
     """Write the statements of a report to stderr; those that need attention as warnings."""
     for block in report.blocks(brief=True):
         match block:
             case Statement(sign=Sign.ATTENTION, text=text):
                 warn(text)
             case Statement():
-                say(statement_line(block))
+                note(statement_line(block))

@@ -11,23 +11,22 @@ if TYPE_CHECKING:
     from catseye.app.protocol.commands import CommandEvent
 
 
-def _taken() -> int | None:
-    """Return the descriptor to report on, and hide it from the processes that this one starts."""
+_descriptor: int | None = None
+
+
+def open_channel() -> None:
+    """Take the descriptor to report on from the environment; processes that this one starts do not see it."""
+    global _descriptor  # one process reports to one starter
     number = os.environ.pop(EVENTS_FD, "")
-    if not number.isdecimal():
-        return None
-    with suppress(OSError):
-        os.set_inheritable(int(number), False)
-        return int(number)
-    return None
-
-
-_DESCRIPTOR = _taken()
+    if number.isdecimal():
+        with suppress(OSError):
+            os.set_inheritable(int(number), False)
+            _descriptor = int(number)
 
 
 def report_progress(title: str, share: float, elapsed_s: float, left_s: float | None, text: str) -> None:
     """Report how far the command is; see `CommandProgress`."""
-    if _DESCRIPTOR is not None:
+    if _descriptor is not None:
         from catseye.app.protocol.commands import CommandProgress
 
         _write(CommandProgress(title=title, share=share, elapsed_s=elapsed_s, left_s=left_s, text=text))
@@ -35,7 +34,7 @@ def report_progress(title: str, share: float, elapsed_s: float, left_s: float | 
 
 def report_warning(text: str) -> None:
     """Report a warning."""
-    if _DESCRIPTOR is not None:
+    if _descriptor is not None:
         from catseye.app.protocol.commands import CommandWarning
 
         _write(CommandWarning(text=text))
@@ -43,7 +42,7 @@ def report_warning(text: str) -> None:
 
 def report_failure(text: str, exit_code: int) -> None:
     """Report why the command ends with a code other than 0."""
-    if _DESCRIPTOR is not None:
+    if _descriptor is not None:
         from catseye.app.protocol.commands import CommandFailed
 
         _write(CommandFailed(text=text, exit_code=exit_code))
@@ -54,5 +53,5 @@ def _write(event: "CommandEvent") -> None:
 
     # Whoever started this command may be gone; people still read stderr.
     with suppress(OSError):
-        if _DESCRIPTOR is not None:
-            os.write(_DESCRIPTOR, encode_object(event.json_object()))
+        if _descriptor is not None:
+            os.write(_descriptor, encode_object(event.json_object()))

@@ -16,7 +16,7 @@ from catseye.app.cli.options import (
     StoredRun,
     WaiveWalk,
 )
-from catseye.app.cli.output import say
+from catseye.app.cli.output import note
 
 
 def resume(
@@ -57,11 +57,11 @@ def resume(
     root = runs_folder(runs)
     path = resolve_run(root, run)
     if not dry_run and seal_late(path, SystemClock().now_utc().isoformat()):
-        say(f"{path.name} was complete and not yet sealed: its manifest is written now")
+        note(f"{path.name} was complete and not yet sealed: its manifest is written now")
         return
     planned = plan_resume(root, run, None if cell is None else load_cell(cell))
     reader = RunReader(path)
-    say(
+    note(
         f"{path.name} {reader.status}; {reader.count('steps')} steps are done and stay; aim from {planned.aim}"
     )
     options = DriveOptions(answers, arm, speed, keep_drives, waive_walk, as_json)

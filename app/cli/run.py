@@ -16,7 +16,7 @@ from catseye.app.cli.options import (
     Speed,
     WaiveWalk,
 )
-from catseye.app.cli.output import say
+from catseye.app.cli.output import note
 from catseye.app.errors import UsageError
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def run(
     params = parse_params(runnable.params_type, param or [])
     planned = plan_run(loaded, runnable, params, root, search)
     if runnable.needs.aim:
-        say(f"aim from {planned.aim}")
+        note(f"aim from {planned.aim}")
     conduct(as_walk(planned, root) if walk else planned, root, options, dry_run=dry_run)
 
 

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from catseye.app.cli.options import AsJson, Runs
-from catseye.app.cli.output import emit, emit_json, say, table
+from catseye.app.cli.output import note, table, write_json, write_line
 
 if TYPE_CHECKING:
     from catseye.app.store.catalog import RunSummary
@@ -18,12 +18,12 @@ def runs(runs: Runs = None, as_json: AsJson = False) -> None:
     summaries = list_runs(root)
     if as_json:
         for run in summaries:
-            emit_json(_facts(run))
+            write_json(_facts(run))
     elif summaries:
         rows = [[run.id, run.started, run.procedure, run.status, _to_go_on(run)] for run in summaries]
-        emit(table(["id", "started", "procedure", "status", "to go on"], rows))
+        write_line(table(["id", "started", "procedure", "status", "to go on"], rows))
     else:
-        say(f"no runs in {root}; start one with: catseye run PROCEDURE --cell FILE")
+        note(f"no runs in {root}; start one with: catseye run PROCEDURE --cell FILE")
 
 
 def _facts(run: "RunSummary") -> dict[str, object]:

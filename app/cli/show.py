@@ -1,7 +1,7 @@
 """show: a run's story."""
 
 from catseye.app.cli.options import AsJson, Runs, StoredRun, Unverified
-from catseye.app.cli.output import emit, emit_json
+from catseye.app.cli.output import write_json, write_line
 
 
 def show(
@@ -20,7 +20,7 @@ def show(
     reader = RunReader(resolve_run(runs_folder(runs), run), accept(unverified=unverified))
     with taken_as_it_is(reader):
         if as_json:
-            emit_json(run_facts(reader))
+            write_json(run_facts(reader))
             return
         for line in run_lines(reader):
-            emit(line)
+            write_line(line)

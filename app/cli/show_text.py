@@ -3,10 +3,10 @@
 import textwrap
 from datetime import datetime
 
+from catseye.app.results.runs.summary import summary
+from catseye.app.results.runs.timeline import timeline
 from catseye.app.store.reader import RunReader
 from catseye.app.store.resumable import why_not_resumable
-from catseye.app.story.summary import summary
-from catseye.app.story.timeline import timeline
 
 _WIDTH = 116
 _MARGIN = " " * 14

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from catseye.app.cli.options import CellOption
-from catseye.app.cli.output import say
+from catseye.app.cli.output import note
 from catseye.app.errors import SafetyError, UsageError
 from catseye.app.protocol.raw_text import LineEnd, encoded
 
@@ -53,13 +53,13 @@ def terminal(
     may_send = _may_send(known, device, arm)
     encode = partial(encoded, end=eol or ("none" if as_hex else "crlf"), as_hex=as_hex)
     with Traffic(log) as traffic:
-        say(f"{device} at {endpoint}; a line of input is sent, Ctrl-C ends")
+        note(f"{device} at {endpoint}; a line of input is sent, Ctrl-C ends")
         if arm is not None:
-            say(
+            note(
                 "what you start by hand goes on when the terminal ends: stop it yourself; this is no emergency stop"
             )
         if not may_send:
-            say(f"listening only: what is sent may move the robot; --arm {known.name} lets it pass")
+            note(f"listening only: what is sent may move the robot; --arm {known.name} lets it pass")
         io = None
         if may_send and _moves(known, device):
             link = partial(guarded, endpoint, _stop(known, device), traffic)

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli.options import AsJson, Hand, ResultFile, StartDirection
-from catseye.app.cli.output import emit_json, say
+from catseye.app.cli.output import note, write_json
 
 
 def validate(
@@ -31,12 +31,12 @@ def validate(
 
     Example: catseye validate error-map.json --measured tracker.csv --reference conventional.json -o validation.html
     """
-    from catseye.app.cli.report_output import emit_tables, say_statements
+    from catseye.app.cli.report_output import note_statements, write_tables
     from catseye.app.errors import MeasurementRejectedError
     from catseye.app.files.atomic import require_output
     from catseye.app.render.page import require_html, write_page
     from catseye.app.results.scara.file_validation_report import file_validation_report
-    from catseye.app.results.scara.validation_document import validation_facts
+    from catseye.app.results.scara.validation_document import validation_document
     from catseye.app.results.scara.validation_of_files import validate_files
 
     require_output(output, result, measured, reference)
@@ -45,13 +45,13 @@ def validate(
     found = validate_files(result, measured, reference, hand, start_direction)
     report = file_validation_report(found, measured.name)
     if as_json:
-        emit_json(validation_facts(found, limit, report.figures("validation")))
+        write_json(validation_document(found, limit, report.figures("validation")).json_object())
     else:
-        emit_tables(report)
-    say_statements(report)
+        write_tables(report)
+    note_statements(report)
     if output is not None:
         write_page(report, output)
-        say(f"{output} written")
+        note(f"{output} written")
     left_um = found.validation.models[-1].comparison.rms_2d_um
     if limit is not None and left_um > limit:
         raise MeasurementRejectedError(

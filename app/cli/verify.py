@@ -1,7 +1,7 @@
 """verify: a run against its manifest and its own rules."""
 
 from catseye.app.cli.options import AsJson, Runs, StoredRun
-from catseye.app.cli.output import emit_json, say
+from catseye.app.cli.output import note, write_json
 
 
 def verify(
@@ -19,12 +19,12 @@ def verify(
     found = verified(path)
     if as_json:
         facts = {"sealed": found.sealed, "problems": found.problems, "notes": found.notes}
-        emit_json({"run": path.name, "sound": found.ok, **facts})
+        write_json({"run": path.name, "sound": found.ok, **facts})
     else:
         if found.ok:
             compared = "manifest, database" if found.sealed else "database"
-            say(f"{path.name}: {compared} and sequence numbers agree")
-        for note in found.notes:
-            say(f"{path.name}: {note}")
+            note(f"{path.name}: {compared} and sequence numbers agree")
+        for text in found.notes:
+            note(f"{path.name}: {text}")
     if found.problems:
         raise StorageError(f"{path.name}: " + "; ".join(found.problems))

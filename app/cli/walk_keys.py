@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from typing import Final
 
 from catseye.app.engine.announcer import Publish
-from catseye.app.protocol.events import PromptAnswered, PromptAsked, RunEvent
+from catseye.app.protocol.run_events import PromptAnswered, PromptAsked, RunEvent
 from catseye.app.service.dead_man import DeadMan
 from catseye.app.service.walk.feed import Feed
 from catseye.drivers.roles.clock import Clock

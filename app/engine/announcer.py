@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from catseye.app.protocol.events import RunEvent
+from catseye.app.protocol.run_events import RunEvent
 from catseye.drivers.roles.clock import Clock
 
 Publish = Callable[[RunEvent], None]

@@ -7,7 +7,7 @@ from catseye.app.cell.air import AirRule
 from catseye.app.errors import MeasurementRejectedError
 from catseye.calibration.air import Formula, compensated_mm, outside_nist_range, refractive_index
 from catseye.drivers.roles.air import AirSample
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 
 CompensatedBy = Literal["none", "instrument"]
 """Who corrects before the program sees a length: nobody, or the instrument."""

@@ -19,7 +19,8 @@ from catseye.app.engine.timekeeping import Progress, StepTime
 from catseye.app.engine.waiting import cancel, uncancelled
 from catseye.app.errors import ConfigError, UnwalkedError, UsageError
 from catseye.app.files.measured_csv import read_typed_csv
-from catseye.app.protocol.events import (
+from catseye.app.protocol.prompts import MotionAfter
+from catseye.app.protocol.run_events import (
     FirstMotionData,
     FirstMotionShown,
     Happened,
@@ -32,9 +33,8 @@ from catseye.app.protocol.events import (
     StepDone,
     StepStarted,
     WarningData,
-    WarningTold,
+    WarningIssued,
 )
-from catseye.app.protocol.prompts import MotionAfter
 from catseye.app.store.crash_points import crash_point
 from catseye.app.store.rows import encode
 from catseye.app.store.run_store import RunStore
@@ -43,9 +43,10 @@ from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position, Tracker
-from catseye.procedures.kit.context import Json, MeasuredPoint, Measurement, Prompt, Row, Table
+from catseye.procedures.kit.context import MeasuredPoint, Measurement, Prompt, Table
 from catseye.procedures.kit.errors import MeasuredFileError
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.records import Json, Row
 
 _DEFAULT_AIR = AirRule()
 
@@ -314,7 +315,7 @@ class RunContext:
     async def warn(self, text: str, **data: Json) -> None:
         """Store and publish a warning; possible in every state."""
         await self._store.event("warning", {"text": text, **data})
-        self._announcer.publish(WarningTold(text=text, data=WarningData.model_validate(data)))
+        self._announcer.publish(WarningIssued(text=text, data=WarningData.model_validate(data)))
 
     def progress(self, done: float, total: float, text: str = "") -> None:
         """Publish how far the run is, with elapsed and remaining time."""

@@ -15,7 +15,7 @@ from catseye.drivers.roles.interferometer import Interferometer
 from catseye.drivers.roles.io import Io
 from catseye.drivers.roles.robot import Robot
 from catseye.drivers.roles.tracker import Tracker
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 
 WireRecorder = Callable[[str, str, bytes], None]
 """Takes device name, direction ("tx" or "rx") and the bytes that passed."""

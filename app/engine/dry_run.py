@@ -18,10 +18,11 @@ from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Json, MeasuredPoint, Measurement, Prompt, Row, Table
+from catseye.procedures.kit.context import MeasuredPoint, Measurement, Prompt, Table
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import legs_refusal
 from catseye.procedures.kit.motion.motion_time import way_time_s
+from catseye.procedures.kit.records import Json, Row
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.gate import MotionGate
 from catseye.app.errors import LimitError
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 
 
 @dataclass

@@ -38,25 +38,25 @@ from catseye.app.engine.waiting import uncancelled, within
 from catseye.app.engine.watches import POLL_S, Watches
 from catseye.app.errors import SafetyError, StorageError, TerminatedRunError, UsageError
 from catseye.app.guard.client import ArmGuard
-from catseye.app.protocol import events
-from catseye.app.protocol.events import (
-    ErrorTold,
+from catseye.app.protocol import run_events
+from catseye.app.protocol.loss import after_loss
+from catseye.app.protocol.run_events import (
+    ErrorReported,
     Happened,
     RunEnded,
     RunEvent,
     RunStarted,
     StateChanged,
     WarningData,
-    WarningTold,
+    WarningIssued,
 )
-from catseye.app.protocol.loss import after_loss
 from catseye.app.protocol.state import ControlState
 from catseye.app.store.crash_points import arm, crash_point
 from catseye.app.store.lines import LogHandler
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.clock import Clock
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 
 _log = logging.getLogger(__name__)
 
@@ -296,7 +296,7 @@ class _Run:
         if simulated:
             text = "SIMULATED: every device is an emulator; these data say nothing about a real robot"
             await self._store.event("warning", {"text": text, "simulated": True})
-            self._announcer.publish(WarningTold(text=text, data=WarningData(simulated=True)))
+            self._announcer.publish(WarningIssued(text=text, data=WarningData(simulated=True)))
 
     async def _ready(self, devices: Devices, gate: MotionGate, context: RunContext) -> None:
         await gate.require_surroundings()
@@ -392,8 +392,8 @@ class _Run:
             return None
         keep = self._request.keep_drives and ending.status != "aborted"
         left = await leave_drives(devices.robot, self._clock, self._closing_bound_s, keep=keep)
-        data = events.DrivesLeftData(on=left.on, text=left.text)
-        self._announcer.publish(events.DrivesLeft(state=self._control.state, data=data))
+        data = run_events.DrivesLeftData(on=left.on, text=left.text)
+        self._announcer.publish(run_events.DrivesLeft(state=self._control.state, data=data))
         return left
 
     async def _let_go(self, devices: Devices) -> dict[str, str]:
@@ -430,13 +430,13 @@ class _Run:
 
     def _warn(self, text: str) -> None:
         self._note("warning", {"text": text})
-        self._announcer.publish(WarningTold(text=text))
+        self._announcer.publish(WarningIssued(text=text))
 
     def _report(self, ending: Ending, error: BaseException) -> None:
         # The traceback is for the log of the run; people are told the text.
         _log.error(ending.text, exc_info=error)
         self._store.post("error", {"text": ending.text, "type": type(error).__name__})
-        self._announcer.publish(ErrorTold(text=ending.text, exit_code=int(ending.exit_code)))
+        self._announcer.publish(ErrorReported(text=ending.text, exit_code=int(ending.exit_code)))
 
     def _state_changed(self, state: ControlState, reason: str) -> None:
         # Ctrl-C while the record is being sealed changes nothing and finds no record to write into.

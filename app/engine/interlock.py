@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Final
 
 from catseye.app.engine.waiting import cancel
-from catseye.app.protocol.events import PromptAnswered, PromptAsked, RunEvent, StateChanged
+from catseye.app.protocol.run_events import PromptAnswered, PromptAsked, RunEvent, StateChanged
 from catseye.app.protocol.state import ControlState
 from catseye.drivers.roles.errors import DeviceError
 from catseye.drivers.roles.io import Io, Light

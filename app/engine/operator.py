@@ -8,7 +8,8 @@ from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.engine.waiting import within
 from catseye.app.errors import ConfigError, PromptUnansweredError
 from catseye.drivers.roles.clock import Clock
-from catseye.procedures.kit.context import Json, Prompt
+from catseye.procedures.kit.context import Prompt
+from catseye.procedures.kit.records import Json
 
 
 @dataclass(frozen=True)

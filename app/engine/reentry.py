@@ -8,7 +8,8 @@ from catseye.app.errors import MeasurementRejectedError, SafetyError, UsageError
 from catseye.app.protocol.state import ControlState
 from catseye.app.store.reader import RunReader, StoredEvent
 from catseye.app.store.resumable import MOVED
-from catseye.procedures.kit.context import Json, Prompt
+from catseye.procedures.kit.context import Prompt
+from catseye.procedures.kit.records import Json
 
 REFLECTORS_PROMPT: Final = "resume/reflectors"
 CLEAR_PROMPT: Final = "clear"

@@ -16,7 +16,8 @@ from catseye.app.engine.timekeeping import StepTime
 from catseye.app.engine.walked.rule import WalkRule
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.run_store import DEFAULT_RESERVE_BYTES
-from catseye.procedures.kit.context import Context, Json
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.records import Json
 
 
 class Procedure(Protocol):

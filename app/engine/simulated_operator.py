@@ -5,7 +5,7 @@ import json
 from collections.abc import Callable, Mapping
 
 from catseye.app.errors import LinkFailedError
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 
 _LIMIT_S = 10.0
 """Real seconds that one grip may take."""

@@ -5,9 +5,8 @@ from pathlib import Path
 
 from catseye.app.errors import UsageError
 from catseye.app.files.csv_table import csv_rows
-from catseye.app.files.path_csv import DIRECTIONS, JOINTS, PLACE
 
-JOINT_ROWS = (*PLACE, *JOINTS, *DIRECTIONS)
+JOINT_ROWS = ("x_mm", "y_mm", "theta1_deg", "theta2_deg", "direction1", "direction2")
 """Columns that tell how to drive a row; take-ups follow from them."""
 
 

@@ -1,7 +1,7 @@
 """Lines of the socket: JSON, one object a line, version 1."""
 
 import json
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, JsonValue, ValidationError
 
@@ -47,6 +47,24 @@ class Message(BaseModel):
     def json_object(self) -> JsonObject:
         """Return it as JSON has it."""
         return self.model_dump(mode="json")
+
+
+class Event(Message):
+    """An event. Who publishes it stamps it: `stamped`.
+
+    Attributes:
+        t: ISO 8601 UTC time.
+        event: its name.
+        run: name of the run that it belongs to; None outside of one.
+    """
+
+    t: str = ""
+    event: str
+    run: str | None = None
+
+    def stamped(self, t: str, run: str | None) -> Self:
+        """Return it with time and run."""
+        return self.model_copy(update={"t": t, "run": run})
 
 
 def absent(value: object) -> bool:

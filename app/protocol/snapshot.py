@@ -4,17 +4,10 @@ from typing import Annotated
 
 from pydantic import BeforeValidator
 
-from catseye.app.protocol.events import (
-    Client,
-    DrivesFields,
-    JogFields,
-    LiveShown,
-    Progressed,
-    PromptAsked,
-    StepStarted,
-)
+from catseye.app.protocol.engine_events import Client, DrivesFields, JogFields
 from catseye.app.protocol.loss import LossPolicy
 from catseye.app.protocol.message import Message
+from catseye.app.protocol.run_events import LiveShown, Progressed, PromptAsked, StepStarted
 from catseye.app.protocol.state import ControlState
 
 

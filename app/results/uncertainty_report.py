@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 
 from catseye.app.cell.uncertainty import ContributorEntry
-from catseye.app.files.uncertainty_part import (
+from catseye.app.results.model import Block, Cell, Column, Paragraph, Quantity, Section, Table, section
+from catseye.app.results.numbers import COUNT, NOTHING, OF_UNIT, fixed, number
+from catseye.app.results.uncertainty_part import (
     ContributionTable,
     CoverageInterval,
     MonteCarloPart,
     UncertaintyPart,
 )
-from catseye.app.results.model import Block, Cell, Column, Paragraph, Quantity, Section, Table, section
-from catseye.app.results.numbers import COUNT, NOTHING, OF_UNIT, fixed, number
 
 _LEAST_SHARE = 0.0005
 """Shares below this round to nothing."""

@@ -9,8 +9,7 @@ from typing import Final
 
 from catseye.app.engine.announcer import Publish
 from catseye.app.engine.handle import RunHandle
-from catseye.app.protocol.events import (
-    AnyEvent,
+from catseye.app.protocol.engine_events import (
     Client,
     ClientLost,
     ClientsChanged,
@@ -18,13 +17,11 @@ from catseye.app.protocol.events import (
     DrivesFields,
     JogFields,
     LeaseChange,
-    PromptAnswered,
-    PromptAsked,
-    RunEnded,
-    RunEvent,
 )
+from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.loss import LossPolicy, after_loss
 from catseye.app.protocol.message import VERSION
+from catseye.app.protocol.run_events import PromptAnswered, PromptAsked, RunEnded, RunEvent
 from catseye.app.protocol.snapshot import Snapshot
 from catseye.app.protocol.state import ENDED, ControlState
 from catseye.app.service.control_lease import ControlLease

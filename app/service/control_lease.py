@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from catseye.app.protocol.events import Client, LeaseChange
+from catseye.app.protocol.engine_events import Client, LeaseChange
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.member import Member
 

@@ -11,7 +11,9 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.engine.devices import DeviceBuilder
 from catseye.app.errors import CatseyeError, StorageError, UsageError
-from catseye.app.protocol.events import AnyEvent, JogChanged, WarningTold
+from catseye.app.protocol.engine_events import JogChanged
+from catseye.app.protocol.events import AnyEvent
+from catseye.app.protocol.run_events import WarningIssued
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.manual.device_loan import ManualBench
@@ -20,7 +22,7 @@ from catseye.app.service.watching.bench_facts import BenchFacts, facts_of
 from catseye.app.service.watching.cell_devices import cell_devices
 from catseye.app.service.watching.device_pool import CellDevices, DevicePool
 from catseye.app.service.watching.telemetry import Telemetry
-from catseye.app.store.aim import find_aim
+from catseye.app.store.basis import find_aim
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.io import Io
@@ -44,7 +46,7 @@ class EngineBench:
         self.telemetry = Telemetry(registry, clock, root)
         self.telemetry.prepare = self._prepare
         self.idle = DevicePool(
-            self._make, self.telemetry.latest, clock, lambda text: registry.announce(WarningTold(text=text))
+            self._make, self.telemetry.latest, clock, lambda text: registry.announce(WarningIssued(text=text))
         )
         self.telemetry.on_watched = self.idle.watched
         self._registry = registry
@@ -93,7 +95,7 @@ class EngineBench:
         simulated = identity is not None and identity.simulated
         try:
             for text in await guard.hold("its drives go off", self._root, simulated=simulated):
-                self._registry.announce(WarningTold(text=text))
+                self._registry.announce(WarningIssued(text=text))
             yield
         finally:
             await guard.let_go()

@@ -21,9 +21,11 @@ from catseye.app.engine.waiting import uncancelled
 from catseye.app.errors import InterruptedRunError, exit_code_of, text_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.answers import Answer, Opened
-from catseye.app.protocol.events import AnyEvent, EngineIdle, ErrorTold, RunEvent, StateChanged
+from catseye.app.protocol.engine_events import EngineIdle
+from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.procedures import load_procedure, parse_params
 from catseye.app.protocol.requests import Resume, Start
+from catseye.app.protocol.run_events import ErrorReported, RunEvent, StateChanged
 from catseye.app.protocol.state import ControlState
 from catseye.app.service.address import socket_folder
 from catseye.app.service.client_registry import ClientRegistry
@@ -284,7 +286,7 @@ class EngineProcess:
     def _failed(self, error: Exception, opened: "asyncio.Future[Answer]") -> None:
         self._errors.error("a run could not be made", error)
         if opened.done():
-            self.registry.announce(ErrorTold(text=text_of(error), exit_code=int(exit_code_of(error))))
+            self.registry.announce(ErrorReported(text=text_of(error), exit_code=int(exit_code_of(error))))
         else:
             opened.set_exception(refusal_of(error))
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from catseye.app.protocol.events import (
+from catseye.app.protocol.run_events import (
     LiveShown,
     Progressed,
     PromptAnswered,

@@ -4,18 +4,20 @@ import asyncio
 from collections import deque
 from dataclasses import dataclass
 
-from catseye.app.protocol.events import (
-    AnyEvent,
+from catseye.app.protocol.engine_events import (
     BenchSeen,
     ClientsChanged,
     Dropped,
+    SamplesTaken,
+    WirePassed,
+)
+from catseye.app.protocol.events import AnyEvent
+from catseye.app.protocol.run_events import (
     LiveShown,
     PointMeasured,
     Progressed,
-    SamplesTaken,
     StepDone,
     StepStarted,
-    WirePassed,
 )
 from catseye.app.service.merging import merged
 

@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from catseye.app.protocol.events import AnyEvent, Client
+from catseye.app.protocol.engine_events import Client
+from catseye.app.protocol.events import AnyEvent
 from catseye.app.service.mailbox import Mailbox, MailboxFullError
 from catseye.app.service.watching.telemetry import Topic
 

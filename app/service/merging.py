@@ -1,6 +1,7 @@
 """What becomes of an event about the bench that was not sent before the next one of its kind came."""
 
-from catseye.app.protocol.events import AnyEvent, BenchSeen, SamplesTaken, WirePassed
+from catseye.app.protocol.engine_events import BenchSeen, SamplesTaken, WirePassed
+from catseye.app.protocol.events import AnyEvent
 from catseye.app.service.watching.columns import MOST_COLUMNS
 from catseye.app.service.watching.traffic import MOST_LINES
 

@@ -20,7 +20,7 @@ from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader
 from catseye.app.store.resumable import why_not_resumable, writer_of
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 
 
 def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> PlannedRun:

@@ -34,13 +34,13 @@ from catseye.app.protocol.procedures import Runnable
 from catseye.app.service.plan_digest import plan_digest
 from catseye.app.service.walk.fed_robot import fed
 from catseye.app.service.walk.walk import Walk
-from catseye.app.store.aim import find_aim
+from catseye.app.store.basis import find_aim
 from catseye.app.store.reader import RunReader
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Json
 from catseye.procedures.kit.motion.clear_way import way_check
+from catseye.procedures.kit.records import Json
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import sqlite3
 from importlib.metadata import version
 
 from catseye.drivers.roles.clock import Clock
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 
 
 def software() -> dict[str, Json]:

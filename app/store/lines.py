@@ -8,7 +8,7 @@ from pathlib import Path
 
 from catseye.app.store.rows import to_json
 from catseye.drivers.roles.clock import Clock
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 
 DEFAULT_MAX_BYTES = 64 * 1024 * 1024
 

@@ -16,7 +16,8 @@ from catseye.app.store.rows import row_crc32
 from catseye.app.store.schema import LAST_OPENED_OR_ENDED, RAW_TABLES, UNREADABLE, open_reader
 from catseye.app.store.seal import DATABASE
 from catseye.app.store.soundness import changes, damage
-from catseye.procedures.kit.context import Json, Table
+from catseye.procedures.kit.context import Table
+from catseye.procedures.kit.records import Json
 
 Status = Literal["complete", "stopped", "aborted", "failed", "running", "died"]
 _ENDINGS: tuple[Status, ...] = ("complete", "stopped", "aborted", "failed")

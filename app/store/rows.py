@@ -7,7 +7,8 @@ import zlib
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from catseye.procedures.kit.context import Json, Row, Table
+from catseye.procedures.kit.context import Table
+from catseye.procedures.kit.records import Json, Row
 
 _POINTS_REQUIRED = {
     "reflector": str,

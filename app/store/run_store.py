@@ -24,7 +24,8 @@ from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.rows import Value, encode, insert, insert_data, to_json
 from catseye.app.store.writer import Writer
 from catseye.drivers.roles.clock import Clock
-from catseye.procedures.kit.context import Json, Row, Table
+from catseye.procedures.kit.context import Table
+from catseye.procedures.kit.records import Json, Row
 
 DEFAULT_RESERVE_BYTES = 200 * 1024 * 1024
 

@@ -9,7 +9,7 @@ from catseye.app.store.lock import is_being_written
 from catseye.app.store.reader import Accept, RunReader, Status
 from catseye.app.store.seal import APP_LOG, DATABASE, WIRE_LOG, Manifest
 from catseye.app.store.soundness import against_manifest, integrity
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,9 @@ from catseye.app.tui.run_state import LogLine, RunState
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.
     from catseye.app.protocol.bench import BenchStatus, ReflectorPlace, RobotStatus, Samples, WireLine
-    from catseye.app.protocol.events import AnyEvent, Client, DrivesFields, Event, JogFields, RawChanged
+    from catseye.app.protocol.engine_events import Client, DrivesFields, JogFields, RawChanged
+    from catseye.app.protocol.events import AnyEvent
+    from catseye.app.protocol.message import Event
     from catseye.app.protocol.snapshot import Snapshot
 
 WIRE_LINES: Final = 5000
@@ -175,36 +177,36 @@ class EngineState:
             event: of the engine.
             now_s: monotonic time of its arrival, s.
         """
-        from catseye.app.protocol import events
+        from catseye.app.protocol import engine_events
 
         self.revision += 1
         match event:
-            case events.BenchSeen():
+            case engine_events.BenchSeen():
                 self.take_bench(event, now_s)
-            case events.SamplesTaken():
+            case engine_events.SamplesTaken():
                 self._samples(event, now_s)
-            case events.WirePassed():
+            case engine_events.WirePassed():
                 self.wire.extend(event.lines)
                 self.wire_seen += len(event.lines)
                 self._count("wire", event.missed)
-            case events.JogChanged():
+            case engine_events.JogChanged():
                 self.jog = event
-            case events.DrivesChanged():
+            case engine_events.DrivesChanged():
                 self._drives(event, now_s)
                 if event.reason:
                     self._note(event, "warning" if event.on else "info", event.reason)
-            case events.RawChanged():
+            case engine_events.RawChanged():
                 self._raw(event)
-            case events.ControlChanged():
+            case engine_events.ControlChanged():
                 self.control = event.holder
                 self._note(event, "info", f"control {event.what}" + (f": {event.by}" if event.by else ""))
-            case events.ClientsChanged():
+            case engine_events.ClientsChanged():
                 self.clients = event.clients
-            case events.Dropped():
+            case engine_events.Dropped():
                 self._count("points and steps", event.count)
-            case events.EngineIdle():
+            case engine_events.EngineIdle():
                 self.state, self.reason = event.state, ""
-            case events.ClientLost():
+            case engine_events.ClientLost():
                 self._note(event, "warning", f"{event.who} ({event.client}) is lost: {event.reason}")
             case _:
                 self._of_run(event, now_s)
@@ -220,24 +222,24 @@ class EngineState:
         self._count("bench", bench.missed)
 
     def _of_run(self, event: "AnyEvent", now_s: float) -> None:
-        from catseye.app.protocol import events
+        from catseye.app.protocol import run_events
 
         match event:
-            case events.RunStarted():
+            case run_events.RunStarted():
                 self.drives_off_at_s = None
                 self.run = RunState(event.run or "", event.procedure, event.title, now_s)
-            case events.StateChanged():
+            case run_events.StateChanged():
                 self.state, self.reason = event.state, event.reason
                 if event.state is not ControlState.ABORTED:
                     self.aborted = ""
                 elif event.run is None:
                     # What was done by hand was aborted, or a run ended that nobody has acknowledged a stop of.
                     self.aborted = event.reason
-            case events.RunEnded(status="aborted"):
+            case run_events.RunEnded(status="aborted"):
                 self.aborted = event.text or "aborted"
         if self.run is not None and event.run == self.run.name:
             self.run.take(event, now_s)
-        elif isinstance(event, events.WarningTold | events.ErrorTold):
+        elif isinstance(event, run_events.WarningIssued | run_events.ErrorReported):
             self._note(event, event.event, event.text)
 
     def _samples(self, samples: "Samples", now_s: float) -> None:

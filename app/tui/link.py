@@ -212,7 +212,7 @@ class EngineLink:
                 self._client = None
 
     async def _take_events(self, client: "EngineClient", changed: Callable[[], None]) -> None:
-        from catseye.app.protocol.events import RunStarted
+        from catseye.app.protocol.run_events import RunStarted
 
         await self._watch_bench()
         changed()

@@ -9,7 +9,7 @@ from catseye.app.tui.screens.working import is_file, typed_path
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
-    from catseye.app.files.result_files import ResultFile
+    from catseye.app.results.scara.result_files import ResultFile
 
 _PATH_RUN: Final = "_validation-path_"
 

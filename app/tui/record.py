@@ -17,8 +17,8 @@ def read_record(path: Path) -> SoFar:
     Raises:
         StorageError: it cannot be read.
     """
+    from catseye.app.results.runs.event_text import event_text
     from catseye.app.store.reader import RunReader
-    from catseye.app.story.words import event_text
 
     reader = RunReader(path)
     events = reader.events()

@@ -6,19 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from catseye.app.files.result_files import ResultFile
-from catseye.app.files.result_json import Result
 from catseye.app.render.cells import cell_text
 from catseye.app.render.text import table_text
 from catseye.app.results.model import Sign, Statement
-from catseye.app.results.numbers import EXPANDED
+from catseye.app.results.numbers import EXPANDED, fixed, number
 from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.comparison import ResultComparison
 from catseye.app.results.scara.comparison_report import comparison_report
-from catseye.app.results.scara.diagnosis_document import finding_statements
+from catseye.app.results.scara.diagnosis_document import DiagnosisDocument
 from catseye.app.results.scara.fit_text import fit_statements, identified_text, left_out_statements
 from catseye.app.results.scara.names import MODEL_TITLES
+from catseye.app.results.scara.result import Result
+from catseye.app.results.scara.result_files import ResultFile
 from catseye.app.results.scara.uncertainty import uncertainty_statements
+from catseye.app.results.scara.validation_document import ValidationDocument
 from catseye.app.results.scara.values import parameter_table
 from catseye.app.tui.work import command_line
 
@@ -77,7 +78,7 @@ def layout_text(result: Result) -> str:
     return "\n".join(lines)
 
 
-def fit_sentences(result: Result, diagnosis: dict[str, Any] | None) -> list[Statement]:
+def fit_sentences(result: Result, diagnosis: DiagnosisDocument | None) -> list[Statement]:
     """Return what was identified, how it fits, and what a diagnosis found."""
     statements = [Statement(Sign.NEUTRAL, identified_text(result)), *fit_statements(result)]
     if result.uncertainty is not None:
@@ -86,29 +87,33 @@ def fit_sentences(result: Result, diagnosis: dict[str, Any] | None) -> list[Stat
         text = "d: diagnosis, what speaks for and against the fit (takes seconds to minutes)"
         statements.append(Statement(Sign.NEUTRAL, text))
     else:
-        statements += finding_statements(diagnosis["findings"])
+        statements += [finding.statement for finding in diagnosis.findings]
     # After many losses of the beam these are more lines than a small screen has.
     return [*statements, *left_out_statements(result)]
 
 
-def residual_text(result: Result, diagnosis: dict[str, Any] | None) -> str:
+def residual_text(result: Result, diagnosis: DiagnosisDocument | None) -> str:
     """Return the outliers in a numbered list; before a diagnosis the scatter of each reflector."""
     if result.residuals is None:
         return "the result file holds no residuals"
     left_out = [f"left out: {text}" for text in result.fit.rejected]
     if diagnosis is None:
         return "\n".join([*_scatter(result), "d: diagnosis, marks the outliers", *left_out])
-    outliers = diagnosis["outliers"]
-    limit = f"limit {outliers['limit']:.1f}"
-    if not outliers["distances"]:
+    outliers = diagnosis.outliers.distances
+    limit = f"limit {diagnosis.outliers.limit:.1f}"
+    if not outliers:
         none = f"✓ no outlier: no studentised residual beyond the {limit}"
         return "\n".join([none, *_scatter(result), *left_out])
-    lines = [f"{len(outliers['distances'])} outliers: residual, studentised residual ({limit})"]
+    lines = [f"{len(outliers)} outliers: residual, studentised residual ({limit})"]
     lines += [
-        f"{place:>2}  {one['residual_um']:>+8.1f} µm {one['external']:>+6.1f}  {one['what']}"
-        for place, one in enumerate(outliers["distances"], 1)
+        f"{place:>2}  {_signed(one.residual_um, 8)} µm {_signed(one.external, 6)}  {one.what}"
+        for place, one in enumerate(outliers, 1)
     ]
     return "\n".join([*lines, *left_out])
+
+
+def _signed(value: float | None, width: int) -> str:
+    return number(value, fixed(1, signed=True), "-").rjust(width)
 
 
 def _scatter(result: Result) -> list[str]:
@@ -126,15 +131,15 @@ def _rms(values: "np.ndarray[Any, np.dtype[np.float64]]") -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def path_text(facts: dict[str, Any]) -> str:
+def path_text(found: ValidationDocument) -> str:
     """Return a validation in a few lines."""
-    lines = [f"{facts['compared']} of {facts['rows']} rows compared"]
-    for model in facts["models"]:
-        leaves = f"leaves {model['rms_um']:>6.1f} µm rms (2-D), largest {model['max_um']:.1f} µm"
-        lines.append(f"{model['title']:<20} {leaves}, expected {model['expected_um']:.1f} µm")
-    if facts["ratio"] is not None:
-        lines.append(f"ratio {facts['ratio']:.3f}")
-    return "\n".join([*lines, *facts["verdict"], *(f"left out: {text}" for text in facts["left_out"])])
+    lines = [f"{found.compared} of {found.rows} rows compared"]
+    for model in found.models:
+        leaves = f"leaves {model.rms_um:>6.1f} µm rms (2-D), largest {model.max_um:.1f} µm"
+        lines.append(f"{model.title:<20} {leaves}, expected {model.expected_um:.1f} µm")
+    if found.ratio is not None:
+        lines.append(f"ratio {found.ratio:.3f}")
+    return "\n".join([*lines, *found.verdict, *(f"left out: {text}" for text in found.left_out)])
 
 
 def comparison_text(found: ResultComparison) -> str:

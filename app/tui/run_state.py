@@ -10,10 +10,10 @@ from catseye.drivers.roles.text import harmless_lines
 
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.
-    from catseye.app.protocol.events import (
-        AnyEvent,
+    from catseye.app.protocol.events import AnyEvent
+    from catseye.app.protocol.message import Event
+    from catseye.app.protocol.run_events import (
         DrivesLeft,
-        Event,
         FirstMotionShown,
         Happened,
         LiveData,
@@ -241,39 +241,39 @@ class RunState:
             event: of the engine.
             now_s: monotonic time of its arrival, s.
         """
-        from catseye.app.protocol import events
+        from catseye.app.protocol import run_events
 
         match event:
-            case events.LiveShown():
+            case run_events.LiveShown():
                 self._live(event.data, now_s)
-            case events.FirstMotionShown() | events.DrivesLeft() | events.Happened():
+            case run_events.FirstMotionShown() | run_events.DrivesLeft() | run_events.Happened():
                 self._happened(event)
-            case events.StateChanged():
+            case run_events.StateChanged():
                 self.state, self.reason = event.state, event.reason
                 self._note(event, "info", f"{event.state}: {event.reason}" if event.reason else event.state)
-            case events.StepStarted():
+            case run_events.StepStarted():
                 # Begun anew it stands at the end again.
                 self.steps.pop(event.step, None)
                 self.steps[event.step] = Step(event.step, event.title, "current")
-            case events.StepDone():
+            case run_events.StepDone():
                 step = self.steps.setdefault(event.step, Step(event.step, event.title, "current"))
                 step.status, step.stored = "done", event.stored
-            case events.PointMeasured():
+            case run_events.PointMeasured():
                 self.points_seen += 1
-            case events.Progressed():
+            case run_events.Progressed():
                 self.progress = event
-            case events.PromptAsked():
+            case run_events.PromptAsked():
                 self.prompt, self.prompt_at_s = event, now_s
-            case events.PromptAnswered():
+            case run_events.PromptAnswered():
                 self.prompt = None
                 self._note(event, "info", f"{event.id}: {event.answer} ({event.who})")
-            case events.WarningTold():
+            case run_events.WarningIssued():
                 if event.data.simulated:
                     self.simulated = True
                 self._note(event, "warning", event.text)
-            case events.ErrorTold():
+            case run_events.ErrorReported():
                 self._note(event, "error", event.text)
-            case events.RunEnded():
+            case run_events.RunEnded():
                 self._ended(event)
 
     def _live(self, data: "LiveData", now_s: float) -> None:
@@ -292,8 +292,8 @@ class RunState:
         if event.kind in NOT_LOGGED:
             return
         # The first screen is painted before this is imported.
+        from catseye.app.results.runs.event_text import event_text
         from catseye.app.store.reader import StoredEvent
-        from catseye.app.story.words import event_text
 
         text = event_text(StoredEvent(0, event.t, event.kind, data))
         if text:

@@ -6,11 +6,21 @@ import os
 import shlex
 import signal
 import sys
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+
+from catseye.app.protocol.channel import EVENTS_FD
+
+if TYPE_CHECKING:
+    # The first screen is painted before these are imported.
+    from pydantic import BaseModel
+
+    from catseye.app.protocol.commands import CommandEvent
+
+Written = TypeVar("Written", bound="BaseModel")
 
 _LONGEST_LINE = 64 * 1024 * 1024
 _END_S = 5.0
@@ -25,12 +35,14 @@ class Done:
         code: exit code, as docs and `catseye` have them.
         out: data that it wrote.
         talk: what it said to people.
+        events: what it reported, in order.
     """
 
     arguments: tuple[str, ...]
     code: int
     out: str
     talk: str
+    events: "tuple[CommandEvent, ...]" = ()
 
     @property
     def line(self) -> str:
@@ -39,11 +51,26 @@ class Done:
 
     @property
     def fault(self) -> str:
-        """What it said last; empty when all is well."""
+        """Why it failed; empty when all is well."""
+        from catseye.app.protocol.commands import CommandFailed
+
         if self.code == 0:
             return ""
-        lines = [line for line in self.talk.strip().splitlines() if line.strip()]
-        return lines[-1].removeprefix("catseye: ") if lines else f"it ended with code {self.code}"
+        reported = [event.text for event in self.events if isinstance(event, CommandFailed)]
+        # A process that was killed, or did not understand its arguments, reports nothing.
+        lines = reported or [line for line in self.talk.splitlines() if line.strip()]
+        return lines[-1] if lines else f"it ended with code {self.code}"
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The warnings that it reported."""
+        from catseye.app.protocol.commands import CommandWarning
+
+        return tuple(event.text for event in self.events if isinstance(event, CommandWarning))
+
+    def document(self, kind: type[Written]) -> Written:
+        """Return the JSON that it wrote, as the class from which it was written."""
+        return kind.model_validate_json(self.out)
 
     def data(self) -> Any:
         """Return the JSON that it wrote: one value, or a list when it wrote several lines."""
@@ -54,37 +81,36 @@ class Done:
 class Work(Protocol):
     """Runs commands."""
 
-    async def do(self, *arguments: str | Path, talk: Callable[[str], None] | None = None) -> Done:
-        """Run a command to its end; `talk` is given what it says as it says it. Cancelling ends the command."""
+    async def do(self, *arguments: str | Path, heard: "Callable[[CommandEvent], None] | None" = None) -> Done:
+        """Run a command to its end; cancelling ends the command.
+
+        Args:
+            arguments: of the command.
+            heard: called with each event that the command reports.
+        """
         ...
 
 
 class Commands:
     """Implements `Work` with processes."""
 
-    async def do(self, *arguments: str | Path, talk: Callable[[str], None] | None = None) -> Done:
+    async def do(self, *arguments: str | Path, heard: "Callable[[CommandEvent], None] | None" = None) -> Done:
         """Run a command to its end; cancelling ends the command."""
         words = tuple(str(argument) for argument in arguments)
-        process = await asyncio.create_subprocess_exec(
-            sys.executable,
-            "-P",
-            "-m",
-            "catseye",
-            *words,
-            stdin=asyncio.subprocess.DEVNULL,
-            stdout=asyncio.subprocess.PIPE,
-            stderr=asyncio.subprocess.PIPE,
-            start_new_session=True,
-            limit=_LONGEST_LINE,
-            env={**os.environ, "NO_COLOR": "1"},
-        )
-        try:
-            out, said = await asyncio.gather(_all(process.stdout, None), _all(process.stderr, talk))
-            code = await process.wait()
-        finally:
-            if process.returncode is None:
-                await _end(process)
-        return Done(words, code, out, said)
+        async with _pipe() as (reported, writing):
+            try:
+                process = await _started(words, writing)
+            finally:
+                os.close(writing)
+            try:
+                events, out, talk = await asyncio.gather(
+                    _events(reported, heard), _all(process.stdout), _all(process.stderr)
+                )
+                code = await process.wait()
+            finally:
+                if process.returncode is None:
+                    await _end(process)
+        return Done(words, code, out, talk, events)
 
 
 def command_line(arguments: tuple[str, ...]) -> str:
@@ -92,15 +118,57 @@ def command_line(arguments: tuple[str, ...]) -> str:
     return shlex.join(("catseye", *arguments))
 
 
-async def _all(stream: asyncio.StreamReader | None, heard: Callable[[str], None] | None) -> str:
-    if stream is None:
-        return ""
-    parts: list[bytes] = []
-    while chunk := await stream.read(65536):
-        parts.append(chunk)
-        if heard is not None:
-            heard(chunk.decode(errors="replace"))
-    return b"".join(parts).decode(errors="replace")
+async def _started(words: tuple[str, ...], writing: int) -> asyncio.subprocess.Process:
+    """Start a command that reports on a descriptor."""
+    return await asyncio.create_subprocess_exec(
+        sys.executable,
+        "-P",
+        "-m",
+        "catseye",
+        *words,
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.PIPE,
+        start_new_session=True,
+        limit=_LONGEST_LINE,
+        pass_fds=[writing],
+        env={**os.environ, "NO_COLOR": "1", EVENTS_FD: str(writing)},
+    )
+
+
+@asynccontextmanager
+async def _pipe() -> AsyncIterator[tuple[asyncio.StreamReader, int]]:
+    """Open a pipe: a stream that ends with the context, and the descriptor to write to, which the caller closes."""
+    reading, writing = os.pipe()
+    stream = asyncio.StreamReader(limit=_LONGEST_LINE)
+    transport, _ = await asyncio.get_running_loop().connect_read_pipe(
+        lambda: asyncio.StreamReaderProtocol(stream), os.fdopen(reading, "rb", 0)
+    )
+    try:
+        yield stream, writing
+    finally:
+        transport.close()
+
+
+async def _events(
+    stream: asyncio.StreamReader, heard: "Callable[[CommandEvent], None] | None"
+) -> "tuple[CommandEvent, ...]":
+    """Return what a command reports; passes on each event as it comes."""
+    from catseye.app.protocol.commands import command_event_of
+    from catseye.app.protocol.message import MessageError, decode_object
+
+    events: list[CommandEvent] = []
+    while line := await stream.readline():
+        # A command of a newer version may report more.
+        with suppress(MessageError):
+            events.append(event := command_event_of(decode_object(line)))
+            if heard is not None:
+                heard(event)
+    return tuple(events)
+
+
+async def _all(stream: asyncio.StreamReader | None) -> str:
+    return "" if stream is None else (await stream.read()).decode(errors="replace")
 
 
 async def _end(process: asyncio.subprocess.Process) -> None:

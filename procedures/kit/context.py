@@ -9,12 +9,7 @@ from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.live import Live
-
-Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
-"""Anything that JSON can carry."""
-
-Row = Mapping[str, Json]
-"""One record: names with units, plain values."""
+from catseye.procedures.kit.records import Json, Row
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import math
 
-from catseye.procedures.kit.context import Row
+from catseye.procedures.kit.records import Row
 
 
 def integer(value: object) -> int:

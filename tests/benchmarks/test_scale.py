@@ -12,8 +12,8 @@ import numpy as np
 from scipy import linalg, sparse
 from scipy.optimize import least_squares
 
-from catseye.app.files.points_blocks import points_blocks
-from catseye.app.files.spooled_points import RECORD
+from catseye.app.results.scara.points_blocks import points_blocks
+from catseye.app.results.scara.spooled_points import RECORD
 from catseye.calibration.core.least_squares import factorise
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.distance_model import distance_model
@@ -30,7 +30,7 @@ FRESH = """
 import json, sys, time
 import numpy as np
 from tests.unit.calibration.scara.scans.scan import NOMINAL_REFLECTORS, arm
-from catseye.app.files.spooled_points import SpooledPoints
+from catseye.app.results.scara.spooled_points import SpooledPoints
 from catseye.calibration.scara.scans.scan_identification import identify_scan
 
 file, rows, names, paths = sys.argv[1], int(sys.argv[2]), *map(json.loads, sys.argv[3:5])

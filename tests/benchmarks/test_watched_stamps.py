@@ -22,8 +22,9 @@ import pytest
 
 from catseye.app.engine.waiting import cancel
 from catseye.app.protocol.answers import Opened
-from catseye.app.protocol.events import PointMeasured, RunEnded, StepStarted, encode_event
+from catseye.app.protocol.events import encode_event
 from catseye.app.protocol.requests import Start, Watch
+from catseye.app.protocol.run_events import PointMeasured, RunEnded, StepStarted
 from catseye.app.service.client import EngineClient, connect
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.mailbox import Mailbox

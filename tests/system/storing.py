@@ -13,7 +13,8 @@ from pathlib import Path
 from catseye.app.errors import StorageError
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.clock import SystemClock
-from catseye.procedures.kit.context import Row, Table
+from catseye.procedures.kit.context import Table
+from catseye.procedures.kit.records import Row
 
 ROWS = 3
 ROW: tuple[Table, Row] = ("search", {"reflector": "P1", "theta1_deg": 1.0, "theta2_deg": 2.0})

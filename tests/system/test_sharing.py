@@ -39,14 +39,14 @@ CONNECTING = """
 import sys
 from catseye.app.cluster import machines
 from catseye.app.cluster.sharing import sharing
-from catseye.app.cli.failure import tell
+from catseye.app.cli.failure import write_failure
 
 machines._CONNECT_S /= 5  # a fifth of the time that it gives a scheduler shows as well that it is bounded
 try:
     with sharing(1, sys.argv[1]):
         pass
 except Exception as error:
-    sys.exit(tell(error))
+    sys.exit(write_failure(error))
 """
 
 

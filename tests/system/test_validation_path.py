@@ -14,7 +14,7 @@ from catseye.calibration.core.fit_statistics import FitStatistics
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.layout import Layout, ModelName
-from catseye.procedures.kit.context import Row
+from catseye.procedures.kit.records import Row
 from tests.system.command import SPEED, Emulated, catseye, emulated
 
 NODES1, NODES2 = [-150.0, -75.0, 0.0, 75.0, 150.0], [-20.0, 40.0, 100.0, 144.0]

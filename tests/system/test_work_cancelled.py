@@ -26,7 +26,9 @@ async def test_cancelling_ends_the_process(tmp_path: Path) -> None:
     """A demonstration in real time takes hours; it says within seconds that it has begun."""
     said = asyncio.Event()
     out = tmp_path / "demo"
-    work = asyncio.create_task(Commands().do("demo", "--out", out, "--speed", "1", talk=lambda _: said.set()))
+    work = asyncio.create_task(
+        Commands().do("demo", "--out", out, "--speed", "1", heard=lambda _: said.set())
+    )
     async with asyncio.timeout(HANG_S):
         await said.wait()
         assert processes_with(str(out))
@@ -43,7 +45,9 @@ async def test_a_command_interrupted_from_outside_ends_with_its_code(tmp_path: P
     """SIGINT to the command itself: exit code 130, as the command line documents it."""
     said = asyncio.Event()
     out = tmp_path / "demo"
-    work = asyncio.create_task(Commands().do("demo", "--out", out, "--speed", "1", talk=lambda _: said.set()))
+    work = asyncio.create_task(
+        Commands().do("demo", "--out", out, "--speed", "1", heard=lambda _: said.set())
+    )
     async with asyncio.timeout(HANG_S):
         await said.wait()
         process = await asyncio.create_subprocess_exec("pkill", "-INT", "-f", f"demo --out {out}")

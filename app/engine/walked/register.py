@@ -17,7 +17,7 @@ from catseye.app.store.seal import read_manifest
 from catseye.app.store.verify import verify
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 
 WALK: Final = "walk"
 """Name of the procedure that a walk is stored as, and of what its record says about it."""

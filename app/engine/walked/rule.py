@@ -12,7 +12,8 @@ from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.context import Json, Prompt
+from catseye.procedures.kit.context import Prompt
+from catseye.procedures.kit.records import Json
 
 WAIVER: Final = "walk_waiver"
 """What a run calls it in its record."""

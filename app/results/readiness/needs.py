@@ -11,7 +11,7 @@ from catseye.app.protocol.procedures import Runnable
 from catseye.app.results.numbers import age_text
 from catseye.app.results.readiness.cell_runs import CellRun, CellRuns
 from catseye.app.results.readiness.need import Need
-from catseye.app.store.aim import find_aim
+from catseye.app.store.basis import find_aim
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import ProcedureError
 from catseye.procedures.kit.needs import After

@@ -7,9 +7,9 @@ from typing import Literal
 import numpy as np
 
 from catseye.app.errors import UsageError
-from catseye.app.files.identified_arm import arm_of, unverified_texts
-from catseye.app.files.result_json import Estimate, MapTable, Result
 from catseye.app.results.numbers import EXPANDED, MDEG_PER_RAD
+from catseye.app.results.scara.identified_arm import arm_of, unverified_texts
+from catseye.app.results.scara.result import Estimate, MapTable, Result
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.error_map import interpolate
 from catseye.calibration.scara.identification import IdentifiedArm

@@ -1,46 +1,91 @@
 """A comparison of two results as JSON."""
 
-from typing import Any
+from pathlib import Path
 
-from catseye.app.results.scara.comparison import Difference, MapDifference, ResultComparison
+from catseye.app.results.document import Document, Stated
+from catseye.app.results.scara.comparison import MapDifference, ResultComparison
 from catseye.app.results.scara.comparison_report import comparison_statement
 
 
-def comparison_document(found: ResultComparison) -> dict[str, Any]:
+class DifferencePart(Document):
+    """A value of both results.
+
+    Attributes:
+        u: combined standard uncertainty of the difference.
+        normalised: the difference in units of it.
+    """
+
+    name: str
+    unit: str
+    first: float
+    second: float
+    difference: float
+    u: float
+    normalised: float | None
+
+
+class DirectionPart(Document):
+    """The maps of both results from one direction of approach, a value a node."""
+
+    first_mdeg: list[float]
+    second_mdeg: list[float]
+    difference_mdeg: list[float]
+    u_mdeg: list[float]
+    normalised: list[Stated]
+
+
+class MapDifferencePart(Document):
+    """The maps of a joint."""
+
+    joint: int
+    node_deg: list[float]
+    positive: DirectionPart
+    negative: DirectionPart
+
+
+class ComparisonDocument(Document):
+    """Everything that a comparison of two result files found."""
+
+    first: str
+    second: str
+    values: list[DifferencePart]
+    maps: list[MapDifferencePart]
+    reflectors: list[DifferencePart]
+    turn_mdeg: float
+    within_2u: int
+    compared: int
+    remarks: list[str]
+    verdict: str
+
+
+def comparison_document(found: ResultComparison, first: Path, second: Path) -> ComparisonDocument:
     """Return a comparison as plain values; what is not stated is null."""
     within, count = found.within
-    return {
-        "values": [_difference(one) for one in found.values],
-        "maps": [_map(one) for one in found.maps],
-        "reflectors": [_difference(one) for one in found.reflectors],
-        "turn_mdeg": found.turn_mdeg,
-        "within_2u": within,
-        "compared": count,
-        "remarks": list(found.remarks),
-        "verdict": comparison_statement(found).text,
-    }
+    return ComparisonDocument(
+        first=str(first),
+        second=str(second),
+        values=[DifferencePart.model_validate(one) for one in found.values],
+        maps=[_map(one) for one in found.maps],
+        reflectors=[DifferencePart.model_validate(one) for one in found.reflectors],
+        turn_mdeg=found.turn_mdeg,
+        within_2u=within,
+        compared=count,
+        remarks=list(found.remarks),
+        verdict=comparison_statement(found).text,
+    )
 
 
-def _difference(one: Difference) -> dict[str, Any]:
-    return {
-        "name": one.name,
-        "unit": one.unit,
-        "first": one.first,
-        "second": one.second,
-        "difference": one.difference,
-        "u": one.u,
-        "normalised": one.normalised,
-    }
-
-
-def _map(one: MapDifference) -> dict[str, Any]:
-    columns: dict[str, Any] = {"joint": one.joint, "node_deg": one.node_deg.tolist()}
-    for row, direction in enumerate(("positive", "negative")):
-        columns[direction] = {
-            "first_mdeg": one.first_mdeg[row].tolist(),
-            "second_mdeg": one.second_mdeg[row].tolist(),
-            "difference_mdeg": one.difference_mdeg[row].tolist(),
-            "u_mdeg": one.u_mdeg[row].tolist(),
-            "normalised": [None if x != x else x for x in one.normalised[row].tolist()],
-        }
-    return columns
+def _map(one: MapDifference) -> MapDifferencePart:
+    positive, negative = (
+        DirectionPart(
+            first_mdeg=one.first_mdeg[row].tolist(),
+            second_mdeg=one.second_mdeg[row].tolist(),
+            difference_mdeg=one.difference_mdeg[row].tolist(),
+            u_mdeg=one.u_mdeg[row].tolist(),
+            normalised=one.normalised[row].tolist(),
+        )
+        for row in (0, 1)
+    )
+    return MapDifferencePart(
+        joint=one.joint, node_deg=one.node_deg.tolist(), positive=positive, negative=negative
+    )

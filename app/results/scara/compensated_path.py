@@ -8,8 +8,8 @@ import numpy as np
 
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.csv_text import csv_text
-from catseye.app.files.path_csv import PLACE
 from catseye.app.results.scara.compensation import STEP_DEG, CompensatedPath
+from catseye.app.results.scara.path_csv import PLACE
 
 FORMAT = "catseye-compensation/1"
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.app.errors import LimitError
-from catseye.app.files.path_csv import CommandPath, directions_of
+from catseye.app.results.scara.path_csv import CommandPath, directions_of
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.scara.compensation import Compensation, compensate
 from catseye.calibration.scara.identification import IdentifiedArm

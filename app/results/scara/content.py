@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from catseye.app.cell.model import Cell
-from catseye.app.files.result_json import Result
 from catseye.app.results.runs.records import DeviceRecord, EnvironmentSummary, RunRecord
 from catseye.app.results.scara.distance_validation import DistanceValidation
+from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.truth_tables import TruthTables
 from catseye.app.results.scara.validation import PathValidation
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis

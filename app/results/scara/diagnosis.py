@@ -7,9 +7,9 @@ from typing import Literal
 import numpy as np
 from scipy import special
 
-from catseye.app.files.result_json import term_unit
 from catseye.app.results.scara.distances import DistanceSource
 from catseye.app.results.scara.identify import problem_of_rows
+from catseye.app.results.scara.result import term_unit
 from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
 from catseye.calibration.scara.diagnostics.nested_models import ComparedModel

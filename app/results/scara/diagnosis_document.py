@@ -1,211 +1,406 @@
 """A diagnosis as JSON."""
 
-import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
+from typing import Final, Literal
 
 import numpy as np
 
-from catseye.app.results.figure_document import figures_json
+from catseye.app.results.document import Document, Stated
+from catseye.app.results.figure_document import FigureParts
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.app.results.scara.diagnosis import coefficients, outlier_limit, outlying
 from catseye.app.results.scara.diagnosis_findings import distance_text, findings
 from catseye.app.results.scara.figures.diagnosis import diagnosis_figures
-from catseye.calibration.core.cross_validation import CrossValidation
+from catseye.calibration.core.cross_validation import CrossValidation, Fold
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
-from catseye.calibration.scara.diagnostics.harmonics import HarmonicSeries
+from catseye.calibration.scara.diagnostics.harmonics import Harmonic, HarmonicSeries
 from catseye.calibration.scara.diagnostics.joint_angles import AnglePattern
 from catseye.calibration.scara.diagnostics.nested_models import ComparedModel
 from catseye.calibration.scara.diagnostics.node_spacing import Grid, NodeSpacing
 
-_KINDS = {Sign.GOOD: "good", Sign.BAD: "bad", Sign.NEUTRAL: "note", Sign.ATTENTION: "note"}
+FindingKind = Literal["good", "bad", "note"]
+
+_KINDS: Final[dict[Sign, FindingKind]] = {
+    Sign.GOOD: "good",
+    Sign.BAD: "bad",
+    Sign.NEUTRAL: "note",
+    Sign.ATTENTION: "note",
+}
+_SIGNS: Final[dict[FindingKind, Sign]] = {"good": Sign.GOOD, "bad": Sign.BAD, "note": Sign.NEUTRAL}
 
 
-def finding_statements(found: Sequence[Mapping[str, str]]) -> list[Statement]:
-    """Return the findings of a diagnosis that was written as JSON."""
-    signs = {"good": Sign.GOOD, "bad": Sign.BAD, "note": Sign.NEUTRAL}
-    return [Statement(signs[one["kind"]], one["text"]) for one in found]
+class DiagnosisFinding(Document):
+    """A sentence that speaks for or against the fit, or neither."""
+
+    kind: FindingKind
+    text: str
+
+    @property
+    def statement(self) -> Statement:
+        """The sentence with its sign."""
+        return Statement(_SIGNS[self.kind], self.text)
 
 
-def diagnosis_json(diagnosis: Diagnosis, names: Sequence[str]) -> dict[str, Any]:
-    """Return a diagnosis as plain values; what is not a number is null.
+class DiagnosedFit(Document):
+    """The error map that was diagnosed."""
+
+    n_points: int
+    n_parameters: int
+    rms_um: Stated
+    chi2_reduced: Stated
+    chi2_expected: Stated
+    rejected: list[str]
+
+
+class ModelTerm(Document):
+    """A coefficient of a model beyond the maps."""
+
+    name: str
+    unit: Literal["mdeg", "um"]
+    value: Stated
+    u: Stated
+
+
+class ModelPart(Document):
+    """A model, compared with the one that it extends.
+
+    Attributes:
+        base: the model that it extends; None for the smallest.
+        refused: why it cannot be identified; None where it can.
+    """
+
+    name: str
+    base: str | None
+    refused: str | None
+    n_parameters: int
+    rms_um: Stated
+    aicc: Stated
+    bic: Stated
+    explained_um: Stated
+    f_ratio: Stated
+    probability: float
+    probability_stated: float
+    significant: bool
+    explained_by_stated: bool
+    terms: list[ModelTerm]
+
+
+class Outlier(Document):
+    """A distance that stands out.
+
+    Attributes:
+        row: its number, from 1.
+        what: which distance it is.
+        internal: studentised residual.
+        external: the same, with the scatter of the other distances.
+    """
+
+    row: int
+    what: str
+    residual_um: Stated
+    internal: Stated
+    external: Stated
+    leverage: Stated
+    cook: Stated
+
+
+class InfluentialDistance(Document):
+    """The distance without which the fit would change most."""
+
+    row: int
+    what: str
+    cook: Stated
+
+
+class Outliers(Document):
+    """Distances beyond the limit of the studentised residual, the farthest first."""
+
+    limit: float
+    distances: list[Outlier]
+    largest_leverage: Stated
+    most_influential: InfluentialDistance
+
+
+class ChangePart(Document):
+    """A drift or a jump."""
+
+    kind: str
+    reflector: str
+    segment: int
+    row: int
+    within: int
+    size_um: Stated
+    u_um: Stated
+    probability: float
+    significant: bool
+
+
+class PatternPart(Document):
+    """Residuals against the angle of a joint."""
+
+    joint: int
+    angle_deg: list[float]
+    mean_um: list[float]
+    count: list[int]
+    explained_um: Stated
+    f_ratio: Stated
+    probability: float
+    probability_stated: float
+
+
+class HarmonicPart(Document):
+    """A periodic deviation of one order."""
+
+    order: int
+    aliases: list[int]
+    amplitude: float
+    u: float
+    explained_um: float
+    false_alarm_probability: float
+    false_alarm_probability_stated: float
+
+
+class HarmonicsPart(Document):
+    """Periodic deviations of one quantity over one angle."""
+
+    target: str
+    source: str
+    unit: Literal["mdeg", "um"]
+    absorbed_orders: list[int]
+    orders: list[HarmonicPart]
+
+
+class FoldPart(Document):
+    """What was left out in turn, and how well the rest predicts it."""
+
+    name: str
+    distances: int
+    identified: bool
+    predicted_um: Stated
+    in_sample_um: Stated
+    expected_um: Stated
+    probability: float
+
+
+class CrossValidationPart(Document):
+    """A cross-validation."""
+
+    left_out: str
+    predicted_um: Stated
+    in_sample_um: Stated
+    expected_um: Stated
+    folds: list[FoldPart]
+
+
+class GridPart(Document):
+    """A grid of nodes."""
+
+    name: str
+    refused: str | None
+    n_parameters: int
+    rms_um: Stated
+    aicc: Stated
+    bic: Stated
+    predicted_um: Stated
+
+
+class NodesPart(Document):
+    """How far apart the nodes may be."""
+
+    commands_between_nodes_of_j1: bool
+    commands_between_nodes_of_j2: bool
+    best_aicc: str
+    best_bic: str
+    best_prediction: str | None
+    grids: list[GridPart]
+
+
+class DiagnosisDocument(Document):
+    """Everything that speaks for or against a fit.
+
+    Attributes:
+        sources: names of the runs or of the points file.
+    """
+
+    sources: list[str]
+    findings: list[DiagnosisFinding]
+    fit: DiagnosedFit
+    models: list[ModelPart]
+    outliers: Outliers
+    changes: list[ChangePart]
+    patterns: list[PatternPart]
+    harmonics: list[HarmonicsPart]
+    cross_validation: list[CrossValidationPart]
+    nodes: NodesPart
+    figures: FigureParts
+
+
+def diagnosis_document(diagnosis: Diagnosis, names: Sequence[str]) -> DiagnosisDocument:
+    """Return a diagnosis as plain values.
 
     Args:
         diagnosis: what was found.
         names: of the runs or of the points file.
     """
+    validations = (diagnosis.reflectors, diagnosis.sweeps, diagnosis.segments)
+    return DiagnosisDocument(
+        sources=list(names),
+        findings=[DiagnosisFinding(kind=_KINDS[one.sign], text=one.text) for one in findings(diagnosis)],
+        fit=_fit(diagnosis),
+        models=[_model(one) for one in diagnosis.models],
+        outliers=_outliers(diagnosis),
+        changes=[ChangePart.model_validate(one) for one in diagnosis.changes],
+        patterns=[_pattern(one) for one in diagnosis.patterns],
+        harmonics=[_series(one) for one in diagnosis.harmonics],
+        cross_validation=[_validation(one) for one in validations if one],
+        nodes=_nodes(diagnosis.nodes),
+        figures=tuple(diagnosis_figures(diagnosis)),
+    )
+
+
+def _fit(diagnosis: Diagnosis) -> DiagnosedFit:
     fit = diagnosis.identified.fit
-    return {
-        "sources": list(names),
-        "findings": [{"kind": _KINDS[one.sign], "text": one.text} for one in findings(diagnosis)],
-        "fit": {
-            "n_points": fit.n_points,
-            "n_parameters": fit.n_parameters,
-            "rms_um": _number(fit.rms_um),
-            "chi2_reduced": _number(fit.chi2_reduced),
-            "chi2_expected": _number(fit.chi2_expected),
-            "rejected": diagnosis.identified.rejected,
-        },
-        "models": [_model(one) for one in diagnosis.models],
-        "outliers": _outliers(diagnosis),
-        "changes": [
-            {
-                "kind": one.kind,
-                "reflector": one.reflector,
-                "segment": one.segment,
-                "row": one.row,
-                "within": one.within,
-                "size_um": _number(one.size_um),
-                "u_um": _number(one.u_um),
-                "probability": one.probability,
-                "significant": one.significant,
-            }
-            for one in diagnosis.changes
-        ],
-        "patterns": [_pattern(one) for one in diagnosis.patterns],
-        "harmonics": [_series(one) for one in diagnosis.harmonics],
-        "cross_validation": [
-            _validation(one) for one in (diagnosis.reflectors, diagnosis.sweeps, diagnosis.segments) if one
-        ],
-        "nodes": _nodes(diagnosis.nodes),
-        "figures": figures_json(diagnosis_figures(diagnosis)),
-    }
+    return DiagnosedFit(
+        n_points=fit.n_points,
+        n_parameters=fit.n_parameters,
+        rms_um=fit.rms_um,
+        chi2_reduced=fit.chi2_reduced,
+        chi2_expected=fit.chi2_expected,
+        rejected=diagnosis.identified.rejected,
+    )
 
 
-def _number(value: float | None) -> float | None:
-    return None if value is None or not math.isfinite(value) else float(value)
-
-
-def _model(one: ComparedModel) -> dict[str, Any]:
-    return {
-        "name": one.name,
-        "base": one.base,
-        "refused": one.refused or None,
-        "n_parameters": one.free,
-        "rms_um": _number(one.rms_um),
-        "aicc": _number(one.aicc),
-        "bic": _number(one.bic),
-        "explained_um": _number(one.explained_um),
-        "f_ratio": _number(one.ratio),
-        "probability": one.probability,
-        "probability_stated": one.probability_stated,
-        "significant": one.significant,
-        "explained_by_stated": one.significant and one.explained,
-        "terms": [
-            {
-                "name": term.name,
-                "unit": "mdeg" if term.unit == "mdeg" else "um",
-                "value": _number(term.value),
-                "u": _number(term.u),
-            }
+def _model(one: ComparedModel) -> ModelPart:
+    return ModelPart(
+        name=one.name,
+        base=one.base,
+        refused=one.refused or None,
+        n_parameters=one.free,
+        rms_um=one.rms_um,
+        aicc=one.aicc,
+        bic=one.bic,
+        explained_um=one.explained_um,
+        f_ratio=one.ratio,
+        probability=one.probability,
+        probability_stated=one.probability_stated,
+        significant=one.significant,
+        explained_by_stated=one.significant and one.explained,
+        terms=[
+            ModelTerm(
+                name=term.name, unit="mdeg" if term.unit == "mdeg" else "um", value=term.value, u=term.u
+            )
             for term in coefficients(one)
         ],
-    }
+    )
 
 
-def _outliers(diagnosis: Diagnosis) -> dict[str, Any]:
-    residuals, identified = diagnosis.residuals, diagnosis.identified
+def _outliers(diagnosis: Diagnosis) -> Outliers:
+    residuals = diagnosis.residuals
     influential = int(np.argmax(np.nan_to_num(residuals.cook)))
-    return {
-        "limit": outlier_limit(diagnosis),
-        "distances": [
-            {
-                "row": row + 1,
-                "what": distance_text(diagnosis, row),
-                "residual_um": _number(1e3 * float(identified.residuals_mm[row])),
-                "internal": _number(float(residuals.internal[row])),
-                "external": _number(float(residuals.external[row])),
-                "leverage": _number(float(residuals.leverage[row])),
-                "cook": _number(float(residuals.cook[row])),
-            }
-            for row in outlying(diagnosis)
-        ],
-        "largest_leverage": _number(float(residuals.leverage.max())),
-        "most_influential": {
-            "row": influential + 1,
-            "what": distance_text(diagnosis, influential),
-            "cook": _number(float(residuals.cook[influential])),
-        },
-    }
+    return Outliers(
+        limit=outlier_limit(diagnosis),
+        distances=[_outlier(diagnosis, row) for row in outlying(diagnosis)],
+        largest_leverage=float(residuals.leverage.max()),
+        most_influential=InfluentialDistance(
+            row=influential + 1,
+            what=distance_text(diagnosis, influential),
+            cook=float(residuals.cook[influential]),
+        ),
+    )
 
 
-def _pattern(one: AnglePattern) -> dict[str, Any]:
-    return {
-        "joint": one.joint,
-        "angle_deg": np.round(one.angle_deg, 6).tolist(),
-        "mean_um": np.round(one.mean_um, 4).tolist(),
-        "count": one.count.tolist(),
-        "explained_um": _number(one.explained_um),
-        "f_ratio": _number(one.ratio),
-        "probability": one.probability,
-        "probability_stated": one.probability_stated,
-    }
+def _outlier(diagnosis: Diagnosis, row: int) -> Outlier:
+    residuals = diagnosis.residuals
+    return Outlier(
+        row=row + 1,
+        what=distance_text(diagnosis, row),
+        residual_um=1e3 * float(diagnosis.identified.residuals_mm[row]),
+        internal=float(residuals.internal[row]),
+        external=float(residuals.external[row]),
+        leverage=float(residuals.leverage[row]),
+        cook=float(residuals.cook[row]),
+    )
 
 
-def _series(one: HarmonicSeries) -> dict[str, Any]:
+def _pattern(one: AnglePattern) -> PatternPart:
+    return PatternPart(
+        joint=one.joint,
+        angle_deg=np.round(one.angle_deg, 6).tolist(),
+        mean_um=np.round(one.mean_um, 4).tolist(),
+        count=one.count.tolist(),
+        explained_um=one.explained_um,
+        f_ratio=one.ratio,
+        probability=one.probability,
+        probability_stated=one.probability_stated,
+    )
+
+
+def _series(one: HarmonicSeries) -> HarmonicsPart:
     length = one.target == "length"
     factor = 1e3 if length else MDEG_PER_RAD
-    return {
-        "target": one.target,
-        "source": one.source,
-        "unit": "um" if length else "mdeg",
-        "absorbed_orders": list(one.absorbed),
-        "orders": [
-            {
-                "order": harmonic.order,
-                "aliases": list(harmonic.aliases),
-                "amplitude": factor * harmonic.amplitude,
-                "u": factor * harmonic.u,
-                "explained_um": harmonic.explained_um,
-                "false_alarm_probability": harmonic.probability,
-                "false_alarm_probability_stated": harmonic.probability_stated,
-            }
-            for harmonic in one.harmonics
-        ],
-    }
+    return HarmonicsPart(
+        target=one.target,
+        source=one.source,
+        unit="um" if length else "mdeg",
+        absorbed_orders=list(one.absorbed),
+        orders=[_harmonic(harmonic, factor) for harmonic in one.harmonics],
+    )
 
 
-def _validation(one: CrossValidation) -> dict[str, Any]:
-    return {
-        "left_out": one.way,
-        "predicted_um": _number(one.predicted_um),
-        "in_sample_um": _number(one.in_sample_um),
-        "expected_um": _number(one.expected_um),
-        "folds": [
-            {
-                "name": fold.name,
-                "distances": fold.rows,
-                "identified": fold.identified,
-                "predicted_um": _number(fold.predicted_um),
-                "in_sample_um": _number(fold.in_sample_um),
-                "expected_um": _number(fold.expected_um),
-                "probability": fold.probability,
-            }
-            for fold in one.folds
-        ],
-    }
+def _harmonic(one: Harmonic, factor: float) -> HarmonicPart:
+    return HarmonicPart(
+        order=one.order,
+        aliases=list(one.aliases),
+        amplitude=factor * one.amplitude,
+        u=factor * one.u,
+        explained_um=one.explained_um,
+        false_alarm_probability=one.probability,
+        false_alarm_probability_stated=one.probability_stated,
+    )
 
 
-def _nodes(nodes: NodeSpacing) -> dict[str, Any]:
+def _validation(one: CrossValidation) -> CrossValidationPart:
+    return CrossValidationPart(
+        left_out=one.way,
+        predicted_um=one.predicted_um,
+        in_sample_um=one.in_sample_um,
+        expected_um=one.expected_um,
+        folds=[_fold(fold) for fold in one.folds],
+    )
+
+
+def _fold(one: Fold) -> FoldPart:
+    return FoldPart(
+        name=one.name,
+        distances=one.rows,
+        identified=one.identified,
+        predicted_um=one.predicted_um,
+        in_sample_um=one.in_sample_um,
+        expected_um=one.expected_um,
+        probability=one.probability,
+    )
+
+
+def _nodes(nodes: NodeSpacing) -> NodesPart:
     best = nodes.by_prediction
-    return {
-        "commands_between_nodes_of_j1": nodes.between1,
-        "commands_between_nodes_of_j2": nodes.between2,
-        "best_aicc": nodes.by_aicc.name,
-        "best_bic": nodes.by_bic.name,
-        "best_prediction": None if best is None else best.name,
-        "grids": [_grid(one) for one in nodes.grids],
-    }
+    return NodesPart(
+        commands_between_nodes_of_j1=nodes.between1,
+        commands_between_nodes_of_j2=nodes.between2,
+        best_aicc=nodes.by_aicc.name,
+        best_bic=nodes.by_bic.name,
+        best_prediction=None if best is None else best.name,
+        grids=[_grid(one) for one in nodes.grids],
+    )
 
 
-def _grid(one: Grid) -> dict[str, Any]:
-    return {
-        "name": one.name,
-        "refused": one.refused or None,
-        "n_parameters": one.free,
-        "rms_um": _number(one.rms_um),
-        "aicc": _number(one.aicc),
-        "bic": _number(one.bic),
-        "predicted_um": _number(one.predicted_um),
-    }
+def _grid(one: Grid) -> GridPart:
+    return GridPart(
+        name=one.name,
+        refused=one.refused or None,
+        n_parameters=one.free,
+        rms_um=one.rms_um,
+        aicc=one.aicc,
+        bic=one.bic,
+        predicted_um=one.predicted_um,
+    )

@@ -6,9 +6,9 @@ from pathlib import Path
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.errors import UsageError
-from catseye.app.files.points_csv import PointRow, read_points_csv, to_points
 from catseye.app.results.scara.distance_unit import require_millimetres
 from catseye.app.results.scara.identify import bench_of_runs, cell_of_run, error_budget, run_rows
+from catseye.app.results.scara.points import PointRow, read_points_csv, to_points
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader, accept
 from catseye.app.store.runs_folder import runs_folder
@@ -61,7 +61,7 @@ def load_distances(
     root = runs_folder(runs)
     readers = [RunReader(resolve_run(root, text), accept(unverified=unverified)) for text in run]
     warnings = [
-        f"warning: {reader.path.name} is {reader.status}; identifying from what it holds"
+        f"{reader.path.name} is {reader.status}; identifying from what it holds"
         for reader in readers
         if reader.status != "complete"
     ]

@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from catseye.app.errors import UsageError
-from catseye.app.files.points_csv import PointRow, points_csv
-from catseye.app.files.result_json import Result, read_result
 from catseye.app.files.tabular import Row, table_csv
 from catseye.app.results.scara.identify import cell_of_run, run_rows
 from catseye.app.results.scara.path_rows import holds_distances
+from catseye.app.results.scara.points import PointRow, points_csv
+from catseye.app.results.scara.result import Result, read_result
 from catseye.app.results.scara.values import result_values
 from catseye.app.store.reader import RunReader
 

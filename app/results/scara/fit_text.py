@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 
-from catseye.app.files.result_json import Fit, LackOfFitPart, MapTable, Result
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import (
     OF_UNIT,
@@ -17,6 +16,7 @@ from catseye.app.results.numbers import (
 )
 from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.app.results.scara.residuals import reference
+from catseye.app.results.scara.result import Fit, LackOfFitPart, MapTable, Result
 from catseye.app.results.scara.reversal import reversal_mdeg
 from catseye.app.results.scara.robust import robust_text
 from catseye.calibration.core.significance import SIGNIFICANCE

@@ -1,9 +1,9 @@
 """What an identification says at its end."""
 
-from catseye.app.files.result_json import Result
 from catseye.app.results.model import Report, Sign, Statement, section
 from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.fit_text import fit_statements, left_out_statements
+from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.uncertainty import uncertainty_statements
 from catseye.app.results.scara.values import parameter_table
 

@@ -12,9 +12,9 @@ from pydantic import ValidationError
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import RECORD, Cell
 from catseye.app.errors import UsageError
-from catseye.app.files.points_csv import PointRow, to_points
-from catseye.app.files.result_json import Result, result_of
-from catseye.app.store.aim import find_aim
+from catseye.app.results.scara.points import PointRow, to_points
+from catseye.app.results.scara.result import Result, result_of
+from catseye.app.store.basis import find_aim
 from catseye.app.store.reader import RunReader
 from catseye.app.store.software import SOFTWARE
 from catseye.calibration.scara.budget import Budget

@@ -1,9 +1,9 @@
 """What a whole job on an emulated bench ends with: the truth beside what was identified, and what models leave."""
 
-from catseye.app.files.result_json import Fit
 from catseye.app.results.model import Column, Quantity, Report, Sign, Statement, Table, section
 from catseye.app.results.numbers import OF_UNIT, fixed
 from catseye.app.results.origin import origin_now
+from catseye.app.results.scara.result import Fit
 from catseye.app.results.scara.truth import TruthComparison
 from catseye.app.results.scara.validation import PathValidation
 from catseye.app.results.scara.validation_report import comparison_table

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.app.files.identified_arm import nominal_of
-from catseye.app.files.result_json import Residuals, Result
+from catseye.app.results.scara.identified_arm import nominal_of
+from catseye.app.results.scara.result import Residuals, Result
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.planar import forward
 from catseye.calibration.scara.pointing import visible

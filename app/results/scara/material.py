@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from statistics import fmean
 
 from catseye.app.cell.model import Material as MaterialSection
-from catseye.app.files.result_json import Estimate, Result
 from catseye.app.results.scara.identify import cell_of_run
+from catseye.app.results.scara.result import Estimate, Result
 from catseye.app.store.reader import RunReader
 from catseye.calibration.standards.expansion import Material, at_reference
 

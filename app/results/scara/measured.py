@@ -7,7 +7,7 @@ import numpy as np
 
 from catseye.app.errors import UsageError
 from catseye.app.files.measured_csv import read_measured_csv
-from catseye.app.files.path_csv import cartesian_commands, require_reach
+from catseye.app.results.scara.path_csv import cartesian_commands, require_reach
 from catseye.app.results.scara.path_start import against_start, start_text
 from catseye.app.results.scara.validation import FEWEST_ROWS, TAKE_UP_DEG, PathMeasurement, established_rows
 from catseye.calibration.core.types import Floats, Ints

@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from catseye.app.errors import UsageError
-from catseye.app.files.result_json import Result
 from catseye.app.results.scara.distance_validation import DistanceValidation, validate_on_distances
 from catseye.app.results.scara.identify import (
     MODELS,
@@ -19,6 +18,7 @@ from catseye.app.results.scara.identify import (
 from catseye.app.results.scara.material import with_reference_links
 from catseye.app.results.scara.mirrored import mirrored_text
 from catseye.app.results.scara.path_rows import distance_path, holds_distances, path_measurement
+from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.validation import PathValidation, validate_on_path
 from catseye.app.store.catalog import list_runs
 from catseye.app.store.reader import Accept, RunReader

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from catseye.app.files.path_csv import STANDS_STILL_RAD
+from catseye.app.results.scara.path_csv import STANDS_STILL_RAD
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.scara.points import Commands
 

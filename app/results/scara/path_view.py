@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.app.files.result_json import MapTable, Result
 from catseye.app.results.numbers import PLAIN, number
 from catseye.app.results.scara.names import MODEL_TITLES
+from catseye.app.results.scara.result import MapTable, Result
 from catseye.app.results.scara.validation import ModelOnPath, PathMeasurement, PathValidation
 from catseye.calibration.core.types import Bools, Floats
 

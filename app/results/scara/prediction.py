@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.app.errors import MeasurementRejectedError
-from catseye.app.files.identified_arm import arm_of, arm_remarks, nominal_of
-from catseye.app.files.path_csv import CommandPath
-from catseye.app.files.result_json import Result
 from catseye.app.results.numbers import counted
+from catseye.app.results.scara.identified_arm import arm_of, arm_remarks, nominal_of
+from catseye.app.results.scara.path_csv import CommandPath
 from catseye.app.results.scara.path_range import lines_text, outside_text
 from catseye.app.results.scara.path_start import start_text
+from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.validation import TAKE_UP_DEG, established_rows
 from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.prediction import Prediction, predict

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.app.files.result_json import Fit, Residuals
+from catseye.app.results.scara.result import Fit, Residuals
 from catseye.calibration.core.types import Floats
 
 

@@ -3,8 +3,6 @@
 import math
 from collections.abc import Sequence
 
-from catseye.app.files.identified_arm import nominal_of
-from catseye.app.files.result_json import Estimate, LackOfFitPart, MapTable, Result
 from catseye.app.results.figures import Figure
 from catseye.app.results.model import (
     Block,
@@ -31,8 +29,10 @@ from catseye.app.results.numbers import (
 from catseye.app.results.scara.figures.maps import map_figure
 from catseye.app.results.scara.figures.residuals import residual_figure, residual_order_figure
 from catseye.app.results.scara.fit_text import fit_statement
+from catseye.app.results.scara.identified_arm import nominal_of
 from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.app.results.scara.residuals import reference
+from catseye.app.results.scara.result import Estimate, LackOfFitPart, MapTable, Result
 from catseye.app.results.scara.reversal import reversal_mdeg, u_reversal_mdeg
 from catseye.app.results.scara.truth_tables import TruthMap, TruthTables, normalised
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from catseye.app.files.result_json import MapTable, Result
 from catseye.app.results.numbers import MDEG_PER_RAD
+from catseye.app.results.scara.result import MapTable, Result
 
 
 def reversal_mdeg(table: MapTable) -> list[float]:

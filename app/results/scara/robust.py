@@ -1,6 +1,6 @@
 """Identification with a robust loss, or without the distances that cannot belong to the others."""
 
-from catseye.app.files.result_json import RobustPart
+from catseye.app.results.scara.result import RobustPart
 from catseye.calibration.core.contributions import Contributions
 from catseye.calibration.core.robust import Loss
 from catseye.calibration.scara.diagnostics.problem import Problem

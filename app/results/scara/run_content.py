@@ -12,7 +12,6 @@ import numpy as np
 
 from catseye.app.cell.model import Cell
 from catseye.app.files.documents import LARGEST_RESULT_BYTES, read_document
-from catseye.app.files.result_json import Result, read_result
 from catseye.app.results.origin import now_utc
 from catseye.app.results.runs.records import DeviceRecord, EnvironmentSummary, RunRecord, Spread
 from catseye.app.results.scara.content import ReportContent
@@ -31,11 +30,12 @@ from catseye.app.results.scara.identify import (
 from catseye.app.results.scara.material import with_reference_links
 from catseye.app.results.scara.path_of_run import compare_path
 from catseye.app.results.scara.path_rows import holds_distances
+from catseye.app.results.scara.result import Result, read_result
 from catseye.app.results.scara.truth import gauge_turn_rad, turned_places
 from catseye.app.results.scara.truth_tables import TruthMap, TruthTables
 from catseye.app.results.scara.uncertainty import by_jacobian
 from catseye.app.results.scara.validation import PathValidation
-from catseye.app.store.aim import search_result
+from catseye.app.store.basis import search_result
 from catseye.app.store.reader import RunReader
 from catseye.app.store.seal import read_manifest
 from catseye.app.store.software import SOFTWARE

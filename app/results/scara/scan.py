@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from catseye.app.files.result_json import Result
-from catseye.app.files.scan_part import scan_part
-from catseye.app.files.spooled_points import spooled_points
 from catseye.app.results.scara.distance_unit import require_millimetres
 from catseye.app.results.scara.identify import identified_result
+from catseye.app.results.scara.result import Result
+from catseye.app.results.scara.scan_part import scan_part
+from catseye.app.results.scara.spooled_points import spooled_points
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.layout import ModelName
 from catseye.calibration.scara.scans.scan_identification import identify_scan

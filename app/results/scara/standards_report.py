@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from catseye.app.files.identified_arm import arm_of
-from catseye.app.files.result_json import Result
 from catseye.app.results.model import Column, Paragraph, Section, Table, section
 from catseye.app.results.numbers import PLAIN, decimals_for, fixed, number
+from catseye.app.results.scara.identified_arm import arm_of
 from catseye.app.results.scara.joint_maps import ARCSEC_PER_MDEG, JointMap, joint_maps
+from catseye.app.results.scara.result import Result
 
 
 def standards_section(result: Result | None) -> Section:

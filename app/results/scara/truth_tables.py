@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.app.files.result_json import Estimate, MapTable, Result
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import EXPANDED, SHARE_EXPECTED, fixed, number
 from catseye.app.results.scara.names import node_name
+from catseye.app.results.scara.result import Estimate, MapTable, Result
 from catseye.calibration.core.types import Floats
 
 

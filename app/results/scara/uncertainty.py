@@ -8,8 +8,10 @@ import numpy as np
 
 from catseye.app.cluster.share import Share
 from catseye.app.errors import UsageError
-from catseye.app.files.result_json import term_unit
-from catseye.app.files.uncertainty_part import (
+from catseye.app.results.model import Sign, Statement
+from catseye.app.results.numbers import MDEG_PER_RAD
+from catseye.app.results.scara.result import term_unit
+from catseye.app.results.uncertainty_part import (
     ContributionRow,
     ContributionTable,
     CorrelationPair,
@@ -18,8 +20,6 @@ from catseye.app.files.uncertainty_part import (
     UncertaintyPart,
     ValidationRow,
 )
-from catseye.app.results.model import Sign, Statement
-from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.calibration.core.contributions import Contributions
 from catseye.calibration.core.coverage import (
     Interval,

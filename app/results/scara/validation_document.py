@@ -1,12 +1,11 @@
 """A validation as numbers, for machines."""
 
-import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
-from catseye.app.results.figure_document import figures_json
+from catseye.app.results.document import Document, Stated
+from catseye.app.results.figure_document import FigureParts
 from catseye.app.results.figures import Figure
 from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.app.results.scara.path_view import model_title, path_axis, there
@@ -15,10 +14,129 @@ from catseye.app.results.scara.validation_of_files import FileValidation
 from catseye.app.results.scara.validation_text import agreement_text
 
 
-def validation_facts(
+class Fitted(Document):
+    """A parameter of an alignment, with its standard uncertainty."""
+
+    value: float
+    u: float
+
+
+class AlignmentPart(Document):
+    """How the measurement is laid onto the predictions of a model."""
+
+    rotation_mdeg: Fitted
+    shift_x_mm: Fitted
+    shift_y_mm: Fitted
+
+
+class ModelOnPathPart(Document):
+    """What a model leaves on the path.
+
+    Attributes:
+        max_line: line of the measured file where it leaves most.
+        ratio: of its 2-D rms to that of the first model.
+        share_explained: of the mean square that the stated uncertainties explain.
+        within_2u: share of the rows.
+    """
+
+    model: str
+    title: str
+    alignment: AlignmentPart
+    rms_x_um: float
+    rms_y_um: float
+    rms_um: float
+    max_um: float
+    max_line: int
+    ratio: float
+    median_u_um: float
+    expected_um: float
+    share_explained: Stated
+    within_2u: Stated
+    probability: float
+
+
+class JointQuantityPart(Document):
+    """A quantity after ISO 230-2 of a map of the result."""
+
+    joint: int
+    symbol: str
+    name: str
+    value_mdeg: float
+    u_mdeg: float
+    excess_mdeg: float
+
+
+class RepeatedPosePart(Document):
+    """A pose that was attained several times, after ISO 9283."""
+
+    theta1_deg: float
+    theta2_deg: float
+    direction1: int
+    direction2: int
+    n: int
+    ap_um: float
+    rp_um: float
+    ap_to_model_um: Stated
+
+
+class DeviationPart(Document):
+    """A deviation along the path: as it was measured, and as each model predicts it."""
+
+    symbol: str
+    what: str
+    measured_um: list[float]
+    predicted_um: list[list[float]]
+
+
+class PathPart(Document):
+    """The compared rows along the path.
+
+    The measurement is aligned to the last model; the predictions of another one are in that frame too, so that
+    measured minus predicted is what this model leaves after its own alignment.
+
+    Attributes:
+        axis: label of the axis along the path.
+        line: of each row, in the measured file.
+        way_there: the row belongs to the way there, and not back.
+        models: titles, as in `predicted_um` of the deviations.
+    """
+
+    axis: str
+    axis_mm: list[float]
+    line: list[int]
+    way_there: list[bool]
+    models: list[str]
+    deviations: list[DeviationPart]
+
+
+class ValidationDocument(Document):
+    """Everything that a validation found.
+
+    Attributes:
+        left_out: sentences about rows that are not compared.
+        limit_um: 2-D rms that may be left.
+        verdict: a sentence for each model.
+    """
+
+    rows: int
+    compared: int
+    left_out: list[str]
+    warnings: list[str]
+    models: list[ModelOnPathPart]
+    ratio: float | None
+    limit_um: float | None
+    within_limit: bool | None
+    iso230_2: list[JointQuantityPart]
+    iso9283: list[RepeatedPosePart]
+    path: PathPart
+    verdict: list[str]
+    figures: FigureParts
+
+
+def validation_document(
     found: FileValidation, limit_um: float | None, figures: Sequence[Figure]
-) -> dict[str, Any]:
-    """Return everything that a validation tells.
+) -> ValidationDocument:
+    """Return what a validation found as plain values.
 
     Args:
         found: what was compared.
@@ -27,110 +145,103 @@ def validation_facts(
     """
     validation = found.validation
     left_um = validation.models[-1].comparison.rms_2d_um
-    return {
-        "rows": int(validation.compared.size),
-        "compared": int(validation.compared.sum()),
-        "left_out": found.left_out,
-        "warnings": found.remarks,
-        "models": [model_facts(model, found) for model in validation.models],
-        "ratio": validation.ratio,
-        "limit_um": limit_um,
-        "within_limit": None if limit_um is None else left_um <= limit_um,
-        "iso230_2": [
-            {
-                "joint": one.joint,
-                "symbol": quantity.symbol,
-                "name": quantity.name,
-                "value_mdeg": quantity.value,
-                "u_mdeg": quantity.u,
-                "excess_mdeg": quantity.excess,
-            }
+    return ValidationDocument(
+        rows=int(validation.compared.size),
+        compared=int(validation.compared.sum()),
+        left_out=found.left_out,
+        warnings=found.remarks,
+        models=[_model(model, found) for model in validation.models],
+        ratio=validation.ratio,
+        limit_um=limit_um,
+        within_limit=None if limit_um is None else left_um <= limit_um,
+        iso230_2=[
+            JointQuantityPart(
+                joint=one.joint,
+                symbol=quantity.symbol,
+                name=quantity.name,
+                value_mdeg=quantity.value,
+                u_mdeg=quantity.u,
+                excess_mdeg=quantity.excess,
+            )
             for one in found.maps
             for quantity in one.quantities()
         ],
-        "iso9283": _repeat_facts(found),
-        "path": _path_facts(found),
-        "verdict": [agreement_text(model) for model in validation.models],
-        "figures": figures_json(figures),
-    }
+        iso9283=_repeats(found),
+        path=_path(found),
+        verdict=[agreement_text(model) for model in validation.models],
+        figures=tuple(figures),
+    )
 
 
-def model_facts(model: ModelOnPath, found: FileValidation) -> dict[str, Any]:
-    """Return what a validation tells about one of its models."""
+def _model(model: ModelOnPath, found: FileValidation) -> ModelOnPathPart:
     comparison, judged = model.comparison, model.agreement
     first_um = found.validation.models[0].comparison.rms_2d_um
     rms_x, rms_y = comparison.rms_um
-    shift = [
-        {"value": float(value), "u": float(u)}
-        for value, u in zip(comparison.transform.shift_mm, judged.u_shift_mm, strict=True)
-    ]
-    return {
-        "model": model.model,
-        "title": model_title(model),
-        "alignment": {
-            "rotation_mdeg": {
-                "value": MDEG_PER_RAD * comparison.transform.rotation_rad,
-                "u": MDEG_PER_RAD * judged.u_rotation_rad,
-            },
-            "shift_x_mm": shift[0],
-            "shift_y_mm": shift[1],
-        },
-        "rms_x_um": rms_x,
-        "rms_y_um": rms_y,
-        "rms_um": comparison.rms_2d_um,
-        "max_um": comparison.max_um,
-        "max_line": found.lines[comparison.worst],
-        "ratio": comparison.rms_2d_um / first_um if first_um > 0.0 else 1.0,
-        "median_u_um": model.median_u_um,
-        "expected_um": judged.expected_um,
-        "share_explained": judged.share if math.isfinite(judged.share) else None,
-        "within_2u": None if math.isnan(judged.within) else judged.within,
-        "probability": judged.probability,
-    }
+    return ModelOnPathPart(
+        model=model.model,
+        title=model_title(model),
+        alignment=_alignment(model),
+        rms_x_um=rms_x,
+        rms_y_um=rms_y,
+        rms_um=comparison.rms_2d_um,
+        max_um=comparison.max_um,
+        max_line=found.lines[comparison.worst],
+        ratio=comparison.rms_2d_um / first_um if first_um > 0.0 else 1.0,
+        median_u_um=model.median_u_um,
+        expected_um=judged.expected_um,
+        share_explained=judged.share,
+        within_2u=judged.within,
+        probability=judged.probability,
+    )
 
 
-def _path_facts(found: FileValidation) -> dict[str, Any]:
-    """Return the compared rows along the path: what was measured and what each model predicts.
+def _alignment(model: ModelOnPath) -> AlignmentPart:
+    transform, judged = model.comparison.transform, model.agreement
+    x, y = (
+        Fitted(value=float(value), u=float(u))
+        for value, u in zip(transform.shift_mm, judged.u_shift_mm, strict=True)
+    )
+    rotation = Fitted(value=MDEG_PER_RAD * transform.rotation_rad, u=MDEG_PER_RAD * judged.u_rotation_rad)
+    return AlignmentPart(rotation_mdeg=rotation, shift_x_mm=x, shift_y_mm=y)
 
-    The measurement is aligned to the last model; the predictions of another one are in that frame too, so that
-    measured minus predicted is what this model leaves after its own alignment.
-    """
+
+def _path(found: FileValidation) -> PathPart:
     validation = found.validation
     axis, rows = path_axis(validation.path), validation.compared
     measured_mm = validation.models[-1].comparison.measured_error_mm[rows]
     left_mm = [model.comparison.difference_mm[rows] for model in validation.models]
-    return {
-        "axis": axis.label,
-        "axis_mm": axis.values_mm[rows].tolist(),
-        "line": [line for line, compared in zip(found.lines, rows.tolist(), strict=True) if compared],
-        "way_there": there(validation.path)[rows].tolist(),
-        "models": [model_title(model) for model in validation.models],
-        "deviations": [
-            {
-                "symbol": symbol.replace("{", "").replace("}", ""),
-                "what": what,
-                "measured_um": (1e3 * measured_mm[:, component]).tolist(),
-                "predicted_um": [
+    return PathPart(
+        axis=axis.label,
+        axis_mm=axis.values_mm[rows].tolist(),
+        line=[line for line, compared in zip(found.lines, rows.tolist(), strict=True) if compared],
+        way_there=there(validation.path)[rows].tolist(),
+        models=[model_title(model) for model in validation.models],
+        deviations=[
+            DeviationPart(
+                symbol=symbol.replace("{", "").replace("}", ""),
+                what=what,
+                measured_um=(1e3 * measured_mm[:, component]).tolist(),
+                predicted_um=[
                     (1e3 * (measured_mm[:, component] - left[:, component])).tolist() for left in left_mm
                 ],
-            }
+            )
             for symbol, what, component in axis.deviations
         ],
-    }
+    )
 
 
-def _repeat_facts(found: FileValidation) -> list[dict[str, Any]]:
+def _repeats(found: FileValidation) -> list[RepeatedPosePart]:
     path, repeats = found.validation.path, found.repeats
     return [
-        {
-            "theta1_deg": float(np.rad2deg(path.commands.theta1_rad[row])),
-            "theta2_deg": float(np.rad2deg(path.commands.theta2_rad[row])),
-            "direction1": int(path.commands.direction1[row]),
-            "direction2": int(path.commands.direction2[row]),
-            "n": one.n,
-            "ap_um": 1e3 * one.accuracy,
-            "rp_um": 1e3 * one.repeatability,
-            "ap_to_model_um": None if math.isnan(off) else 1e3 * float(off),
-        }
+        RepeatedPosePart(
+            theta1_deg=float(np.rad2deg(path.commands.theta1_rad[row])),
+            theta2_deg=float(np.rad2deg(path.commands.theta2_rad[row])),
+            direction1=int(path.commands.direction1[row]),
+            direction2=int(path.commands.direction2[row]),
+            n=one.n,
+            ap_um=1e3 * one.accuracy,
+            rp_um=1e3 * one.repeatability,
+            ap_to_model_um=1e3 * float(off),
+        )
         for row, one, off in zip(repeats.rows, repeats.poses, repeats.model_mm, strict=True)
     ]

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from catseye.app.errors import UsageError
-from catseye.app.files.identified_arm import arm_of, arm_remarks, nominal_of
-from catseye.app.files.path_csv import start_states
-from catseye.app.files.result_json import Result, read_result
+from catseye.app.results.scara.identified_arm import arm_of, arm_remarks, nominal_of
 from catseye.app.results.scara.joint_maps import JointMap, joint_maps
 from catseye.app.results.scara.measured import measured_path
 from catseye.app.results.scara.mirrored import mirrored_text
+from catseye.app.results.scara.path_csv import start_states
 from catseye.app.results.scara.path_range import lines_text, outside_text
 from catseye.app.results.scara.repeated_poses import RepeatedPoses, repeated_poses
+from catseye.app.results.scara.result import Result, read_result
 from catseye.app.results.scara.validation import TAKE_UP_DEG, PathValidation, validate_on_path
 from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.planar import Hand

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from catseye.app.files.result_json import Result
 from catseye.app.results.model import Bullets, Cell, Column, Paragraph, Section, Table, section
 from catseye.app.results.numbers import COUNT, MDEG_PER_RAD, PERCENT, PROBABILITY, fixed, number
 from catseye.app.results.scara.circle_table import circle_blocks
@@ -13,6 +12,7 @@ from catseye.app.results.scara.figures.path import path_figure
 from catseye.app.results.scara.figures.trajectories import trajectory_figure
 from catseye.app.results.scara.path_view import Gap, PathAxis, gaps, model_title, path_axis
 from catseye.app.results.scara.repeat_table import repeat_blocks
+from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.validation import ModelOnPath, PathValidation
 from catseye.app.results.scara.validation_text import agreement_statement
 

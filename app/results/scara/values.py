@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from catseye.app.files.identified_arm import nominal_of
-from catseye.app.files.result_json import Estimate, MapTable, Result
 from catseye.app.results.model import Column, Quantity, Table
 from catseye.app.results.numbers import EXPANDED, OF_UNIT, fixed
+from catseye.app.results.scara.identified_arm import nominal_of
 from catseye.app.results.scara.names import node_name
+from catseye.app.results.scara.result import Estimate, MapTable, Result
 from catseye.calibration.scara.extension import Term
 
 Unit = Literal["mm", "mdeg", "µm"]

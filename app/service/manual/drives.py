@@ -9,7 +9,7 @@ from typing import Final, Protocol
 from catseye.app.engine.drives import leave_drives
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import CatseyeError
-from catseye.app.protocol.events import DrivesChanged, DrivesFields
+from catseye.app.protocol.engine_events import DrivesChanged, DrivesFields
 from catseye.app.service.manual.device_loan import Announce, DeviceSource
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError

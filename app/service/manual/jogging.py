@@ -16,8 +16,9 @@ from catseye.app.exitcode import ExitCode
 from catseye.app.guard.client import ArmGuard
 from catseye.app.protocol import answers
 from catseye.app.protocol.answers import Answer
-from catseye.app.protocol.events import Client, ErrorTold, JogChanged, WarningTold
+from catseye.app.protocol.engine_events import Client, JogChanged
 from catseye.app.protocol.requests import JogHold, JogMode, JogStep
+from catseye.app.protocol.run_events import ErrorReported, WarningIssued
 from catseye.app.service.errors import RefusedError, refusal_of
 from catseye.app.service.manual.device_loan import ManualBench
 from catseye.app.service.manual.jog_gate import JogGate
@@ -133,7 +134,7 @@ class Jogging:
         facts = await self._bench.facts()
         simulated = require_permission(self._identities(devices), facts.cell, self._request.arm)
         if not simulated and (text := unconfirmed_text(facts.bench.workspace.unconfirmed)):
-            self._bench.announce(WarningTold(text=text))
+            self._bench.announce(WarningIssued(text=text))
         door = None if devices.io is None else DoorWatch(devices.io, self._bench.clock, self._door_opened)
         self._gate = gate = JogGate(devices, facts, self._request.percent, door)
         async with nullcontext() if door is None else door.watching(self._unwatched):
@@ -169,7 +170,7 @@ class Jogging:
             return
         guard.on_stop = self.abort
         for text in await guard.hold("moved by hand", self._bench.folder, simulated=simulated):
-            self._bench.announce(WarningTold(text=text))
+            self._bench.announce(WarningIssued(text=text))
 
     def _door_opened(self, trouble: str) -> None:
         """Stop what moves; that ends the jog, and whoever goes on begins a new one."""
@@ -240,11 +241,11 @@ class Jogging:
         if error is not None and not self.begun.done():
             self.begun.set_exception(refusal_of(error))
         elif error is not None:
-            self._bench.announce(ErrorTold(text=text_of(error), exit_code=int(refusal_of(error).code)))
+            self._bench.announce(ErrorReported(text=text_of(error), exit_code=int(refusal_of(error).code)))
         if self._arm is not None:
             self._announce(None, self._reason, on=False)
         if self._left_lower:
-            self._bench.announce(WarningTold(text=self._left_lower))
+            self._bench.announce(WarningIssued(text=self._left_lower))
 
     def _note_lowered(self, before_percent: float, percent: float, cap_percent: float) -> None:
         """Have the end of the jog say that runs will be slow."""

@@ -12,8 +12,9 @@ from catseye.app.engine.instruments import stop_request
 from catseye.app.errors import InterruptedRunError, SafetyError, UsageError, exit_code_of
 from catseye.app.guard.raw import plain_connection, raw_connection, raw_guard
 from catseye.app.protocol.answers import Answer, LinkTaken
-from catseye.app.protocol.events import Client, RawChanged, WarningTold
+from catseye.app.protocol.engine_events import Client, RawChanged
 from catseye.app.protocol.requests import Raw
+from catseye.app.protocol.run_events import WarningIssued
 from catseye.app.service.errors import RefusedError, refusal_of
 from catseye.app.service.manual.device_loan import ManualBench
 from catseye.app.service.manual.raw_door import RawDoor, raw_door
@@ -175,7 +176,7 @@ class RawLink:
             record,
             self._bench.folder,
             simulated=self._simulated,
-            tell=lambda text: self._bench.announce(WarningTold(text=text)),
+            tell=lambda text: self._bench.announce(WarningIssued(text=text)),
         )
 
     def _announce(self, *, on: bool, reason: str | None = None) -> None:
@@ -221,7 +222,7 @@ class RawLink:
             if not report.standstill:
                 self.aborted = f"standstill of {self.device} is not confirmed: {report.text}"
         if self.aborted:
-            self._bench.announce(WarningTold(text=self.aborted))
+            self._bench.announce(WarningIssued(text=self.aborted))
 
 
 def _device(facts: BenchFacts, name: str) -> DeviceFacts:

@@ -22,12 +22,13 @@ from catseye.app.service.walk.feed import Feed, FeedLostError
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Context, Row
+from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import ArmMovedError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.body_speed import fastest_mm_s
 from catseye.procedures.kit.motion.motion_time import move_time_s
 from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.motion.entry import way_in
 
 MotionsFrom = Callable[[Pose], Awaitable[Sequence[Leg]]]

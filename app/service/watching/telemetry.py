@@ -11,7 +11,7 @@ from catseye.app.engine.devices import DeviceBuilder, Devices, WireRecorder
 from catseye.app.engine.handle import RunHandle
 from catseye.app.engine.waiting import cancel
 from catseye.app.protocol.bench import BenchStatus
-from catseye.app.protocol.events import BenchSeen, SamplesTaken, WirePassed
+from catseye.app.protocol.engine_events import BenchSeen, SamplesTaken, WirePassed
 from catseye.app.service.watching.bench_facts import BenchFacts
 from catseye.app.service.watching.bench_status import bench_status
 from catseye.app.service.watching.latest_values import LatestValues

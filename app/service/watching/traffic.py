@@ -3,7 +3,7 @@
 from collections import deque
 
 from catseye.app.protocol.bench import WireLine
-from catseye.app.protocol.events import WirePassed
+from catseye.app.protocol.engine_events import WirePassed
 from catseye.drivers.roles.clock import Clock
 
 MOST_LINES = 200

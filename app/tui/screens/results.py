@@ -1,7 +1,6 @@
 """The screen Results: one result seen in parts, and two compared."""
 
 import asyncio
-import json
 import shutil
 import tempfile
 from collections.abc import Iterable
@@ -9,7 +8,7 @@ from datetime import datetime
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from rich.text import Text
 from textual.app import ComposeResult, SystemCommand
@@ -34,8 +33,10 @@ from catseye.app.tui.work import Done
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
-    from catseye.app.files.result_files import ResultFile, ResultFiles
     from catseye.app.results.scara.comparison import ResultComparison
+    from catseye.app.results.scara.diagnosis_document import DiagnosisDocument
+    from catseye.app.results.scara.result_files import ResultFile, ResultFiles
+    from catseye.app.results.scara.validation_document import ValidationDocument
 
 _PARTS: Final = ("files", "maps", "values", "layout", "residuals", "fit", "path", "compare")
 _TITLES: Final = ("Files", "Maps", "Values", "Layout", "Residuals", "Fit", "Path", "Compare")
@@ -128,8 +129,8 @@ class ResultsScreen(WorkScreen):
         self._file: ResultFile | None = None
         self._other: ResultFile | None = None
         self._in_u = False
-        self._diagnoses: dict[_Version, dict[str, Any]] = {}
-        self._validations: dict[_Version, dict[str, Any]] = {}
+        self._diagnoses: dict[_Version, DiagnosisDocument] = {}
+        self._validations: dict[_Version, ValidationDocument] = {}
         self._comparison: ResultComparison | None = None
         self._scratch: Path | None = None
 
@@ -318,7 +319,9 @@ class ResultsScreen(WorkScreen):
         return []
 
     def _diagnosed(self, file: "ResultFile", done: Done) -> None:
-        self._diagnoses[_version(file)] = json.loads(done.out)
+        from catseye.app.results.scara.diagnosis_document import DiagnosisDocument
+
+        self._diagnoses[_version(file)] = done.document(DiagnosisDocument)
         self._show()
         self.notify(f"{file.path.name}: outliers at 5, findings at 6", title="diagnosed", markup=False)
 
@@ -364,7 +367,9 @@ class ResultsScreen(WorkScreen):
         )
 
     def _validated(self, file: "ResultFile", done: Done) -> None:
-        self._validations[_version(file)] = json.loads(done.out)
+        from catseye.app.results.scara.validation_document import ValidationDocument
+
+        self._validations[_version(file)] = done.document(ValidationDocument)
         self._show()
         if self._file is file:
             self.action_part(_PARTS.index("path"))
@@ -478,7 +483,7 @@ def _shelf(root: Path) -> "ResultFiles":
     # What shows a result is imported here, in a thread: it takes longer than a key may.
     for module in ("catseye.app.tui.result_texts", "catseye.app.tui.widgets.figure_drawing"):
         import_module(module)
-    from catseye.app.files.result_files import ResultFiles
+    from catseye.app.results.scara.result_files import ResultFiles
 
     return ResultFiles([root.absolute().parent, Path.cwd(), DEMO_FOLDER.absolute()])
 

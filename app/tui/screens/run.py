@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
-from typing import Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
@@ -30,6 +30,10 @@ from catseye.app.tui.widgets.run_log import RunLog
 from catseye.app.tui.widgets.run_plots import MapPlot, ResidualPlot
 from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.step_list import PlannedStep, StepList
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.commands import CommandEvent
 
 _PLOTS = ("residuals", "maps")
 
@@ -363,17 +367,17 @@ class RunScreen(MainScreen):
             self.catseye.order(request, "The run does not go on", control=True)
 
     async def _do(self, advice: Advice, wanted: Path) -> None:
-        """Run a command; what it says last is shown meanwhile."""
+        """Run a command; how far it is, is shown meanwhile."""
 
-        def hear(text: str) -> None:
-            said = [line for line in text.replace("\r", "\n").splitlines() if line.strip()]
-            self._doing = said[-1] if said else self._doing
+        def hear(event: "CommandEvent") -> None:
+            if event.kind == "progress":
+                self._doing = f"{event.title} {event.share:.0%}  {event.text}   Esc ends it"
 
         self._doing = f"{advice.kind} …  Esc ends it"
         file = await asyncio.to_thread(free_name, wanted)
         try:
             with self.session.at_work(advice.kind):
-                done = await self.session.work.do(*advice.command, "-o", file, talk=hear)
+                done = await self.session.work.do(*advice.command, "-o", file, heard=hear)
         finally:
             self._doing = ""
         if done.code:

@@ -305,9 +305,9 @@ class SetupScreen(WorkScreen):
         """Have a command check a cell file as anybody would, then go on with it."""
         done = await self.session.work.do("config", "validate", path)
         if done.code != 0:
-            self.catseye.show_error(f"{path} cannot be used", done.talk.strip().removeprefix("catseye: "))
+            self.catseye.show_error(f"{path} cannot be used", done.fault)
             return
-        warnings = [line for line in done.talk.splitlines() if line.startswith("warning: ")]
+        warnings = [f"warning: {text}" for text in done.warnings]
         self.notify("\n".join([str(path), *warnings]), title="this cell is used now", markup=False)
         use_cell(self.catseye, path)
         self.show_now()

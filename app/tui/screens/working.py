@@ -148,7 +148,7 @@ class WorkScreen(MainScreen):
         try:
             with self.session.at_work(title):
                 for words in filter(None, commands):
-                    ended = await self.session.work.do(*words, talk=line.hear)
+                    ended = await self.session.work.do(*words, heard=line.hear)
                     if ended.code:
                         break
         except asyncio.CancelledError:

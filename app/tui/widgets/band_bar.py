@@ -6,7 +6,7 @@ from catseye.procedures.kit.live import in_band
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
-    from catseye.app.protocol.events import LiveData
+    from catseye.app.protocol.run_events import LiveData
 
 _ROOM: Final = 0.35
 """Room on either side of a band, as a share of its width."""

@@ -14,7 +14,7 @@ from catseye.app.tui.widgets.status_bar import STALE_S, age_style
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
-    from catseye.app.protocol.events import LiveData
+    from catseye.app.protocol.run_events import LiveData
 
 _NUMBER_ROOM: Final = 28
 """Cells beside the bar: the number, and margins."""

@@ -1,6 +1,6 @@
 """The parts of a result that are drawn: maps, layout, residuals, path, comparison."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -12,8 +12,10 @@ from catseye.app.tui.widgets.static_text import StaticText
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
-    from catseye.app.files.result_json import Result
     from catseye.app.results.scara.comparison import ResultComparison
+    from catseye.app.results.scara.diagnosis_document import DiagnosisDocument
+    from catseye.app.results.scara.result import Result
+    from catseye.app.results.scara.validation_document import ValidationDocument
 
 
 class MapsPart(Vertical):
@@ -64,18 +66,17 @@ class ResidualsPart(Vertical):
         with VerticalScroll(id="outliers-text", classes="text short"):
             yield StaticText(id="outliers")
 
-    def show(self, result: "Result", diagnosis: dict[str, Any] | None) -> None:
+    def show(self, result: "Result", diagnosis: "DiagnosisDocument | None") -> None:
         """Show the residuals of a result.
 
         Args:
             result: whose residuals.
-            diagnosis: what `catseye diagnose --json` writes, its figures before the others; None before it.
+            diagnosis: of it, its figures before the others; None before it is made.
         """
-        from catseye.app.results.figure_document import figures_of
         from catseye.app.results.scara.result_report import residual_figures
         from catseye.app.tui.result_texts import residual_text
 
-        diagnosed = () if diagnosis is None else figures_of(diagnosis["figures"])
+        diagnosed = () if diagnosis is None else diagnosis.figures
         self.query_one(Figures).show(*diagnosed, *residual_figures(result))
         _write(self, "#outliers", residual_text(result, diagnosis))
 
@@ -89,18 +90,17 @@ class PathPart(Vertical):
         with VerticalScroll(id="validation-text", classes="text short"):
             yield StaticText(id="validation")
 
-    def show(self, facts: dict[str, Any] | None) -> None:
+    def show(self, found: "ValidationDocument | None") -> None:
         """Show a validation.
 
         Args:
-            facts: what `catseye validate --json` writes; None before it.
+            found: what a validation found; None before it.
         """
-        from catseye.app.results.figure_document import figures_of
         from catseye.app.tui.result_texts import path_text
 
-        self.query_one(Figures).show(*(() if facts is None else figures_of(facts["figures"])))
+        self.query_one(Figures).show(*(() if found is None else found.figures))
         how = "t: choose a run of a validation path, or a measured file"
-        _write(self, "#validation", how if facts is None else path_text(facts))
+        _write(self, "#validation", how if found is None else path_text(found))
 
 
 class ComparePart(Vertical):

@@ -12,7 +12,7 @@ from catseye.app.tui.widgets.inks import Line, painted
 
 if TYPE_CHECKING:
     # numpy and pydantic are not loaded before the first screen is painted.
-    from catseye.app.protocol.events import LiveData
+    from catseye.app.protocol.run_events import LiveData
     from catseye.app.tui.widgets.braille import Canvas, Floats
 
 INNOVATION: Final = "innovation"

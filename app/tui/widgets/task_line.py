@@ -1,13 +1,17 @@
 """One line about a command under way: bar, time left, and the key that ends it."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from textual.content import Content
 
 from catseye.app.results.numbers import duration_text
-from catseye.app.tui.command_progress import CommandProgress, ProgressReader
 from catseye.app.tui.widgets.progress_line import bar
 from catseye.app.tui.widgets.static_text import StaticText
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.protocol.commands import CommandEvent, CommandProgress
 
 _REFRESH_S = 0.5
 _SHORTEST_BAR = 8
@@ -31,7 +35,6 @@ class TaskLine(StaticText):
         self._now_s = now_s
         self._title = ""
         self._begun_s = 0.0
-        self._reader = ProgressReader()
         self._progress: CommandProgress | None = None
         self._progress_s = 0.0
 
@@ -42,15 +45,14 @@ class TaskLine(StaticText):
     def begin(self, title: str) -> None:
         """Show that something has begun."""
         self._title, self._begun_s = title, self._now_s()
-        self._reader, self._progress = ProgressReader(), None
+        self._progress = None
         self.add_class("busy")
         self._show()
 
-    def hear(self, piece: str) -> None:
-        """Take what the command says."""
-        progress = self._reader.take(piece)
-        if progress is not None:
-            self._progress, self._progress_s = progress, self._now_s()
+    def hear(self, event: "CommandEvent") -> None:
+        """Take what the command reports."""
+        if event.kind == "progress":
+            self._progress, self._progress_s = event, self._now_s()
             self._show()
 
     def ending(self) -> None:

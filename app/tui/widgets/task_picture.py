@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.

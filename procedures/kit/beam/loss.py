@@ -6,8 +6,9 @@ from typing import Literal
 
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.context import Context, Json, Prompt
+from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import BeamLostError
+from catseye.procedures.kit.records import Json
 
 Decision = Literal["again", "ask", "retry", "skip", "stop"]
 """What follows: another attempt by itself, a question, an attempt that somebody asked for, or neither."""

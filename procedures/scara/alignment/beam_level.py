@@ -10,11 +10,12 @@ from pydantic import BaseModel, ConfigDict, Field
 from catseye.calibration.scara.alignment import PitchFit, fit_pitch
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Context, Row
+from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError, PlanError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import way_refusal
 from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import numbers_of
 from catseye.procedures.scara.alignment.beam_to_j4 import named_reflectors
 from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw

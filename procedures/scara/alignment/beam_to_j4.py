@@ -14,7 +14,7 @@ from catseye.calibration.scara.alignment import OffsetFit, fit_offset
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.settled import settled_measurement
 from catseye.procedures.kit.bench import Bench, Reflector
-from catseye.procedures.kit.context import Context, Measurement, Row
+from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import (
     AlignmentError,
     BeamLostError,
@@ -25,6 +25,7 @@ from catseye.procedures.kit.errors import (
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import require_clear_way
 from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live

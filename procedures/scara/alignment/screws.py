@@ -7,9 +7,10 @@ from typing import Final, Literal
 
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, LossLog
-from catseye.procedures.kit.context import Context, Prompt, Row
+from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
 
 _ROUND_S: Final = 60.0

@@ -1,7 +1,8 @@
 """A measured point as a row."""
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.context import Json, Measurement, Row
+from catseye.procedures.kit.context import Measurement
+from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.scara.motion.approach import Command
 
 

@@ -4,10 +4,11 @@ import math
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 
-from catseye.procedures.kit.context import Context, Measurement, Prompt, Row
+from catseye.procedures.kit.context import Context, Measurement, Prompt
 from catseye.procedures.kit.errors import BeamLostError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.bench_time import BenchTime
+from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import integer, number_of
 from catseye.procedures.scara.beam.diagnosis import Loss
 from catseye.procedures.scara.following.follower import Follower

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catseye.calibration.scara.comparison import rigid_fit
-from catseye.procedures.kit.context import MeasuredPoint, Row
+from catseye.procedures.kit.context import MeasuredPoint
 from catseye.procedures.kit.errors import MeasuredFileError
+from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.path.tracked_path import PathPoint
 
 Floats = NDArray[np.float64]

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench, Reflector
-from catseye.procedures.kit.context import Context, Measurement, Row
+from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import PlanError
+from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.following.follower import Follower

@@ -9,9 +9,10 @@ from catseye.calibration.scara.planar import Hand
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Context, Prompt, Row
+from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import ArmMovedError, MeasuredFileError
 from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.before import ALIGNED
 from catseye.procedures.scara.motion.entry import way_in
 from catseye.procedures.scara.path.joint_rows import plan_joint_rows

@@ -6,8 +6,9 @@ import numpy as np
 
 from catseye.calibration.core.errors import CalibrationError, InsufficientPointsError
 from catseye.calibration.standards.repeatability import AlongBeam, InPlane, along_beam, in_plane
-from catseye.procedures.kit.context import Context, Json, Row
+from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.kit.stored import integer, number
 from catseye.procedures.scara.repeats.repeatability_plan import ReflectorCycles, RepeatabilityPlan
 

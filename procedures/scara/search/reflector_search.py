@@ -9,9 +9,10 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.calibration.scara.reflector_search import SearchResult
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Context, Json, Row
+from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import ReflectorNotFoundError
 from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.scara.before import ALIGNED
 from catseye.procedures.scara.search.search_plan import Jogging, SearchPlan, SearchPose, plan_search
 from catseye.procedures.scara.search.search_solution import FEWEST_SIGHTINGS, Assessment, assess, weakest

@@ -7,8 +7,9 @@ from statistics import median
 
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.loss import Cause, LossLog
-from catseye.procedures.kit.context import Context, Prompt, Row
+from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
 from catseye.procedures.scara.beam.nests import Nests

@@ -7,10 +7,11 @@ from typing import Annotated, ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Context, Json, Measurement, Row
+from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import NotWarmError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.kit.stored import integer
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.before import ALIGNED

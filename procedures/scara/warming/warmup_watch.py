@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.calibration.core.settling import DriftRate, drift_rate, settling
-from catseye.procedures.kit.context import Row
+from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import integer, number_of
 from catseye.procedures.scara.warming.warmup_plan import WarmupPlan
 

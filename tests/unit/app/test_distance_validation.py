@@ -18,7 +18,7 @@ from catseye.calibration.scara.extension import j4_map, thermal_drift
 from catseye.calibration.scara.identification import Identification, identify
 from catseye.calibration.scara.layout import ModelName
 from catseye.calibration.scara.points import Commands, Points
-from catseye.procedures.kit.context import Row
+from catseye.procedures.kit.records import Row
 from tests.unit.app.store.fakes import TickingClock
 from tests.unit.calibration.scara.paper import (
     NODES1_DEG,

@@ -11,11 +11,11 @@ import pytest
 from catseye.app.cli.export import export, form_of
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.measured_csv import read_measured_csv
-from catseye.app.files.points_csv import read_points_csv
-from catseye.app.files.result_json import TermEstimate, write_result
 from catseye.app.files.tabular import table_csv, table_parquet
 from catseye.app.results.scara.export import Export, result_export, result_rows, run_export
-from catseye.procedures.kit.context import Json, Row
+from catseye.app.results.scara.points import read_points_csv
+from catseye.app.results.scara.result import TermEstimate, write_result
+from catseye.procedures.kit.records import Json, Row
 from tests.unit.app.engine.fakes import point
 from tests.unit.app.results.scara import sample
 from tests.unit.app.test_path_comparison import distances, stored

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from catseye.app.files.points_csv import PointRow
 from catseye.app.results.scara.identify import identify_rows
+from catseye.app.results.scara.points import PointRow
 from catseye.app.results.scara.truth import compare_with_truth, gauge_turn_rad, turned_places
 from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
 from catseye.calibration.scara.errors import MapRangeError

@@ -11,7 +11,7 @@ from catseye.app.cell.template import TEMPLATE
 from catseye.app.results.scara.path_of_run import compare_path
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
-from catseye.procedures.kit.context import Json, Row
+from catseye.procedures.kit.records import Json, Row
 from tests.unit.app.engine.fakes import point
 from tests.unit.app.store.fakes import TickingClock
 from tests.unit.app.test_distance_validation import COUNT, TRUTH, commands, true_length, true_place

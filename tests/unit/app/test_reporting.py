@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.files.result_json import Result, read_result, write_result
 from catseye.app.render.page import write_page
 from catseye.app.results.scara.identify import are_simulated
+from catseye.app.results.scara.result import Result, read_result, write_result
 from catseye.app.results.scara.run_content import result_content, run_content
 from catseye.app.results.scara.run_report import run_report
 from tests.unit.app.render.page_reader import Page, read_page

@@ -12,7 +12,7 @@ from catseye.app.cli.compensate import compensate
 from catseye.app.cli.design import design
 from catseye.app.cli.export import export
 from catseye.app.cli.predict import predict
-from catseye.procedures.kit.context import Row
+from catseye.procedures.kit.records import Row
 from tests.unit.app.cli.arms import bare, estimate, stored, text_file
 from tests.unit.app.engine.fakes import point
 from tests.unit.app.files.spreadsheet import formulas

@@ -15,9 +15,10 @@ from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Arm, Bench, Optics, Reflector, Timing, Workspace
-from catseye.procedures.kit.context import Json, MeasuredPoint, Measurement, Prompt, Row, Table
+from catseye.procedures.kit.context import MeasuredPoint, Measurement, Prompt, Table
 from catseye.procedures.kit.errors import MeasuredFileError
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.records import Json, Row
 
 LINK1_MM, LINK2_MM = 325.0, 225.0
 NODES1_DEG = tuple(-140.0 + 20.0 * i for i in range(11))

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from catseye.calibration.scara.live_map import MapKnowledge
-from catseye.procedures.kit.context import Row
 from catseye.procedures.kit.errors import BeamLostError
+from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.open_loop.open_loop import OpenLoop
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, plan_open_loop
 from tests.unit.procedures.benches import bench, with_optics

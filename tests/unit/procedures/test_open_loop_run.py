@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from catseye.procedures.kit.context import Row
+from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.open_loop.open_loop import OpenLoop, OpenLoopParams
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, plan_open_loop
 from tests.unit.procedures.benches import PLACES, IdealContext, arm_xy, bench

@@ -9,8 +9,9 @@ from typing import Any
 import pytest
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.context import Prompt, Row
+from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import BeamLostError
+from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.beam.beam_geometry import look_around_deg
 from catseye.procedures.scara.beam.diagnosis import hidden
 from catseye.procedures.scara.open_loop.open_loop import OpenLoop

@@ -7,8 +7,8 @@ from functools import partial
 import pytest
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.context import Row
 from catseye.procedures.kit.errors import BeamLostError, PlanError, PlanLimitError
+from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.path.path_plan import PathPlan, plan_path
 from catseye.procedures.scara.path.validation_path import ValidationPath
 from tests.unit.procedures.benches import (

@@ -12,9 +12,10 @@ import pytest
 from catseye.calibration.scara.errors import OutOfReachError
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import MeasuredPoint, Prompt, Row, Table
+from catseye.procedures.kit.context import MeasuredPoint, Prompt, Table
 from catseye.procedures.kit.errors import ArmMovedError, MeasuredFileError, PlanError, PlanLimitError
 from catseye.procedures.kit.motion.motion_time import move_time_s
+from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.path.path_plan import PathPlan, plan_path, states_of_approach
 from catseye.procedures.scara.path.validation_path import PathParams, ValidationPath
 from tests.unit.procedures.benches import IdealContext, arm_xy, bench

@@ -7,7 +7,7 @@ import numpy as np
 from catseye.app.results.scara.design.design import Design, node_uncertainties
 from catseye.app.results.scara.design.layouts import Layout
 from catseye.app.results.scara.design.report import CRITERIA
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 
 
 def design_document(found: Design) -> dict[str, Json]:

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from catseye.app.files.result_json import MapTable, Result
 from catseye.app.results.figures import Axis, Figure, Level, Line, Mark, Panel, Points, Role
+from catseye.app.results.scara.result import MapTable, Result
 from catseye.app.results.scara.reversal import reversal_mdeg, u_reversal_mdeg
 from catseye.app.results.scara.truth_tables import TruthMap, TruthTables
 

@@ -5,7 +5,6 @@ from statistics import NormalDist
 
 import numpy as np
 
-from catseye.app.files.result_json import Residuals
 from catseye.app.results.figures import (
     Axis,
     Bars,
@@ -20,6 +19,7 @@ from catseye.app.results.figures import (
     Text,
 )
 from catseye.app.results.scara.residuals import PoseMeans, Reference, pose_means
+from catseye.app.results.scara.result import Residuals
 from catseye.calibration.core.types import Floats
 
 _LETTERS = "efghijklmn"

@@ -12,7 +12,7 @@ from catseye.app.cell.template import TEMPLATE
 from catseye.app.errors import ConfigError
 from catseye.app.results.scara.identify import cell_of_run
 from catseye.app.store.reader import RunReader
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 from tests.unit.procedures.benches import WORKSPACE
 
 BODY = """

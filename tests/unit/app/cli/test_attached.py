@@ -81,7 +81,7 @@ async def test_a_program_whose_reader_has_gone_ends_quietly(
         def gone(_value: object) -> None:
             raise ReaderGoneError("stdout is closed")
 
-        monkeypatch.setattr("catseye.app.cli.attached.emit_json", gone)
+        monkeypatch.setattr("catseye.app.cli.attached.write_json", gone)
         bench.publish("warning", text="anything")
         assert await task == ExitCode.READER_GONE
 

@@ -12,8 +12,8 @@ import pytest
 
 from catseye.app.cli.identify import identify
 from catseye.app.errors import UsageError
-from catseye.app.files.result_json import Fit, Result, read_result
 from catseye.app.results.scara.identification_report import identification_report
+from catseye.app.results.scara.result import Fit, Result, read_result
 from catseye.calibration.scara.points import Points
 from tests.unit.app.cli.distances import write_points
 from tests.unit.app.results.scara import sample

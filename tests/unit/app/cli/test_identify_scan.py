@@ -11,9 +11,9 @@ import pytest
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.cli.identify import identify
 from catseye.app.errors import UsageError
-from catseye.app.files.identified_arm import arm_of
-from catseye.app.files.result_json import Result, read_result
 from catseye.app.results.scara import scan as scan_identifying
+from catseye.app.results.scara.identified_arm import arm_of
+from catseye.app.results.scara.result import Result, read_result
 from catseye.calibration.scara.points import Points
 from tests.unit.calibration.scara.scans.scan import NAMES, arm, scan
 

@@ -8,15 +8,15 @@ import pytest
 from catseye.app.cli.narrator import Narrator
 from catseye.app.cli.output import table
 from catseye.app.cli.progress import ProgressBar
-from catseye.app.protocol.events import (
-    AnyEvent,
-    ErrorTold,
+from catseye.app.protocol.events import AnyEvent
+from catseye.app.protocol.run_events import (
+    ErrorReported,
     PointMeasured,
     Progressed,
     PromptAsked,
     RunEnded,
     StateChanged,
-    WarningTold,
+    WarningIssued,
 )
 from catseye.app.protocol.state import ControlState
 
@@ -78,8 +78,8 @@ def test_a_total_of_nothing_is_done(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_the_narrator_tells_people_on_stderr_only(capsys: pytest.CaptureFixture[str]) -> None:
     narrator = Narrator("job", as_json=False)
-    narrator.publish(WarningTold(text="the beam is weak"))
-    narrator.publish(ErrorTold(text="no link", exit_code=3))
+    narrator.publish(WarningIssued(text="the beam is weak"))
+    narrator.publish(ErrorReported(text="no link", exit_code=3))
     narrator.publish(PromptAsked(id="go", kind="confirm", text="Close the door"))
     narrator.publish(StateChanged(state=ControlState.ABORTED, reason="alarm"))
     narrator.publish(StateChanged(state=ControlState.EXECUTE, reason="started"))

@@ -6,7 +6,13 @@ import pytest
 
 from catseye.app.cli.narrator import Narrator
 from catseye.app.cli.question_line import live_text
-from catseye.app.protocol.events import LiveData, LiveShown, PromptAnswered, PromptAsked, WarningTold
+from catseye.app.protocol.run_events import (
+    LiveData,
+    LiveShown,
+    PromptAnswered,
+    PromptAsked,
+    WarningIssued,
+)
 from catseye.app.protocol.state import ControlState
 
 
@@ -89,7 +95,7 @@ def test_what_is_typed_stays_while_the_value_above_it_changes(capsys: pytest.Cap
         "offset 0.050 mm  [-0.1 … 0.1]  ok  turn the stage clockwise",
         "(the arm moves: type move, or no) > mo",
     ]
-    narrator.publish(WarningTold(text="the signal is weak"))
+    narrator.publish(WarningIssued(text="the signal is weak"))
     screen.write(capsys.readouterr().err + "move\n")
     narrator.entered()
     narrator.publish(PromptAnswered(id="stage/1", answer="yes", who="Ada"))

@@ -8,13 +8,14 @@ import pytest
 
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.cli.rehearsal import tell_rehearsal
+from catseye.app.cli.rehearsal import write_rehearsal
 from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.engine.gate import JointLimits
 from catseye.app.protocol.procedures import load_procedure
 from catseye.app.service.running import PlannedRun
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Prompt, Row
+from catseye.procedures.kit.context import Prompt
+from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
 from tests.unit.procedures.benches import bench
 
@@ -58,7 +59,7 @@ async def rehearsed(turn_deg: float = 0.02) -> DryRunContext:
 
 
 async def test_the_table_has_a_line_for_each_step(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    tell_rehearsal(planned(tmp_path), await rehearsed(), as_json=False)
+    write_rehearsal(planned(tmp_path), await rehearsed(), as_json=False)
     said = capsys.readouterr()
     head, _, near, away = said.out.splitlines()
     assert head.split("  ")[0] == "step"
@@ -75,7 +76,7 @@ async def test_the_table_has_a_line_for_each_step(tmp_path: Path, capsys: pytest
 
 
 async def test_data_have_the_same_figures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    tell_rehearsal(planned(tmp_path), await rehearsed(), as_json=True)
+    write_rehearsal(planned(tmp_path), await rehearsed(), as_json=True)
     told = json.loads(capsys.readouterr().out)
     near, away = told["steps"]
     assert (near["miss_mm"], told["miss_mm"]) == pytest.approx((0.2269, 0.2269), abs=1e-4)
@@ -91,7 +92,7 @@ async def test_data_have_the_same_figures(tmp_path: Path, capsys: pytest.Capture
 async def test_a_miss_beyond_the_plans_limit_is_told(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], turn_deg: float, told: str | None
 ) -> None:
-    tell_rehearsal(planned(tmp_path), await rehearsed(turn_deg), as_json=False)
+    write_rehearsal(planned(tmp_path), await rehearsed(turn_deg), as_json=False)
     said = capsys.readouterr().err
     assert ("on the way of near" in said) == (told is not None)
     assert told is None or told in said
@@ -101,5 +102,5 @@ async def test_a_miss_beyond_the_plans_limit_is_told(
 
 async def test_a_led_arm_names_its_speed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     led = replace(BENCH, arm=replace(BENCH.arm, following="streamed"))
-    tell_rehearsal(replace(planned(tmp_path), bench=led), await rehearsed(), as_json=False)
+    write_rehearsal(replace(planned(tmp_path), bench=led), await rehearsed(), as_json=False)
     assert "20 % override, led at 20 deg/s at most" in capsys.readouterr().err

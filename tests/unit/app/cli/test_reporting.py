@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import pytest
 
 from catseye.app.cli import reporting
-from catseye.app.cli.failure import tell
+from catseye.app.cli.failure import write_failure
 from catseye.app.cli.output import warn
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.errors import UsageError
@@ -36,7 +36,7 @@ class Starter:
 @pytest.fixture
 def starter(monkeypatch: pytest.MonkeyPatch) -> Iterator[Starter]:
     reading, writing = os.pipe()
-    monkeypatch.setattr(reporting, "_DESCRIPTOR", writing)
+    monkeypatch.setattr(reporting, "_descriptor", writing)
     yield Starter(reading)
     for descriptor in (reading, writing):
         os.close(descriptor)
@@ -64,7 +64,7 @@ def test_a_warning_is_read_and_reported(starter: Starter, capsys: pytest.Capture
 
 
 def test_a_failure_is_read_and_reported(starter: Starter, capsys: pytest.CaptureFixture[str]) -> None:
-    assert tell(UsageError("no such cell")) == 2
+    assert write_failure(UsageError("no such cell")) == 2
     assert capsys.readouterr().err == "catseye: no such cell\n"
     assert starter.heard() == [CommandFailed(text="no such cell", exit_code=2)]
 
@@ -74,7 +74,7 @@ def test_a_starter_that_is_gone_disturbs_nobody(
 ) -> None:
     reading, writing = os.pipe()
     os.close(reading)
-    monkeypatch.setattr(reporting, "_DESCRIPTOR", writing)
+    monkeypatch.setattr(reporting, "_descriptor", writing)
     warn("an estimate")
     assert "an estimate" in capsys.readouterr().err
     os.close(writing)
@@ -82,7 +82,10 @@ def test_a_starter_that_is_gone_disturbs_nobody(
 
 def test_what_a_command_starts_does_not_report_for_it() -> None:
     reading, writing = os.pipe()
-    program = f"import os; from catseye.app.cli import reporting; print(os.environ.get({EVENTS_FD!r}))"
+    program = (
+        "import os; from catseye.app.cli.reporting import open_channel; "
+        f"open_channel(); print(os.environ.get({EVENTS_FD!r}))"
+    )
     found = subprocess.run(
         [sys.executable, "-c", program],
         env={**os.environ, EVENTS_FD: str(writing)},

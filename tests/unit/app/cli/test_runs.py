@@ -16,7 +16,7 @@ from catseye.app.store.mend import seal_late
 from catseye.app.store.run_store import RunStore
 from catseye.app.store.seal import DATABASE, read_manifest
 from catseye.app.store.verify import verify
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 from tests.unit.app.engine.fakes import ManualClock
 
 ENOUGH: dict[str, Json] = {

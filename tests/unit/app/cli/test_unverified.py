@@ -12,10 +12,10 @@ from catseye.app.cli.export import export
 from catseye.app.cli.report import report
 from catseye.app.cli.show import show
 from catseye.app.errors import StorageError
-from catseye.app.files.identified_arm import arm_remarks
-from catseye.app.files.points_csv import read_points_csv
-from catseye.app.files.result_json import read_result
+from catseye.app.results.scara.identified_arm import arm_remarks
 from catseye.app.results.scara.path_of_run import compare_path
+from catseye.app.results.scara.points import read_points_csv
+from catseye.app.results.scara.result import read_result
 from catseye.app.store.reader import Accept, RunReader
 from tests.unit.app.test_path_comparison import distances, measured, stored
 

@@ -10,8 +10,8 @@ import pytest
 from catseye.app.cell.model import Measurement
 from catseye.app.cli.validate import validate
 from catseye.app.errors import MeasurementRejectedError, UsageError
-from catseye.app.files.result_json import write_result
 from catseye.app.results.scara.measured import travel_of
+from catseye.app.results.scara.result import write_result
 from catseye.app.results.scara.validation import TAKE_UP_DEG
 from catseye.app.results.scara.validation_of_files import validate_files
 from catseye.calibration.core.errors import InsufficientPointsError

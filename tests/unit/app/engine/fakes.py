@@ -12,14 +12,15 @@ from catseye.app.engine.devices import Devices, WireRecorder
 from catseye.app.engine.gate import JointLimits
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.request import RunRequest
-from catseye.app.protocol.events import RunEvent
+from catseye.app.protocol.run_events import RunEvent
 from catseye.drivers.roles.air import AirSample, AirSensor
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import DeviceError
 from catseye.drivers.roles.interferometer import BeamStatus, Compensated, Interferometer, LengthReading
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Robot, RobotAbilities, RobotStatus
-from catseye.procedures.kit.context import Context, Json, Row
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.records import Json, Row
 
 LIMITS = JointLimits(j1_deg=(-170.0, 170.0), j2_deg=(-145.0, 145.0), j4_deg=(-360.0, 360.0))
 HOME: Pose = (0.0, 0.0, 0.0, 0.0)

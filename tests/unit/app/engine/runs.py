@@ -4,7 +4,8 @@ from functools import partial
 
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.request import RunOutcome
-from catseye.procedures.kit.context import Context, Row
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.records import Row
 from tests.unit.app.engine.fakes import AWAY, HOME, FakeBench, Script, point
 
 

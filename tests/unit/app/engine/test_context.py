@@ -32,9 +32,10 @@ from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import RobotAbilities, RobotStatus
-from catseye.procedures.kit.context import Context, Json, Prompt, Row
+from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import MeasuredFileError
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.records import Json, Row
 from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, free_way, point
 
 READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")

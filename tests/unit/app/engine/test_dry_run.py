@@ -12,7 +12,8 @@ from catseye.app.errors import LimitError, MeasurementRejectedError
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Following
 from catseye.procedures.kit.bench import Arm, Bench
-from catseye.procedures.kit.context import Context, Prompt, Row
+from catseye.procedures.kit.context import Context, Prompt
+from catseye.procedures.kit.records import Row
 from tests.unit.app.engine.fakes import HOME, LIMITS, point
 from tests.unit.procedures.benches import bench
 

@@ -9,7 +9,8 @@ import pytest
 from catseye.app.engine.operator import Answer, Operator, says_done
 from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.errors import ConfigError, LinkFailedError
-from catseye.procedures.kit.context import Json, Prompt
+from catseye.procedures.kit.context import Prompt
+from catseye.procedures.kit.records import Json
 from catseye.simulators.config import Screws
 from catseye.simulators.emulated_bench import EmulatedBench
 from tests.unit.app.engine.fakes import ManualClock

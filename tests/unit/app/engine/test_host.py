@@ -17,11 +17,12 @@ from catseye.app.engine.host import run_procedure
 from catseye.app.engine.signals import loop_signals
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.exitcode import ExitCode
-from catseye.app.protocol.events import RunEvent, StateChanged, StepDone
+from catseye.app.protocol.run_events import RunEvent, StateChanged, StepDone
 from catseye.app.store.reader import RunReader
 from catseye.app.store.verify import verify
 from catseye.drivers.roles.errors import AlarmError, LinkError
-from catseye.procedures.kit.context import Context, Json, Row
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.records import Json, Row
 from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import FakeBench, Script
 from tests.unit.app.engine.runs import measuring, run

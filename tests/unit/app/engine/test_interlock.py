@@ -9,7 +9,7 @@ from catseye.app.engine.devices import Devices, WireRecorder
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.interlock import StackLight
 from catseye.app.exitcode import ExitCode
-from catseye.app.protocol.events import PromptAnswered, PromptAsked, RunEvent, StateChanged
+from catseye.app.protocol.run_events import PromptAnswered, PromptAsked, RunEvent, StateChanged
 from catseye.app.protocol.state import ControlState
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import LinkTimeoutError

@@ -14,7 +14,8 @@ from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import AlarmError
-from catseye.procedures.kit.context import Context, Prompt, Row
+from catseye.procedures.kit.context import Context, Prompt
+from catseye.procedures.kit.records import Row
 from tests.unit.app.engine.fakes import AWAY, FakeAir, FakeBench, FakeRobot, Script
 
 CAUSE = "alarm 1: look under the arm"

@@ -15,7 +15,8 @@ from catseye.app.store.verify import verify
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import AlarmError, LinkError
-from catseye.procedures.kit.context import Context, Prompt, Row
+from catseye.procedures.kit.context import Context, Prompt
+from catseye.procedures.kit.records import Row
 from tests.unit.app.engine.fakes import AWAY, FakeBench, FakeRobot, Script
 from tests.unit.app.engine.runs import measuring, run
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from catseye.app.files.csv_table import cells_of
 from catseye.app.files.csv_text import csv_text, marked, unmarked
-from catseye.app.files.points_csv import PointRow, points_csv, read_points_csv
 from catseye.app.files.tabular import table_csv
+from catseye.app.results.scara.points import PointRow, points_csv, read_points_csv
 from tests.unit.app.files.spreadsheet import formulas
 
 FORMULAS = (

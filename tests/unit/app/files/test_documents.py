@@ -12,7 +12,7 @@ from catseye.app.cell.template import TEMPLATE
 from catseye.app.errors import CatseyeError, ConfigError, exit_code_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.files.documents import parse_json, parse_toml, read_document
-from catseye.app.files.result_json import read_result
+from catseye.app.results.scara.result import read_result
 from catseye.app.service.running import read_answers
 from catseye.app.tui.keys import read_keymap
 from catseye.drivers.counter.profile import load_profile

@@ -12,10 +12,10 @@ from catseye.app.errors import UsageError
 from catseye.app.files.csv_table import LONGEST_LINE
 from catseye.app.files.joint_rows import read_joint_rows
 from catseye.app.files.measured_csv import read_measured_csv, read_typed_csv
-from catseye.app.files.path_csv import read_path_csv
-from catseye.app.files.points_blocks import points_blocks
-from catseye.app.files.points_csv import COLUMNS, read_points_csv
 from catseye.app.protocol.procedures import load_procedure, parse_params
+from catseye.app.results.scara.path_csv import read_path_csv
+from catseye.app.results.scara.points import COLUMNS, read_points_csv
+from catseye.app.results.scara.points_blocks import points_blocks
 from catseye.app.results.scara.scan import is_scan
 
 POINTS = ",".join(COLUMNS)

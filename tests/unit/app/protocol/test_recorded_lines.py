@@ -7,9 +7,10 @@ import pytest
 
 from catseye.app.protocol.answers import Climbed, Opened, Welcome, answer_as, encode_answer
 from catseye.app.protocol.commands import command_event_of, engine_line_of
-from catseye.app.protocol.events import Happened, Unknown, encode_event, event_of
+from catseye.app.protocol.events import Unknown, encode_event, event_of
 from catseye.app.protocol.message import MessageError
 from catseye.app.protocol.requests import decode_request, encode_request
+from catseye.app.protocol.run_events import Happened
 from catseye.app.protocol.state import ControlState
 
 _STAMP = '"v": 1, "t": "2026-11-21T09:44:55.012345+00:00"'

@@ -35,5 +35,5 @@ def test_gaps_and_inks_come_back_as_they_were() -> None:
 
 
 def test_unknown_kind_is_refused() -> None:
-    with pytest.raises(KeyError):
+    with pytest.raises(ValueError, match="no figure"):
         figures_of([{"kind": "pie"}])

@@ -13,13 +13,14 @@ from catseye.app.engine.control import RunControl
 from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.handle import RunHandle
-from catseye.app.protocol.events import RunEvent, event_of
+from catseye.app.protocol.events import event_of
 from catseye.app.protocol.message import MAX_LINE_BYTES, JsonObject
+from catseye.app.protocol.run_events import RunEvent
 from catseye.app.protocol.state import ControlState
 from catseye.app.service.client import EngineClient, over
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.server import Server
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import LIMITS, FakeRobot, ManualClock, free_way
 

@@ -7,7 +7,7 @@ import pytest
 
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.engine.devices import Devices
-from catseye.app.protocol.events import JogChanged
+from catseye.app.protocol.engine_events import JogChanged
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError

@@ -7,7 +7,7 @@ import pytest
 
 from catseye.app.errors import SafetyError
 from catseye.app.protocol.answers import Answer
-from catseye.app.protocol.events import Client
+from catseye.app.protocol.engine_events import Client
 from catseye.app.protocol.loss import LossPolicy
 from catseye.app.protocol.requests import HandOver, Override, Plain, decode_request, request_of
 from catseye.app.protocol.state import ControlState

@@ -2,19 +2,17 @@
 
 import pytest
 
-from catseye.app.protocol.events import (
-    AnyEvent,
-    Client,
-    ClientsChanged,
-    Dropped,
-    ErrorTold,
+from catseye.app.protocol.engine_events import Client, ClientsChanged, Dropped
+from catseye.app.protocol.events import AnyEvent
+from catseye.app.protocol.requests import Plain
+from catseye.app.protocol.run_events import (
+    ErrorReported,
     LiveData,
     LiveShown,
     PointMeasured,
     Progressed,
-    WarningTold,
+    WarningIssued,
 )
-from catseye.app.protocol.requests import Plain
 from catseye.app.protocol.state import ControlState
 from catseye.app.service.mailbox import Mailbox, MailboxFullError
 from tests.unit.app.service.benches import ServiceBench, close, settled
@@ -37,8 +35,8 @@ def clients(*names: str) -> ClientsChanged:
     return ClientsChanged(clients=tuple(Client(client=f"{name}-1", who=name) for name in names))
 
 
-WARNING = WarningTold(text="weak")
-ERROR = ErrorTold(text="lost", exit_code=4)
+WARNING = WarningIssued(text="weak")
+ERROR = ErrorReported(text="lost", exit_code=4)
 
 
 async def taken(mailbox: Mailbox) -> list[AnyEvent | bytes]:

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from catseye.app.protocol.bench import WireLine
-from catseye.app.protocol.events import AnyEvent, BenchSeen, SamplesTaken, WirePassed
+from catseye.app.protocol.engine_events import BenchSeen, SamplesTaken, WirePassed
+from catseye.app.protocol.events import AnyEvent
 from catseye.app.service.mailbox import Mailbox
 from catseye.app.service.watching.columns import MOST_COLUMNS
 from catseye.app.service.watching.traffic import MOST_LINES

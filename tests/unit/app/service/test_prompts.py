@@ -10,8 +10,9 @@ import pytest
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answer
 from catseye.app.engine.request import RunOutcome
-from catseye.app.protocol.events import PromptAsked, RunEvent, encode_event, event_of
+from catseye.app.protocol.events import encode_event, event_of
 from catseye.app.protocol.prompts import MotionAfter
+from catseye.app.protocol.run_events import PromptAsked, RunEvent
 from catseye.app.service.console import Console
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.prompt_broker import PromptBroker

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from catseye.app.protocol.message import MAX_LINE_BYTES, MessageError
 from catseye.app.protocol.requests import Hello, Plain, decode_request
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 from tests.unit.app.service.benches import ServiceBench, close, next_event, settled
 
 

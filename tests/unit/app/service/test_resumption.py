@@ -18,7 +18,7 @@ from catseye.app.service.resumption import plan_resume
 from catseye.app.service.running import PlannedRun, plan_run, run_meta
 from catseye.app.store.resumable import MOVED
 from catseye.app.store.run_store import RunStore
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 from tests.unit.app.engine.fakes import ManualClock
 
 SMALL = re.sub(

@@ -9,7 +9,8 @@ import pytest
 
 from catseye.app.engine.waiting import cancel
 from catseye.app.protocol.answers import Answer, Watching
-from catseye.app.protocol.events import AnyEvent, BenchSeen
+from catseye.app.protocol.engine_events import BenchSeen
+from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.requests import Watch
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError

@@ -2,7 +2,7 @@
 
 from datetime import UTC, datetime, timedelta
 
-from catseye.procedures.kit.context import Row
+from catseye.procedures.kit.records import Row
 
 
 class TickingClock:

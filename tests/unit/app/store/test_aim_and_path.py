@@ -9,11 +9,11 @@ import pytest
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.results.scara.path_rows import path_measurement
 from catseye.app.results.scara.validation import established_rows
-from catseye.app.store.aim import find_aim
+from catseye.app.store.basis import find_aim
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.calibration.scara.points import Commands
-from catseye.procedures.kit.context import Json, Row
+from catseye.procedures.kit.records import Json, Row
 from tests.unit.app.store.fakes import TickingClock
 from tests.unit.procedures.benches import bench
 

@@ -13,7 +13,8 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.app.store.verify import verify
-from catseye.procedures.kit.context import Row, Table
+from catseye.procedures.kit.context import Table
+from catseye.procedures.kit.records import Row
 from tests.unit.app.store.fakes import SEARCH_ROW, TickingClock
 
 STEP_IDS = st.sampled_from([f"s{number}" for number in range(8)])

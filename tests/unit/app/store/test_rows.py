@@ -3,7 +3,8 @@
 import pytest
 
 from catseye.app.store.rows import encode
-from catseye.procedures.kit.context import Json, Table
+from catseye.procedures.kit.context import Table
+from catseye.procedures.kit.records import Json
 from tests.unit.app.store.fakes import PATH_ROW, SEARCH_ROW
 
 

@@ -23,7 +23,7 @@ from catseye.app.store.run_store import RunStore
 from catseye.app.store.schema import RAW_TABLES, UPGRADES, VERSION, open_reader, open_writer
 from catseye.app.store.seal import MANIFEST
 from catseye.app.store.verify import verify
-from catseye.procedures.kit.context import Row
+from catseye.procedures.kit.records import Row
 from tests.unit.app.store.fakes import PATH_ROW, SEARCH_ROW, TickingClock
 
 

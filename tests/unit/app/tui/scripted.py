@@ -2,13 +2,16 @@
 
 import asyncio
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
 from textual.app import App
 from textual.pilot import Pilot
 
-from catseye.app.protocol.events import Client, event_of
+from catseye.app.protocol.commands import CommandEvent, CommandFailed
+from catseye.app.protocol.engine_events import Client
+from catseye.app.protocol.events import event_of
 from catseye.app.protocol.requests import AnyRequest, Control, Plain, Request
 from catseye.app.protocol.snapshot import Snapshot
 from catseye.app.service.errors import RefusedError
@@ -122,14 +125,20 @@ class ScriptedWork:
         self.done: list[tuple[str, ...]] = []
         self.outcomes: dict[str, Done] = {}
 
-    async def do(self, *arguments: str | Path, talk: Callable[[str], None] | None = None) -> Done:
+    async def do(self, *arguments: str | Path, heard: Callable[[CommandEvent], None] | None = None) -> Done:
         """Note the command."""
         words = tuple(str(argument) for argument in arguments)
         self.done.append(words)
         found = self.outcomes.get(words[0], Done(words, 0, "", ""))
-        if talk is not None:
-            talk(found.talk)
-        return Done(words, found.code, found.out, found.talk)
+        if heard is not None:
+            for event in found.events:
+                heard(event)
+        return replace(found, arguments=words)
+
+
+def failed(code: int, text: str) -> Done:
+    """Return the end of a command that reports why it failed."""
+    return Done((), code, "", f"catseye: {text}\n", (CommandFailed(text=text, exit_code=code),))
 
 
 def make_app(

@@ -3,7 +3,7 @@
 import json
 from typing import Any, Final
 
-from catseye.app.protocol.events import LiveData
+from catseye.app.protocol.run_events import LiveData
 from catseye.app.tui.run_state import SoFar
 from catseye.app.tui.work import Done
 from catseye.procedures.kit.live import Live

@@ -4,12 +4,28 @@ import json
 import math
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
-from catseye.app.results.figure_document import figures_json
 from catseye.app.results.figures import Axis, Figure, Level, Line, Panel, Points, Role, Text
+from catseye.app.results.scara.diagnosis_document import (
+    DiagnosedFit,
+    DiagnosisDocument,
+    DiagnosisFinding,
+    InfluentialDistance,
+    NodesPart,
+    Outlier,
+    Outliers,
+)
+from catseye.app.results.scara.validation_document import (
+    AlignmentPart,
+    DeviationPart,
+    Fitted,
+    ModelOnPathPart,
+    PathPart,
+    ValidationDocument,
+)
 
 NODES1 = [-40.0, 0.0, 40.0]
 NODES2 = [20.0, 60.0, 100.0]
@@ -109,6 +125,18 @@ def write_results(folder: Path) -> None:
     (folder / "other.json").write_text('{"a": 1}', encoding="utf-8")
 
 
+def _outlier(row: int, what: str, residual_um: float, external: float) -> Outlier:
+    return Outlier(
+        row=row,
+        what=what,
+        residual_um=residual_um,
+        internal=external,
+        external=external,
+        leverage=0.2,
+        cook=0.1,
+    )
+
+
 def _order_figure() -> Figure:
     """Return residuals in measuring order with two numbered outliers."""
     size = np.sin(1.7 * np.arange(1.0, 41.0))
@@ -123,30 +151,68 @@ def _order_figure() -> Figure:
     return Figure("diagnosis-order", "Residuals", "Dashed: the limit.", ((panel,),))
 
 
-DIAGNOSIS: dict[str, Any] = {
-    "findings": [
-        {"kind": "good", "text": "The error map leaves 12.3 µm rms in 40 distances."},
-        {"kind": "bad", "text": "2 distances stand out: the farthest is row 7."},
+DIAGNOSIS: Final = DiagnosisDocument(
+    sources=[RUN],
+    findings=[
+        DiagnosisFinding(kind="good", text="The error map leaves 12.3 µm rms in 40 distances."),
+        DiagnosisFinding(kind="bad", text="2 distances stand out: the farthest is row 7."),
     ],
-    "fit": {"n_points": 40},
-    "outliers": {
-        "limit": 3.9,
-        "distances": [
-            {"row": 7, "what": "row 7 (reflector P1, θ1 -28°)", "residual_um": 60.0, "external": 9.4},
-            {"row": 31, "what": "row 31 (reflector P2, θ1 20°)", "residual_um": -45.0, "external": -6.1},
+    fit=DiagnosedFit(
+        n_points=40, n_parameters=20, rms_um=12.3, chi2_reduced=1.1, chi2_expected=1.0, rejected=[]
+    ),
+    models=[],
+    outliers=Outliers(
+        limit=3.9,
+        distances=[
+            _outlier(7, "row 7 (reflector P1, θ1 -28°)", 60.0, 9.4),
+            _outlier(31, "row 31 (reflector P2, θ1 20°)", -45.0, -6.1),
         ],
-    },
-    "figures": figures_json([_order_figure()]),
-}
+        largest_leverage=0.3,
+        most_influential=InfluentialDistance(row=7, what="row 7", cook=0.1),
+    ),
+    changes=[],
+    patterns=[],
+    harmonics=[],
+    cross_validation=[],
+    nodes=NodesPart(
+        commands_between_nodes_of_j1=False,
+        commands_between_nodes_of_j2=False,
+        best_aicc="",
+        best_bic="",
+        best_prediction=None,
+        grids=[],
+    ),
+    figures=(_order_figure(),),
+)
 
 
-def validation() -> dict[str, Any]:
-    """Return what `catseye validate --json` tells of a straight path: the error map leaves 2 µm, the other 25."""
+def _on_path(model: str, title: str, rms_um: float) -> ModelOnPathPart:
+    none = Fitted(value=0.0, u=0.0)
+    return ModelOnPathPart(
+        model=model,
+        title=title,
+        alignment=AlignmentPart(rotation_mdeg=none, shift_x_mm=none, shift_y_mm=none),
+        rms_x_um=rms_um,
+        rms_y_um=0.0,
+        rms_um=rms_um,
+        max_um=40.0,
+        max_line=2,
+        ratio=rms_um / 25.0,
+        median_u_um=5.0,
+        expected_um=10.0,
+        share_explained=None,
+        within_2u=None,
+        probability=0.5,
+    )
+
+
+def validation() -> ValidationDocument:
+    """Return a validation on a straight path: the error map leaves 2 µm, the other 25."""
     way = [-300.0 + 20.0 * place for place in range(31)]
     true = [60.0 * math.sin(y / 100.0) for y in way]
     seen = [value + (2.0 if place % 2 else -2.0) for place, value in enumerate(true)]
     plain = [value - 25.0 for value in true]
-    model = {"max_um": 40.0, "expected_um": 10.0}
+    models = {"conventional": "conventional model", "error-map": "error map"}
     at = np.array(way)
     marks = (
         Points(at, np.array(seen), Role.POSITIVE, "measured", marker="x"),
@@ -154,15 +220,31 @@ def validation() -> dict[str, Any]:
         Line(at, np.array(true), Role.NEGATIVE, "error map", "dashed"),
     )
     panels = tuple(Panel("", Axis("Y / mm"), Axis("µm", symbol), marks) for symbol in ("E_{YY}", "E_{XY}"))
-    return {
-        "rows": 33,
-        "compared": 31,
-        "left_out": ["2 of 33 rows lie outside the identified range"],
-        "ratio": 0.08,
-        "verdict": ["error map: 2.0 µm are left"],
-        "models": [
-            {"title": "conventional model", "rms_um": 25.0, **model},
-            {"title": "error map", "rms_um": 2.0, **model},
+    return ValidationDocument(
+        rows=33,
+        compared=31,
+        left_out=["2 of 33 rows lie outside the identified range"],
+        warnings=[],
+        models=[
+            _on_path(model, title, rms_um)
+            for (model, title), rms_um in zip(models.items(), (25.0, 2.0), strict=True)
         ],
-        "figures": figures_json([Figure("path", "Path", "Actual minus command.", (panels,))]),
-    }
+        ratio=0.08,
+        limit_um=None,
+        within_limit=None,
+        iso230_2=[],
+        iso9283=[],
+        path=PathPart(
+            axis="Y / mm",
+            axis_mm=way,
+            line=list(range(2, 33)),
+            way_there=[True] * 31,
+            models=list(models.values()),
+            deviations=[
+                DeviationPart(symbol=symbol, what="", measured_um=seen, predicted_um=[plain, true])
+                for symbol in ("E_YY", "E_XY")
+            ],
+        ),
+        verdict=["error map: 2.0 µm are left"],
+        figures=(Figure("path", "Path", "Actual minus command.", (panels,)),),
+    )

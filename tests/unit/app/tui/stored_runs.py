@@ -5,7 +5,7 @@ from pathlib import Path
 from catseye.app.store.lock import RunLock
 from catseye.app.store.run_store import RunStore
 from catseye.app.store.seal import DATABASE
-from catseye.procedures.kit.context import Json, Row
+from catseye.procedures.kit.records import Json, Row
 from tests.unit.app.store.fakes import TickingClock
 
 POINT: Row = {

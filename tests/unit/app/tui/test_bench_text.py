@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from catseye.app.protocol.bench import BenchStatus, RobotStatus
-from catseye.app.protocol.events import ErrorTold
+from catseye.app.protocol.run_events import ErrorReported
 from catseye.app.tui.bench_text import (
     air_lines,
     alarm_text,
@@ -189,7 +189,7 @@ def test_engine() -> None:
     assert said(engine_lines(engine, 3)) == "no engine here: start one"
     engine.met(snapshot_with(), 0.0)
     for number in range(5):
-        fault = ErrorTold(text=f"fault {number}", exit_code=1)
+        fault = ErrorReported(text=f"fault {number}", exit_code=1)
         engine.take(fault.stamped("2026-11-21T09:00:00+00:00", None), 0.0)
     text = said(engine_lines(engine, 2))
     assert "Ada" in text

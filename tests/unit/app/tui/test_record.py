@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from catseye.app.protocol.events import LiveData, StepStarted, event_of
+from catseye.app.protocol.events import event_of
+from catseye.app.protocol.run_events import LiveData, StepStarted
 from catseye.app.store.run_store import RunStore
 from catseye.app.tui.record import read_record, rehearsal_of
 from catseye.app.tui.run_state import LogLine, MapKnowledge, RunState, SoFar

@@ -1,10 +1,9 @@
 """Texts of a result: what speaks for and against it comes before what was left out."""
 
-from typing import Any
-
 import pytest
 
-from catseye.app.files.result_json import Result
+from catseye.app.results.scara.diagnosis_document import DiagnosisDocument
+from catseye.app.results.scara.result import Result
 from catseye.app.tui.result_texts import fit_sentences, residual_text
 from tests.unit.app.tui.stored_results import DIAGNOSIS, error_map
 
@@ -19,7 +18,7 @@ def result() -> Result:
 
 
 @pytest.mark.parametrize("diagnosis", [None, DIAGNOSIS], ids=["before", "after"])
-def test_what_was_left_out_stands_last(result: Result, diagnosis: dict[str, Any] | None) -> None:
+def test_what_was_left_out_stands_last(result: Result, diagnosis: DiagnosisDocument | None) -> None:
     for lines in (
         residual_text(result, diagnosis).splitlines(),
         [one.text.removesuffix(".") for one in fit_sentences(result, diagnosis)],

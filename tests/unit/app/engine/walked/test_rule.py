@@ -11,7 +11,8 @@ from catseye.app.errors import UnwalkedError
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.context import Json, Prompt
+from catseye.procedures.kit.context import Prompt
+from catseye.procedures.kit.records import Json
 from tests.unit.app.engine.walked.test_tube import CORNER, WALKED
 from tests.unit.app.store.fakes import TickingClock
 

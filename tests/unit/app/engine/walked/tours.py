@@ -18,8 +18,9 @@ from catseye.app.service.running import PlannedRun, carry_out
 from catseye.app.service.walk.feed import Feed
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import Context, Prompt, Row
+from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.records import Row
 from tests.unit.app.engine.fakes import FakeBench, ManualClock
 
 FIRST: Pose = (0.0, 60.0, 50.0, 0.0)

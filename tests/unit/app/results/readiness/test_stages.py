@@ -20,7 +20,7 @@ from catseye.app.results.readiness.needs import aim_of
 from catseye.app.results.readiness.stages import Stage, results_in, stages_of
 from catseye.app.results.readiness.survey import Survey, survey_cell
 from catseye.app.store.run_store import RunStore
-from catseye.procedures.kit.context import Json
+from catseye.procedures.kit.records import Json
 from tests.unit.app.engine.fakes import ManualClock
 
 START = datetime(2026, 11, 21, 9, 0, tzinfo=UTC)

@@ -9,7 +9,10 @@ import numpy as np
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Cell
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.files.result_json import (
+from catseye.app.render.page import page_html
+from catseye.app.results.runs.records import DeviceRecord, EnvironmentSummary, RunRecord, Spread
+from catseye.app.results.scara.content import ReportContent
+from catseye.app.results.scara.result import (
     DeadPath,
     Estimate,
     Fit,
@@ -22,9 +25,6 @@ from catseye.app.files.result_json import (
     Result,
     result_of,
 )
-from catseye.app.render.page import page_html
-from catseye.app.results.runs.records import DeviceRecord, EnvironmentSummary, RunRecord, Spread
-from catseye.app.results.scara.content import ReportContent
 from catseye.app.results.scara.run_report import run_report
 from catseye.app.results.scara.truth_tables import TruthMap, TruthTables
 from catseye.app.results.scara.validation import PathMeasurement, PathValidation, validate_on_path

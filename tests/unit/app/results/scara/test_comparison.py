@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 from catseye.app.cli import cli
 from catseye.app.errors import UsageError
-from catseye.app.files.result_json import Result
 from catseye.app.results.scara.comparison import compare_results
+from catseye.app.results.scara.result import Result
 
 
 def estimate(value: float, u: float = 0.0) -> dict[str, float]:

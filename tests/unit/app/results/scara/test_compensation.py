@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from catseye.app.errors import LimitError
-from catseye.app.files.path_csv import CommandPath, cartesian_commands
 from catseye.app.results.scara.compensation import CompensatedPath, compensate_path, require_limits
+from catseye.app.results.scara.path_csv import CommandPath, cartesian_commands
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.layout import Layout

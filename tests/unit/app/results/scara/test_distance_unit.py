@@ -9,8 +9,8 @@ from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.errors import UsageError
-from catseye.app.files.points_csv import COLUMNS
 from catseye.app.results.scara.distances import load_distances
+from catseye.app.results.scara.points import COLUMNS
 from catseye.app.results.scara.scan import identify_scan_file
 
 

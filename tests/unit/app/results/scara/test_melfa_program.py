@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from catseye.app.errors import UsageError
-from catseye.app.files.path_csv import CommandPath, cartesian_commands
 from catseye.app.results.scara.compensated_path import Origin
 from catseye.app.results.scara.compensation import CompensatedPath, compensate_path
 from catseye.app.results.scara.melfa_program import MelfaSettings, melfa_program
+from catseye.app.results.scara.path_csv import CommandPath, cartesian_commands
 from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.layout import Layout
 from catseye.simulators.world.scara.axis_errors import JointMap

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from catseye.app.files.result_json import Covariance
+from catseye.app.results.scara.result import Covariance
 from catseye.app.results.scara.reversal import u_reversal_mdeg
 from tests.unit.app.render.page_reader import Page, read_page
 from tests.unit.app.results.scara import sample

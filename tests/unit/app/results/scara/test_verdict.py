@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from catseye.app.files.result_json import Fit, RobustPart
 from catseye.app.results.scara.fit_text import fit_statement
+from catseye.app.results.scara.result import Fit, RobustPart
 from catseye.app.results.scara.run_report import verdict
 from catseye.app.results.scara.truth_tables import TruthMap, normalised_errors, truth_statement
 from catseye.app.results.scara.validation import validate_on_path

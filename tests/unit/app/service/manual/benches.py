@@ -5,7 +5,7 @@ import tomllib
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Cell
 from catseye.app.cell.template import TEMPLATE
-from catseye.app.protocol.events import BenchSeen, Client
+from catseye.app.protocol.engine_events import BenchSeen, Client
 from catseye.app.service.watching.bench_facts import facts_of
 from catseye.app.service.watching.bench_status import bench_status
 from catseye.app.service.watching.latest_values import LatestValues

@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 
 from catseye.app.errors import ArmInUseError
-from catseye.app.protocol.events import AnyEvent, DrivesChanged
+from catseye.app.protocol.engine_events import DrivesChanged
+from catseye.app.protocol.events import AnyEvent
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.manual.drives import RestingDrives
 from catseye.drivers.roles.errors import LinkError

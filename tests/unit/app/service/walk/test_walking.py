@@ -17,7 +17,8 @@ from catseye.app.store.verify import verify
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import LinkError
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.context import Context, Row
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.records import Row
 from tests.unit.app.engine.walked.tours import ELSEWHERE, FIRST, SECOND, Tour, TourBench
 
 REASON = "short visit, arm watched at the pendant"

@@ -10,7 +10,7 @@ from textual.events import AppBlur, AppFocus
 from textual.pilot import Pilot
 from textual.widgets import Input
 
-from catseye.app.protocol.events import Client
+from catseye.app.protocol.engine_events import Client
 from catseye.app.protocol.requests import AnyRequest, Control, JogHold, JogMode, JogStep, Plain
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog

@@ -10,6 +10,7 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Select
 
+from catseye.app.protocol.commands import CommandEvent
 from catseye.app.protocol.procedures import load_procedure
 from catseye.app.protocol.requests import Start
 from catseye.app.tui.app import CatseyeApp
@@ -19,7 +20,7 @@ from catseye.app.tui.screens.procedures import ProceduresScreen
 from catseye.app.tui.screens.run import RunScreen
 from catseye.app.tui.widgets.parameter_form import ParameterForm
 from catseye.app.tui.work import Done
-from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, compare, make_app, shown, work_of
+from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, compare, failed, make_app, shown, work_of
 from tests.unit.app.tui.scripted_bench import BENCH
 from tests.unit.app.tui.scripted_run import REHEARSAL, RUN
 
@@ -299,7 +300,7 @@ async def test_lost_devices_the_next_step_a_refused_plan_and_a_cell_that_is_gone
         await pilot.press("n")
         await settled(app, pilot)
         assert chosen(app) == "open-loop"
-        work_of(app).outcomes["run"] = Done((), 2, "", "catseye: P2 is too near: move it away")
+        work_of(app).outcomes["run"] = failed(2, "P2 is too near: move it away")
         await pilot.press("r")
         assert "✗ P2 is too near: move it away" in await settled(app, pilot)
         way = [*WAY[:3], stage("open-loop", "done"), stage("identify", "next", procedure=False)]
@@ -308,7 +309,7 @@ async def test_lost_devices_the_next_step_a_refused_plan_and_a_cell_that_is_gone
         await settled(app, pilot)
         await pilot.press("n")
         assert "catseye identify" in await settled(app, pilot)
-        work_of(app).outcomes["procedures"] = Done((), 2, "", "catseye: cell.toml: there is no such file")
+        work_of(app).outcomes["procedures"] = failed(2, "cell.toml: there is no such file")
         await pilot.press("u")
         await settled(app, pilot)
         link.publish("bench", **BENCH)
@@ -320,7 +321,7 @@ async def test_lost_devices_the_next_step_a_refused_plan_and_a_cell_that_is_gone
 
 async def test_a_cell_file_with_a_fault_is_told() -> None:
     app = make_app(ScriptedLink(), "procedures")
-    work_of(app).outcomes["procedures"] = Done((), 2, "", "catseye: cell.toml, line 3: unknown key")
+    work_of(app).outcomes["procedures"] = failed(2, "cell.toml, line 3: unknown key")
     async with app.run_test(size=(80, 24)) as pilot:
         assert "✗ cell.toml, line 3: unknown key" in await settled(app, pilot)
         await pilot.press("r", "s")
@@ -336,9 +337,9 @@ class SlowWork(ScriptedWork):
         self.outcomes["procedures"] = Done((), 0, told, "")
         self.cancelled = False
 
-    async def do(self, *arguments: str | Path, talk: Callable[[str], None] | None = None) -> Done:
+    async def do(self, *arguments: str | Path, heard: Callable[[CommandEvent], None] | None = None) -> Done:
         if arguments[0] != "run":
-            return await super().do(*arguments, talk=talk)
+            return await super().do(*arguments, heard=heard)
         try:
             await asyncio.Event().wait()
         except asyncio.CancelledError:

@@ -17,7 +17,7 @@ from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.screens.results import ResultsScreen
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.test_runs import settle
-from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, work_of
+from tests.unit.app.tui.scripted import ScriptedLink, compare, failed, make_app, shown, work_of
 from tests.unit.app.tui.stored_results import (
     DIAGNOSIS,
     RUN,
@@ -42,8 +42,8 @@ def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def open_app(bench: Path) -> CatseyeApp:
     app = make_app(ScriptedLink(), "results", root=bench / "runs")
     work = work_of(app)
-    work.outcomes["diagnose"] = Done((), 0, json.dumps(DIAGNOSIS), "")
-    work.outcomes["validate"] = Done((), 0, json.dumps(validation()), "")
+    work.outcomes["diagnose"] = Done((), 0, DIAGNOSIS.model_dump_json(), "")
+    work.outcomes["validate"] = Done((), 0, validation().model_dump_json(), "")
     return app
 
 
@@ -179,7 +179,7 @@ async def test_a_validation_that_ends_late_does_not_take_the_screen_of_another_r
         assert isinstance(screen, ResultsScreen)
         late = screen._files[1]  # noqa: SLF001  # what a command under way is given
         await press(app, pilot, "3")
-        screen._validated(late, Done((), 0, json.dumps(validation()), ""))  # noqa: SLF001  # as its end
+        screen._validated(late, Done((), 0, validation().model_dump_json(), ""))  # noqa: SLF001  # as its end
         assert screen.query_one(ContentSwitcher).current == "values"
         assert "later.json: choose it, then 7" in await press(app, pilot)
 
@@ -224,9 +224,7 @@ async def test_a_diagnosis_and_a_result_that_changes_or_goes_after_it(bench: Pat
 
 async def test_what_is_missing_for_a_diagnosis_or_a_validation_is_told(bench: Path) -> None:
     app = open_app(bench)
-    work_of(app).outcomes["export"] = Done(
-        (), 2, "", "catseye: it holds nothing to export: look at its story\n"
-    )
+    work_of(app).outcomes["export"] = failed(2, "it holds nothing to export: look at its story")
     async with app.run_test(size=(80, 24)) as pilot:
         text = await press(app, pilot, "enter", "t", "enter")
         assert isinstance(app.screen, ErrorDialog)

@@ -4,14 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.protocol.events import Client
+from catseye.app.protocol.engine_events import Client
 from catseye.app.protocol.requests import Override, Resume
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.override_dialog import OverrideDialog
 from catseye.app.tui.dialogs.start_dialog import StartDialog
-from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.run_screen import app_of, ops, settled
-from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, work_of
+from tests.unit.app.tui.scripted import ScriptedLink, compare, failed, make_app, shown, work_of
 from tests.unit.app.tui.scripted_bench import BENCH
 from tests.unit.app.tui.scripted_run import RUN, SNAPSHOT, end, measure, publish, show_value
 
@@ -86,7 +85,7 @@ async def test_a_complete_measurement_is_identified_and_reported_by_keys(tmp_pat
     link = ScriptedLink(SNAPSHOT)
     (tmp_path / "result-abc123.json").write_text("somebody's")
     app = make_app(link, "run", root=tmp_path / "runs")
-    work_of(app).outcomes["report"] = Done((), 2, "", "catseye: the disk is full: make room")
+    work_of(app).outcomes["report"] = failed(2, "the disk is full: make room")
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
         end(link, "complete")
         text = await settled(app, pilot, link)

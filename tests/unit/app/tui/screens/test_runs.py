@@ -13,6 +13,7 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import DataTable, Input, Select
 
+from catseye.app.protocol.commands import CommandProgress
 from catseye.app.protocol.requests import Control, Resume
 from catseye.app.store.seal import DATABASE
 from catseye.app.tui.app import CatseyeApp
@@ -23,7 +24,7 @@ from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.screens.runs import RunsScreen
 from catseye.app.tui.widgets.task_line import TaskLine
 from catseye.app.tui.work import Done
-from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, compare, make_app, shown, work_of
+from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, compare, failed, make_app, shown, work_of
 from tests.unit.app.tui.stored_runs import (
     COMPLETE,
     DAMAGED,
@@ -251,8 +252,7 @@ async def test_verify(root: Path) -> None:
         await settle(app, pilot)
         assert not isinstance(app.screen, ErrorDialog)
         assert "interrupted from outside" in " ".join((await shown(app, pilot)).split())
-        fault = f"catseye: {STOPPED}: run.sqlite differs from the manifest\n"
-        outcomes["verify"] = Done((), 6, "", fault)
+        outcomes["verify"] = failed(6, f"{STOPPED}: run.sqlite differs from the manifest")
         await pilot.press("v")
         await settle(app, pilot)
         assert isinstance(app.screen, ErrorDialog)
@@ -355,9 +355,10 @@ class SlowWork(ScriptedWork):
         self.begun = asyncio.Event()
         self.cancelled = False
 
-    async def do(self, *arguments: Any, talk: Any = None) -> Done:
+    async def do(self, *arguments: Any, heard: Any = None) -> Done:
         self.done.append(tuple(str(argument) for argument in arguments))
-        talk("Monte Carlo  40%  8 s gone, 12 s left  4000 of 10000 draws\n")
+        draws = "4000 of 10000 draws"
+        heard(CommandProgress(title="Monte Carlo", share=0.4, elapsed_s=8.0, left_s=12.0, text=draws))
         self.begun.set()
         try:
             await asyncio.Event().wait()

@@ -21,7 +21,7 @@ from catseye.app.tui.setup.device_test import DeviceTest
 from catseye.app.tui.setup.question_row import QuestionRow
 from catseye.app.tui.setup.wizard import Wizard
 from catseye.app.tui.work import Done
-from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, work_of
+from tests.unit.app.tui.scripted import ScriptedLink, compare, failed, make_app, shown, work_of
 
 ENDPOINTS = {
     "robot.endpoint": "tcp://192.168.0.20:10001",
@@ -329,9 +329,7 @@ async def test_a_cell_file_with_faults_is_not_used_and_an_engine_of_another_one_
     link = ScriptedLink()
     app = make_app(link, "setup")
     async with app.run_test(size=(80, 24)) as pilot:
-        work_of(app).outcomes["config"] = Done(
-            (), 2, "", "catseye: the cell file cannot be used:\n  x.toml:3: name"
-        )
+        work_of(app).outcomes["config"] = failed(2, "the cell file cannot be used:\n  x.toml:3: name")
         await pilot.press("o")
         await pilot.pause()
         await pilot.press("enter")

@@ -3,7 +3,7 @@
 import pytest
 
 from catseye.app.protocol.bench import ReflectorPlace
-from catseye.app.protocol.events import LiveData
+from catseye.app.protocol.run_events import LiveData
 from catseye.app.tui.run_state import MapKnowledge, RunState
 from catseye.app.tui.widgets.band_bar import band_bar, band_text, value_text
 from catseye.app.tui.widgets.progress_line import bar

@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 
-from catseye.app.protocol.events import SamplesTaken
+from catseye.app.protocol.engine_events import SamplesTaken
 from catseye.app.tui.engine_state import STRIP_COLUMNS, Column, EngineState
 from catseye.app.tui.widgets.strip import Strip
 from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, snapshot_with

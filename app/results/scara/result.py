@@ -12,8 +12,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.documents import LARGEST_RESULT_BYTES
-from catseye.app.files.scan_part import ScanPart
-from catseye.app.files.uncertainty_part import UncertaintyPart
+from catseye.app.results.scara.scan_part import ScanPart
+from catseye.app.results.uncertainty_part import UncertaintyPart
 from catseye.calibration.core.fit_statistics import FitStatistics, RobustLoss
 from catseye.calibration.scara.extension import Part, Source, Target, Term
 from catseye.calibration.scara.identification import Identification

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from catseye.app.errors import UsageError
-from catseye.app.files.points_csv import COLUMNS, PointRow, points_csv, read_points_csv, to_points
+from catseye.app.results.scara.points import COLUMNS, PointRow, points_csv, read_points_csv, to_points
 
 NAMES = ("P1", "P2", "a.b-c+d_e")
 HEADER = ",".join(COLUMNS)

@@ -6,7 +6,7 @@ import numpy as np
 
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.csv_text import csv_text
-from catseye.app.files.path_csv import CommandPath
+from catseye.app.results.scara.path_csv import CommandPath
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.prediction import Prediction
 

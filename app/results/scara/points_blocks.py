@@ -18,8 +18,8 @@ from catseye.app.files.csv_table import (
     require_file,
     require_line,
 )
-from catseye.app.files.point_columns import PointColumns, columns_of
-from catseye.app.files.points_csv import COLUMNS, LARGEST_SEGMENT, point_row, require_columns
+from catseye.app.results.scara.point_columns import PointColumns, columns_of
+from catseye.app.results.scara.points import COLUMNS, LARGEST_SEGMENT, point_row, require_columns
 from catseye.calibration.core.types import Floats, Ints
 
 _CHUNK_BYTES = 4_000_000

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.app.files.points_csv import LARGEST_SEGMENT, LARGEST_SIGMA_MM, PointRow
+from catseye.app.results.scara.points import LARGEST_SEGMENT, LARGEST_SIGMA_MM, PointRow
 from catseye.calibration.core.types import Floats, Ints
 
 

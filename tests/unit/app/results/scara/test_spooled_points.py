@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from catseye.app.errors import ConfigError, UsageError
-from catseye.app.files import points_blocks
-from catseye.app.files.points_csv import COLUMNS, read_points_csv, to_points
-from catseye.app.files.spooled_points import spooled_points
+from catseye.app.results.scara import points_blocks
+from catseye.app.results.scara.points import COLUMNS, read_points_csv, to_points
+from catseye.app.results.scara.spooled_points import spooled_points
 from catseye.calibration.scara.points import Points, concatenated
 
 KNOWN = ["P1", "P2", "P3", "P0"]

@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from catseye.app.files.result_files import ResultFiles
+from catseye.app.results.scara.result_files import ResultFiles
 from tests.unit.app.tui.stored_results import write_results
 
 

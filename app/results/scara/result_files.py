@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from catseye.app.errors import UsageError
-from catseye.app.files.result_json import Result, read_result
+from catseye.app.results.scara.result import Result, read_result
 
 _BEGINNING: Final = 4096
 _SIGN: Final = b"catseye-result/"

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from catseye.app.errors import UsageError
-from catseye.app.files.result_json import Covariance, Result, term_unit
+from catseye.app.results.scara.result import Covariance, Result, term_unit
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.identification import IdentifiedArm

@@ -4,12 +4,13 @@ from pathlib import Path
 
 import pytest
 
+from catseye.app.results.runs.event_text import event_text
+from catseye.app.results.runs.summary import summary
+from catseye.app.results.runs.timeline import timeline
 from catseye.app.store.reader import RunReader, StoredEvent
 from catseye.app.store.run_store import RunStore
-from catseye.app.story.summary import summary
-from catseye.app.story.timeline import timeline
-from catseye.app.story.words import event_text
-from catseye.procedures.kit.context import Json, Row, Table
+from catseye.procedures.kit.context import Table
+from catseye.procedures.kit.records import Json, Row
 from tests.unit.app.engine.fakes import ManualClock, point
 
 DEVICES: dict[str, Json] = {

@@ -14,8 +14,8 @@ from typing import IO
 import numpy as np
 
 from catseye.app.errors import UsageError
-from catseye.app.files.point_columns import PointColumns
-from catseye.app.files.points_blocks import points_blocks
+from catseye.app.results.scara.point_columns import PointColumns
+from catseye.app.results.scara.points_blocks import points_blocks
 from catseye.calibration.core.types import Ints
 from catseye.calibration.scara.points import Commands, Points
 

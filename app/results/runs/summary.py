@@ -5,10 +5,10 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any, Literal
 
+from catseye.app.results.runs.event_text import between_s, device_text, gap_text
+from catseye.app.results.runs.timeline import last_signs
 from catseye.app.store.reader import RunReader
 from catseye.app.store.resumable import why_not_resumable
-from catseye.app.story.timeline import last_signs
-from catseye.app.story.words import between_s, device_text, gap_text
 from catseye.procedures.kit.context import Table
 
 _TABLES: tuple[Table | Literal["steps"], ...] = ("steps", "points", "search", "path", "records")

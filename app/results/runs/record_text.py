@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from catseye.app.story.words import plain
+from catseye.app.results.runs.event_text import plain
 
 Row = Mapping[str, Any]
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
 
+from catseye.app.results.runs.event_text import between_s, device_text, event_text, gap_text
+from catseye.app.results.runs.record_text import record_text
 from catseye.app.store.reader import RunReader, StoredEvent, StoredStep
-from catseye.app.story.observations import record_text
-from catseye.app.story.words import between_s, device_text, event_text, gap_text
 
 _PASSING = frozenset({"map-known"})
 """Events that tell how far a quantity has got: what counts is the last one."""

@@ -1,1 +1,0 @@
-"""The story of a run: what happened, in readable order."""
