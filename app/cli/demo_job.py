@@ -27,8 +27,8 @@ from catseye.app.results.scara.identify import (
     bench_of_runs,
     error_budget,
     identified_result,
-    identify_rows,
-    run_rows,
+    identify_points,
+    run_points,
 )
 from catseye.app.results.scara.path_rows import path_measurement
 from catseye.app.results.scara.points import points_csv
@@ -182,9 +182,9 @@ def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
     measured = RunReader(runs["open-loop"])
     cell = load_cell(folder / "cell.toml").cell
     bench = bench_of_runs([measured], folder / "runs")
-    rows = run_rows([measured])
-    write_atomically(folder / "points.csv", points_csv(rows))
-    identified = {model: identify_rows(rows, bench, model, error_budget(cell)) for model in MODELS}
+    points = run_points([measured])
+    write_atomically(folder / "points.csv", points_csv(points))
+    identified = {model: identify_points(points, bench, model, error_budget(cell)) for model in MODELS}
     results = {model: _result(one, bench, measured) for model, one in identified.items()}
     for model, result in results.items():
         write_result(result, folder / f"result-{model}.json")

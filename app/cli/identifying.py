@@ -15,7 +15,7 @@ from catseye.app.results.scara.extensions import parse_extensions
 from catseye.app.results.scara.identify import (
     are_simulated,
     identified_result,
-    problem_of_rows,
+    problem_of_points,
     with_what_speaks_against,
 )
 from catseye.app.results.scara.material import with_reference_links
@@ -89,7 +89,7 @@ def identified(
         sharing: provides who shares the draws of a Monte Carlo.
     """
     bench, terms = source.bench, parse_extensions(method.extend)
-    problem = problem_of_rows(source.rows, bench, method.model, source.budget, terms)
+    problem = problem_of_points(source.points, bench, method.model, source.budget, terms)
     propagated = _propagated(*identify_robustly(problem, method.loss, method.reject), method, sharing)
     result = with_reference_links(
         identified_result(propagated.identified, bench, source.names, are_simulated(source.readers)),

@@ -20,7 +20,8 @@ def run_facts(reader: RunReader) -> dict[str, object]:
         "exit_code": reader.exit_code,
         "meta": reader.meta,
         "counts": {
-            name: reader.count(name) for name in ("steps", "points", "search", "path", "records", "events")
+            name: reader.count(name)
+            for name in ("steps", *(table.name for table in reader.tables()), "events")
         },
         "results": {s.step_id: s.result for s in reader.steps() if s.row_count == 0 and s.result},
         "events": [{"t": e.time_utc, "kind": e.kind, "data": e.data} for e in reader.events()],

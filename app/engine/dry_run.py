@@ -1,6 +1,6 @@
 """The same procedure without instruments: what it would do, how long it takes, whether limits hold."""
 
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 
@@ -9,20 +9,20 @@ import numpy as np
 from catseye.app.engine.arm_model import AT_REST, ArmModel, Hit, Speeds
 from catseye.app.engine.gate import JointLimits
 from catseye.app.engine.measuring import dwell_interval_s
-from catseye.app.engine.operator import fault_of
+from catseye.app.engine.recording import require_recordable
 from catseye.app.engine.walked.tube import Leg, legs_through
 from catseye.app.errors import LimitError, MeasurementRejectedError
-from catseye.app.store.rows import encode
 from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import MeasuredPoint, Measurement, Prompt, Table
+from catseye.procedures.kit.columns import Columns, TableRule
+from catseye.procedures.kit.context import Measurement, Prompt
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import legs_refusal
 from catseye.procedures.kit.motion.motion_time import way_time_s
-from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.kit.records import Json, Record, Row
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
@@ -78,23 +78,25 @@ class DryRunContext:
 
     Attributes:
         limits: checked at every move.
+        declared: types of records that the procedure declares.
         bench: tells how long moves take and where the beam goes.
         pose: where the arm stands; set it to where it starts.
         done: results of steps that an interrupted run has done; they are not rehearsed.
         steps: the step table, filled while the procedure runs.
         prompts: the questions that were asked.
         notes: events and warnings, as (kind, data).
-        rows: what was recorded, as (table, row).
+        records: what was recorded.
         motions: every straight joint motion.
     """
 
     limits: JointLimits
     bench: Bench
     pose: Pose = (0.0, 0.0, 0.0, 0.0)
+    declared: Collection[type[Record]] = ()
     steps: list[DryStep] = field(default_factory=list)
     prompts: list[Prompt] = field(default_factory=list)
     notes: list[tuple[str, dict[str, Json]]] = field(default_factory=list)
-    rows: list[tuple[Table, Row]] = field(default_factory=list)
+    records: list[Record] = field(default_factory=list)
     done: Mapping[str, Row] = field(default_factory=dict)
     motions: list[Leg] = field(default_factory=list)
     _account: _Account = field(default_factory=_Account)
@@ -155,14 +157,15 @@ class DryRunContext:
         self.steps.append(step)
         return result
 
-    def record(self, table: Table, row: Row) -> None:
-        """Check and keep a row."""
-        if not self._in_step:
-            raise RuntimeError(
-                f"a row for {table} was recorded outside of a step; it could not become durable"
-            )
-        encode(table, row)
-        self.rows.append((table, dict(row)))
+    def record(self, record: Record) -> None:
+        """Check and keep a record.
+
+        Raises:
+            RuntimeError: no step is under way, or the procedure does not declare this type of records.
+            ValueError: the record does not fit its table.
+        """
+        require_recordable(record, self.declared, in_step=self._in_step)
+        self.records.append(record)
 
     async def checkpoint(self) -> None:
         """Return at once: nobody holds a dry run."""
@@ -272,12 +275,10 @@ class DryRunContext:
         """Account for the time."""
         self._account.time_s += duration_s
 
-    async def load_path(self, file: str, driven_mm: Sequence[tuple[float, float]]) -> Sequence[MeasuredPoint]:
-        """Return the commands as an ideal instrument sees an ideal arm."""
-        del file
-        return [
-            MeasuredPoint(line, None, None, place, *place, None) for line, place in enumerate(driven_mm, 2)
-        ]
+    async def read_table(self, file: str, table: TableRule, rehearsed: Columns) -> Columns:
+        """Return what the procedure goes on with where there is no file."""
+        del file, table
+        return rehearsed
 
     async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:
         """Keep the question and return the answer that goes on: nothing moves in a rehearsal.
@@ -295,7 +296,7 @@ class DryRunContext:
         if watch is not None:
             await watch()
         possible = ("yes", *prompt.choices, prompt.safe_answer or "", "0")
-        return next(text for text in possible if text and not fault_of(prompt, text))
+        return next(text for text in possible if text and not prompt.fault_of(text))
 
     def show(self, live: Live) -> None:
         """Do nothing: nobody watches."""

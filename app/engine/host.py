@@ -86,12 +86,15 @@ async def run_procedure(
         asyncio.CancelledError: the caller was cancelled; the robot was stopped and the record closed.
     """
     arm(os.environ)
+    records = request.procedure.records
     if request.resume is None:
         name, meta = request.procedure.name, {"cell": request.cell, **request.meta}
-        store = await RunStore.create(request.root, name, meta, clock, reserve_bytes=request.reserve_bytes)
+        store = await RunStore.create(
+            request.root, name, meta, clock, records=records, reserve_bytes=request.reserve_bytes
+        )
     else:
         store = await RunStore.reopen(
-            request.resume, clock, request.meta, reserve_bytes=request.reserve_bytes
+            request.resume, clock, request.meta, records=records, reserve_bytes=request.reserve_bytes
         )
     handler = LogHandler(store.log)
     logging.getLogger().addHandler(handler)
@@ -230,6 +233,7 @@ class _Run:
             request.air,
             POLL_S * request.clock_speed,
             request.speed_deg_s,
+            request.procedure.records,
         )
 
     async def _own(self, guard: ArmGuard, simulated: bool) -> None:

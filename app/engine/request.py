@@ -1,6 +1,6 @@
 """What is to be run and within which bounds, and how it ended."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -17,7 +17,7 @@ from catseye.app.engine.walked.rule import WalkRule
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.run_store import DEFAULT_RESERVE_BYTES
 from catseye.procedures.kit.context import Context
-from catseye.procedures.kit.records import Json
+from catseye.procedures.kit.records import Json, Record
 
 
 class Procedure(Protocol):
@@ -26,12 +26,15 @@ class Procedure(Protocol):
     Attributes:
         name: as on the command line and in the run's name.
         title: one line for people.
+        records: types of what it records.
     """
 
     @property
     def name(self) -> str: ...  # noqa: D102  # said above
     @property
     def title(self) -> str: ...  # noqa: D102  # said above
+    @property
+    def records(self) -> Collection[type[Record]]: ...  # noqa: D102  # said above
 
     # Each procedure has a plan type of its own, which only it and its planner know.
     async def run(self, ctx: Context, plan: Any) -> None:

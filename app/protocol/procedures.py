@@ -1,6 +1,7 @@
 """Procedures by name: built-in and third-party ones register through entry points."""
 
 import difflib
+from collections.abc import Collection
 from importlib import metadata
 from pathlib import Path
 from typing import Any, Protocol, cast
@@ -12,8 +13,10 @@ from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.documents import parse_toml
 from catseye.app.protocol.parameters import range_text
 from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.columns import TableRule
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.records import Record
 
 GROUP = "catseye.procedures"
 
@@ -25,6 +28,7 @@ class Runnable(Protocol):
         name: as on the command line.
         title: one line for people.
         needs: of a cell.
+        records: types of what it records.
         params_type: what may be chosen.
     """
 
@@ -34,6 +38,8 @@ class Runnable(Protocol):
     def title(self) -> str: ...  # noqa: D102  # said above
     @property
     def needs(self) -> Needs: ...  # noqa: D102  # said above
+    @property
+    def records(self) -> Collection[type[Record]]: ...  # noqa: D102  # said above
     @property
     def params_type(self) -> type[BaseModel]: ...  # noqa: D102  # said above
 
@@ -92,14 +98,15 @@ def _given_value(params_type: type[BaseModel], key: str, text: str) -> Any:
     """Return a value; where a parameter takes the rows of a file, those rows, so that a run holds what it drove."""
     field = params_type.model_fields.get(key)
     value = _toml_value(text)
-    if field is None or not isinstance(value, str) or field.json_schema_extra != {"file": "joint rows"}:
+    table = next((rule for rule in field.metadata if isinstance(rule, TableRule)), None) if field else None
+    if table is None or not isinstance(value, str):
         return value
     # Most commands read no such file, and start without what reads it.
-    from catseye.app.files.csv_table import require_file
-    from catseye.app.files.joint_rows import read_joint_rows
+    from catseye.app.files.columns import read_table
+    from catseye.app.files.csv_lines import require_file
 
     require_file(Path(value))
-    return read_joint_rows(Path(value))
+    return read_table(Path(value), table).stacked([column.name for column in table.forms[0]]).tolist()
 
 
 def _toml_value(text: str) -> Any:

@@ -192,6 +192,7 @@ async def rehearse(planned: PlannedRun, here: Pose | None = None) -> DryRunConte
         joint_limits(bench),
         bench,
         pose=here or (0.0, 0.0, bench.arm.j3_mm, 0.0),
+        declared=planned.procedure.records,
         done={step.step_id: step.result for step in steps},
     )
     await planned.procedure.run(context, planned.plan)

@@ -17,8 +17,8 @@ class BeamLostError(ProcedureError):
     """The beam is lost and could not be found again."""
 
 
-class MeasuredFileError(ProcedureError):
-    """A file of measured positions cannot be used; the text names file, line and remedy."""
+class TableFileError(ProcedureError):
+    """A file that the operator named cannot be used; the text names file, line and remedy."""
 
 
 class NoBeamError(ProcedureError):

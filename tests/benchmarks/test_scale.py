@@ -12,7 +12,8 @@ import numpy as np
 from scipy import linalg, sparse
 from scipy.optimize import least_squares
 
-from catseye.app.results.scara.points_blocks import points_blocks
+from catseye.app.files.columns import table_blocks
+from catseye.app.results.scara.points import POINTS
 from catseye.app.results.scara.spooled_points import RECORD
 from catseye.calibration.core.least_squares import factorise
 from catseye.calibration.core.types import Floats
@@ -226,6 +227,8 @@ def test_squaring_costs_digits_of_the_uncertainty_only() -> None:
 def test_reading_keeps_up_with_solving(tmp_path: Path) -> None:
     rows = 300_000
     points_csv(scan(arm(1, 2.0), rows, noise_mm=0.01), tmp_path / "points.csv")
-    spent_s = timed_s(lambda: [len(columns) for _, columns in points_blocks(tmp_path / "points.csv", NAMES)])
+    spent_s = timed_s(
+        lambda: [len(columns) for _, columns in table_blocks(tmp_path / "points.csv", POINTS, NAMES)]
+    )
     print(f"\nreading CSV: {rows / spent_s / 1e6:.2f} million rows a second, checked")  # noqa: T201  # the figure
     assert rows / spent_s > 300_000

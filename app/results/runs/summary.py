@@ -3,15 +3,13 @@
 import json
 from collections import Counter
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Any
 
 from catseye.app.results.runs.event_text import between_s, device_text, gap_text
 from catseye.app.results.runs.timeline import last_signs
 from catseye.app.store.reader import RunReader
 from catseye.app.store.resumable import why_not_resumable
-from catseye.procedures.kit.context import Table
 
-_TABLES: tuple[Table | Literal["steps"], ...] = ("steps", "points", "search", "path", "records")
 _RESULT = "solve"
 _FEW = 20
 """A longer list of parameters is the content of a file."""
@@ -29,7 +27,8 @@ def summary(reader: RunReader) -> list[str]:
         f"aim             from {meta.get('aim')}",
     ]
     lines += [f"{name:<16}{device_text(facts)}" for name, facts in (meta.get("devices") or {}).items()]
-    counts = ", ".join(f"{count} {name}" for name in _TABLES if (count := reader.count(name)))
+    tables = ("steps", *(table.name for table in reader.tables()))
+    counts = ", ".join(f"{count} {name}" for name in tables if (count := reader.count(name)))
     lines += [f"stored          {counts or 'nothing'}", *_interruptions(reader), *_reflectors(reader)]
     lines += [*_alignments(reader.records("alignment")), *_others(reader), *_results(reader)]
     if not why_not_resumable(reader):
@@ -57,7 +56,7 @@ def _interruptions(reader: RunReader) -> list[str]:
 
 
 def _reflectors(reader: RunReader) -> list[str]:
-    points = reader.points()
+    points = reader.rows("points")
     lines = []
     for name in dict.fromkeys(row["reflector"] for row in points):
         own = [row for row in points if row["reflector"] == name]

@@ -8,7 +8,7 @@ import numpy as np
 from scipy import special
 
 from catseye.app.results.scara.distances import DistanceSource
-from catseye.app.results.scara.identify import problem_of_rows
+from catseye.app.results.scara.identify import problem_of_points
 from catseye.app.results.scara.result import term_unit
 from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
@@ -35,7 +35,7 @@ def diagnose_distances(source: DistanceSource, progress: Callable[[str], None] =
     Raises:
         CalibrationError: the distances cannot determine the error map.
     """
-    return diagnose(problem_of_rows(source.rows, source.bench, "error-map", source.budget), progress)
+    return diagnose(problem_of_points(source.points, source.bench, "error-map", source.budget), progress)
 
 
 def coefficients(model: ComparedModel) -> list[Coefficient]:

@@ -7,14 +7,15 @@ from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.distance_unit import require_millimetres
-from catseye.app.results.scara.identify import bench_of_runs, cell_of_run, error_budget, run_rows
-from catseye.app.results.scara.points import PointRow, read_points_csv, to_points
+from catseye.app.results.scara.identify import bench_of_runs, cell_of_run, error_budget, run_points
+from catseye.app.results.scara.points import read_points, to_points
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader, accept
 from catseye.app.store.runs_folder import runs_folder
 from catseye.app.store.unverified import taken_as_it_is
 from catseye.calibration.scara.budget import Budget
 from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.columns import Columns
 
 
 @dataclass(frozen=True)
@@ -22,15 +23,15 @@ class DistanceSource:
     """Distances with what is needed to identify an arm from them.
 
     Attributes:
-        rows: distances in measuring order.
+        points: distances in measuring order.
         bench: nodes, nominal links and rough reflectors.
-        budget: contributors of the uncertainty; None for what the rows state themselves.
+        budget: contributors of the uncertainty; None for what the points state themselves.
         names: of the runs or of the points file.
         readers: the runs; none for a points file.
         warnings: sentences about runs that did not end.
     """
 
-    rows: list[PointRow]
+    points: Columns
     bench: Bench
     budget: Budget | None
     names: list[str]
@@ -68,9 +69,9 @@ def load_distances(
     names = [reader.path.name for reader in readers]
     with taken_as_it_is(*readers):
         budget = error_budget(cell_of_run(readers[0]))
-        rows, bench = run_rows(readers), bench_of_runs(readers, root)
+        distances, bench = run_points(readers), bench_of_runs(readers, root)
     warnings += dict.fromkeys(f"UNVERIFIED: {text}" for reader in readers for text in reader.unverified)
-    return DistanceSource(rows, bench, budget, names, readers, warnings)
+    return DistanceSource(distances, bench, budget, names, readers, warnings)
 
 
 def _of_file(points: Path, cell: Path | None) -> DistanceSource:
@@ -78,7 +79,7 @@ def _of_file(points: Path, cell: Path | None) -> DistanceSource:
         raise UsageError("--points needs --cell FILE: nodes, nominal links and rough reflectors stand there")
     loaded = load_cell(cell)
     names = [reflector.name for reflector in loaded.cell.reflector]
-    rows, bench = read_points_csv(points, names), bench_of(loaded.cell)
-    require_millimetres(points, to_points(rows, names), bench)
+    distances, bench = read_points(points, names), bench_of(loaded.cell)
+    require_millimetres(points, to_points(distances, names), bench)
     # A points file states its uncertainties itself, in the column sigma_mm.
-    return DistanceSource(rows, bench, None, [points.name], [], [])
+    return DistanceSource(distances, bench, None, [points.name], [], [])

@@ -1,18 +1,19 @@
 """What runs and results hand to other programs, as rows of one table."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from catseye.app.errors import UsageError
 from catseye.app.files.tabular import Row, table_csv
-from catseye.app.results.scara.identify import cell_of_run, run_rows
+from catseye.app.results.scara.identify import cell_of_run, run_points
 from catseye.app.results.scara.path_rows import holds_distances
-from catseye.app.results.scara.points import PointRow, points_csv
+from catseye.app.results.scara.points import point_columns, points_csv, with_sigma
 from catseye.app.results.scara.result import Result, read_result
 from catseye.app.results.scara.values import result_values
 from catseye.app.store.reader import RunReader
+from catseye.procedures.kit.columns import Columns
 
 _MEASURED = ("theta1_deg", "theta2_deg", "direction1", "direction2", "x_meas_mm", "y_meas_mm", "u_mm")
 
@@ -44,13 +45,10 @@ def run_export(reader: RunReader) -> Export:
     Raises:
         UsageError: it has measured nothing.
     """
-    tables: list[tuple[str, list[Any]]] = [
-        ("points", reader.points()),
-        ("path", reader.path_rows()),
-        ("search", reader.search()),
-        ("records", reader.records()),
-    ]
-    content, rows = next(((name, found) for name, found in tables if found), ("", []))
+    stored: Iterable[tuple[str, list[Any]]] = (
+        (table.name, reader.rows(table.name)) for table in reader.tables()
+    )
+    content, rows = next(((name, found) for name, found in stored if found), ("", []))
     if not rows:
         raise UsageError(
             f"{reader.path.name} holds nothing to export: it is {reader.status} and has measured nothing; "
@@ -62,9 +60,9 @@ def run_export(reader: RunReader) -> Export:
 
 def _run_csv(reader: RunReader, content: str, rows: list[dict[str, Any]]) -> str:
     if content == "points":
-        return points_csv(_with_whole_sigma(reader, run_rows([reader])))
+        return _points_csv(reader, run_points([reader]))
     if content == "path" and holds_distances(rows):
-        return points_csv(_with_whole_sigma(reader, [_distance(row) for row in rows]))
+        return _points_csv(reader, point_columns(rows))
     if content == "path":
         located = [row for row in rows if row["x_meas_mm"] is not None and row["y_meas_mm"] is not None]
         stated = all(row["u_mm"] is not None for row in located)
@@ -73,23 +71,9 @@ def _run_csv(reader: RunReader, content: str, rows: list[dict[str, Any]]) -> str
     return table_csv(rows)
 
 
-def _with_whole_sigma(reader: RunReader, rows: list[PointRow]) -> list[PointRow]:
-    """Return rows with a standard uncertainty; a CSV carries no correlations, so it covers all contributors."""
-    sigma_mm = 1e-3 * cell_of_run(reader).uncertainty.distance_um
-    return [replace(row, sigma_mm=sigma_mm) for row in rows]
-
-
-def _distance(row: Mapping[str, Any]) -> PointRow:
-    return PointRow(
-        str(row["reflector"]),
-        int(row["segment"]),
-        float(row["theta1_deg"]),
-        float(row["theta2_deg"]),
-        int(row["direction1"]),
-        int(row["direction2"]),
-        float(row["displacement_mm"]),
-        None,
-    )
+def _points_csv(reader: RunReader, points: Columns) -> str:
+    """Return distances with a standard uncertainty; a CSV carries no correlations, so it covers all contributors."""
+    return points_csv(with_sigma(points, 1e-3 * cell_of_run(reader).uncertainty.distance_um))
 
 
 def result_export(path: Path) -> Export:

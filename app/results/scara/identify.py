@@ -1,7 +1,7 @@
 """From stored points to an identified arm."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import RECORD, Cell
 from catseye.app.errors import UsageError
-from catseye.app.results.scara.points import PointRow, to_points
+from catseye.app.results.scara.points import point_columns, to_points
 from catseye.app.results.scara.result import Result, result_of
 from catseye.app.store.basis import find_aim
 from catseye.app.store.reader import RunReader
@@ -23,6 +23,8 @@ from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.layout import ModelName
 from catseye.procedures.kit.bench import Bench, Reflector
+from catseye.procedures.kit.columns import Columns
+from catseye.procedures.scara.records import Distance
 
 _SAME_PLACE_MM = 2.0
 """Two searches find one and the same place to much better than this."""
@@ -42,7 +44,7 @@ def cell_of_run(reader: RunReader) -> Cell:
         raise UsageError(f"{reader.path.name} does not hold the cell it was made with") from error
 
 
-def run_rows(readers: Sequence[RunReader]) -> list[PointRow]:
+def run_points(readers: Sequence[RunReader]) -> Columns:
     """Return the distances of runs; a segment keeps to its own run.
 
     They carry no uncertainty of their own: what they are good for is the error budget's affair.
@@ -50,30 +52,15 @@ def run_rows(readers: Sequence[RunReader]) -> list[PointRow]:
     Raises:
         UsageError: a run holds no points.
     """
-    rows: list[PointRow] = []
+    rows: list[dict[str, object]] = []
+    first = 0
     for reader in readers:
-        first = 1 + max((row.segment for row in rows), default=-1)
-        points = reader.points()
+        points = reader.rows(Distance.table)
         if not points:
             raise UsageError(f"{reader.path.name} holds no points; identify needs runs of open-loop")
-        rows += [_row(point, first) for point in points]
-    return rows
-
-
-def _row(point: Mapping[str, object], first_segment: int) -> PointRow:
-    def number(key: str) -> float:
-        return float(str(point[key]))
-
-    return PointRow(
-        reflector=str(point["reflector"]),
-        segment=first_segment + int(number("segment")),
-        theta1_deg=number("theta1_deg"),
-        theta2_deg=number("theta2_deg"),
-        direction1=int(number("direction1")),
-        direction2=int(number("direction2")),
-        displacement_mm=number("displacement_mm"),
-        sigma_mm=None,
-    )
+        rows += [{**point, "segment": first + int(str(point["segment"]))} for point in points]
+        first += 1 + max(int(str(point["segment"])) for point in points)
+    return point_columns(rows)
 
 
 def error_budget(cell: Cell) -> Budget:
@@ -81,8 +68,8 @@ def error_budget(cell: Cell) -> Budget:
     return cell.uncertainty.budget
 
 
-def problem_of_rows(
-    rows: list[PointRow],
+def problem_of_points(
+    points: Columns,
     bench: Bench,
     model: ModelName,
     budget: Budget | None,
@@ -91,28 +78,26 @@ def problem_of_rows(
     """Return what is to be solved to identify an arm from distances.
 
     Args:
-        rows: distances in measuring order.
+        points: distances in measuring order.
         bench: nodes, nominal links and rough reflectors.
         model: which model.
-        budget: contributors of the uncertainty; None for what the rows state themselves.
+        budget: contributors of the uncertainty; None for what the points state themselves.
         terms: functions beyond the model.
     """
     places = {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}
-    points = to_points(rows, places)
+    distances = to_points(points, places)
     nodes = np.deg2rad(bench.nodes1_deg), np.deg2rad(bench.nodes2_deg)
-    rough = np.array([places[name] for name in points.reflector_names])
-    return Problem(points, model, *nodes, bench.arm.link1_mm, bench.arm.link2_mm, rough, budget, terms)
+    rough = np.array([places[name] for name in distances.reflector_names])
+    return Problem(distances, model, *nodes, bench.arm.link1_mm, bench.arm.link2_mm, rough, budget, terms)
 
 
-def identify_rows(
-    rows: list[PointRow], bench: Bench, model: ModelName, budget: Budget | None
-) -> Identification:
-    """Identify an arm from distances; arguments are those of problem_of_rows.
+def identify_points(points: Columns, bench: Bench, model: ModelName, budget: Budget | None) -> Identification:
+    """Identify an arm from distances; arguments are those of problem_of_points.
 
     Raises:
         CalibrationError: the points cannot determine the model; the text names what is missing.
     """
-    return problem_of_rows(rows, bench, model, budget).solve()
+    return problem_of_points(points, bench, model, budget).solve()
 
 
 def identified_result(

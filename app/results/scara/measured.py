@@ -1,20 +1,21 @@
 """A measured CSV as a path: states of approach, ways there and back, and what speaks against the numbers."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from catseye.app.errors import UsageError
-from catseye.app.files.measured_csv import read_measured_csv
-from catseye.app.results.scara.path_csv import cartesian_commands, require_reach
+from catseye.app.files.columns import read_table
+from catseye.app.results.scara.path_csv import JOINTS, PLACE, cartesian_commands, require_reach
 from catseye.app.results.scara.path_start import against_start, start_text
+from catseye.app.results.scara.points import commands_of
 from catseye.app.results.scara.validation import FEWEST_ROWS, TAKE_UP_DEG, PathMeasurement, established_rows
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.planar import Hand, forward
 from catseye.calibration.scara.points import Commands
-from catseye.procedures.kit.context import MeasuredPoint
-from catseye.procedures.scara.path.measured_path import misplaced, uncertainty_fault
+from catseye.procedures.kit.columns import Columns
+from catseye.procedures.scara.path.measured_path import MEASURED_PLACE, misplaced
+from catseye.procedures.scara.path.tables import MEASURED
 
 _ANGLE_UNITS = {"rad": 180.0 / np.pi, "mdeg": 1e-3}
 """What makes degrees of other units."""
@@ -43,17 +44,17 @@ def measured_path(
     Raises:
         UsageError: the file is no measured CSV, holds too few rows, is in another unit, or belongs to another path.
     """
-    measured = read_measured_csv(file)
+    measured = read_table(file, MEASURED)
     if len(measured) < FEWEST_ROWS:
         raise UsageError(
             f"{file}: holds {len(measured)} row(s); the frames are aligned by three unknowns, so that a comparison "
             f"takes {FEWEST_ROWS} positions or more, spread out"
         )
     commands, command_mm = _commands(file, measured, nominal, hand, start)
-    places = np.array([[row.x_meas_mm, row.y_meas_mm] for row in measured])
+    places = measured.stacked(MEASURED_PLACE)
     _require_places(file, measured, command_mm, places, nominal)
     established, text = established_rows(commands, float(np.deg2rad(TAKE_UP_DEG))), ""
-    if measured[0].command_mm is not None:
+    if PLACE[0] in measured:
         established &= ~against_start(commands).any(axis=1)
         text = start_text(commands)
     path = PathMeasurement(
@@ -61,10 +62,10 @@ def measured_path(
         command_mm=command_mm,
         travel=travel_of(command_mm),
         measured_mm=places,
-        u_mm=np.array([np.nan if row.u_mm is None else row.u_mm for row in measured]),
+        u_mm=measured["u_mm"] if "u_mm" in measured else np.full(len(measured), np.nan),
         established=established,
     )
-    return path, [row.line for row in measured], text
+    return path, measured.lines.tolist(), text
 
 
 def travel_of(command_mm: Floats) -> Ints:
@@ -87,35 +88,26 @@ def travel_of(command_mm: Floats) -> Ints:
 
 def _commands(
     file: Path,
-    measured: Sequence[MeasuredPoint],
+    measured: Columns,
     nominal: tuple[float, float],
     hand: Hand,
     start: tuple[int, int],
 ) -> tuple[Commands, Floats]:
-    if measured[0].command_mm is not None:
-        place = np.array([row.command_mm for row in measured])
-        require_reach([row.line for row in measured], file, place, nominal, hand)
+    if PLACE[0] in measured:
+        place = measured.stacked(PLACE)
+        require_reach(measured.lines.tolist(), file, place, nominal, hand)
         return cartesian_commands(place, nominal, hand, start), place
-    theta = _theta(measured)
-    states = np.array([row.directions for row in measured], dtype=np.int64)
-    commands = Commands(theta[:, 0], theta[:, 1], states[:, 0], states[:, 1])
-    return commands, forward(theta[:, 0], theta[:, 1], *nominal)
-
-
-def _theta(measured: Sequence[MeasuredPoint]) -> Floats:
-    return np.radians(np.array([row.theta_deg for row in measured], dtype=np.float64))
+    commands = commands_of(measured)
+    return commands, forward(commands.theta1_rad, commands.theta2_rad, *nominal)
 
 
 def _require_places(
     file: Path,
-    measured: Sequence[MeasuredPoint],
+    measured: Columns,
     command_mm: Floats,
     places: Floats,
     nominal: tuple[float, float],
 ) -> None:
-    for row in measured:
-        if fault := uncertainty_fault(row.u_mm):
-            raise UsageError(f"{file}:{row.line}: {fault}")
     if not np.any(np.ptp(command_mm, axis=0) > 1.0) or not np.any(np.ptp(places, axis=0) > 0.0):
         raise UsageError(
             f"{file}: all positions lie in one place, so the frames cannot be aligned: measure positions spread out"
@@ -123,12 +115,12 @@ def _require_places(
     wrong = misplaced(command_mm, places)
     if wrong is None:
         return
-    if measured[0].theta_deg is not None and np.ptp(places, axis=0).max() > _TELLING_MM:
+    if JOINTS[0] in measured and np.ptp(places, axis=0).max() > _TELLING_MM:
         for unit, factor in _ANGLE_UNITS.items():
-            theta = factor * _theta(measured)
+            theta = np.radians(factor * measured.stacked(JOINTS))
             if misplaced(forward(theta[:, 0], theta[:, 1], *nominal), places) is None:
                 raise UsageError(
                     f"{file}: the commands in theta1_deg, theta2_deg seem to be in {unit}: convert them to degrees"
                 )
-    where = "" if wrong.row is None else f":{measured[wrong.row].line}"
+    where = "" if wrong.row is None else f":{measured.lines[wrong.row]}"
     raise UsageError(f"{file}{where}: {wrong.text}")

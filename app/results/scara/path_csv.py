@@ -3,22 +3,26 @@
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from catseye.app.errors import UsageError
-from catseye.app.files.csv_table import CsvRow, csv_rows, misnamed
+from catseye.app.files.columns import read_rows
+from catseye.app.files.csv_lines import CsvRow
+from catseye.app.results.scara.points import commands_of
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.errors import OutOfReachError
 from catseye.calibration.scara.planar import Hand, forward, inverse
 from catseye.calibration.scara.points import Commands
+from catseye.procedures.kit.columns import TableRule
+from catseye.procedures.scara.path import tables
 
-JOINTS = ("theta1_deg", "theta2_deg")
-DIRECTIONS = ("direction1", "direction2")
-PLACE = ("x_mm", "y_mm")
-FORMS = f"{','.join(JOINTS + DIRECTIONS)} or {','.join(PLACE)}"
+JOINTS = tuple(column.name for column in tables.JOINTS)
+DIRECTIONS = tuple(column.name for column in tables.DIRECTIONS)
+PLACE = tuple(column.name for column in tables.PLACE)
+
+PATH = TableRule("commands", "one", tables.COMMAND_FORMS, mixed=tables.TWO_FORMS)
 
 
 @dataclass(frozen=True)
@@ -52,15 +56,11 @@ def read_path_csv(
     Raises:
         UsageError: the file is missing, a column is missing, a value is wrong or out of reach; names file and line.
     """
-    rows = list(csv_rows(path, FORMS, partial(_check, path)))
-    if not rows:
-        raise UsageError(f"{path}: holds no commands; each row below the header line is one")
-    if PLACE[0] in rows[0].cells:
-        return _cartesian(rows, nominal, hand, start)
-    theta = np.deg2rad([[row.finite(name) for name in JOINTS] for row in rows])
-    directions = np.array([[row.direction(name) for name in DIRECTIONS] for row in rows], dtype=np.int64)
-    commands = Commands(theta[:, 0], theta[:, 1], directions[:, 0], directions[:, 1])
-    command_mm = forward(theta[:, 0], theta[:, 1], *nominal)
+    rows, columns = read_rows(path, PATH)
+    if PLACE[0] in columns:
+        return _cartesian(rows, columns.stacked(PLACE), nominal, hand, start)
+    commands = commands_of(columns)
+    command_mm = forward(commands.theta1_rad, commands.theta2_rad, *nominal)
     return CommandPath(commands, command_mm, cartesian=False, rows=tuple(rows))
 
 
@@ -122,9 +122,8 @@ STANDS_STILL_RAD = 1e-8
 
 
 def _cartesian(
-    rows: Sequence[CsvRow], nominal: tuple[float, float], hand: Hand, start: tuple[int, int]
+    rows: Sequence[CsvRow], place: Floats, nominal: tuple[float, float], hand: Hand, start: tuple[int, int]
 ) -> CommandPath:
-    place = np.array([[row.finite(name) for name in PLACE] for row in rows])
     require_reach([row.line for row in rows], rows[0].path, place, nominal, hand)
     commands = cartesian_commands(place, nominal, hand, start)
     return CommandPath(commands, place, cartesian=True, rows=tuple(rows))
@@ -173,23 +172,3 @@ def _require_unit(file: Path, place_mm: Floats, nominal: tuple[float, float], ha
 
 _UNITS_MM = {"m": 1e3, "inches": 25.4, "cm": 10.0, "µm": 1e-3}
 """What makes mm of other units."""
-
-
-def _check(path: Path, line: int, header: list[str]) -> None:
-    joint_form = any(name in header for name in JOINTS + DIRECTIONS)
-    if joint_form and any(name in header for name in PLACE):
-        raise UsageError(
-            f"{path}:{line}: joint and Cartesian commands stand in one file; keep either "
-            f"{','.join(JOINTS + DIRECTIONS)} or {','.join(PLACE)}"
-        )
-    columns = JOINTS + DIRECTIONS if joint_form else PLACE
-    missing = [name for name in columns if name not in header]
-    if missing:
-        states = "joint commands need the state of approach of each joint, 1 or -1; "
-        why = states if set(missing) <= set(DIRECTIONS) else ""
-        raise UsageError(
-            f"{path}:{line}: column {', '.join(missing)} is missing; {why}the header has to be {FORMS}, "
-            "comma separated"
-        )
-    if fault := misnamed(header, columns):
-        raise UsageError(f"{path}:{line}: {fault}; allowed are {FORMS}")

@@ -12,8 +12,8 @@ from catseye.app.results.scara.identify import (
     cell_of_run,
     error_budget,
     identified_result,
-    identify_rows,
-    run_rows,
+    identify_points,
+    run_points,
 )
 from catseye.app.results.scara.material import with_reference_links
 from catseye.app.results.scara.mirrored import mirrored_text
@@ -25,6 +25,7 @@ from catseye.app.store.reader import Accept, RunReader
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.scara.identification import Identification
 from catseye.procedures.kit.bench import Bench
+from catseye.procedures.scara.records import Distance, PathPosition
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ def compare_path(reader: RunReader, root: Path) -> PathComparison:
     bench = bench_of_runs([measured], root)
     try:
         identified = [
-            identify_rows(run_rows([measured]), bench, model, error_budget(cell_of_run(measured)))
+            identify_points(run_points([measured]), bench, model, error_budget(cell_of_run(measured)))
             for model in MODELS
         ]
         found = _compared(reader, identified, bench)
@@ -80,7 +81,7 @@ def compare_path(reader: RunReader, root: Path) -> PathComparison:
 
 
 def _compared(reader: RunReader, identified: list[Identification], bench: Bench) -> PathComparison:
-    if holds_distances(reader.path_rows()):
+    if holds_distances(reader.rows(PathPosition.table)):
         distances = validate_on_distances(distance_path(reader, bench.take_up_deg), identified)
         return PathComparison(list(distances.rejected), distances=distances)
     nominal = (bench.arm.link1_mm, bench.arm.link2_mm)
@@ -96,7 +97,7 @@ def _measurement(reader: RunReader, root: Path) -> RunReader | None:
     for run in reversed(list_runs(root)):
         if run.procedure == "open-loop" and run.status == "complete":
             found = RunReader(run.path, Accept.UNCHECKED)
-            if _bench_key(found) == wanted and found.count("points"):
+            if _bench_key(found) == wanted and found.count(Distance.table):
                 return reader.beside(run.path)
     return None
 

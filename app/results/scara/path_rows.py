@@ -7,10 +7,12 @@ import numpy as np
 
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.distance_validation import DistancePath
+from catseye.app.results.scara.points import point_columns, to_points
 from catseye.app.results.scara.validation import PathMeasurement, established_rows
 from catseye.app.store.reader import RunReader
 from catseye.calibration.core.types import Bools, Floats, Ints
-from catseye.calibration.scara.points import Commands, Points
+from catseye.calibration.scara.points import Commands
+from catseye.procedures.scara.records import PathPosition
 
 
 def path_measurement(reader: RunReader, take_up_deg: float) -> PathMeasurement:
@@ -51,19 +53,9 @@ def distance_path(reader: RunReader, take_up_deg: float) -> DistancePath:
         raise UsageError(
             f"{reader.path.name} holds positions along a path, not distances: an independent instrument measured it"
         )
-    commands = _commands(rows)
-    places = [(str(row["reflector"]), int(row["segment"])) for row in rows]
-    names, dead_paths = tuple(dict.fromkeys(name for name, _ in places)), tuple(dict.fromkeys(places))
-    points = Points(
-        commands=commands,
-        reflector=np.array([names.index(name) for name, _ in places], dtype=np.int64),
-        dead_path=np.array([dead_paths.index(place) for place in places], dtype=np.int64),
-        displacement_mm=_column(rows, "displacement_mm"),
-        sigma_mm=None,
-        reflector_names=names,
-        dead_paths=dead_paths,
-    )
-    established = _established(rows, commands, float(np.deg2rad(take_up_deg)))
+    columns = point_columns(rows)
+    points = to_points(columns, columns.names)
+    established = _established(rows, points.commands, float(np.deg2rad(take_up_deg)))
     return DistancePath(points, _command_mm(rows), _travel(rows), established)
 
 
@@ -73,7 +65,7 @@ def holds_distances(rows: Sequence[Mapping[str, Any]]) -> bool:
 
 
 def _rows(reader: RunReader) -> list[dict[str, Any]]:
-    rows = reader.path_rows()
+    rows = reader.rows(PathPosition.table)
     if not rows:
         raise UsageError(f"{reader.path.name} holds no path; it takes a run of validation-path")
     return list(rows)

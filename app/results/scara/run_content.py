@@ -23,9 +23,9 @@ from catseye.app.results.scara.identify import (
     cell_of_run,
     error_budget,
     identified_result,
-    identify_rows,
-    problem_of_rows,
-    run_rows,
+    identify_points,
+    problem_of_points,
+    run_points,
 )
 from catseye.app.results.scara.material import with_reference_links
 from catseye.app.results.scara.path_of_run import compare_path
@@ -42,6 +42,7 @@ from catseye.app.store.software import SOFTWARE
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
 from catseye.calibration.scara.identification import Identification
+from catseye.procedures.scara.records import Distance, PathPosition
 
 _MEASURED_WITH = ("python", "numpy", "sqlite", "platform")
 
@@ -79,9 +80,9 @@ def job_content(
 def run_content(reader: RunReader, root: Path) -> ReportContent:
     """Return what a report of a run shows: measurements identified with both models, paths compared with both."""
     cell = cell_of_run(reader)
-    results, notes = _identified(reader, root) if reader.points() else ([], [])
+    results, notes = _identified(reader, root) if reader.rows(Distance.table) else ([], [])
     parts = _run_parts([reader], cell) | {"diagnosis": _diagnosed(reader, root)}
-    if reader.count("path"):
+    if reader.count(PathPosition.table):
         compared = compare_path(reader, root)
         results, notes = compared.results, compared.notes
         parts |= {"validation": compared.validation, "distances": compared.distances}
@@ -129,11 +130,11 @@ def _truth_map(table: Mapping[str, Any], shift_mdeg: float) -> TruthMap:
 
 def _identified(reader: RunReader, root: Path) -> tuple[list[Result], list[str]]:
     """Return both models as far as the points determine them, and what could not be done."""
-    bench, rows = bench_of_runs([reader], root), run_rows([reader])
+    bench, points = bench_of_runs([reader], root), run_points([reader])
     results, notes = [], []
     for model in MODELS:
         try:
-            one = identify_rows(rows, bench, model, error_budget(cell_of_run(reader)))
+            one = identify_points(points, bench, model, error_budget(cell_of_run(reader)))
         except CalibrationError as error:
             notes.append(f"the {model} model could not be identified: {error}")
             continue
@@ -146,11 +147,11 @@ def _identified(reader: RunReader, root: Path) -> tuple[list[Result], list[str]]
 
 def _diagnosed(reader: RunReader, root: Path) -> Diagnosis | None:
     """Return what speaks for and against the error map; None where there is none, which the notes tell."""
-    if not reader.points():
+    if not reader.rows(Distance.table):
         return None
     bench, budget = bench_of_runs([reader], root), error_budget(cell_of_run(reader))
     try:
-        return diagnose(problem_of_rows(run_rows([reader]), bench, "error-map", budget))
+        return diagnose(problem_of_points(run_points([reader]), bench, "error-map", budget))
     except CalibrationError:
         return None
 
@@ -197,8 +198,8 @@ def _devices(readers: Sequence[RunReader], cell: Cell) -> list[DeviceRecord]:
 
 def _distances(reader: RunReader) -> list[dict[str, Any]]:
     """Return every row with a distance and the air: points, and those of a path that the interferometer measured."""
-    path = reader.path_rows()
-    return [*reader.points(), *(path if holds_distances(path) else [])]
+    path = reader.rows(PathPosition.table)
+    return [*reader.rows(Distance.table), *(path if holds_distances(path) else [])]
 
 
 def _environment(points: Sequence[Mapping[str, Any]]) -> EnvironmentSummary | None:
@@ -228,14 +229,13 @@ def _run_record(reader: RunReader) -> RunRecord:
     start, end = (datetime.fromisoformat(events[i].time_utc) for i in (0, -1))
     measured_with: Any = reader.meta.get("software") or {}
     manifest = read_manifest(reader.path)
-    measured = reader.count("points") or reader.count("path") or reader.count("search")
     return RunRecord(
         name=reader.path.name,
         procedure=str(reader.meta.get("procedure")),
         status=reader.status,
         started_utc=events[0].time_utc,
         duration_s=(end - start).total_seconds(),
-        points=measured or None,
+        points=reader.measured or None,
         software=f"catseye {measured_with.get('catseye', '')}",
         versions={key: str(measured_with[key]) for key in _MEASURED_WITH if key in measured_with},
         operator=str(reader.meta.get("operator", "")),

@@ -13,11 +13,11 @@ from typing import IO
 
 import numpy as np
 
-from catseye.app.errors import UsageError
-from catseye.app.results.scara.point_columns import PointColumns
-from catseye.app.results.scara.points_blocks import points_blocks
+from catseye.app.files.columns import table_blocks
+from catseye.app.results.scara.points import POINTS
 from catseye.calibration.core.types import Ints
 from catseye.calibration.scara.points import Commands, Points
+from catseye.procedures.kit.columns import Columns
 
 _BLOCK_ROWS = 50_000
 
@@ -97,13 +97,11 @@ def spooled_points(
     # Reflectors that the file does not name keep their place: without a dead path they are left out later.
     paths, with_sigma, rows = _DeadPaths(tuple(known)), False, 0
     with tempfile.TemporaryFile() as file:
-        for share, columns in points_blocks(path, known):
+        for share, columns in table_blocks(path, POINTS, known):
             _records(columns, paths.index(columns)).tofile(file)
-            with_sigma, rows = columns.sigma_mm is not None, rows + len(columns)
+            with_sigma, rows = "sigma_mm" in columns, rows + len(columns)
             if progress is not None:
                 progress(share)
-        if not rows:
-            raise UsageError(f"{path}: holds no points; each row below the header line is one distance")
         yield SpooledPoints(file, tuple(known), paths.names, with_sigma, rows)
 
 
@@ -123,24 +121,21 @@ class _DeadPaths:
         """(Reflector name, segment) of each."""
         return tuple((self._known[reflector], segment) for reflector, segment in self._numbers)
 
-    def index(self, columns: PointColumns) -> Ints:
+    def index(self, columns: Columns) -> Ints:
         """Return the dead path of each row, shape (n,)."""
-        changes = (np.diff(columns.segment) != 0) | (np.diff(columns.reflector) != 0)
+        reflector, segment = columns["reflector"].astype(np.int64), columns["segment"].astype(np.int64)
+        changes = (np.diff(segment) != 0) | (np.diff(reflector) != 0)
         starts = np.concatenate([[0], np.flatnonzero(changes) + 1]) if len(columns) else np.zeros(0, np.int64)
-        keys = zip(columns.reflector[starts].tolist(), columns.segment[starts].tolist(), strict=True)
+        keys = zip(reflector[starts].tolist(), segment[starts].tolist(), strict=True)
         numbers = [self._numbers.setdefault(key, len(self._numbers)) for key in keys]
         return np.repeat(np.array(numbers, dtype=np.int64), np.diff(np.append(starts, len(columns))))
 
 
-def _records(columns: PointColumns, dead_path: Ints) -> np.ndarray[tuple[int, ...], np.dtype[np.void]]:
+def _records(columns: Columns, dead_path: Ints) -> np.ndarray[tuple[int, ...], np.dtype[np.void]]:
     records = np.zeros(len(columns), dtype=RECORD)
-    records["theta1_rad"] = np.deg2rad(columns.theta1_deg)
-    records["theta2_rad"] = np.deg2rad(columns.theta2_deg)
-    records["displacement_mm"] = columns.displacement_mm
-    if columns.sigma_mm is not None:
-        records["sigma_mm"] = columns.sigma_mm
+    records["theta1_rad"] = np.deg2rad(columns["theta1_deg"])
+    records["theta2_rad"] = np.deg2rad(columns["theta2_deg"])
     records["dead_path"] = dead_path
-    records["reflector"] = columns.reflector
-    records["direction1"] = columns.direction1
-    records["direction2"] = columns.direction2
+    for name in set(columns.values) & set(RECORD.names or ()):
+        records[name] = columns[name]
     return records

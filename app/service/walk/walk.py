@@ -2,7 +2,7 @@
 
 import asyncio
 import hashlib
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Iterable, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager, nullcontext
 from dataclasses import replace
 from functools import partial
@@ -28,7 +28,7 @@ from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.body_speed import fastest_mm_s
 from catseye.procedures.kit.motion.motion_time import move_time_s
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.records import Record, Row
 from catseye.procedures.scara.motion.entry import way_in
 
 MotionsFrom = Callable[[Pose], Awaitable[Sequence[Leg]]]
@@ -87,6 +87,11 @@ class Walk:
     def needs(self) -> Needs:
         """It is planned as the procedure is; nothing is measured."""
         return Needs(aim=self.procedure.needs.aim)
+
+    @property
+    def records(self) -> Collection[type[Record]]:
+        """Nothing is measured."""
+        return ()
 
     @property
     def params_type(self) -> type[BaseModel]:

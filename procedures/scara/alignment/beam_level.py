@@ -15,7 +15,7 @@ from catseye.procedures.kit.errors import AlignmentError, BeamLostError, PlanErr
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import way_refusal
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.records import Record, Row
 from catseye.procedures.kit.stored import numbers_of
 from catseye.procedures.scara.alignment.beam_to_j4 import named_reflectors
 from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw
@@ -28,6 +28,7 @@ from catseye.procedures.scara.beam.beam_scan import (
 )
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.motion.arrival import Arrival
+from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 from catseye.procedures.scara.search.search_plan import SearchPose, looking_poses, measured_distances_mm
 
 _ROUGH_MM = 30.0
@@ -82,6 +83,7 @@ class BeamLevel:
     name = "beam-level"
     title = "Levelling of the beam"
     needs: ClassVar[Needs] = Needs()
+    records: ClassVar[tuple[type[Record], ...]] = (AlignmentRound, ScrewTurn)
     params_type = BeamLevelParams
 
     def __init__(self) -> None:

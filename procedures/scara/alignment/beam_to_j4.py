@@ -25,13 +25,14 @@ from catseye.procedures.kit.errors import (
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import require_clear_way
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.records import Record, Row
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.before import LEVELLED
 from catseye.procedures.scara.motion.arrival import Arrival
+from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 from catseye.procedures.scara.search.search_plan import SearchPose, looking_poses
 
 _WINDOW_SHARE = 0.8
@@ -96,6 +97,7 @@ class BeamToJ4:
     name = "beam-to-j4"
     title = "Alignment of the beam to the J4 axis"
     needs: ClassVar[Needs] = Needs(after=(LEVELLED,))
+    records: ClassVar[tuple[type[Record], ...]] = (AlignmentRound, ScrewTurn)
     params_type = BeamToJ4Params
 
     def plan(self, bench: Bench, params: BeamToJ4Params) -> BeamToJ4Plan:

@@ -9,10 +9,12 @@ from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.motion.bench_time import BenchTime
 from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.records import Record
 from catseye.procedures.scara.before import ALIGNED, WARM
 from catseye.procedures.scara.open_loop.campaign import ReflectorCampaign
 from catseye.procedures.scara.open_loop.live_knowledge import Knowledge
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, Rules, plan_open_loop
+from catseye.procedures.scara.records import ClosureVisit, Distance, Overlap
 
 
 class OpenLoopParams(BaseModel):
@@ -42,6 +44,7 @@ class OpenLoop:
     name = "open-loop"
     title = "Automated open-loop tracking measurement"
     needs: ClassVar[Needs] = Needs(after=(ALIGNED, WARM), aim=True)
+    records: ClassVar[tuple[type[Record], ...]] = (Distance, Overlap, ClosureVisit)
     params_type = OpenLoopParams
 
     def plan(self, bench: Bench, params: OpenLoopParams) -> OpenLoopPlan:

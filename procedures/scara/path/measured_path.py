@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catseye.calibration.scara.comparison import rigid_fit
-from catseye.procedures.kit.context import MeasuredPoint
-from catseye.procedures.kit.errors import MeasuredFileError
-from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.columns import Columns
+from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.scara.path.tracked_path import PathPoint
+from catseye.procedures.scara.records import PathPosition
 
 Floats = NDArray[np.float64]
 
@@ -21,8 +21,10 @@ _COMMAND_DEG = 0.005
 _MEASURED_MM = 5.0
 """No arm that is worth an error map stands farther from its command than this, frames aligned."""
 
-_LARGEST_U_MM = 1.0
-"""An instrument with a larger uncertainty would tell nothing about an error map: such numbers are µm."""
+_JOINTS = ("theta1_deg", "theta2_deg")
+_DIRECTIONS = ("direction1", "direction2")
+_PLACE = ("x_mm", "y_mm")
+MEASURED_PLACE = ("x_meas_mm", "y_meas_mm")
 
 _LENGTHS = {
     1e3: "µm",
@@ -37,10 +39,10 @@ _UNIT_SHARE = 0.05
 """A ratio of spreads this near to a factor gives the unit away."""
 
 
-def matched_rows(
-    file: str, points: tuple[PathPoint, ...], passes: int, measured: Sequence[MeasuredPoint]
-) -> list[Row]:
-    """Return the rows of a path from what a file holds.
+def matched_positions(
+    file: str, points: tuple[PathPoint, ...], passes: int, measured: Columns
+) -> list[PathPosition]:
+    """Return the positions of a path from what a file holds.
 
     Args:
         file: its name, for complaints.
@@ -49,30 +51,32 @@ def matched_rows(
         measured: rows of the file, in order.
 
     Raises:
-        MeasuredFileError: another number of points, other commands, another unit, or places that are not those of
+        TableFileError: another number of points, other commands, another unit, or places that are not those of
             this path; names the line.
     """
     if len(measured) != passes * len(points):
-        raise MeasuredFileError(
+        raise TableFileError(
             f"{file}: holds {len(measured)} points and the path has {passes * len(points)} ({passes} pass(es) of "
             f"{len(points)}, there and back): every point that was driven needs a row, in the order of driving"
         )
     driven = points * passes
     _require_command_units(file, driven, measured)
-    for number, (point, row) in enumerate(zip(driven, measured, strict=True), 1):
-        _require_command(file, number, point, row)
+    _require_commands(file, driven, measured)
     _require_places(file, driven, measured)
-    _require_uncertainties(file, measured)
+    u_mm = measured["u_mm"].tolist() if "u_mm" in measured else [None] * len(measured)
     return [
-        {
-            **point.as_row(),
-            "x_meas_mm": row.x_meas_mm,
-            "y_meas_mm": row.y_meas_mm,
-            "u_mm": row.u_mm,
-            "pass_number": number // len(points),
-        }
-        for number, (point, row) in enumerate(zip(driven, measured, strict=True))
+        point.position(number // len(points), (x, y), u)
+        for number, (point, (x, y), u) in enumerate(
+            zip(driven, measured.stacked(MEASURED_PLACE).tolist(), u_mm, strict=True)
+        )
     ]
+
+
+def commands_as_measured(driven: Sequence[PathPoint]) -> Columns:
+    """Return what an ideal instrument sees of an ideal arm, as its file would hold it."""
+    place = _places(driven).T
+    values = dict(zip((*_PLACE, *MEASURED_PLACE), (*place, *place), strict=True))
+    return Columns(values, np.arange(2, len(driven) + 2))
 
 
 def suspected_unit(expected: Floats, found: Floats, units: dict[float, str] = _LENGTHS) -> str | None:
@@ -87,46 +91,57 @@ def suspected_unit(expected: Floats, found: Floats, units: dict[float, str] = _L
     return next((name for factor, name in units.items() if abs(ratio / factor - 1.0) <= _UNIT_SHARE), None)
 
 
-def _require_command_units(file: str, driven: Sequence[PathPoint], measured: Sequence[MeasuredPoint]) -> None:
-    if measured[0].command_mm is not None:
-        given = np.array([row.command_mm for row in measured])
-        unit, columns = suspected_unit(_places(driven), given), "x_mm, y_mm"
+def _require_command_units(file: str, driven: Sequence[PathPoint], measured: Columns) -> None:
+    if _PLACE[0] in measured:
+        unit, columns = suspected_unit(_places(driven), measured.stacked(_PLACE)), "x_mm, y_mm"
     else:
-        given = np.array([row.theta_deg for row in measured])
         wanted = np.array([[point.theta1_deg, point.theta2_deg] for point in driven])
-        unit, columns = suspected_unit(wanted, given, _ANGLES), "theta1_deg, theta2_deg"
+        unit, columns = suspected_unit(wanted, measured.stacked(_JOINTS), _ANGLES), "theta1_deg, theta2_deg"
     if unit is not None:
-        raise MeasuredFileError(f"{file}: the commands in {columns} seem to be in {unit}: convert them")
+        raise TableFileError(f"{file}: the commands in {columns} seem to be in {unit}: convert them")
 
 
-def _require_command(file: str, number: int, point: PathPoint, row: MeasuredPoint) -> None:
-    if row.command_mm is not None:
-        wanted = (point.x_mm, point.y_mm)
-        fits = max(abs(a - b) for a, b in zip(row.command_mm, wanted, strict=True)) <= _COMMAND_MM
-        given = f"({row.command_mm[0]:g}, {row.command_mm[1]:g}) mm"
-        expected = f"({wanted[0]:g}, {wanted[1]:g}) mm"
-    else:
-        theta, directions = row.theta_deg or (np.nan, np.nan), row.directions
-        wanted = (point.theta1_deg, point.theta2_deg)
-        near = max(abs(a - b) for a, b in zip(theta, wanted, strict=True)) <= _COMMAND_DEG
-        fits = near and directions == (point.direction1, point.direction2)
-        given = f"θ1 {theta[0]:g}°, θ2 {theta[1]:g}°, directions {directions}"
-        expected = (
-            f"θ1 {wanted[0]:.4f}°, θ2 {wanted[1]:.4f}°, directions {(point.direction1, point.direction2)}"
-        )
-    if not fits:
-        raise MeasuredFileError(
-            f"{file}:{row.line}: the command is {given} and point {number} of this path is {expected}: the rows have "
-            "to be those of this path, in the order of driving"
-        )
+def _require_commands(file: str, driven: Sequence[PathPoint], measured: Columns) -> None:
+    fault = _cartesian_fault if _PLACE[0] in measured else _joint_fault
+    for number, (point, line) in enumerate(zip(driven, measured.lines, strict=True), 1):
+        if text := fault(point, measured, number - 1):
+            given, expected = text
+            raise TableFileError(
+                f"{file}:{line}: the command is {given} and point {number} of this path is {expected}: the rows have "
+                "to be those of this path, in the order of driving"
+            )
 
 
-def _require_places(file: str, driven: Sequence[PathPoint], measured: Sequence[MeasuredPoint]) -> None:
-    places = np.array([[row.x_meas_mm, row.y_meas_mm] for row in measured])
-    fault = misplaced(_places(driven), places)
+def _cartesian_fault(point: PathPoint, measured: Columns, row: int) -> tuple[str, str] | None:
+    """Return the command of a row and the one that was driven, if they differ."""
+    given, wanted = [float(measured[name][row]) for name in _PLACE], (point.x_mm, point.y_mm)
+    if _near(given, wanted, _COMMAND_MM):
+        return None
+    return f"({given[0]:g}, {given[1]:g}) mm", f"({wanted[0]:g}, {wanted[1]:g}) mm"
+
+
+def _joint_fault(point: PathPoint, measured: Columns, row: int) -> tuple[str, str] | None:
+    """Return the command of a row and the one that was driven, if they differ."""
+    theta, wanted = [float(measured[name][row]) for name in _JOINTS], (point.theta1_deg, point.theta2_deg)
+    directions = tuple(int(measured[name][row]) for name in _DIRECTIONS)
+    driven = (point.direction1, point.direction2)
+    if _near(theta, wanted, _COMMAND_DEG) and directions == driven:
+        return None
+    return (
+        f"θ1 {theta[0]:g}°, θ2 {theta[1]:g}°, directions {directions}",
+        f"θ1 {wanted[0]:.4f}°, θ2 {wanted[1]:.4f}°, directions {driven}",
+    )
+
+
+def _near(given: Sequence[float], wanted: Sequence[float], tolerance: float) -> bool:
+    return max(abs(a - b) for a, b in zip(given, wanted, strict=True)) <= tolerance
+
+
+def _require_places(file: str, driven: Sequence[PathPoint], measured: Columns) -> None:
+    fault = misplaced(_places(driven), measured.stacked(MEASURED_PLACE))
     if fault is not None:
-        where = "" if fault.row is None else f":{measured[fault.row].line}"
-        raise MeasuredFileError(f"{file}{where}: {fault.text}")
+        where = "" if fault.row is None else f":{measured.lines[fault.row]}"
+        raise TableFileError(f"{file}{where}: {fault.text}")
 
 
 @dataclass(frozen=True)
@@ -177,22 +192,6 @@ def _off_mm(commands_mm: Floats, places_mm: Floats) -> Floats:
     """Return the distances of measured positions from their commands after a rigid alignment, mm, shape (n,)."""
     off = rigid_fit(places_mm, commands_mm).apply(places_mm) - commands_mm
     return np.asarray(np.hypot(*off.T), dtype=np.float64)
-
-
-def _require_uncertainties(file: str, measured: Sequence[MeasuredPoint]) -> None:
-    for row in measured:
-        if fault := uncertainty_fault(row.u_mm):
-            raise MeasuredFileError(f"{file}:{row.line}: {fault}")
-
-
-def uncertainty_fault(u_mm: float | None) -> str:
-    """Return what is wrong with a stated standard uncertainty; empty when nothing is."""
-    if u_mm is None or u_mm <= _LARGEST_U_MM:
-        return ""
-    return (
-        f"u_mm = {u_mm:g} is more than {_LARGEST_U_MM:g} mm: it seems to be in µm; convert it to mm, or leave the "
-        "column out"
-    )
 
 
 def _places(driven: Sequence[PathPoint]) -> Floats:

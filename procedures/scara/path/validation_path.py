@@ -10,15 +10,17 @@ from catseye.drivers.roles.pose import Pose, is_at
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Prompt
-from catseye.procedures.kit.errors import ArmMovedError, MeasuredFileError
+from catseye.procedures.kit.errors import ArmMovedError, TableFileError
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.records import Record, Row
 from catseye.procedures.scara.before import ALIGNED
 from catseye.procedures.scara.motion.entry import way_in
 from catseye.procedures.scara.path.joint_rows import plan_joint_rows
-from catseye.procedures.scara.path.measured_path import matched_rows
+from catseye.procedures.scara.path.measured_path import commands_as_measured, matched_positions
 from catseye.procedures.scara.path.path_plan import Instrument, PathPlan, plan_path, take_up_of
+from catseye.procedures.scara.path.tables import JOINT_ROWS, MEASURED
 from catseye.procedures.scara.path.tracked_path import PathPoint, TrackedCampaign
+from catseye.procedures.scara.records import Overlap, PathPosition
 
 _ATTEMPTS = 3
 """So often a point is measured anew when the arm was moved meanwhile."""
@@ -55,10 +57,10 @@ class PathParams(BaseModel):
         2.0, ge=0.0, le=600.0, description="standstill at a point that is measured for a file, s"
     )
     confirm_each: bool = Field(False, description="you confirm each point that is measured for a file")
-    joints: list[JointRow] = Field(
+    joints: Annotated[list[JointRow], JOINT_ROWS] = Field(
         [],
         description="CSV of catseye compensate, whose commands are driven as they stand instead of a straight path",
-        json_schema_extra={"file": "joint rows"},
+        json_schema_extra={"file": "CSV"},
     )
 
 
@@ -68,6 +70,7 @@ class ValidationPath:
     name = "validation-path"
     title = "Validation path"
     needs: ClassVar[Needs] = Needs(after=(ALIGNED,), aim=True, tracker=True)
+    records: ClassVar[tuple[type[Record], ...]] = (PathPosition, Overlap)
     params_type = PathParams
 
     def plan(self, bench: Bench, params: PathParams) -> PathPlan:
@@ -93,7 +96,7 @@ class ValidationPath:
         Raises:
             BeamLostError: the operator ends the run since the beam does not come back.
             ArmMovedError: the arm was moved again and again while a point was measured.
-            MeasuredFileError: no file that was given can be used.
+            TableFileError: no file that was given can be used.
             WayBlockedError: the arm cannot be led to the path.
         """
         if plan.tracked is not None:
@@ -192,11 +195,8 @@ class _Drive:
     def _kept(self, point: PathPoint, pass_number: int, found: Position | None) -> Row:
         if found is None:
             return {}
-        measured = {"x_meas_mm": found.x_mm, "y_meas_mm": found.y_mm}
-        self._ctx.record(
-            "path", {**point.as_row(), **measured, "u_mm": found.u_mm, "pass_number": pass_number}
-        )
-        return measured
+        self._ctx.record(point.position(pass_number, (found.x_mm, found.y_mm), found.u_mm))
+        return {"x_meas_mm": found.x_mm, "y_meas_mm": found.y_mm}
 
     async def _hold(self, point: PathPoint, prompt_id: str) -> None:
         """Stand still for the instrument; a "no" of the operator gives it more time."""
@@ -224,19 +224,21 @@ def _point_prompt(point: PathPoint, prompt_id: str, number: int, target: Pose | 
 async def _take_file(ctx: Context, plan: PathPlan) -> Row:
     """Ask for the instrument's file until one can be used."""
     complaint = ""
-    driven_mm = [(point.x_mm, point.y_mm) for point in plan.points] * plan.passes
+    ideal = commands_as_measured(plan.points * plan.passes)
     for number in range(1, _MOST_FILES + 1):
         file = await ctx.ask(_file_prompt(number, complaint))
         try:
-            rows = matched_rows(file, plan.points, plan.passes, await ctx.load_path(file, driven_mm))
-        except MeasuredFileError as error:
+            positions = matched_positions(
+                file, plan.points, plan.passes, await ctx.read_table(file, MEASURED, ideal)
+            )
+        except TableFileError as error:
             complaint = str(error)
             await ctx.warn(complaint)
             continue
-        for row in rows:
-            ctx.record("path", row)
-        return {"file": file, "points": len(rows)}
-    raise MeasuredFileError(
+        for position in positions:
+            ctx.record(position)
+        return {"file": file, "points": len(positions)}
+    raise TableFileError(
         f"{complaint}; {_MOST_FILES} files could not be used: the arm has been driven along the whole path, so go on "
         "with catseye resume when the file is right"
     )

@@ -12,8 +12,9 @@ from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import ReflectorNotFoundError
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.kit.records import Json, Record, Row
 from catseye.procedures.scara.before import ALIGNED
+from catseye.procedures.scara.records import SeenReflector
 from catseye.procedures.scara.search.search_plan import Jogging, SearchPlan, SearchPose, plan_search
 from catseye.procedures.scara.search.search_solution import FEWEST_SIGHTINGS, Assessment, assess, weakest
 from catseye.procedures.scara.search.sighting import Announcement, Lookout
@@ -52,6 +53,7 @@ class ReflectorSearch:
     name = "reflector-search"
     title = "Reflector search"
     needs: ClassVar[Needs] = Needs(after=(ALIGNED,))
+    records: ClassVar[tuple[type[Record], ...]] = (SeenReflector,)
     params_type = SearchParams
 
     def plan(self, bench: Bench, params: SearchParams) -> SearchPlan:

@@ -14,6 +14,7 @@ from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.motion.arrival import Arrival
+from catseye.procedures.scara.records import SeenReflector
 from catseye.procedures.scara.search.search_plan import Jogging, SearchPlan, SearchPose
 
 _REMEDY = "check that the beam is free, and the rough place and theta40_deg in the cell file"
@@ -104,16 +105,17 @@ class Lookout:
             else:
                 await self._ctx.warn(f"reflector {name} left out by the operator at {where}: {_REMEDY}")
             return {"found": False}
-        row: Row = {
-            "reflector": pose.reflector.name,
-            "theta1_deg": pose.theta1_deg,
-            "theta2_deg": pose.theta2_deg,
-            "j4_deg": window.centre_deg,
-            "lower_deg": window.lower_deg,
-            "upper_deg": window.upper_deg,
-            "signal": window.signal,
-        }
-        self._ctx.record("search", row)
+        self._ctx.record(
+            SeenReflector(
+                reflector=pose.reflector.name,
+                theta1_deg=pose.theta1_deg,
+                theta2_deg=pose.theta2_deg,
+                j4_deg=window.centre_deg,
+                lower_deg=window.lower_deg,
+                upper_deg=window.upper_deg,
+                signal=window.signal,
+            )
+        )
         return {"found": True, "j4_deg": window.centre_deg}
 
     def _aim(self, pose: SearchPose) -> tuple[Pose, float]:

@@ -10,12 +10,13 @@ import pytest
 
 from catseye.app.cli.export import export, form_of
 from catseye.app.errors import ConfigError, UsageError
-from catseye.app.files.measured_csv import read_measured_csv
+from catseye.app.files.columns import read_table
 from catseye.app.files.tabular import table_csv, table_parquet
 from catseye.app.results.scara.export import Export, result_export, result_rows, run_export
-from catseye.app.results.scara.points import read_points_csv
+from catseye.app.results.scara.points import read_points
 from catseye.app.results.scara.result import TermEstimate, write_result
 from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.scara.path.tables import MEASURED
 from tests.unit.app.engine.fakes import point
 from tests.unit.app.results.scara import sample
 from tests.unit.app.test_path_comparison import distances, stored
@@ -43,12 +44,12 @@ async def test_distances_come_back_from_their_csv_to_the_last_digit_and_with_a_s
         for i in range(6)
     ]
     reader = await stored(tmp_path, "open-loop", [("points", row) for row in given])
-    rows = read_points_csv(read_again(tmp_path, run_export(reader)), ["P2"])
-    assert [row.displacement_mm for row in rows] == [row["displacement_mm"] for row in given]
-    assert [row.segment for row in rows] == [0, 0, 0, 1, 1, 1]
-    assert {row.direction2 for row in rows} == {-1}
+    rows = read_points(read_again(tmp_path, run_export(reader)), ["P2"])
+    assert rows["displacement_mm"].tolist() == [row["displacement_mm"] for row in given]
+    assert rows["segment"].tolist() == [0, 0, 0, 1, 1, 1]
+    assert set(rows["direction2"]) == {-1}
     # Table 2 in a distance of 743 mm: 10 and the radial 5, 5, 10 µm, all else below 0.4 µm.
-    assert [row.sigma_mm for row in rows] == pytest.approx([0.01582] * 6, abs=2e-5)
+    assert rows["sigma_mm"] == pytest.approx([0.01582] * 6, abs=2e-5)
 
 
 async def test_positions_of_a_path_are_a_measured_file(tmp_path: Path) -> None:
@@ -64,25 +65,25 @@ async def test_positions_of_a_path_are_a_measured_file(tmp_path: Path) -> None:
         {**place, "x_mm": 200.0, "y_mm": 1.0, "x_meas_mm": x, "y_meas_mm": 1.5, "u_mm": 0.0085} for x in seen
     ]
     reader = await stored(tmp_path, "validation-path", [("path", row) for row in given])
-    rows = read_measured_csv(read_again(tmp_path, run_export(reader)))
-    assert [(row.x_meas_mm, row.y_meas_mm, row.u_mm) for row in rows] == [(x, 1.5, 0.0085) for x in seen]
-    assert rows[0].theta_deg == (-10.0, 70.0)
-    assert rows[0].directions == (1, -1)
+    rows = read_table(read_again(tmp_path, run_export(reader)), MEASURED)
+    assert rows.stacked(("x_meas_mm", "y_meas_mm", "u_mm")).tolist() == [[x, 1.5, 0.0085] for x in seen]
+    commands = rows.stacked(("theta1_deg", "theta2_deg", "direction1", "direction2"))
+    assert commands[0].tolist() == [-10.0, 70.0, 1.0, -1.0]
 
 
 async def test_an_instrument_without_uncertainty_gives_no_column_for_it(tmp_path: Path) -> None:
     row: Row = {"theta1_deg": -10.0, "theta2_deg": 70.0, "direction1": 1, "direction2": -1}
     place: Row = {"x_mm": 200.0, "y_mm": 1.0, "x_meas_mm": 200.1, "y_meas_mm": 1.5}
     reader = await stored(tmp_path, "validation-path", [("path", {**row, **place})])
-    assert read_measured_csv(read_again(tmp_path, run_export(reader)))[0].u_mm is None
+    assert "u_mm" not in read_table(read_again(tmp_path, run_export(reader)), MEASURED)
 
 
 async def test_distances_along_a_path_are_a_points_file(tmp_path: Path) -> None:
     reader = await stored(tmp_path, "validation-path", distances())
     export = run_export(reader)
-    rows = read_points_csv(read_again(tmp_path, export), ["P2"])
+    rows = read_points(read_again(tmp_path, export), ["P2"])
     assert export.content == "path"
-    assert [row.displacement_mm for row in rows] == [row["displacement_mm"] for _, row in distances()]
+    assert rows["displacement_mm"].tolist() == [row["displacement_mm"] for _, row in distances()]
 
 
 async def test_sightings_and_records_are_exported_with_all_their_columns(tmp_path: Path) -> None:

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from catseye.app.results.scara.identify import identify_rows
-from catseye.app.results.scara.points import PointRow
+from catseye.app.results.scara.identify import identify_points
+from catseye.app.results.scara.points import COLUMNS, point_columns, with_sigma
 from catseye.app.results.scara.truth import compare_with_truth, gauge_turn_rad, turned_places
 from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
 from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.identification import Identification
+from catseye.procedures.kit.bench import Bench
 from tests.unit.calibration.scara.paper import (
     MDEG,
     NAMES,
@@ -27,7 +28,7 @@ from tests.unit.calibration.scara.paper import (
 from tests.unit.procedures.benches import bench
 
 
-def rows_of(truth: Truth, noise_mm: float = 0.0, sigma_mm: float | None = 0.0156) -> list[PointRow]:
+def rows_of(truth: Truth, noise_mm: float = 0.0) -> list[dict[str, object]]:
     rng = np.random.default_rng(4)
     rows = []
     for j, name in enumerate(NAMES):
@@ -35,13 +36,19 @@ def rows_of(truth: Truth, noise_mm: float = 0.0, sigma_mm: float | None = 0.0156
             length = math.dist(true_position(truth, command), truth.reflectors[j])
             one, two = NODES1_DEG[command[0]], NODES2_DEG[command[1]]
             value = length - 400.0 + float(rng.normal(0.0, noise_mm)) if noise_mm else length - 400.0
-            rows.append(PointRow(name, 0, one, two, command[2], command[3], value, sigma_mm))
+            row = (name, 0, one, two, command[2], command[3], value)
+            rows.append(dict(zip(COLUMNS, row, strict=True)))
     return rows
+
+
+def identified(rows: list[dict[str, object]], on: Bench | None = None) -> Identification:
+    points = with_sigma(point_columns(rows), 0.0156)
+    return identify_points(points, on or bench(), "error-map", None)
 
 
 @cache
 def noisy() -> Identification:
-    return identify_rows(rows_of(random_truth(21), 0.0156), bench(), "error-map", None)
+    return identified(rows_of(random_truth(21), 0.0156))
 
 
 def document(truth: Truth) -> dict[str, Any]:
@@ -78,7 +85,7 @@ def turned(original: dict[str, Any], angle_deg: float) -> dict[str, Any]:
 
 def test_rows_give_back_the_arm_they_were_made_from() -> None:
     truth = random_truth(20)
-    found = identify_rows(rows_of(truth), bench(), "error-map", None)
+    found = identified(rows_of(truth))
     assert found.parameters[:40] == pytest.approx(truth.table_vector(), abs=1e-10)
     assert found.parameters[40:46] == pytest.approx(truth.reflectors.ravel(), abs=1e-7)
     comparison = compare_with_truth(found, document(truth))
@@ -115,20 +122,20 @@ def test_an_error_of_the_truth_shows_in_its_own_line_only() -> None:
 
 
 def test_nodes_that_no_row_touches_are_named() -> None:
-    rows = [row for row in rows_of(random_truth(20)) if row.theta1_deg != 0.0]
+    rows = [row for row in rows_of(random_truth(20)) if row["theta1_deg"] != 0.0]
     with pytest.raises(UnidentifiableError, match=r"no point touches Δθ1\(0°, \+\), Δθ1\(0°, −\)"):
-        identify_rows(rows, bench(), "error-map", None)
+        identified(rows)
 
 
 def test_a_direction_that_is_never_used_is_named() -> None:
-    rows = [row for row in rows_of(random_truth(20)) if row.direction2 == 1]
+    rows = [row for row in rows_of(random_truth(20)) if row["direction2"] == 1]
     with pytest.raises(UnidentifiableError, match=r"no point touches Δθ2\(0°, −\), Δθ2\(20°, −\)"):
-        identify_rows(rows, bench(), "error-map", None)
+        identified(rows)
 
 
 def test_rows_outside_the_nodes_and_too_few_rows_are_refused() -> None:
     rows = rows_of(random_truth(20))
     with pytest.raises(MapRangeError, match="never extrapolated"):
-        identify_rows(rows, bench((-140.0, 40.0)), "error-map", None)
+        identified(rows, bench((-140.0, 40.0)))
     with pytest.raises(InsufficientPointsError, match="measure more points"):
-        identify_rows(rows[:20], bench(), "error-map", None)
+        identified(rows[:20])

@@ -15,10 +15,11 @@ from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Arm, Bench, Optics, Reflector, Timing, Workspace
-from catseye.procedures.kit.context import MeasuredPoint, Measurement, Prompt, Table
-from catseye.procedures.kit.errors import MeasuredFileError
+from catseye.procedures.kit.columns import Columns, TableRule
+from catseye.procedures.kit.context import Measurement, Prompt
+from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
-from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.kit.records import Json, Record, Row, row_of
 
 LINK1_MM, LINK2_MM = 325.0, 225.0
 NODES1_DEG = tuple(-140.0 + 20.0 * i for i in range(11))
@@ -172,7 +173,7 @@ class IdealContext:
     answers: dict[str, str | Callable[[Prompt], str]] = field(default_factory=dict)
     shown: list[Live] = field(default_factory=list)
     pauses: list[tuple[Pose, float]] = field(default_factory=list)
-    files: dict[str, Sequence[MeasuredPoint] | str] = field(default_factory=dict)
+    files: dict[str, Columns | str] = field(default_factory=dict)
     suspensions: list[str] = field(default_factory=list)
     resumed: bool = False
     ran: list[str] = field(default_factory=list)
@@ -206,9 +207,9 @@ class IdealContext:
         self.stored[step_id] = result
         return result
 
-    def record(self, table: Table, row: Row) -> None:
-        """Keep a row."""
-        self.rows.append((table, row))
+    def record(self, record: Record) -> None:
+        """Keep a record as a row with the name of its table."""
+        self.rows.append((record.table, row_of(record)))
 
     async def checkpoint(self) -> None:
         """Nothing stops here."""
@@ -275,12 +276,13 @@ class IdealContext:
         """Stand still."""
         self.pauses.append((self.pose, duration_s))
 
-    async def load_path(self, file: str, driven_mm: Sequence[tuple[float, float]]) -> Sequence[MeasuredPoint]:
+    async def read_table(self, file: str, table: TableRule, rehearsed: Columns) -> Columns:
         """Return what the file holds, or refuse it."""
-        assert driven_mm
+        assert table.holds
+        assert len(rehearsed)
         held = self.files[file]
         if isinstance(held, str):
-            raise MeasuredFileError(held)
+            raise TableFileError(held)
         return held
 
     async def ask(self, prompt: Prompt, watch: Callable[[], Awaitable[Live]] | None = None) -> str:

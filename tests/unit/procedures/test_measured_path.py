@@ -2,14 +2,14 @@
 
 import math
 import re
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
 
+import numpy as np
 import pytest
 
-from catseye.procedures.kit.context import MeasuredPoint
-from catseye.procedures.kit.errors import MeasuredFileError
-from catseye.procedures.scara.path.measured_path import matched_rows
+from catseye.procedures.kit.columns import Columns
+from catseye.procedures.kit.errors import TableFileError
+from catseye.procedures.scara.path.measured_path import matched_positions
 from catseye.procedures.scara.path.path_plan import plan_path
 from catseye.procedures.scara.path.tracked_path import PathPoint
 from tests.unit.procedures.benches import bench
@@ -27,41 +27,58 @@ def seen(point: PathPoint) -> tuple[float, float]:
     )
 
 
-def places(scale: float = 1.0) -> list[MeasuredPoint]:
+def columns(rows: Sequence[Mapping[str, float]]) -> Columns:
+    """Return rows as a file holds them below its header."""
+    values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    return Columns(values, np.arange(2, len(rows) + 2))
+
+
+def places(scale: float = 1.0) -> list[dict[str, float]]:
     return [
-        MeasuredPoint(line, None, None, (p.x_mm, p.y_mm), scale * seen(p)[0], scale * seen(p)[1], 0.01)
-        for line, p in enumerate(POINTS, 2)
+        {
+            "x_mm": p.x_mm,
+            "y_mm": p.y_mm,
+            "x_meas_mm": scale * seen(p)[0],
+            "y_meas_mm": scale * seen(p)[1],
+            "u_mm": 0.01,
+        }
+        for p in POINTS
     ]
 
 
-def joints() -> list[MeasuredPoint]:
+def joints() -> list[dict[str, float]]:
     return [
-        MeasuredPoint(
-            line, (p.theta1_deg + 0.004, p.theta2_deg), (p.direction1, p.direction2), None, *seen(p), None
-        )
-        for line, p in enumerate(POINTS, 2)
+        {
+            "theta1_deg": p.theta1_deg + 0.004,
+            "theta2_deg": p.theta2_deg,
+            "direction1": p.direction1,
+            "direction2": p.direction2,
+            "x_meas_mm": seen(p)[0],
+            "y_meas_mm": seen(p)[1],
+        }
+        for p in POINTS
     ]
 
 
-def refused(points: list[MeasuredPoint], passes: int = 1) -> str:
-    with pytest.raises(MeasuredFileError) as caught:
-        matched_rows("t.csv", POINTS, passes, points)
+def refused(rows: Sequence[Mapping[str, float]], passes: int = 1) -> str:
+    with pytest.raises(TableFileError) as caught:
+        matched_positions("t.csv", POINTS, passes, columns(rows))
     return str(caught.value)
 
 
 @pytest.mark.parametrize("form", [places, joints])
 def test_rows_take_commands_from_the_path_and_places_from_the_file(
-    form: Callable[[], list[MeasuredPoint]],
+    form: Callable[[], list[dict[str, float]]],
 ) -> None:
-    rows = matched_rows("t.csv", POINTS, 1, form())
+    rows = matched_positions("t.csv", POINTS, 1, columns(form()))
     assert len(rows) == 26
     for row, point in zip(rows, POINTS, strict=True):
-        assert (row["x_mm"], row["y_mm"], row["theta1_deg"]) == (point.x_mm, point.y_mm, point.theta1_deg)
-        assert (row["direction1"], row["direction2"]) == (point.direction1, point.direction2)
-        assert (row["x_meas_mm"], row["y_meas_mm"]) == seen(point)
-        assert row["u_mm"] == (0.01 if form is places else None)
-    twice = matched_rows("t.csv", POINTS, 2, form() + form())
-    assert [row["pass_number"] for row in twice] == [0] * 26 + [1] * 26
+        assert (row.x_mm, row.y_mm, row.theta1_deg) == (point.x_mm, point.y_mm, point.theta1_deg)
+        assert (row.direction1, row.direction2) == (point.direction1, point.direction2)
+        assert (row.x_meas_mm, row.y_meas_mm) == seen(point)
+        assert row.u_mm == (0.01 if form is places else None)
+    twice = matched_positions("t.csv", POINTS, 2, columns(form() + form()))
+    assert [row.extra["pass_number"] for row in twice] == [0] * 26 + [1] * 26
 
 
 def test_another_number_of_points_is_told() -> None:
@@ -69,22 +86,14 @@ def test_another_number_of_points_is_told() -> None:
     assert "the path has 52 (2 pass(es)" in refused(places(), passes=2)
 
 
-def test_an_uncertainty_in_um_is_told() -> None:
-    # 15 µm + 6 µm/m of a tracker, as its data sheet writes it.
-    stated = [replace(row, u_mm=0.015) for row in places()]
-    assert len(matched_rows("t.csv", POINTS, 1, stated)) == 26
-    stated[4] = replace(stated[4], u_mm=15.0)
-    assert "t.csv:6: u_mm = 15 is more than 1 mm: it seems to be in µm" in refused(stated)
-
-
 def test_points_of_another_path_or_order_are_told_with_their_line() -> None:
     swapped = places()
-    swapped[3], swapped[4] = replace(swapped[4], line=5), replace(swapped[3], line=6)
+    swapped[3], swapped[4] = swapped[4], swapped[3]
     assert "t.csv:5: the command is (200, -100) mm and point 4 of this path is (200, -150) mm" in refused(
         swapped
     )
     turned = joints()
-    turned[7] = replace(turned[7], directions=(-POINTS[7].direction1, POINTS[7].direction2))
+    turned[7]["direction1"] *= -1
     assert "t.csv:9: the command is θ1" in refused(turned)
     assert "directions (" in refused(turned)
 
@@ -100,13 +109,11 @@ def test_another_unit_of_the_measured_positions_is_named(scale: float, unit: str
 
 
 def test_another_unit_of_the_commands_is_named() -> None:
-    metres = [
-        replace(row, command_mm=(p.x_mm / 1e3, p.y_mm / 1e3)) for row, p in zip(places(), POINTS, strict=True)
-    ]
+    metres = [{**row, "x_mm": row["x_mm"] / 1e3, "y_mm": row["y_mm"] / 1e3} for row in places()]
     assert "the commands in x_mm, y_mm seem to be in m" in refused(metres)
     radians = [
-        replace(row, theta_deg=(math.radians(p.theta1_deg), math.radians(p.theta2_deg)))
-        for row, p in zip(joints(), POINTS, strict=True)
+        {**row, **{name: math.radians(row[name]) for name in ("theta1_deg", "theta2_deg")}}
+        for row in joints()
     ]
     assert "theta1_deg, theta2_deg seem to be in rad" in refused(radians)
 
@@ -118,7 +125,7 @@ def test_positions_that_are_not_those_of_the_path_are_told() -> None:
     shifted = places()
     rolled = [*shifted[1:], shifted[0]]
     shifted = [
-        replace(row, x_meas_mm=other.x_meas_mm, y_meas_mm=other.y_meas_mm)
+        {**row, **{name: other[name] for name in ("x_meas_mm", "y_meas_mm")}}
         for row, other in zip(shifted, rolled, strict=True)
     ]
     # The way there is a step ahead and the way back a step behind: no shift makes up for that.

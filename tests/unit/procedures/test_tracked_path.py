@@ -9,6 +9,7 @@ import pytest
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.errors import BeamLostError, PlanError, PlanLimitError
 from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.tasks import PlaceReflector
 from catseye.procedures.scara.path.path_plan import PathPlan, plan_path
 from catseye.procedures.scara.path.validation_path import ValidationPath
 from tests.unit.procedures.benches import (
@@ -130,7 +131,7 @@ async def test_every_point_is_a_distance_to_one_reflector() -> None:
     assert [row["pass_number"] for row in rows] == [0] * 22 + [1] * 22
     assert [row["y_mm"] for row in rows[:22]] == [point.y_mm for point in plan.points]
     assert {row["segment"] for row in rows} == {0}
-    assert all("x_meas_mm" not in row for row in rows)
+    assert all(row["x_meas_mm"] is None for row in rows)
     require_true(rows)
     done_s, total_s, text = context.told[-1]
     assert text == "path point 44/44"
@@ -227,4 +228,4 @@ async def test_one_cats_eye_for_all_nests_is_asked_for() -> None:
     context = IdealContext(answers={f"place/{name}": "yes"})
     await ValidationPath().run(context, plan)
     (prompt,) = context.prompts
-    assert prompt.task == {"do": "place-reflector", "reflector": name}
+    assert prompt.task == PlaceReflector(reflector=name)

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
@@ -12,10 +12,11 @@ import pytest
 from catseye.calibration.scara.errors import OutOfReachError
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.context import MeasuredPoint, Prompt, Table
-from catseye.procedures.kit.errors import ArmMovedError, MeasuredFileError, PlanError, PlanLimitError
+from catseye.procedures.kit.columns import Columns
+from catseye.procedures.kit.context import Prompt
+from catseye.procedures.kit.errors import ArmMovedError, PlanError, PlanLimitError, TableFileError
 from catseye.procedures.kit.motion.motion_time import move_time_s
-from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.records import Record
 from catseye.procedures.scara.path.path_plan import PathPlan, plan_path, states_of_approach
 from catseye.procedures.scara.path.validation_path import PathParams, ValidationPath
 from tests.unit.procedures.benches import IdealContext, arm_xy, bench
@@ -213,9 +214,9 @@ class PushedContext(IdealContext):
         self.located.append((self.pose[0], self.pose[1]))
         return await super().locate(settle_time_s)
 
-    def record(self, table: Table, row: Row) -> None:
-        """Keep a row; then the run is held."""
-        super().record(table, row)
+    def record(self, record: Record) -> None:
+        """Keep a record; then the run is held."""
+        super().record(record)
         self._push(self.after.get(len(self.rows) - 1, 0.0))
 
     def _push(self, by_deg: float) -> None:
@@ -259,13 +260,12 @@ async def test_an_arm_that_is_moved_again_and_again_ends_the_run() -> None:
     assert len(context.rows) == 2
 
 
-def held(plan: PathPlan) -> list[MeasuredPoint]:
-    """Return what an instrument in a frame of its own sees."""
-    points = plan.points * plan.passes
-    return [
-        MeasuredPoint(line, None, None, (p.x_mm, p.y_mm), p.x_mm + 70.0, p.y_mm - 3.0, None)
-        for line, p in enumerate(points, 2)
-    ]
+def held(plan: PathPlan, first: int = 0) -> Columns:
+    """Return what an instrument in a frame of its own sees, without the first points."""
+    points = (plan.points * plan.passes)[first:]
+    rows = np.array([(p.x_mm, p.y_mm, p.x_mm + 70.0, p.y_mm - 3.0) for p in points])
+    names = ("x_mm", "y_mm", "x_meas_mm", "y_meas_mm")
+    return Columns(dict(zip(names, rows.T, strict=True)), np.arange(2, len(points) + 2))
 
 
 def for_a_file(*, confirm_each: bool = False) -> PathPlan:
@@ -298,7 +298,7 @@ async def test_the_arm_stands_still_at_each_point_and_the_file_gives_the_positio
 async def test_a_file_that_cannot_be_used_is_asked_for_again() -> None:
     plan = for_a_file()
     complaint = "a:3: x_meas_mm = 'nan' is not a finite number"
-    files: dict[str, Sequence[MeasuredPoint] | str] = {"a": complaint, "b": held(plan)[1:], "c": held(plan)}
+    files: dict[str, Columns | str] = {"a": complaint, "b": held(plan, 1), "c": held(plan)}
     answers: Answers = {"measured-file": "a", "measured-file/2": "b", "measured-file/3": "c"}
     context = IdealContext(answers=answers, files=files)
     await ValidationPath().run(context, plan)
@@ -309,7 +309,7 @@ async def test_a_file_that_cannot_be_used_is_asked_for_again() -> None:
     answers = {"measured-file": "a"}
     answers |= {f"measured-file/{number}": "a" for number in range(2, 11)}
     hopeless = IdealContext(answers=answers, files=files)
-    with pytest.raises(MeasuredFileError, match=r"10 files could not be used.*catseye resume"):
+    with pytest.raises(TableFileError, match=r"10 files could not be used.*catseye resume"):
         await ValidationPath().run(hopeless, plan)
 
 

@@ -14,7 +14,7 @@ from catseye.app.cli.show import show
 from catseye.app.errors import StorageError
 from catseye.app.results.scara.identified_arm import arm_remarks
 from catseye.app.results.scara.path_of_run import compare_path
-from catseye.app.results.scara.points import read_points_csv
+from catseye.app.results.scara.points import read_points
 from catseye.app.results.scara.result import read_result
 from catseye.app.store.reader import Accept, RunReader
 from tests.unit.app.test_path_comparison import distances, measured, stored
@@ -88,7 +88,7 @@ async def test_exports_say_that_their_run_was_changed(tmp_path: Path) -> None:
         export(str(run), tmp_path / name, None, None, unverified=True)
     first, *_ = (tmp_path / "points.csv").read_text().splitlines()
     assert first == f"# UNVERIFIED: {run.name}: {CHANGED}"
-    assert len(read_points_csv(tmp_path / "points.csv", ["P2"])) == len(measured())
+    assert len(read_points(tmp_path / "points.csv", ["P2"])) == len(measured())
     assert json.loads((tmp_path / "points.json").read_text())["unverified"] == [f"{run.name}: {CHANGED}"]
 
 

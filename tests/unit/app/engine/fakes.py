@@ -20,7 +20,8 @@ from catseye.drivers.roles.interferometer import BeamStatus, Compensated, Interf
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Robot, RobotAbilities, RobotStatus
 from catseye.procedures.kit.context import Context
-from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.kit.records import Json, Record, Row
+from catseye.procedures.scara.records import Distance
 
 LIMITS = JointLimits(j1_deg=(-170.0, 170.0), j2_deg=(-145.0, 145.0), j4_deg=(-360.0, 360.0))
 HOME: Pose = (0.0, 0.0, 0.0, 0.0)
@@ -204,6 +205,7 @@ class Script:
 
     name = "script"
     title = "Scripted procedure"
+    records: ClassVar[tuple[type[Record], ...]] = (Distance,)
 
     def __init__(
         self,
@@ -276,6 +278,11 @@ class FakeBench:
     def states(self) -> list[Json]:
         states = [entry["state"] for entry in self.said("state")]
         return [state for number, state in enumerate(states) if number == 0 or states[number - 1] != state]
+
+
+def distance(number: int = 0, **changes: Any) -> Distance:
+    values: dict[str, Any] = {**point(number), **changes}
+    return Distance(**values)
 
 
 def point(number: int = 0) -> Row:

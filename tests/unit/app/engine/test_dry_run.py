@@ -12,9 +12,12 @@ from catseye.app.errors import LimitError, MeasurementRejectedError
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Following
 from catseye.procedures.kit.bench import Arm, Bench
+from catseye.procedures.kit.columns import Columns
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.records import Row
-from tests.unit.app.engine.fakes import HOME, LIMITS, point
+from catseye.procedures.scara.path.tables import MEASURED
+from catseye.procedures.scara.records import Distance
+from tests.unit.app.engine.fakes import HOME, LIMITS, distance
 from tests.unit.procedures.benches import bench
 
 ARM = Arm(
@@ -35,7 +38,7 @@ BENCH = replace(bench(places={"P1": (650.0, 0.0), "P2": (0.0, 900.0)}), arm=ARM)
 
 @pytest.fixture
 def dry() -> DryRunContext:
-    return DryRunContext(LIMITS, BENCH)
+    return DryRunContext(LIMITS, BENCH, declared=[Distance])
 
 
 def following(way: Following) -> Bench:
@@ -177,18 +180,21 @@ async def test_questions_without_end_are_told(dry: DryRunContext) -> None:
         await ask(50)
 
 
-async def test_a_path_is_measured_as_it_was_commanded(dry: DryRunContext) -> None:
+async def test_a_pause_takes_its_time(dry: DryRunContext) -> None:
     await dry.pause(2.0)
     assert dry.total_s == pytest.approx(2.0)
-    (point,) = await dry.load_path("anything.csv", [(0.0, 550.0)])
-    assert point.command_mm == (point.x_meas_mm, point.y_meas_mm) == (0.0, 550.0)
+
+
+async def test_a_file_holds_what_a_rehearsal_goes_on_with(dry: DryRunContext) -> None:
+    rehearsed = Columns({"x_mm": np.array([550.0])}, np.array([2]))
+    assert await dry.read_table("anything.csv", MEASURED, rehearsed) is rehearsed
 
 
 async def test_it_gives_a_step_table_and_the_time(dry: DryRunContext) -> None:
     async def action() -> Row:
         await dry.move((100.0, 0.0, 0.0, 0.0))
         await dry.measure(0.5, 0.5, 5)
-        dry.record("points", point())
+        dry.record(distance())
         return {"done": True}
 
     context: Context = dry
@@ -197,7 +203,7 @@ async def test_it_gives_a_step_table_and_the_time(dry: DryRunContext) -> None:
     assert (step.moves, step.measurements, step.end) == (1, 1, (100.0, 0.0, 0.0, 0.0))
     assert step.duration_s == pytest.approx(3.25)
     assert dry.total_s == pytest.approx(3.25)
-    assert len(dry.rows) == 1
+    assert dry.records == [distance()]
 
 
 async def test_limits_hold_at_every_move(dry: DryRunContext) -> None:
@@ -253,6 +259,6 @@ async def test_rows_and_steps_follow_the_same_rules(dry: DryRunContext) -> None:
         return await dry.step("inner", "inner", inner)
 
     with pytest.raises(RuntimeError, match="outside of a step"):
-        dry.record("points", point())
+        dry.record(distance())
     with pytest.raises(RuntimeError, match="do not nest"):
         await dry.step("outer", "outer", outer)

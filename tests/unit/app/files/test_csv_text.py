@@ -8,10 +8,11 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from catseye.app.files.csv_table import cells_of
+from catseye.app.files.csv_lines import cells_of
 from catseye.app.files.csv_text import csv_text, marked, unmarked
 from catseye.app.files.tabular import table_csv
-from catseye.app.results.scara.points import PointRow, points_csv, read_points_csv
+from catseye.app.results.scara.points import COLUMNS, point_columns, points_csv, read_points
+from catseye.procedures.kit.columns import Columns
 from tests.unit.app.files.spreadsheet import formulas
 
 FORMULAS = (
@@ -42,10 +43,13 @@ FORMULAS = (
 )
 
 
+def one_point(name: str) -> Columns:
+    return point_columns([dict(zip(COLUMNS, (name, 0, -40.0, 20.0, 1, -1, -0.25), strict=True))])
+
+
 @pytest.mark.parametrize("name", FORMULAS)
 def test_no_writer_lets_a_text_become_a_formula(name: str) -> None:
-    row = PointRow(name, 0, -40.0, 20.0, 1, -1, -0.25, None)
-    for written in (points_csv([row]), table_csv([{"reflector": name, name: -1.5}])):
+    for written in (points_csv(one_point(name)), table_csv([{"reflector": name, name: -1.5}])):
         assert name not in [cell for line in csv.reader(io.StringIO(written)) for cell in line]
         assert formulas(written) == []
 
@@ -63,9 +67,8 @@ def test_what_is_no_formula_stays_as_it_is(text: str) -> None:
 @pytest.mark.parametrize("name", ["=1+1", "-P1", "@P", "'=P", "''-P", "'P", "P1"])
 def test_a_points_file_gives_the_name_back(tmp_path: Path, name: str) -> None:
     path = tmp_path / "points.csv"
-    row = PointRow(name, 0, -40.0, 20.0, 1, -1, -0.25, None)
-    path.write_text(points_csv([row]), encoding="utf-8")
-    assert read_points_csv(path, [name]) == [row]
+    path.write_text(points_csv(one_point(name)), encoding="utf-8")
+    assert read_points(path, [name])["reflector"].tolist() == [0.0]
 
 
 def test_numbers_stay_numbers() -> None:

@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 
 from catseye.app.errors import UsageError
-from catseye.app.files.joint_rows import read_joint_rows
+from catseye.app.files.columns import read_table
 from catseye.app.protocol.procedures import parse_params
+from catseye.procedures.scara.path.tables import JOINT_ROWS
 from catseye.procedures.scara.path.validation_path import PathParams
 
 HEADER = "x_mm,y_mm,theta1_deg,theta2_deg,direction1,direction2,u_x_um\n"
@@ -20,7 +21,8 @@ def written(folder: Path, text: str) -> Path:
 
 def test_rows_are_read_and_further_columns_passed_over(tmp_path: Path) -> None:
     path = written(tmp_path, f"# made by hand\n{HEADER}200,-400,-92.1037,72.5987,1,-1,5.4\n")
-    assert read_joint_rows(path) == [[200.0, -400.0, -92.1037, 72.5987, 1.0, -1.0]]
+    found = read_table(path, JOINT_ROWS)
+    assert found.stacked(HEADER.split(",")[:6]).tolist() == [[200.0, -400.0, -92.1037, 72.5987, 1.0, -1.0]]
 
 
 def test_the_parameter_takes_the_rows_of_the_file(tmp_path: Path) -> None:
@@ -40,7 +42,7 @@ def test_the_parameter_takes_the_rows_of_the_file(tmp_path: Path) -> None:
 )
 def test_what_cannot_be_driven_is_refused(tmp_path: Path, text: str, part: str) -> None:
     with pytest.raises(UsageError, match=part):
-        read_joint_rows(written(tmp_path, text))
+        read_table(written(tmp_path, text), JOINT_ROWS)
 
 
 def test_a_parameter_that_is_no_file_is_told() -> None:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from pydantic import BaseModel
 
@@ -20,7 +20,7 @@ from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.records import Record, Row
 from tests.unit.app.engine.fakes import FakeBench, ManualClock
 
 FIRST: Pose = (0.0, 60.0, 50.0, 0.0)
@@ -42,6 +42,7 @@ class Tour:
     name = "tour"
     title = "A tour"
     needs = Needs()
+    records: ClassVar[tuple[type[Record], ...]] = ()
     params_type = NoParams
 
     def plan(self, bench: Bench, params: Any) -> Any:

@@ -9,9 +9,9 @@ from catseye.app.results.runs.summary import summary
 from catseye.app.results.runs.timeline import timeline
 from catseye.app.store.reader import RunReader, StoredEvent
 from catseye.app.store.run_store import RunStore
-from catseye.procedures.kit.context import Table
 from catseye.procedures.kit.records import Json, Row
 from tests.unit.app.engine.fakes import ManualClock, point
+from tests.unit.app.store.fakes import RECORDS
 
 DEVICES: dict[str, Json] = {
     "robot": {"model": "RH-3FRH5515", "firmware": "A1", "serial": "17", "simulated": True},
@@ -30,7 +30,9 @@ class Author:
     async def open(self, **meta: Json) -> None:
         about: dict[str, Json] = {"cell": "lab-1", "operator": "Ada", "aim": "cell file", "simulated": True}
         given: dict[str, Json] = {"devices": DEVICES, **about, **meta}
-        self.store = await RunStore.create(self._root, "open-loop", given, self.clock, reserve_bytes=0)
+        self.store = await RunStore.create(
+            self._root, "open-loop", given, self.clock, records=RECORDS, reserve_bytes=0
+        )
 
     async def die(self) -> None:
         await self.store.abandon()
@@ -38,7 +40,9 @@ class Author:
     async def reopen(self, after_s: float) -> None:
         self.clock.advance(after_s)
         about: dict[str, Json] = {"operator": "Bob"}
-        self.store = await RunStore.reopen(self.store.path, self.clock, about, reserve_bytes=0)
+        self.store = await RunStore.reopen(
+            self.store.path, self.clock, about, records=RECORDS, reserve_bytes=0
+        )
 
     async def event(self, kind: str, **data: Json) -> None:
         self.clock.advance(1.0)
@@ -55,7 +59,7 @@ class Author:
         for number in range(first, last + 1):
             started = self.clock.now_utc().isoformat()
             self.clock.advance(1.0)
-            rows: list[tuple[Table, Row]] = [("points", {**point(number), "segment": segment})]
+            rows: list[tuple[str, Row]] = [("points", {**point(number), "segment": segment})]
             await self.store.append_step(
                 f"P1/{number:04d}", 1, f"point {number}", {}, rows, started_utc=started
             )

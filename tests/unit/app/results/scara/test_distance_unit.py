@@ -50,7 +50,7 @@ def test_a_reversed_sign_is_told(tmp_path: Path) -> None:
 
 def test_millimetres_are_taken(tmp_path: Path) -> None:
     source = load_distances([], written(tmp_path, 1.0), tmp_path / "cell.toml", None)
-    assert len(source.rows) == 3 * 11 * 8
+    assert len(source.points) == 3 * 11 * 8
 
 
 def test_a_streamed_file_is_looked_at_as_well(tmp_path: Path) -> None:

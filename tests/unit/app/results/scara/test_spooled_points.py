@@ -1,4 +1,4 @@
-"""Points files in blocks: the same distances as the reader of single rows, the same complaints with their line."""
+"""Points files in blocks: the same distances as the reader of whole files, the same complaints with their line."""
 
 import csv
 import importlib
@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from catseye.app.errors import ConfigError, UsageError
-from catseye.app.results.scara import points_blocks
-from catseye.app.results.scara.points import COLUMNS, read_points_csv, to_points
+from catseye.app.files import csv_lines
+from catseye.app.results.scara.points import COLUMNS, read_points, to_points
 from catseye.app.results.scara.spooled_points import spooled_points
 from catseye.calibration.scara.points import Points, concatenated
 
@@ -57,7 +57,7 @@ def read(path: Path, progress: Callable[[float], None] | None = None) -> Points:
 
 
 def require_same(found: Points, path: Path) -> None:
-    expected = to_points(read_points_csv(path, KNOWN), KNOWN)
+    expected = to_points(read_points(path, KNOWN), KNOWN)
     assert [found.reflector_names[i] for i in found.reflector] == [
         expected.reflector_names[i] for i in expected.reflector
     ]
@@ -77,7 +77,7 @@ def require_same(found: Points, path: Path) -> None:
 def test_the_same_distances_as_row_by_row(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, sigma: bool
 ) -> None:
-    monkeypatch.setattr(points_blocks, "_CHUNK_BYTES", 10_000)
+    monkeypatch.setattr(csv_lines, "_CHUNK_BYTES", 10_000)
     shares: list[float] = []
     path = written(tmp_path / "points.csv", table(sigma=sigma))
     require_same(read(path, shares.append), path)
@@ -117,13 +117,13 @@ def test_comments_blanks_quotes_and_line_ends_are_read_as_elsewhere(tmp_path: Pa
 def test_a_wrong_value_is_told_as_elsewhere(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, column: str, value: str, line: int
 ) -> None:
-    monkeypatch.setattr(points_blocks, "_CHUNK_BYTES", 20_000)
+    monkeypatch.setattr(csv_lines, "_CHUNK_BYTES", 20_000)
     columns = table()
     columns[column][line - 2] = value
     path = written(tmp_path / "points.csv", columns)
     path.write_text(path.read_text().replace('"', ""))
     with pytest.raises(UsageError) as expected:
-        read_points_csv(path, KNOWN)
+        read_points(path, KNOWN)
     with pytest.raises(UsageError) as found:
         read(path)
     assert str(found.value) == str(expected.value)
@@ -138,7 +138,7 @@ def test_a_file_without_distances_is_told_as_elsewhere(tmp_path: Path, content: 
     path = tmp_path / "points.csv"
     path.write_bytes(content)
     with pytest.raises(UsageError) as expected:
-        read_points_csv(path, KNOWN)
+        read_points(path, KNOWN)
     with pytest.raises(UsageError) as found:
         read(path)
     assert str(found.value) == str(expected.value)

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from catseye.app.errors import UsageError
-from catseye.app.files.measured_csv import read_measured_csv
-from catseye.procedures.kit.context import MeasuredPoint
+from catseye.app.files.columns import read_table
+from catseye.procedures.scara.path.tables import MEASURED
 
 JOINT = "theta1_deg,theta2_deg,direction1,direction2,x_meas_mm,y_meas_mm"
 PLACE = "x_mm,y_mm,x_meas_mm,y_meas_mm"
@@ -20,15 +20,26 @@ def written(folder: Path, text: str) -> Path:
 
 def test_commands_stand_as_joints_with_directions(tmp_path: Path) -> None:
     text = f"# tracker of the institute\n{JOINT},u_mm\n-77.5,23.25,1,-1,1200.01,-499.5,0.008\n"
-    (point,) = read_measured_csv(written(tmp_path, text))
-    assert point == MeasuredPoint(3, (-77.5, 23.25), (1, -1), None, 1200.01, -499.5, 0.008)
+    found = read_table(written(tmp_path, text), MEASURED)
+    assert found.lines.tolist() == [3]
+    assert {name: values.tolist() for name, values in found.values.items()} == {
+        "theta1_deg": [-77.5],
+        "theta2_deg": [23.25],
+        "direction1": [1.0],
+        "direction2": [-1.0],
+        "x_meas_mm": [1200.01],
+        "y_meas_mm": [-499.5],
+        "u_mm": [0.008],
+    }
 
 
 def test_commands_stand_as_places(tmp_path: Path) -> None:
     text = f"\ufeff{PLACE}\r\n200, -500 ,200.02,-500.1\r\n# turned back\r\n\r\n200,-490,200.01,-490.2\r\n"
-    first, second = read_measured_csv(written(tmp_path, text))
-    assert first == MeasuredPoint(2, None, None, (200.0, -500.0), 200.02, -500.1, None)
-    assert (second.line, second.command_mm) == (5, (200.0, -490.0))
+    found = read_table(written(tmp_path, text), MEASURED)
+    assert found.lines.tolist() == [2, 5]
+    assert found.stacked(("x_mm", "y_mm")).tolist() == [[200.0, -500.0], [200.0, -490.0]]
+    assert found.stacked(("x_meas_mm", "y_meas_mm")).tolist() == [[200.02, -500.1], [200.01, -490.2]]
+    assert "u_mm" not in found
 
 
 @pytest.mark.parametrize(
@@ -54,18 +65,23 @@ def test_commands_stand_as_places(tmp_path: Path) -> None:
             f"{PLACE},u_mm\n200,-500,200,-500,0\n",
             ["tracker.csv:2: u_mm = '0' is not a finite number above 0"],
         ),
+        (
+            # 15 µm + 6 µm/m of a tracker, as its data sheet writes it.
+            f"{PLACE},u_mm\n200,-500,200,-500,15\n",
+            ["tracker.csv:2: u_mm = 15 is more than 1 mm: it seems to be in µm", "leave the column out"],
+        ),
         (f"{JOINT}\n1,2,0,1,3,4\n", ["tracker.csv:2: direction1 = '0' is not 1 or -1"]),
     ],
 )
 def test_a_fault_is_told_with_file_and_line(tmp_path: Path, text: str, expected: list[str]) -> None:
     with pytest.raises(UsageError) as caught:
-        read_measured_csv(written(tmp_path, text))
+        read_table(written(tmp_path, text), MEASURED)
     for part in expected:
         assert part in str(caught.value)
 
 
 def test_a_file_that_is_none_is_told(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"none\.csv: there is no such file"):
-        read_measured_csv(tmp_path / "none.csv")
+        read_table(tmp_path / "none.csv", MEASURED)
     with pytest.raises(UsageError, match="is no name of a file"):
-        read_measured_csv(Path("a\0b.csv"))
+        read_table(Path("a\0b.csv"), MEASURED)

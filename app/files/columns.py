@@ -1,0 +1,81 @@
+"""Tables of any length, CSV or Parquet, as columns that are checked by the rules of their declaration."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from catseye.app.errors import UsageError
+from catseye.app.files.csv_columns import csv_blocks, csv_blocks_of_text
+from catseye.app.files.csv_lines import CsvRow, require_file
+from catseye.app.files.parquet_columns import parquet_blocks
+from catseye.procedures.kit.columns import Columns, TableRule
+
+
+def read_table(path: Path, table: TableRule, names: Sequence[str] = ()) -> Columns:
+    """Read a whole table; arguments and errors are those of `table_blocks`."""
+    return _joined([block for _, block in table_blocks(path, table, names)])
+
+
+def read_typed_table(file: str, table: TableRule) -> Columns:
+    """Read a whole table from a file as somebody typed it.
+
+    Raises:
+        UsageError: as for `table_blocks`, or it is no regular file, or ~ stands for no folder.
+    """
+    try:
+        path = Path(file.strip()).expanduser().absolute()
+    except RuntimeError as error:
+        raise UsageError(f"{file}: {error}; type the whole path") from error
+    require_file(path)
+    return read_table(path, table)
+
+
+def table_blocks(path: Path, table: TableRule, names: Sequence[str] = ()) -> Iterator[tuple[float, Columns]]:
+    """Read a table block by block, some 50 000 rows at a time.
+
+    Args:
+        path: the file; .parquet is Parquet, anything else CSV.
+        table: what it may hold.
+        names: that a column of names may hold, each once.
+
+    Yields:
+        The share of the file that is read, and a block of rows.
+
+    Raises:
+        UsageError: the file is missing or holds no rows, a column is missing, a value is wrong; names file and line.
+        ConfigError: Parquet needs a package that is not installed.
+    """
+    read = parquet_blocks if path.suffix == ".parquet" else csv_blocks
+    rows = 0
+    for share, block in read(path, table, tuple(names)):
+        rows += len(block)
+        yield share, block
+    if not rows:
+        raise _without_rows(path, table)
+
+
+def read_rows(path: Path, table: TableRule) -> tuple[list[CsvRow], Columns]:
+    """Read a CSV table with the text of its cells.
+
+    Raises:
+        UsageError: as for `table_blocks`.
+    """
+    rows: list[CsvRow] = []
+    blocks: list[Columns] = []
+    for found, block in csv_blocks_of_text(path, table):
+        rows += found
+        blocks.append(block)
+    if not rows:
+        raise _without_rows(path, table)
+    return rows, _joined(blocks)
+
+
+def _joined(blocks: Sequence[Columns]) -> Columns:
+    filled = [block for block in blocks if len(block)]
+    values = {name: np.concatenate([block[name] for block in filled]) for name in filled[0].values}
+    return Columns(values, np.concatenate([block.lines for block in filled]), filled[0].names)
+
+
+def _without_rows(path: Path, table: TableRule) -> UsageError:
+    return UsageError(f"{path}: holds no {table.holds}; each row below the header line is {table.row}")

@@ -1,0 +1,144 @@
+"""CSV tables as columns: whole blocks at once, line by line only to name what is wrong in one."""
+
+import warnings
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from catseye.app.errors import UsageError
+from catseye.app.files.column_rules import (
+    LARGEST_INTEGER,
+    Form,
+    first_fault,
+    form_of,
+    forms_text,
+    header_fault,
+    places_among,
+)
+from catseye.app.files.csv_lines import LONGEST_LINE, CsvRow, chunks, csv_row, header_of, is_comment, lines_of
+from catseye.calibration.core.types import Floats
+from catseye.procedures.kit.columns import ColumnRule, Columns, Kind, TableRule
+
+
+def csv_blocks(path: Path, table: TableRule, names: tuple[str, ...]) -> Iterator[tuple[float, Columns]]:
+    """Read a CSV table block by block; see `columns.table_blocks`."""
+    for header, line, text, share in _below_header(path, table):
+        form = form_of(table, header)
+        block = _clean_columns(text, line, header, form, names)
+        if block is None:
+            _, block = _row_by_row(path, header, form, line, text, names)
+        yield share, block
+
+
+def csv_blocks_of_text(path: Path, table: TableRule) -> Iterator[tuple[list[CsvRow], Columns]]:
+    """Read the same with the text of the cells."""
+    for header, line, text, _ in _below_header(path, table):
+        yield _row_by_row(path, header, form_of(table, header), line, text, ())
+
+
+def _below_header(path: Path, table: TableRule) -> Iterator[tuple[list[str], int, str, float]]:
+    """Return header, number of the first line, lines below the header, and the share of the file that is read."""
+    header: list[str] = []
+    for first, text, share in chunks(path):
+        line, below = first, text
+        while not header and below:
+            top, _, below = below.partition("\n")
+            if not is_comment(top):
+                header = header_of(path, line, top)
+                if fault := header_fault(table, header):
+                    raise UsageError(f"{path}:{line}: {fault}")
+            line += 1
+        if below:
+            yield header, line, below, share
+    if not header:
+        raise UsageError(f"{path}: is empty; the first line has to be the header {forms_text(table)}")
+
+
+def _clean_columns(
+    text: str, first_line: int, header: list[str], form: Form, names: tuple[str, ...]
+) -> Columns | None:
+    """Return lines as columns at once; None when a line is not of plain numbers and known names."""
+    kinds = {column.name: column.kind for column in form}
+    if "#" in text or '"' in text or not set(header) <= set(kinds):
+        return None
+    types = {"name": f"U{1 + max(map(len, names), default=0)}", "integer": "i8"}
+    record = np.dtype([(name, types.get(kinds[name], "f8")) for name in header])
+    lines = lines_of(text)
+    if max(map(len, lines)) > LONGEST_LINE:
+        return None
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            rows = np.loadtxt(lines, record, comments=None, delimiter=",", ndmin=1)
+    except (ValueError, Warning):
+        return None
+    if rows.size != len(lines):
+        return None
+    values = {name: _numbers(rows[name], kinds[name], names) for name in header}
+    block = Columns(values, np.arange(first_line, first_line + rows.size), names)
+    return None if first_fault(form, block) else block
+
+
+def _numbers(values: Any, kind: Kind, names: tuple[str, ...]) -> Floats:
+    if kind == "name":
+        return places_among(values, names)
+    if kind == "integer":
+        return np.where((values < -LARGEST_INTEGER) | (values > LARGEST_INTEGER), np.inf, values)
+    return np.asarray(values, dtype=np.float64)
+
+
+def _row_by_row(
+    path: Path, header: list[str], form: Form, first_line: int, text: str, names: tuple[str, ...]
+) -> tuple[list[CsvRow], Columns]:
+    """Return lines with the text of their cells.
+
+    Raises:
+        UsageError: a line or a value is wrong; names the first one.
+    """
+    rows: list[CsvRow] = []
+    try:
+        for number, line in enumerate(lines_of(text), first_line):
+            if not is_comment(line):
+                rows.append(csv_row(path, number, line, header))
+    except UsageError:
+        _columns(rows, form, names)  # a wrong value above this line is named first
+        raise
+    return rows, _columns(rows, form, names)
+
+
+def _columns(rows: Sequence[CsvRow], form: Form, names: tuple[str, ...]) -> Columns:
+    present = [column for column in form if rows and column.name in rows[0].cells]
+    values = {
+        column.name: np.array([_number(row.cells[column.name], column, names) for row in rows])
+        for column in present
+    }
+    block = Columns(values, np.array([row.line for row in rows], dtype=np.int64), names)
+    if fault := first_fault(form, block):
+        place, column = fault
+        raise rows[place].fault(_complaint(column, rows[place].cells[column.name], names))
+    return block
+
+
+def _number(text: str, column: ColumnRule, names: tuple[str, ...]) -> float:
+    """Return what a cell holds; NaN or infinity, which no rule lets pass, for what it cannot."""
+    if column.kind == "name":
+        return float(names.index(text)) if text in names else -1.0
+    try:
+        if column.kind == "integer":
+            return float(number) if abs(number := int(text)) <= LARGEST_INTEGER else np.inf
+        return float(text)
+    except ValueError:
+        return np.nan
+
+
+def _complaint(column: ColumnRule, text: str, names: tuple[str, ...]) -> str:
+    if column.empty and not text:
+        return column.empty
+    if column.kind == "name":
+        return f"unknown {column.name} {text!r}; {column.known_to} knows {', '.join(names)}"
+    value = _number(text, column, names)
+    if column.largest is not None and column.largest < value < np.inf:
+        return f"{column.name} = {value:g} is more than {column.largest:g} {column.unit}: {column.hint}"
+    return f"{column.name} = {text!r} is not {column.wanted}"

@@ -1,0 +1,58 @@
+"""Files that are given to a path: what an instrument measured, and rows that are driven as they stand."""
+
+from dataclasses import replace
+
+from catseye.procedures.kit.columns import ColumnRule, TableRule
+
+_STATES = "joint commands need the state of approach of each joint, 1 or -1"
+
+JOINTS = (ColumnRule("theta1_deg", unit="deg"), ColumnRule("theta2_deg", unit="deg"))
+DIRECTIONS = (
+    ColumnRule("direction1", "direction", needed=_STATES),
+    ColumnRule("direction2", "direction", needed=_STATES),
+)
+PLACE = (ColumnRule("x_mm", unit="mm"), ColumnRule("y_mm", unit="mm"))
+
+COMMAND_FORMS = ((*JOINTS, *DIRECTIONS), PLACE)
+"""Commands of a path: joints with their states of approach, or positions."""
+
+TWO_FORMS = "joint and Cartesian commands stand in one file"
+
+_MEASURED = (
+    ColumnRule("x_meas_mm", unit="mm"),
+    ColumnRule("y_meas_mm", unit="mm"),
+    # An instrument with a larger uncertainty would say nothing about an error map.
+    ColumnRule(
+        "u_mm",
+        unit="mm",
+        optional=True,
+        positive=True,
+        largest=1.0,
+        hint="it seems to be in µm; convert it to mm, or leave the column out",
+    ),
+)
+
+MEASURED = TableRule(
+    "points",
+    "one position",
+    tuple((*form, *_MEASURED) for form in COMMAND_FORMS),
+    mixed=TWO_FORMS,
+    misplaced=(
+        (
+            "displacement_mm",
+            "the file holds distances to reflectors, and positions are needed: x_meas_mm, y_meas_mm. A path of "
+            "distances is compared by catseye report on its run of validation-path",
+        ),
+    ),
+)
+"""Where an independent instrument saw the arm along a path (version 1)."""
+
+_UNSOLVED = "has no corrected command: take the row out of the path, and compensate it again"
+
+JOINT_ROWS = TableRule(
+    "rows",
+    "one",
+    ((*PLACE, *(replace(joint, empty=_UNSOLVED) for joint in JOINTS), *DIRECTIONS),),
+    source="the CSV that catseye compensate writes",
+)
+"""Rows to be driven as they stand; take-ups follow from them."""
