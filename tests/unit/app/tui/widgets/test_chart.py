@@ -111,6 +111,7 @@ def widened(dots: Bools) -> Bools:
     """Return dots with all their neighbours."""
     room = np.pad(dots, 1)
     rows, columns = dots.shape
-    return np.logical_or.reduce(
+    found: Bools = np.logical_or.reduce(
         [room[1 + i : 1 + i + rows, 1 + j : 1 + j + columns] for i in (-1, 0, 1) for j in (-1, 0, 1)]
     )
+    return found
