@@ -167,6 +167,16 @@ class Report:
         """Return all statements in order."""
         return [block for block in self.blocks() if isinstance(block, Statement)]
 
+    def figures(self, section: str) -> list[Figure]:
+        """Return the figures of a section."""
+        return [
+            block
+            for one in self.sections
+            if one.key == section
+            for block in one.blocks
+            if isinstance(block, Figure)
+        ]
+
     def table(self, key: str) -> Table:
         """Return a table by its key.
 

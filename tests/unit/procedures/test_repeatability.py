@@ -14,6 +14,7 @@ from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Measurement, Prompt
 from catseye.procedures.kit.errors import BeamLostError, PlanError, ReflectorNotFoundError
+from catseye.procedures.kit.tasks import PlaceReflector
 from catseye.procedures.scara.repeats.repeatability import Repeatability, RepeatabilityParams
 from catseye.procedures.scara.repeats.repeatability_plan import RepeatabilityPlan
 from tests.unit.procedures.benches import PLACES, IdealContext, arm_xy, bench, miss_along, with_optics
@@ -247,7 +248,7 @@ def test_a_reflector_that_is_done_is_not_asked_for_again() -> None:
 
 def test_a_reflector_that_is_not_placed_ends_it() -> None:
     def refused(prompt: Prompt) -> str:
-        assert prompt.task == {"do": "place-reflector", "reflector": "P2"}
+        assert prompt.task == PlaceReflector(reflector="P2")
         assert prompt.motion
         return "no"
 
