@@ -9,7 +9,6 @@ import numpy as np
 from catseye.app.engine.driven import AT_REST, Speeds, sampled, speeds_of
 from catseye.app.engine.gate import require_in_range
 from catseye.app.engine.measuring import dwell_interval_s
-from catseye.app.engine.operator import fault_of
 from catseye.app.engine.recording import require_recordable
 from catseye.app.engine.walked.tube import Leg, legs_through
 from catseye.app.errors import LimitError, MeasurementRejectedError
@@ -298,7 +297,7 @@ class DryRunContext:
         if watch is not None:
             await watch()
         possible = ("yes", *prompt.choices, prompt.safe_answer or "", "0")
-        return next(text for text in possible if text and not fault_of(prompt, text))
+        return next(text for text in possible if text and not prompt.fault_of(text))
 
     def show(self, live: Live) -> None:
         """Do nothing: nobody watches."""

@@ -2,7 +2,6 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, field
 from typing import Any
 
 from catseye.app.cell.air import AirRule, air_rule
@@ -14,6 +13,7 @@ from catseye.app.engine.instruments import device_builder, further_device
 from catseye.app.engine.interlock import NO_DOOR
 from catseye.app.engine.stopping_distance import stopping_text
 from catseye.app.errors import UsageError
+from catseye.app.protocol.examination import DeviceExamination
 from catseye.drivers.roles.air import AirSensor
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.device import ROLES, Device, Role
@@ -30,30 +30,7 @@ Look = Callable[[], Awaitable[tuple[list[str], list[str]]]]
 """Returns facts and advice about a connected device."""
 
 
-@dataclass
-class Finding:
-    """What was found out about one device.
-
-    Attributes:
-        device: its name in the cell file.
-        endpoint: where it was looked for.
-        ok: it can be used.
-        identity: who answers.
-        simulated: it is an emulator.
-        status: facts, as text.
-        advice: what to do.
-    """
-
-    device: str
-    endpoint: str
-    ok: bool = False
-    identity: str = ""
-    simulated: bool = False
-    status: list[str] = field(default_factory=list)
-    advice: list[str] = field(default_factory=list)
-
-
-async def examine(cell: Cell, only: str | None) -> list[Finding]:
+async def examine(cell: Cell, only: str | None) -> list[DeviceExamination]:
     """Connect to every device of a cell, or to one of them, and look at it.
 
     Raises:
@@ -71,30 +48,30 @@ async def examine(cell: Cell, only: str | None) -> list[Finding]:
         endpoints["io"] = cell.io.endpoint
     if cell.tracker is not None:
         endpoints["tracker"] = cell.tracker.endpoint
-    found: list[tuple[str, str, Role, Any]] = [
+    drivers: list[tuple[str, str, Role, Any]] = [
         (role, endpoints[role], role, devices.named()[role]) for role in ROLES if role in endpoints
     ]
-    found += [
+    drivers += [
         (device.name, device.endpoint, load_driver(device.driver).role, driver) for device, driver in further
     ]
-    names = [name for name, *_ in found]
+    names = [name for name, *_ in drivers]
     if only is not None and only not in names:
         raise UsageError(f"--device {only}: the cell has no such device; there are {', '.join(names)}")
-    findings = list(
+    examinations = list(
         await asyncio.gather(
             *(
                 _examine(name, endpoint, driver, _look_at(role, driver, rule, bench.arm))
-                for name, endpoint, role, driver in found
+                for name, endpoint, role, driver in drivers
                 if only in {None, name}
             )
         )
     )
-    for finding in findings:
-        if finding.device == "robot" and finding.identity:
-            finding.status.append(stopping_text(bench, cell.robot.override_cap_percent))
-            if not finding.simulated and cell.io is None:
-                finding.status.append(f"note: {NO_DOOR}")
-    return findings
+    for examined in examinations:
+        if examined.device == "robot" and examined.identity:
+            examined.status.append(stopping_text(bench, cell.robot.override_cap_percent))
+            if not examined.simulated and cell.io is None:
+                examined.status.append(f"note: {NO_DOOR}")
+    return examinations
 
 
 def _look_at(role: Role, driver: Any, rule: AirRule, arm: Arm) -> Look:
@@ -114,22 +91,22 @@ async def _examine(
     endpoint: str,
     driver: Device,
     look: Look,
-) -> Finding:
-    finding = Finding(device, endpoint)
+) -> DeviceExamination:
+    examined = DeviceExamination(device=device, endpoint=endpoint)
     try:
         who = await driver.connect()
-        finding.identity = " ".join(part for part in (who.model, who.firmware, who.serial) if part)
-        finding.simulated = who.simulated
-        finding.status, finding.advice = await look()
+        examined.identity = " ".join(part for part in (who.model, who.firmware, who.serial) if part)
+        examined.simulated = who.simulated
+        examined.status, examined.advice = await look()
         more = await driver.examine()
-        finding.status += [*more.facts, *(f"note: {note}" for note in driver.notes)]
-        finding.advice += more.advice
-        finding.ok = not finding.advice
+        examined.status += [*more.facts, *(f"note: {note}" for note in driver.notes)]
+        examined.advice += more.advice
+        examined.ok = not examined.advice
     except DeviceError as error:
-        finding.advice.append(str(error))
+        examined.advice.append(str(error))
     finally:
         await driver.close()
-    return finding
+    return examined
 
 
 async def _robot(robot: Robot, arm: Arm) -> tuple[list[str], list[str]]:

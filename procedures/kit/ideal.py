@@ -1,6 +1,5 @@
 """What an ideal instrument on an ideal arm sees: rehearsals measure with it."""
 
-import math
 from dataclasses import dataclass
 from typing import Final, Protocol
 
@@ -63,8 +62,8 @@ class IdealBeam(Protocol):
 class NoBeam(IdealBeam):
     """An arm without a beam."""
 
-    max_miss_mm: Final = math.inf
-    acceptance_mm: Final = math.inf
+    max_miss_mm: Final = 0.0
+    acceptance_mm: Final = 0.0
 
     def hit(self, pose: Pose) -> Hit | None:
         """Return None: there is no target."""

@@ -3,6 +3,7 @@
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import ReflectorNotFoundError
+from catseye.procedures.kit.tasks import PlaceReflector
 from catseye.procedures.scara.bench import Reflector, ScaraBench
 
 
@@ -38,7 +39,7 @@ class Nests:
                 kind="confirm",
                 text=f"Put the reflector into nest {reflector.name} at ({reflector.x_mm:g}, {reflector.y_mm:g}) mm, "
                 "facing the robot, step back, then confirm.",
-                task={"do": "place-reflector", "reflector": reflector.name},
+                task=PlaceReflector(reflector=reflector.name),
                 motion=True,
                 target=target,
             )

@@ -9,6 +9,7 @@ import numpy as np
 
 from catseye.procedures.kit.context import Measurement, Prompt
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.tasks import TurnScrew
 from catseye.procedures.scara.bench import Alignment, ScaraBench
 from tests.unit.procedures.benches import STILL_AIR, IdealContext, arm_xy, bench, with_axes
 
@@ -84,8 +85,8 @@ class MountContext(IdealContext):
         if watch is not None:
             shown: Live = await watch()
             self.show(shown)
-        if prompt.task is not None and prompt.task["do"] == "turn-screw":
-            self.turn(str(prompt.task["screw"]), float(str(prompt.task["turns"])))
+        if isinstance(prompt.task, TurnScrew):
+            self.turn(prompt.task.screw, prompt.task.turns)
         answer = self.answers.get(prompt.id, "yes" if prompt.kind == "confirm" else prompt.safe_answer)
         assert answer is not None, f"nobody answers {prompt.id}"
         return answer(prompt) if callable(answer) else answer

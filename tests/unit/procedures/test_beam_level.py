@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError, PlanError
+from catseye.procedures.kit.tasks import TurnScrew
 from catseye.procedures.scara.alignment.beam_level import BeamLevel, BeamLevelParams, BeamLevelPlan
 from catseye.procedures.scara.bench import ScaraBench
 from tests.unit.procedures.benches import NODES1_DEG, NODES2_DEG, PLACES, arm_xy, bench
@@ -69,9 +70,9 @@ async def test_hands_are_told_up_or_down_and_turns() -> None:
     assert prompt.text.startswith("Tilt the beam 1.0") or prompt.text.startswith("Tilt the beam 0.9")
     assert " mrad down, 0." in prompt.text
     assert prompt.text.endswith(" turns anticlockwise, then confirm.")
-    assert prompt.task is not None
-    assert prompt.task["screw"] == "level"
-    assert float(str(prompt.task["turns"])) == pytest.approx(-0.5, abs=0.03)
+    assert isinstance(prompt.task, TurnScrew)
+    assert prompt.task.screw == "level"
+    assert prompt.task.turns == pytest.approx(-0.5, abs=0.03)
     down = mounted_bench(level_clockwise="down")
     other = await levelled(MountContext(pitch_mrad=1.0, level_mrad=-2.0), down)
     assert other.prompts[0].text.endswith(" turns clockwise, then confirm.")

@@ -13,6 +13,7 @@ from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Measurement, Prompt
 from catseye.procedures.kit.errors import BeamLostError, PlanError, ReflectorNotFoundError
+from catseye.procedures.kit.tasks import PlaceReflector
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.repeats.repeatability import Repeatability, RepeatabilityParams
 from catseye.procedures.scara.repeats.repeatability_plan import RepeatabilityPlan
@@ -247,7 +248,7 @@ def test_a_reflector_that_is_done_is_not_asked_for_again() -> None:
 
 def test_a_reflector_that_is_not_placed_ends_it() -> None:
     def refused(prompt: Prompt) -> str:
-        assert prompt.task == {"do": "place-reflector", "reflector": "P2"}
+        assert prompt.task == PlaceReflector(reflector="P2")
         assert prompt.motion
         return "no"
 

@@ -8,6 +8,7 @@ import pytest
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.errors import BeamLostError, PlanError, PlanLimitError
 from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.tasks import PlaceReflector
 from catseye.procedures.scara.path.path_plan import PathPlan, plan_path
 from catseye.procedures.scara.path.validation_path import ValidationPath
 from tests.unit.procedures.benches import (
@@ -227,4 +228,4 @@ async def test_one_cats_eye_for_all_nests_is_asked_for() -> None:
     context = IdealContext(answers={f"place/{name}": "yes"})
     await ValidationPath().run(context, plan)
     (prompt,) = context.prompts
-    assert prompt.task == {"do": "place-reflector", "reflector": name}
+    assert prompt.task == PlaceReflector(reflector=name)

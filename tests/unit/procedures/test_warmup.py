@@ -12,6 +12,7 @@ import pytest
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Measurement
 from catseye.procedures.kit.errors import BeamLostError, NotWarmError, PlanError
+from catseye.procedures.kit.tasks import PlaceReflector
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.warming.warmup import Warmup, WarmupParams
 from catseye.procedures.scara.warming.warmup_plan import WarmupPlan
@@ -314,7 +315,7 @@ def test_one_cats_eye_is_asked_for() -> None:
     plan = planned(with_optics(bench(), one_reflector=True), checks=1)
     name = plan.trip.reflector.name
     ctx = run(plan, WarmingContext(answers={f"place/{name}": "yes"}))
-    assert [prompt.task for prompt in ctx.prompts] == [{"do": "place-reflector", "reflector": name}]
+    assert [prompt.task for prompt in ctx.prompts] == [PlaceReflector(reflector=name)]
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import asyncio
 import math
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar, NamedTuple
@@ -39,6 +39,7 @@ from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.kit.tasks import ClearBeam, Task, TurnScrew
 from catseye.procedures.scara.path.tables import MEASURED
 from catseye.procedures.scara.records import Distance, SeenReflector
 from tests.unit.app.engine.fakes import ARM, AWAY, HOME, FakeBench, FakeRobot, Script, distance, free_way
@@ -50,10 +51,10 @@ READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
 class Willing(SimulatedOperator):
     """SimulatedOperator that do whatever they are told, or break."""
 
-    async def do(self, task: Mapping[str, Json]) -> dict[str, Json]:
-        if task["do"] == "break":
+    async def do(self, task: Task) -> dict[str, Json]:
+        if isinstance(task, TurnScrew):
             raise LinkFailedError("the screw is stuck")
-        return {"did": task["do"]}
+        return {"did": task.do}
 
 
 class Parts(NamedTuple):
@@ -449,11 +450,11 @@ async def test_an_unanswered_question_is_stored_too(parts: Parts) -> None:
 
 
 async def test_what_hands_did_for_an_answer_is_in_the_run(parts: Parts) -> None:
-    await parts.ctx.ask(Prompt("stage/1", "confirm", "Turn.", task={"do": "turn"}))
+    await parts.ctx.ask(Prompt("stage/1", "confirm", "Clear it.", task=ClearBeam()))
     hands = [event for event in parts.reader.events() if event.kind == "hands"]
-    assert [event.data for event in hands] == [{"prompt": "stage/1", "did": "turn"}]
+    assert [event.data for event in hands] == [{"prompt": "stage/1", "did": "clear-beam"}]
     with pytest.raises(LinkFailedError, match="stuck"):
-        await parts.ctx.ask(Prompt("stage/2", "confirm", "Turn.", task={"do": "break"}))
+        await parts.ctx.ask(Prompt("stage/2", "confirm", "Turn.", task=TurnScrew(screw="stage", turns=1.0)))
     assert [(prompt["id"], prompt["answer"]) for prompt in parts.reader.prompts()] == [
         ("stage/1", "yes"),
         ("stage/2", None),
