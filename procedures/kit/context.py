@@ -67,11 +67,6 @@ Table = Literal["points", "search", "path", "records"]
 """Where a row is kept: distances, sightings of reflectors, points of a path, and anything else that was observed."""
 
 
-def in_band(value: float, low: float | None, high: float | None) -> bool:
-    """Return whether a value is accepted; None is no limit on that side."""
-    return (low is None or value >= low) and (high is None or value <= high)
-
-
 @dataclass(frozen=True)
 class Prompt:
     """A question to the operator, as data.
