@@ -13,8 +13,7 @@ from catseye.simulators.world.motion import SHORTEST
 from catseye.simulators.world.mount import Mount
 from catseye.simulators.world.optics import NOBODY, Optics, Reflectors, Sight
 from catseye.simulators.world.sampling import BeamSampling
-from catseye.simulators.world.true_state import TrueState
-from catseye.simulators.world.types import Floats
+from catseye.simulators.world.types import Floats, TrueState
 
 _MOMENT_S = 1e-3
 """Speeds are taken over this time."""

@@ -13,7 +13,7 @@ from catseye.app.testing.memory import MemoryTransport
 from catseye.drivers.attocube import codec
 from catseye.drivers.attocube.ids import AttocubeIds, IdsSettings
 from catseye.drivers.roles.errors import ProtocolError, RefusedError, WrongDeviceError
-from catseye.simulators.attocube.json_stream import JsonCutter
+from catseye.simulators.attocube.json_rpc import JsonCutter
 from catseye.simulators.context import EmulationContext
 from catseye.simulators.ports.session import Session
 from tests.transcripts import attocube_ids as transcript
