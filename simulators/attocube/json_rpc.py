@@ -14,7 +14,7 @@ from pydantic import Field
 from catseye.simulators.attocube.device import Ids, IdsError, IdsOptions
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.context import EmulationContext
-from catseye.simulators.emulator import Emulator, Note
+from catseye.simulators.emulator import Emulator, NewSession, Note
 from catseye.simulators.lengths import LengthOptions
 from catseye.simulators.ports.session import Answer, Session
 
@@ -136,13 +136,7 @@ def _line(number: int | str | None, said: dict[str, object]) -> bytes:
 
 
 class AttocubeIds(Emulator):
-    """An instrument that all its clients share.
-
-    Args:
-        context: what the emulators of the bench share.
-        device: the endpoint and its options.
-        note: called with each request.
-    """
+    """An instrument that all its clients share."""
 
     role = "interferometer"
 
@@ -155,14 +149,12 @@ class AttocubeIds(Emulator):
         start_time_s: float = 3.0
         ecu_enabled: bool = False
 
-    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
-        given = self.Options.of(device)
+    @classmethod
+    def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
+        """Make the instrument that all clients share."""
+        given = cls.Options.of(device)
         options = IdsOptions(
             given.dialect, given.axis, given.sign, given.bare_mode, given.start_time_s, given.ecu_enabled
         )
-        self._ids = Ids(context.instrument(device.name), context.probe, options)
-        self._note = note
-
-    def session(self) -> Session:
-        """Return the session of a new client."""
-        return IdsSession(self._ids, self._note)
+        ids = Ids(context.instrument(device.name), context.probe, options)
+        return lambda: IdsSession(ids, note)
