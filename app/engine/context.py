@@ -1,7 +1,7 @@
 """What a procedure is given on the bench: every call passes the stop ladder, every move the gate."""
 
 import asyncio
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
@@ -15,6 +15,7 @@ from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.measuring import AirCache, measure, unless_dark
 from catseye.app.engine.mover import Mover
 from catseye.app.engine.operator import Answer, Operator
+from catseye.app.engine.recording import require_recordable, rows_of
 from catseye.app.engine.timekeeping import Progress, StepTime
 from catseye.app.engine.waiting import cancel, uncancelled
 from catseye.app.errors import ConfigError, UnwalkedError, UsageError
@@ -36,18 +37,17 @@ from catseye.app.protocol.run_events import (
     WarningIssued,
 )
 from catseye.app.store.crash_points import crash_point
-from catseye.app.store.rows import encode
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.interferometer import BeamStatus
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Axes, Pose
 from catseye.drivers.roles.tracker import Position, Tracker
 from catseye.procedures.kit.columns import Columns, TableRule
-from catseye.procedures.kit.context import Measurement, Prompt, Table
+from catseye.procedures.kit.context import Measurement, Prompt
 from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
-from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.kit.records import Json, Record, Row, row_of
 
 _DEFAULT_AIR = AirRule()
 
@@ -67,7 +67,7 @@ class _OpenStep:
     attempt: int
     started_utc: str
     time: StepTime
-    rows: list[tuple[Table, Row]] = field(default_factory=list)
+    records: list[Record] = field(default_factory=list)
 
 
 class RunContext:
@@ -78,12 +78,13 @@ class RunContext:
         store: of the run.
         control: the stop ladder.
         clock: of the run.
+        axes: of the arm.
         gate: passes motions.
         operator: answers prompts.
         announcer: publishes to front ends.
         air: how the program corrects for the air where the instrument does not.
         poll_s: between two looks at a condition that is missing, s of the clock.
-        speed_deg_s: fastest J1, J2, J4 at 100 % override, as questions before a motion tell them; None for unknown.
+        records: types of records that the procedure declares.
 
     Attributes:
         step_times: where the time of each step that ran went.
@@ -95,18 +96,20 @@ class RunContext:
         store: RunStore,
         control: RunControl,
         clock: Clock,
+        axes: Axes,
         gate: MotionGate,
         operator: Operator,
         announcer: Announcer,
         air: AirRule = _DEFAULT_AIR,
         poll_s: float = 0.5,
-        speed_deg_s: Sequence[float] | None = None,
+        records: Collection[type[Record]] = (),
     ) -> None:
         self.step_times: list[StepTime] = []
         self._devices = devices
         self._store = store
         self._control = control
         self._clock = clock
+        self._axes = axes
         self._gate = gate
         self._operator = operator
         self._announcer = announcer
@@ -117,13 +120,13 @@ class RunContext:
         self._progress = Progress(clock)
         self._asked_s = 0.0
         self._poll_s = poll_s
-        self._speed_deg_s = speed_deg_s
+        self._records = records
         self._step: _OpenStep | None = None
         self._prompt_open = False
         self._zeroed = False
         self._looking = 0
         self._mover = Mover(
-            devices.robot, control, gate, self.wait_until, self._timed, self._waive, self._first_motion
+            devices.robot, axes, control, gate, self.wait_until, self._timed, self._waive, self._first_motion
         )
         self._acknowledging = Acknowledging(
             control, gate, devices.guard, clock, poll_s, self._ask_to_go_on, self.warn
@@ -154,19 +157,16 @@ class RunContext:
         finally:
             self._step = None
 
-    def record(self, table: Table, row: Row) -> None:
-        """Keep a row until the step under way is done.
+    def record(self, record: Record) -> None:
+        """Keep a record until the step under way is done.
 
         Raises:
-            RuntimeError: no step is under way.
-            ValueError: the row does not fit its table.
+            RuntimeError: no step is under way, or the procedure does not declare this type of records.
+            ValueError: the record does not fit its table.
         """
-        if self._step is None:
-            raise RuntimeError(
-                f"a row for {table} was recorded outside of a step; it could not become durable"
-            )
-        encode(table, row)
-        self._step.rows.append((table, dict(row)))
+        require_recordable(record, self._records, in_step=self._step is not None)
+        if self._step is not None:
+            self._step.records.append(record)
 
     async def checkpoint(self) -> None:
         """Let a hold or a stop take effect here.
@@ -322,11 +322,11 @@ class RunContext:
         )
 
     def _motion_after(self) -> MotionAfter:
-        """Return at which override the arm would move now, and how fast its joints can be."""
-        percent, speeds = self._gate.override_percent, self._speed_deg_s
+        """Return at which override the arm would move now, and how fast its revolute axes can be."""
+        percent = self._gate.override_percent
         return MotionAfter(
             override_percent=percent,
-            speed_deg_s=None if speeds is None else tuple(speed * percent / 100.0 for speed in speeds),
+            speed_deg_s=tuple(axis.speed * percent / 100.0 for axis in self._axes if axis.unit == "deg"),
         )
 
     def _begin(self, step_id: str, title: str) -> _OpenStep:
@@ -343,13 +343,18 @@ class RunContext:
             raise
         crash_point("before-commit")
         await self._store.append_step(
-            step.step_id, step.attempt, step.title, result, step.rows, started_utc=step.started_utc
+            step.step_id,
+            step.attempt,
+            step.title,
+            result,
+            rows_of(step.records),
+            started_utc=step.started_utc,
         )
         crash_point("after-commit")
         self._account(step)
-        for table, row in step.rows:
-            if table == "points":
-                self._announcer.publish(PointMeasured(step=step.step_id, point=dict(row)))
+        for record in step.records:
+            if record.is_point:
+                self._announcer.publish(PointMeasured(step=step.step_id, point=dict(row_of(record))))
         self._announcer.publish(StepDone(step=step.step_id, title=step.title, stored=False))
         return result
 
@@ -357,11 +362,13 @@ class RunContext:
         # After a storage failure nothing can be stored; the error that is under way says so already.
         if self._store.failure is None:
             text = f"{type(error).__name__}: {error}".removesuffix(": ")
-            await self._store.drop_step(step.step_id, step.attempt, {"error": text, "rows": len(step.rows)})
+            await self._store.drop_step(
+                step.step_id, step.attempt, {"error": text, "rows": len(step.records)}
+            )
 
     def _account(self, step: _OpenStep) -> None:
         step.time.total_s = self._clock.monotonic_s() - step.time.start_s
-        step.time.points = sum(table == "points" for table, _ in step.rows)
+        step.time.points = sum(record.is_point for record in step.records)
         self.step_times.append(step.time)
 
     async def _look(self, look: Callable[[], Awaitable[T]]) -> T:

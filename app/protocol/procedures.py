@@ -1,6 +1,7 @@
 """Procedures by name: built-in and third-party ones register through entry points."""
 
 import difflib
+from collections.abc import Collection
 from importlib import metadata
 from pathlib import Path
 from typing import Any, Protocol, cast
@@ -15,6 +16,7 @@ from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.columns import TableRule
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.records import Record
 
 GROUP = "catseye.procedures"
 
@@ -26,6 +28,7 @@ class Runnable(Protocol):
         name: as on the command line.
         title: one line for people.
         needs: of a cell.
+        records: types of what it records.
         params_type: what may be chosen.
     """
 
@@ -35,6 +38,8 @@ class Runnable(Protocol):
     def title(self) -> str: ...  # noqa: D102  # said above
     @property
     def needs(self) -> Needs: ...  # noqa: D102  # said above
+    @property
+    def records(self) -> Collection[type[Record]]: ...  # noqa: D102  # said above
     @property
     def params_type(self) -> type[BaseModel]: ...  # noqa: D102  # said above
 

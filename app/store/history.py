@@ -16,6 +16,7 @@ from catseye.app.store.lock import is_being_written
 from catseye.app.store.reader import Status, ending
 from catseye.app.store.schema import LAST_OPENED_OR_ENDED, open_reader
 from catseye.app.store.seal import DATABASE
+from catseye.app.store.tables import measured_rows
 
 _Stamp = tuple[tuple[int, int], ...]
 """Time of change and size of a run's files."""
@@ -36,7 +37,7 @@ class RunLine:
         status: how it ended; damaged when it cannot be read.
         duration_s: from its first record to its last, interruptions included; None when it has none, or the clock was
             set back by more than that.
-        rows: measured points; of a run without them the rows of its path or search.
+        rows: of what it measures: points, or those of its path or search.
         simulated: every device is an emulator; None when the devices are not known.
         cell: name of the cell; empty when it is not known.
         fault: why a damaged one cannot be read.
@@ -161,10 +162,7 @@ SELECT
     (SELECT value FROM meta WHERE key = 'simulated') AS simulated,
     (SELECT value FROM meta WHERE key = 'cell') AS cell,
     (SELECT time_utc FROM events ORDER BY seq LIMIT 1) AS first_utc,
-    (SELECT time_utc FROM events ORDER BY seq DESC LIMIT 1) AS last_utc,
-    (SELECT count(*) FROM points) AS points,
-    (SELECT count(*) FROM path) AS path,
-    (SELECT count(*) FROM search) AS search
+    (SELECT time_utc FROM events ORDER BY seq DESC LIMIT 1) AS last_utc
 """
 
 
@@ -177,7 +175,7 @@ def _read(connection: sqlite3.Connection, path: Path, id_: str, procedure: str, 
         started_utc=started,
         status=_status(connection, path),
         duration_s=_between_s(facts["first_utc"], facts["last_utc"]),
-        rows=facts["points"] or facts["path"] or facts["search"],
+        rows=measured_rows(connection),
         simulated=json.loads(facts["simulated"] or "null"),
         cell=str(json.loads(facts["cell"] or '""') or ""),
     )
@@ -192,4 +190,4 @@ def _between_s(first_utc: str | None, last_utc: str | None) -> float | None:
 
 def _status(connection: sqlite3.Connection, path: Path) -> Status:
     last = connection.execute(LAST_OPENED_OR_ENDED).fetchone()
-    return ending(last) or ("running" if is_being_written(path) else "died")
+    return ending(last, path.name) or ("running" if is_being_written(path) else "died")

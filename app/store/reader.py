@@ -13,18 +13,22 @@ from typing import Any, Literal
 from catseye.app.errors import StorageError
 from catseye.app.store.lock import is_being_written
 from catseye.app.store.rows import row_crc32
-from catseye.app.store.schema import LAST_OPENED_OR_ENDED, RAW_TABLES, UNREADABLE, open_reader
+from catseye.app.store.schema import BASE_TABLES, LAST_OPENED_OR_ENDED, UNREADABLE, open_reader
 from catseye.app.store.seal import DATABASE
 from catseye.app.store.soundness import changes, damage
-from catseye.procedures.kit.context import Table
-from catseye.procedures.kit.records import Json
+from catseye.app.store.tables import measured_rows, tables_in
+from catseye.procedures.kit.records import OBSERVATIONS, Json, Table
 
 Status = Literal["complete", "stopped", "aborted", "failed", "running", "died"]
 _ENDINGS: tuple[Status, ...] = ("complete", "stopped", "aborted", "failed")
 
 
-def ending(last: sqlite3.Row | None) -> Status | None:
+def ending(last: sqlite3.Row | None, run: str) -> Status | None:
     """Return how a run ended, from the last record of its being opened or ended; None when that is no end.
+
+    Args:
+        last: that record; None without one.
+        run: its name.
 
     Raises:
         StorageError: it ended in a way that only a newer program knows.
@@ -34,7 +38,9 @@ def ending(last: sqlite3.Row | None) -> Status | None:
     name = json.loads(last["data"])["status"]
     found = next((one for one in _ENDINGS if one == name), None)
     if found is None:
-        raise StorageError(f"it ended as {name!r}, which this program does not know; install a newer catseye")
+        raise StorageError(
+            f"{run} ended as {name!r}, which this program does not know; install a newer catseye"
+        )
     return found
 
 
@@ -161,7 +167,7 @@ class RunReader:
         """How the run ended; running when a living process writes it, died without a closing record."""
         last = self._query(LAST_OPENED_OR_ENDED)
         with self._decoding():
-            ended = ending(last[0]) if last else None
+            ended = ending(last[0], self._name) if last else None
         return ended or ("running" if is_being_written(self.path) else "died")
 
     @property
@@ -189,28 +195,32 @@ class RunReader:
         """Return questions and answers in the order of the answers, with their places among all that was stored."""
         return self._rows("prompts")
 
-    def points(self) -> list[dict[str, Json]]:
-        """Return the measured distances in measuring order."""
-        return self._data("points")
+    def tables(self) -> list[Table]:
+        """Return the tables of data, in the order of their making."""
+        with self._connected() as connection, self._decoding():
+            return list(tables_in(connection).values())
 
-    def search(self) -> list[dict[str, Json]]:
-        """Return the rows of searches in order."""
-        return self._data("search")
-
-    def path_rows(self) -> list[dict[str, Json]]:
-        """Return the rows of validation paths in order."""
-        return self._data("path")
+    def rows(self, table: str) -> list[dict[str, Json]]:
+        """Return the rows of a table of data, in order; none where the run has no such table."""
+        rows = self._rows(table)
+        with self._decoding():
+            return [_whole(row) for row in rows]
 
     def records(self, kind: str | None = None) -> list[dict[str, Json]]:
         """Return what else was observed, in order: all of it, or one kind."""
-        return [row for row in self._data("records") if kind is None or row["kind"] == kind]
+        return [row for row in self.rows(OBSERVATIONS.name) if kind is None or row["kind"] == kind]
 
-    def count(self, table: Table | Literal["steps", "events"]) -> int:
-        """Return how many rows a table has."""
-        if not self._query(f"SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = '{table}'"):
-            # The file of an older program lacks the later ones.
+    def count(self, table: str) -> int:
+        """Return how many rows a table has; 0 where the run has no such one."""
+        if not self._query("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?", table):
             return 0
         return int(self._query(f"SELECT count(*) FROM {table}")[0][0])
+
+    @property
+    def measured(self) -> int:
+        """How many rows there are of what the run measures."""
+        with self._connected() as connection, self._decoding():
+            return measured_rows(connection)
 
     def misfits(self) -> list[str]:
         """Return which rows are not what the journal says; empty for a sound record.
@@ -218,12 +228,8 @@ class RunReader:
         Raises:
             StorageError: it cannot be read.
         """
-        return [text for table in RAW_TABLES for text in self._misfits(table, *self._found(table))]
-
-    def _data(self, table: Table) -> list[dict[str, Json]]:
-        rows = self._rows(table)
-        with self._decoding():
-            return [_whole(row) for row in rows]
+        tables = (*BASE_TABLES, *(table.name for table in self.tables()))
+        return [text for table in tables for text in self._misfits(table, *self._found(table))]
 
     def _rows(self, table: str) -> list[dict[str, Any]]:
         """Return all rows of a table with their places in the journal.
@@ -270,9 +276,9 @@ class RunReader:
             unlisted = [number for number in rows if number > first and number not in entries]
         return texts + [f"row {number} of {table} has no entry in the journal" for number in unlisted]
 
-    def _query(self, sql: str) -> list[sqlite3.Row]:
+    def _query(self, sql: str, *values: str) -> list[sqlite3.Row]:
         with self._connected() as connection:
-            return connection.execute(sql).fetchall()
+            return connection.execute(sql, values).fetchall()
 
     @contextmanager
     def _connected(self) -> Iterator[sqlite3.Connection]:

@@ -7,62 +7,7 @@ import zlib
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from catseye.procedures.kit.context import Table
-from catseye.procedures.kit.records import Json, Row
-
-_POINTS_REQUIRED = {
-    "reflector": str,
-    "segment": int,
-    "theta1_deg": float,
-    "theta2_deg": float,
-    "j3_mm": float,
-    "j4_deg": float,
-    "reported1_deg": float,
-    "reported2_deg": float,
-    "reported3_mm": float,
-    "reported4_deg": float,
-    "direction1": int,
-    "direction2": int,
-    "displacement_mm": float,
-    "spread_mm": float,
-    "readings": int,
-    "signal": float,
-    "time_utc": str,
-    "duration_s": float,
-}  # fmt: skip - one physical group a line
-_PATH_REQUIRED = {
-    "x_mm": float,
-    "y_mm": float,
-    "theta1_deg": float,
-    "theta2_deg": float,
-    "direction1": int,
-    "direction2": int,
-}  # fmt: skip - one physical group a line
-
-REQUIRED: Final[Mapping[Table, Mapping[str, type]]] = {
-    "points": _POINTS_REQUIRED,
-    "search": {"reflector": str, "theta1_deg": float, "theta2_deg": float},
-    "path": _PATH_REQUIRED,
-    "records": {"kind": str},
-}
-"""Columns that every row has."""
-
-OPTIONAL: Final[Mapping[Table, Mapping[str, type]]] = {
-    "points": {
-        "temperature_c": float,
-        "pressure_hpa": float,
-        "humidity_percent": float,
-        "raw_displacement_mm": float,
-        "refractive_index": float,
-        "zero_refractive_index": float,
-        "dead_path_mm": float,
-        "formula": str,
-    },
-    "search": {"j4_deg": float, "lower_deg": float, "upper_deg": float, "signal": float},
-    "path": {"x_meas_mm": float, "y_meas_mm": float, "u_mm": float},
-    "records": {},
-}
-"""Columns that may be None or left out."""
+from catseye.procedures.kit.records import EXTRA, KEY, Column, Json, Row, Table
 
 Value = None | int | float | str
 
@@ -84,12 +29,12 @@ def encode(table: Table, row: Row) -> tuple[Value, ...]:
     Raises:
         ValueError: a column is missing, has another type, or is not finite.
     """
-    missing = [name for name in REQUIRED[table] if row.get(name) is None]
+    missing = [name for name in table.required if row.get(name) is None]
     if missing:
-        raise ValueError(f"a row for {table} lacks {', '.join(missing)}; it has {', '.join(row)}")
-    kinds = {**REQUIRED[table], **OPTIONAL[table]}
-    values = [_checked(table, name, kind, row.get(name)) for name, kind in kinds.items()]
-    extra = {name: value for name, value in row.items() if name not in kinds}
+        raise ValueError(f"a row for {table.name} lacks {', '.join(missing)}; it has {', '.join(row)}")
+    names = {column.name for column in table.columns}
+    values = [_checked(table.name, column, row.get(column.name)) for column in table.columns]
+    extra = {name: value for name, value in row.items() if name not in names}
     return (*values, to_json(extra))
 
 
@@ -117,9 +62,9 @@ def insert_data(db: sqlite3.Connection, table: Table, key: Sequence[Value], valu
         key: step, attempt and number within the step.
         values: what `encode` returned.
     """
-    # Named, since columns that came with an upgrade stand behind the older ones.
-    names = ("step_id", "attempt", "seq", *REQUIRED[table], *OPTIONAL[table], "extra")
-    _insert(db, table, names, (*key, *values))
+    # Named, since columns that were added to an older run stand behind its first ones.
+    names = (*KEY, *(column.name for column in table.columns), EXTRA)
+    _insert(db, table.name, names, (*key, *values))
 
 
 def row_crc32(table: str, row: Mapping[str, Value]) -> int:
@@ -145,14 +90,16 @@ def _insert(db: sqlite3.Connection, table: str, names: Sequence[str], values: Se
     db.execute("INSERT INTO journal (of, row, crc32) VALUES (?, ?, ?)", entry)
 
 
-def _checked(table: str, name: str, kind: type, value: Json) -> Value:
-    if value is None:
-        return None
-    if kind is float and isinstance(value, int | float) and not isinstance(value, bool):
-        # SQLite would store NaN as NULL: a value would vanish without a word.
-        if math.isfinite(value):
-            # Nor does it keep the sign of a zero, and the check sum is of what it gives back.
+def _checked(table: str, column: Column, value: Json) -> Value:
+    match column.kind, value:
+        case _, None:
+            return None
+        case "REAL", int() | float() if not isinstance(value, bool) and math.isfinite(value):
+            # Nor does SQLite keep the sign of a zero, and the check sum is of what it gives back.
             return float(value) + 0.0
-    elif kind is not float and type(value) is kind and isinstance(value, int | str):
-        return value
-    raise ValueError(f"{table}.{name} = {value!r} is not a usable {kind.__name__}")
+        case "INTEGER", int() if not isinstance(value, bool):
+            return value
+        case "TEXT", str():
+            return value
+    # SQLite would store NaN as NULL: a value would vanish without a word.
+    raise ValueError(f"{table}.{column.name} = {value!r} is not a usable {column.kind}")

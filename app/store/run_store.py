@@ -9,7 +9,8 @@ Promise:
 
 import asyncio
 import sqlite3
-from collections.abc import Callable, Iterable, Mapping
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Mapping
 from concurrent.futures import Future
 from pathlib import Path
 
@@ -22,10 +23,10 @@ from catseye.app.store.lines import DEFAULT_MAX_BYTES, JsonLines, WireLog
 from catseye.app.store.lock import RunLock
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.rows import Value, encode, insert, insert_data, to_json
+from catseye.app.store.tables import declare
 from catseye.app.store.writer import Writer
 from catseye.drivers.roles.clock import Clock
-from catseye.procedures.kit.context import Table
-from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.kit.records import Json, Record, Row, Table, tables_of
 
 DEFAULT_RESERVE_BYTES = 200 * 1024 * 1024
 
@@ -61,6 +62,7 @@ class RunStore:
         self._writer = Writer(path / seal.DATABASE, self._storage_failed)
         self._results: dict[str, Row] = {}
         self._attempts: dict[str, int] = {}
+        self._tables: dict[str, Table] = {}
 
     @classmethod
     async def create(
@@ -70,6 +72,7 @@ class RunStore:
         meta: Mapping[str, Json],
         clock: Clock,
         *,
+        records: Collection[type[Record]] = (),
         reserve_bytes: int = DEFAULT_RESERVE_BYTES,
         max_log_bytes: int = DEFAULT_MAX_BYTES,
     ) -> "RunStore":
@@ -80,6 +83,7 @@ class RunStore:
             procedure: name of the procedure, part of the run's name.
             meta: what the run says about itself, beside versions and clock anchor.
             clock: stamps every record.
+            records: types of what will be stored.
             reserve_bytes: free space that must be there.
             max_log_bytes: where each log file is cut.
 
@@ -88,7 +92,7 @@ class RunStore:
         """
         path = make_directory(root, procedure, clock, reserve_bytes)
         crash_point("directory-made")
-        store = await cls._open(path, clock, reserve_bytes, max_log_bytes)
+        store = await cls._open(path, clock, records, reserve_bytes, max_log_bytes)
         about: dict[str, Json] = {"run": path.name, "procedure": procedure, "software": software()}
         try:
             await store.append_meta({**about, "clock_anchor": clock_anchor(clock), **meta})
@@ -106,6 +110,7 @@ class RunStore:
         clock: Clock,
         about: Mapping[str, Json] | None = None,
         *,
+        records: Collection[type[Record]] = (),
         reserve_bytes: int = DEFAULT_RESERVE_BYTES,
         max_log_bytes: int = DEFAULT_MAX_BYTES,
     ) -> "RunStore":
@@ -115,6 +120,7 @@ class RunStore:
             path: the run's directory.
             clock: stamps every record.
             about: what is to be stored with the reopening, beside versions and clock anchor.
+            records: types of what will be stored.
             reserve_bytes: free space that must be there.
             max_log_bytes: where each log file is cut.
 
@@ -137,7 +143,7 @@ class RunStore:
         finally:
             lock.release()
         crash_point("unsealed")
-        store = await cls._open(path, clock, reserve_bytes, max_log_bytes, reader)
+        store = await cls._open(path, clock, records, reserve_bytes, max_log_bytes, reader)
         facts: dict[str, Json] = {
             "before": before,
             "software": software(),
@@ -149,7 +155,13 @@ class RunStore:
 
     @classmethod
     async def _open(
-        cls, path: Path, clock: Clock, reserve_bytes: int, max_log_bytes: int, before: RunReader | None = None
+        cls,
+        path: Path,
+        clock: Clock,
+        records: Collection[type[Record]],
+        reserve_bytes: int,
+        max_log_bytes: int,
+        before: RunReader | None = None,
     ) -> "RunStore":
         store = cls(path, clock, reserve_bytes, max_log_bytes)
         if before is not None:
@@ -157,8 +169,9 @@ class RunStore:
             store._restore(before)
         try:
             await store._writer.open()
+            store._tables = await store._writer.transact(lambda db: declare(db, tables_of(records)))
         except BaseException:
-            store._release()
+            await store.abandon()
             raise
         return store
 
@@ -198,21 +211,31 @@ class RunStore:
         attempt: int,
         title: str,
         result: Row,
-        rows: Iterable[tuple[Table, Row]],
+        rows: Iterable[tuple[str, Row]],
         *,
         started_utc: str | None = None,
     ) -> None:
         """Store a step's completion and its rows in one transaction.
 
+        Args:
+            step_id: stable name within the run.
+            attempt: which one this was, from 1.
+            title: what the step did.
+            result: what it returned.
+            rows: of data, each with the name of its table.
+            started_utc: ISO 8601 UTC time; now when it is None.
+
         Raises:
+            KeyError: no type of records declares the table of a row; nothing is stored.
             ValueError: a row does not fit its table; nothing is stored.
             StorageError: storage failed.
         """
-        counts: dict[Table, int] = {}
+        counts: Counter[str] = Counter()
         encoded: list[tuple[Table, tuple[Value, ...], tuple[Value, ...]]] = []
-        for table, row in rows:
-            counts[table] = counts.get(table, 0) + 1
-            encoded.append((table, (step_id, attempt, counts[table]), encode(table, row)))
+        for name, row in rows:
+            table = self._tables[name]
+            counts[name] += 1
+            encoded.append((table, (step_id, attempt, counts[name]), encode(table, row)))
         done_utc = self._now()
         step = (step_id, attempt, title, started_utc or done_utc, done_utc, len(encoded), to_json(result))
         self._require_running_space()

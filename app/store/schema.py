@@ -3,109 +3,54 @@
 import os
 import sqlite3
 from pathlib import Path
+from typing import Final
 from urllib.parse import quote
 
 from catseye.app.errors import StorageError
 
-_FIRST = """
-CREATE TABLE meta (
+BASE_TABLES: Final = ("meta", "steps", "events", "prompts", "journal")
+"""What every run has; its tables of data are declared by record types."""
+
+_LAYOUT: Final = """
+CREATE TABLE IF NOT EXISTS meta (
     key TEXT PRIMARY KEY, value TEXT NOT NULL CHECK (json_valid(value))
 ) STRICT;
-CREATE TABLE steps (
+CREATE TABLE IF NOT EXISTS steps (
     step_id TEXT NOT NULL, attempt INTEGER NOT NULL, title TEXT NOT NULL,
     started_utc TEXT NOT NULL, done_utc TEXT NOT NULL, row_count INTEGER NOT NULL,
     result TEXT NOT NULL CHECK (json_valid(result)),
     PRIMARY KEY (step_id, attempt)
 ) STRICT;
-CREATE TABLE points (
-    step_id TEXT NOT NULL, attempt INTEGER NOT NULL, seq INTEGER NOT NULL,
-    reflector TEXT NOT NULL, segment INTEGER NOT NULL,
-    theta1_deg REAL NOT NULL, theta2_deg REAL NOT NULL, j3_mm REAL NOT NULL, j4_deg REAL NOT NULL,
-    reported1_deg REAL NOT NULL, reported2_deg REAL NOT NULL,
-    reported3_mm REAL NOT NULL, reported4_deg REAL NOT NULL,
-    direction1 INTEGER NOT NULL, direction2 INTEGER NOT NULL,
-    displacement_mm REAL NOT NULL, spread_mm REAL NOT NULL, readings INTEGER NOT NULL, signal REAL NOT NULL,
-    time_utc TEXT NOT NULL, duration_s REAL NOT NULL,
-    temperature_c REAL, pressure_hpa REAL, humidity_percent REAL,
-    extra TEXT NOT NULL CHECK (json_valid(extra)),
-    PRIMARY KEY (step_id, attempt, seq)
-) STRICT;
-CREATE TABLE search (
-    step_id TEXT NOT NULL, attempt INTEGER NOT NULL, seq INTEGER NOT NULL,
-    reflector TEXT NOT NULL, theta1_deg REAL NOT NULL, theta2_deg REAL NOT NULL,
-    j4_deg REAL, lower_deg REAL, upper_deg REAL, signal REAL,
-    extra TEXT NOT NULL CHECK (json_valid(extra)),
-    PRIMARY KEY (step_id, attempt, seq)
-) STRICT;
-CREATE TABLE path (
-    step_id TEXT NOT NULL, attempt INTEGER NOT NULL, seq INTEGER NOT NULL,
-    x_mm REAL NOT NULL, y_mm REAL NOT NULL, theta1_deg REAL NOT NULL, theta2_deg REAL NOT NULL,
-    direction1 INTEGER NOT NULL, direction2 INTEGER NOT NULL,
-    x_meas_mm REAL, y_meas_mm REAL, u_mm REAL,
-    extra TEXT NOT NULL CHECK (json_valid(extra)),
-    PRIMARY KEY (step_id, attempt, seq)
-) STRICT;
-CREATE TABLE events (
+CREATE TABLE IF NOT EXISTS events (
     seq INTEGER PRIMARY KEY, time_utc TEXT NOT NULL, kind TEXT NOT NULL,
     data TEXT NOT NULL CHECK (json_valid(data))
 ) STRICT;
-CREATE TABLE prompts (
+CREATE TABLE IF NOT EXISTS prompts (
     seq INTEGER PRIMARY KEY, id TEXT NOT NULL, kind TEXT NOT NULL, text TEXT NOT NULL,
     asked_utc TEXT NOT NULL, answered_utc TEXT, answer TEXT, who TEXT
 ) STRICT;
-"""
-
-_FIRST_TABLES = ("meta", "steps", "points", "search", "path", "events", "prompts")
-
-
-def _guards(*tables: str) -> str:
-    """Return triggers that keep tables append-only."""
-    return "".join(
-        f"CREATE TRIGGER IF NOT EXISTS {table}_no_{verb.lower()} BEFORE {verb} ON {table} "
-        f"BEGIN SELECT RAISE(ABORT, '{table} is append-only'); END;\n"
-        for table in tables
-        for verb in ("UPDATE", "DELETE")
-    )
-
-
-RAW_TABLES = (*_FIRST_TABLES, "records", "journal")
-"""All tables: the whole record is append-only."""
-
-_COMPENSATION = """
-ALTER TABLE points ADD COLUMN raw_displacement_mm REAL;
-ALTER TABLE points ADD COLUMN refractive_index REAL;
-ALTER TABLE points ADD COLUMN zero_refractive_index REAL;
-ALTER TABLE points ADD COLUMN dead_path_mm REAL;
-ALTER TABLE points ADD COLUMN formula TEXT;
-"""
-
-_RECORDS = """
-CREATE TABLE records (
-    step_id TEXT NOT NULL, attempt INTEGER NOT NULL, seq INTEGER NOT NULL,
-    kind TEXT NOT NULL,
-    extra TEXT NOT NULL CHECK (json_valid(extra)),
-    PRIMARY KEY (step_id, attempt, seq)
-) STRICT;
-"""
-
-_JOURNAL = """
 CREATE TABLE IF NOT EXISTS journal (
     place INTEGER PRIMARY KEY, of TEXT NOT NULL, row INTEGER NOT NULL, crc32 INTEGER NOT NULL,
     UNIQUE (of, row)
 ) STRICT;
 """
-"""Every row in the order of its being stored, with a check sum: clocks jump, and bits flip."""
+"""The journal has every row in the order of its being stored, with a check sum: clocks jump, and bits flip."""
 
-UPGRADES: tuple[str, ...] = (
-    _FIRST + _guards(*_FIRST_TABLES),
-    _COMPENSATION,
-    _RECORDS + _guards("records"),
-    _JOURNAL + _guards("journal"),
-)
-"""UPGRADES[n] takes a file of version n to version n + 1; an empty file has version 0."""
+VERSION: Final = 5
+"""`user_version` of a file that this program writes.
 
-VERSION = len(UPGRADES)
-"""`user_version` of a file that this program writes."""
+Versions 1 to 4 had a fixed set of tables of data, and the first three no journal. A file of theirs that goes on gets
+what it lacks; only newer programs read it then.
+"""
+
+
+def append_only(table: str) -> tuple[str, ...]:
+    """Return the statements that keep a table from being changed."""
+    return tuple(
+        f"CREATE TRIGGER IF NOT EXISTS {table}_no_{verb.lower()} BEFORE {verb} ON {table} "
+        f"BEGIN SELECT RAISE(ABORT, '{table} is append-only'); END;"
+        for verb in ("UPDATE", "DELETE")
+    )
 
 
 LAST_OPENED_OR_ENDED = """
@@ -127,7 +72,7 @@ def open_writer(path: Path) -> sqlite3.Connection:
     try:
         _require(connection, "PRAGMA journal_mode=WAL", "PRAGMA journal_mode", "wal")
         _require(connection, "PRAGMA synchronous=FULL", "PRAGMA synchronous", 2)
-        _upgrade(connection, path)
+        _lay_out(connection, path)
     except (sqlite3.Error, StorageError) as error:
         connection.close()
         raise StorageError(f"{path} cannot be opened for writing: {error}") from error
@@ -183,8 +128,7 @@ def _version(connection: sqlite3.Connection, path: Path) -> int:
     return version
 
 
-def _upgrade(connection: sqlite3.Connection, path: Path) -> None:
-    for version in range(_version(connection, path), VERSION):
-        connection.executescript(
-            f"BEGIN IMMEDIATE;{UPGRADES[version]}PRAGMA user_version={version + 1};COMMIT;"
-        )
+def _lay_out(connection: sqlite3.Connection, path: Path) -> None:
+    if _version(connection, path) < VERSION:
+        guards = "".join(trigger for table in BASE_TABLES for trigger in append_only(table))
+        connection.executescript(f"BEGIN IMMEDIATE;{_LAYOUT}{guards}PRAGMA user_version={VERSION};COMMIT;")

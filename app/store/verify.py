@@ -84,14 +84,9 @@ def _check_rows(reader: RunReader) -> list[str]:
     steps = {(step.step_id, step.attempt): step.row_count for step in reader.steps()}
     stored: Counter[tuple[Json, Json]] = Counter()
     problems = []
-    for table, rows in (
-        ("points", reader.points()),
-        ("search", reader.search()),
-        ("path", reader.path_rows()),
-        ("records", reader.records()),
-    ):
+    for table in [each.name for each in reader.tables()]:
         found: Counter[tuple[Json, Json]] = Counter()
-        for row in rows:
+        for row in reader.rows(table):
             key = (row["step_id"], row["attempt"])
             found[key] += 1
             if row["seq"] != found[key]:

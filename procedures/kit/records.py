@@ -97,7 +97,7 @@ class Observation(Record):
     kind: ClassVar[str]
 
     @classmethod
-    def text(cls, row: Row) -> str:
+    def describe(cls, row: Row) -> str:
         """Return a stored one as a sentence; empty for its values by their names.
 
         Args:

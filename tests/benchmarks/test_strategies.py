@@ -98,7 +98,7 @@ async def test_time_per_point_and_largest_miss(driver: str, limit_mm: float, tmp
         outcome = await carry_out(planned, root, lambda _event: None)
         assert outcome.exit_code == 0, outcome.text
         state = bench.ask(op="state")
-    points = RunReader(outcome.path).points()
+    points = RunReader(outcome.path).rows("points")
     assert len(points) == 24
     assert {point["segment"] for point in points} == {0}
     assert not state["beam"]["lost"]

@@ -28,7 +28,7 @@ def stored(folder: Path) -> RunReader:
 def require_all_recovered(story: Story, record: RunReader, blocks: int) -> None:
     """Every point is there, and every block was noticed."""
     assert story.code == 0, story.stderr
-    points, events = record.points(), record.events()
+    points, events = record.rows("points"), record.events()
     lost = [event for event in events if event.kind == "beam-lost"]
     causes = [event.data["cause"] for event in lost]
     segments = {(point["reflector"], point["segment"]) for point in points}
@@ -65,7 +65,7 @@ def test_not_one_fringe_is_miscounted(seed: int, tmp_path: Path) -> None:
         arm: dict[str, Any] = bench.ask(op="truth")["truth"]
     record = stored(tmp_path)
     require_all_recovered(story, record, _BLOCKS)
-    off = np.abs(misfits_um(record.points(), arm))
+    off = np.abs(misfits_um(record.rows("points"), arm))
     print(f"largest misfit {off.max():.3f} µm; a fringe is 0.32 µm, a lost count up to millimetres")  # noqa: T201  # the figure
     assert off.max() < 0.3
 
@@ -83,7 +83,7 @@ def test_the_map_stays_within_its_own_uncertainty(seed: int, tmp_path: Path) -> 
     require_all_recovered(story, record, _BLOCKS)
     cell = load_cell(bench.cell).cell
     sigma_um = cell.uncertainty.distance_um
-    off = np.abs(misfits_um(record.points(), arm))
+    off = np.abs(misfits_um(record.rows("points"), arm))
     rows, folder = run_points([record]), tmp_path / "catseye-runs"
     found = identify_points(rows, bench_of_runs([record], folder), "error-map", error_budget(cell))
     compared = compare_with_truth(found, arm)

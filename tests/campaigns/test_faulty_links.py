@@ -17,7 +17,7 @@ SEEDS = [int(seed) for seed in os.environ.get("CATSEYE_SEEDS", "1,2,3").split(",
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_plan_completes_without_a_person(seed: int, tmp_path: Path) -> None:
     run = measured(tmp_path, _SPEED, _SHARE, seed, limit_s=7000.0)
-    points = run.record.points()
+    points = run.record.rows("points")
     events = run.record.events()
     kinds = {event.kind: sum(other.kind == event.kind for other in events) for event in events}
     print(  # noqa: T201  # the figure

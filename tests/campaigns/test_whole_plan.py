@@ -32,7 +32,7 @@ def test_the_beam_is_kept_over_the_whole_plan(driver: str, speed: str, tmp_path:
     with emulated(tmp_path, "--speed", speed, edit=chosen) as bench:
         run(bench.cell, tmp_path, "reflector-search", speed)
         record = run(bench.cell, tmp_path, "open-loop", speed)
-    points = record.points()
+    points = record.rows("points")
     lost = [event for event in record.events() if event.kind == "beam-lost"]
     print(f"\n{driver}: {len(points)} points, {len(lost)} times the beam was lost")  # noqa: T201  # the figure
     assert len(points) >= 1040

@@ -151,7 +151,7 @@ class Story:
 
 def commands(reader: RunReader) -> list[Command]:
     """Return which command each stored point was measured at."""
-    return [_command(row) for row in reader.points()]
+    return [_command(row) for row in reader.rows("points")]
 
 
 def differences_mm(reader: RunReader, reference: RunReader) -> list[float]:
@@ -159,9 +159,9 @@ def differences_mm(reader: RunReader, reference: RunReader) -> list[float]:
 
     Each segment has an unknown dead path of its own: where both runs have one segment, the mean difference is zero.
     """
-    expected = {_command(row): row for row in reference.points()}
+    expected = {_command(row): row for row in reference.rows("points")}
     segments: dict[object, list[float]] = {}
-    for row in reader.points():
+    for row in reader.rows("points"):
         other = expected[_command(row)]
         difference = _number(row["displacement_mm"]) - _number(other["displacement_mm"])
         segments.setdefault((row["reflector"], row["segment"], other["segment"]), []).append(difference)

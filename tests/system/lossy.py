@@ -67,5 +67,5 @@ def measured(
         log = bench.ask(op="log", device="robot")
     record = RunReader(resolve_run(folder / "catseye-runs", last_run(folder, "open-loop")))
     assert not [prompt for prompt in record.prompts() if str(prompt["id"]).startswith("beam/")]
-    off = np.abs(misfits_um(record.points(), arm))
+    off = np.abs(misfits_um(record.rows("points"), arm))
     return Measured(record, float(off.max()), json.dumps(log).count("EXEC2=MOV"))

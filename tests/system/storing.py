@@ -13,20 +13,20 @@ from pathlib import Path
 from catseye.app.errors import StorageError
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.clock import SystemClock
-from catseye.procedures.kit.context import Table
 from catseye.procedures.kit.records import Row
+from tests.unit.app.store.fakes import RECORDS
 
 ROWS = 3
-ROW: tuple[Table, Row] = ("search", {"reflector": "P1", "theta1_deg": 1.0, "theta2_deg": 2.0})
+ROW: tuple[str, Row] = ("search", {"reflector": "P1", "theta1_deg": 1.0, "theta2_deg": 2.0})
 
 
 async def write(run: str | None, root: Path) -> None:
     """Store steps for ever; print each one when it has been acknowledged."""
     clock = SystemClock()
     if run is None:
-        store = await RunStore.create(root, "kill", {}, clock, reserve_bytes=0)
+        store = await RunStore.create(root, "kill", {}, clock, records=RECORDS, reserve_bytes=0)
     else:
-        store = await RunStore.reopen(Path(run), clock, reserve_bytes=0)
+        store = await RunStore.reopen(Path(run), clock, records=RECORDS, reserve_bytes=0)
     print("ready", store.path, flush=True)  # noqa: T201  # the parent reads it
     number = 0
     while True:
@@ -39,7 +39,7 @@ async def write(run: str | None, root: Path) -> None:
 
 async def fill(root: Path) -> None:
     """Store steps until the disk refuses; check that nothing is taken after that."""
-    store = await RunStore.create(root, "full", {}, SystemClock(), reserve_bytes=0)
+    store = await RunStore.create(root, "full", {}, SystemClock(), records=RECORDS, reserve_bytes=0)
     resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
     number = 0
     try:

@@ -178,7 +178,7 @@ def test_a_technician_drives_it_and_an_independent_instrument_sees_it(
             )
             done = catseye("run", "validation-path", *options, cwd=folder)
             assert done.returncode == 0, done.stderr
-            found = RunReader(folder / done.stdout.strip()).path_rows()
+            found = RunReader(folder / done.stdout.strip()).rows("path")
             place = np.array([[row["x_mm"], row["y_mm"]] for row in found], dtype=np.float64)
             measured = np.array([[row["x_meas_mm"], row["y_meas_mm"]] for row in found], dtype=np.float64)
             seen[name] = 1e3 * rms(np.hypot(*(rigid_fit(measured, place).apply(measured) - place).T))

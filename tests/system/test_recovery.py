@@ -30,7 +30,7 @@ def test_a_beam_blocked_now_and_then_spoils_no_point(tmp_path: Path) -> None:
         arm: dict[str, Any] = bench.ask(op="truth")["truth"]
     assert story.code == 0, story.stderr
     record = stored(tmp_path)
-    points = record.points()
+    points = record.rows("points")
     assert len(points) == 24
     assert np.abs(misfits_um(points, arm)).max() < 1.0
     lost = [event for event in record.events() if event.kind == "beam-lost"]

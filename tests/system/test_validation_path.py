@@ -102,7 +102,7 @@ def known_arm(model: ModelName, arm: list[float], nodes: tuple[list[float], list
 
 def test_distances_along_the_path_tell_the_true_map_from_the_nominal_arm(bench: Emulated) -> None:
     reader, _ = driven(bench, "--param", "instrument=interferometer")
-    rows = reader.path_rows()
+    rows = reader.rows("path")
     assert len(rows) == 34
     assert all(row["x_meas_mm"] is None and real(row["signal"]) > 0.1 for row in rows)
     name = str(rows[0]["reflector"])
@@ -144,10 +144,10 @@ def test_a_trackers_file_gives_the_positions_and_a_wrong_one_can_be_mended(bench
     failed, told = driven(bench, *options, "metres.csv.toml", code=4)
     assert "metres.csv: the measured positions are spread 0.001" in told
     assert "they seem to be in m: convert them to mm" in told
-    assert failed.path_rows() == []
+    assert failed.rows("path") == []
     done = catseye("resume", failed.path.name, "--answers", "good.csv.toml", cwd=folder)
     assert done.returncode == 0, done.stderr
-    for row, (y, x_meas, y_meas) in zip(failed.path_rows(), seen, strict=True):
+    for row, (y, x_meas, y_meas) in zip(failed.rows("path"), seen, strict=True):
         assert (row["y_mm"], row["x_meas_mm"], row["y_meas_mm"], row["u_mm"]) == (y, x_meas, y_meas, None)
 
 

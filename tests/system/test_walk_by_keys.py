@@ -87,7 +87,7 @@ def test_a_held_space_bar_walks_at_a_terminal(bench: Emulated) -> None:
         assert "stopped" in screen.text
     assert RunReader(path).status == "stopped"
     assert len(own_legs(path)) >= 2
-    assert RunReader(path).points() == []
+    assert RunReader(path).rows("points") == []
 
 
 def test_a_held_space_bar_walks_in_the_terminal_ui(bench: Emulated) -> None:

@@ -50,7 +50,7 @@ def test_a_measurement_keeps_the_beam_between_the_points(
         run = catseye("run", "open-loop", "--cell", bench.cell, *options, cwd=tmp_path)
         assert run.returncode == 0, run.stderr
         stopped = bench.ask(op="state")
-    points = RunReader(resolve_run(tmp_path / "catseye-runs", last_run(tmp_path, "open-loop"))).points()
+    points = RunReader(resolve_run(tmp_path / "catseye-runs", last_run(tmp_path, "open-loop"))).rows("points")
     assert len(points) == 2 * 2 * 2 * len(theta2_deg.split(","))
     assert {point["segment"] for point in points} == {0}
     assert not stopped["moving"]

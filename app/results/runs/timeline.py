@@ -56,7 +56,7 @@ class _Entry:
 
 def timeline(reader: RunReader) -> list[Moment]:
     """Return what happened, in order; steps that follow one another without anything between share a line."""
-    points = _rows_of(reader.points())
+    points = _rows_of(reader.rows("points"))
     records = _rows_of(reader.records())
     entries = [*_event_entries(reader), *_prompt_entries(reader)]
     steps = reader.steps()

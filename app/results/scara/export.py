@@ -1,6 +1,6 @@
 """What runs and results hand to other programs, as rows of one table."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -45,13 +45,10 @@ def run_export(reader: RunReader) -> Export:
     Raises:
         UsageError: it has measured nothing.
     """
-    tables: list[tuple[str, list[Any]]] = [
-        ("points", reader.points()),
-        ("path", reader.path_rows()),
-        ("search", reader.search()),
-        ("records", reader.records()),
-    ]
-    content, rows = next(((name, found) for name, found in tables if found), ("", []))
+    stored: Iterable[tuple[str, list[Any]]] = (
+        (table.name, reader.rows(table.name)) for table in reader.tables()
+    )
+    content, rows = next(((name, found) for name, found in stored if found), ("", []))
     if not rows:
         raise UsageError(
             f"{reader.path.name} holds nothing to export: it is {reader.status} and has measured nothing; "

@@ -8,6 +8,7 @@ from catseye.app.results.scara.identify import cell_of_run
 from catseye.app.results.scara.result import Estimate, Result
 from catseye.app.store.reader import RunReader
 from catseye.calibration.standards.expansion import Material, at_reference
+from catseye.procedures.scara.records import Distance
 
 
 def with_reference_links(result: Result, readers: Sequence[RunReader]) -> Result:
@@ -18,7 +19,7 @@ def with_reference_links(result: Result, readers: Sequence[RunReader]) -> Result
         readers: the runs.
     """
     section = _common_section(readers)
-    temperatures = [point.get("material_c") for reader in readers for point in reader.points()]
+    temperatures = [point.get("material_c") for reader in readers for point in reader.rows(Distance.table)]
     known = [float(value) for value in temperatures if isinstance(value, int | float)]
     if section is None or not known or len(known) < len(temperatures):
         return result

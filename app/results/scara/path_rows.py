@@ -12,6 +12,7 @@ from catseye.app.results.scara.validation import PathMeasurement, established_ro
 from catseye.app.store.reader import RunReader
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.scara.points import Commands
+from catseye.procedures.scara.records import PathPosition
 
 
 def path_measurement(reader: RunReader, take_up_deg: float) -> PathMeasurement:
@@ -64,7 +65,7 @@ def holds_distances(rows: Sequence[Mapping[str, Any]]) -> bool:
 
 
 def _rows(reader: RunReader) -> list[dict[str, Any]]:
-    rows = reader.path_rows()
+    rows = reader.rows(PathPosition.table)
     if not rows:
         raise UsageError(f"{reader.path.name} holds no path; it takes a run of validation-path")
     return list(rows)

@@ -42,6 +42,7 @@ from catseye.app.store.software import SOFTWARE
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
 from catseye.calibration.scara.identification import Identification
+from catseye.procedures.scara.records import Distance, PathPosition
 
 _MEASURED_WITH = ("python", "numpy", "sqlite", "platform")
 
@@ -79,9 +80,9 @@ def job_content(
 def run_content(reader: RunReader, root: Path) -> ReportContent:
     """Return what a report of a run shows: measurements identified with both models, paths compared with both."""
     cell = cell_of_run(reader)
-    results, notes = _identified(reader, root) if reader.points() else ([], [])
+    results, notes = _identified(reader, root) if reader.rows(Distance.table) else ([], [])
     parts = _run_parts([reader], cell) | {"diagnosis": _diagnosed(reader, root)}
-    if reader.count("path"):
+    if reader.count(PathPosition.table):
         compared = compare_path(reader, root)
         results, notes = compared.results, compared.notes
         parts |= {"validation": compared.validation, "distances": compared.distances}
@@ -146,7 +147,7 @@ def _identified(reader: RunReader, root: Path) -> tuple[list[Result], list[str]]
 
 def _diagnosed(reader: RunReader, root: Path) -> Diagnosis | None:
     """Return what speaks for and against the error map; None where there is none, which the notes tell."""
-    if not reader.points():
+    if not reader.rows(Distance.table):
         return None
     bench, budget = bench_of_runs([reader], root), error_budget(cell_of_run(reader))
     try:
@@ -197,8 +198,8 @@ def _devices(readers: Sequence[RunReader], cell: Cell) -> list[DeviceRecord]:
 
 def _distances(reader: RunReader) -> list[dict[str, Any]]:
     """Return every row with a distance and the air: points, and those of a path that the interferometer measured."""
-    path = reader.path_rows()
-    return [*reader.points(), *(path if holds_distances(path) else [])]
+    path = reader.rows(PathPosition.table)
+    return [*reader.rows(Distance.table), *(path if holds_distances(path) else [])]
 
 
 def _environment(points: Sequence[Mapping[str, Any]]) -> EnvironmentSummary | None:
@@ -228,14 +229,13 @@ def _run_record(reader: RunReader) -> RunRecord:
     start, end = (datetime.fromisoformat(events[i].time_utc) for i in (0, -1))
     measured_with: Any = reader.meta.get("software") or {}
     manifest = read_manifest(reader.path)
-    measured = reader.count("points") or reader.count("path") or reader.count("search")
     return RunRecord(
         name=reader.path.name,
         procedure=str(reader.meta.get("procedure")),
         status=reader.status,
         started_utc=events[0].time_utc,
         duration_s=(end - start).total_seconds(),
-        points=measured or None,
+        points=reader.measured or None,
         software=f"catseye {measured_with.get('catseye', '')}",
         versions={key: str(measured_with[key]) for key in _MEASURED_WITH if key in measured_with},
         operator=str(reader.meta.get("operator", "")),

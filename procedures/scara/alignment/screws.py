@@ -12,6 +12,8 @@ from catseye.procedures.kit.errors import AlignmentError, BeamLostError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
+from catseye.procedures.kit.tasks import TurnScrew
+from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 
 _ROUND_S: Final = 60.0
 """Expected time of a round, hands included; the run's own pace corrects it."""
@@ -212,16 +214,14 @@ class GuidedScrew:
             self._fresh = True
             row = await self._measured(number, expected)
             self._ctx.record(
-                "records",
-                {
-                    "kind": "alignment",
-                    "quantity": screw.quantity,
-                    "value": row["value"],
-                    "u": row["u"],
-                    "unit": screw.unit,
-                    "round": number,
-                    "instruction": done,
-                },
+                AlignmentRound(
+                    quantity=screw.quantity,
+                    value=number_of(row, "value"),
+                    u=number_of(row, "u"),
+                    unit=screw.unit,
+                    round=number,
+                    instruction=done,
+                )
             )
             return row
 
@@ -313,10 +313,7 @@ class GuidedScrew:
                 )
                 return {"turns": None, "instruction": told}
             await self._ask_to_turn(number, told, turns)
-            self._ctx.record(
-                "records",
-                {"kind": "screw", "screw": screw.name, "turns": turns, "round": number, "text": told},
-            )
+            self._ctx.record(ScrewTurn(screw=screw.name, turns=turns, round=number, text=told))
             return {"turns": turns, "instruction": told}
 
         row = await self._ctx.step(f"{screw.name}/{number}/turn", told, action)
@@ -330,7 +327,7 @@ class GuidedScrew:
                 id=f"{screw.name}/{number}",
                 kind="confirm",
                 text=f"{told[0].upper()}{told[1:]}, then confirm.",
-                task={"do": "turn-screw", "screw": screw.name, "turns": turns},
+                task=TurnScrew(screw=screw.name, turns=turns),
                 motion=True,
                 target=self._target,
             ),

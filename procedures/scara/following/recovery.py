@@ -12,12 +12,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, LossLog
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.context import Context, Measurement
+from catseye.procedures.kit.records import row_of
 from catseye.procedures.scara.beam.diagnosis import MOVED_BY_HAND, NOT_SUBDIVIDED, Loss
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.following.follower import Follower
-from catseye.procedures.scara.motion.point_row import point_row, title_of
+from catseye.procedures.scara.motion.point_row import distance_of, title_of
 from catseye.procedures.scara.motion.visits import Visit, driving_time_s, measuring_time_s
+from catseye.procedures.scara.records import Overlap
 
 Way = Literal["tracked", "driven", "back", "point"]
 """How a point is reached: with the beam kept from the point before; along the plan without it; from the last good
@@ -67,7 +69,7 @@ class Recovery:
     """
 
     def __init__(
-        self, ctx: Context, bench: Bench, reflector: Reflector, follower: Follower, attempts: int
+        self, ctx: Context, bench: ScaraBench, reflector: Reflector, follower: Follower, attempts: int
     ) -> None:
         self.good: Good | None = None
         self._ctx = ctx
@@ -204,19 +206,19 @@ class Recovery:
         follower = self._follower
         self._ties[follower.segment] = (old.segment, measured.displacement_mm - old.displacement_mm)
         shift_mm = math.radians(follower.sent[3] - old.j4_deg) * old.visit.beam_mm
-        row = point_row(self._reflector.name, follower.segment, old.visit.command, follower.sent, measured)
+        again = distance_of(
+            self._reflector.name, follower.segment, old.visit.command, follower.sent, measured
+        )
         self._ctx.record(
-            "records",
-            {
-                "kind": "overlap",
-                **row,
-                "point": old.visit.command.index,
-                "previous_segment": old.segment,
-                "previous_displacement_mm": old.displacement_mm,
-                "previous_j4_deg": old.j4_deg,
-                "difference_mm": measured.displacement_mm - old.displacement_mm,
-                "across_mm": shift_mm,
-            },
+            Overlap(
+                point=old.visit.command.index,
+                previous_segment=old.segment,
+                previous_displacement_mm=old.displacement_mm,
+                previous_j4_deg=old.j4_deg,
+                difference_mm=measured.displacement_mm - old.displacement_mm,
+                across_mm=shift_mm,
+                extra=row_of(again),
+            )
         )
         self.good = Good(old.visit, follower.segment, follower.sent[3], measured.displacement_mm)
         if abs(shift_mm) > self._bench.optics.acceptance_mm:

@@ -8,16 +8,18 @@ from catseye.procedures.kit.context import Context, Measurement, Prompt
 from catseye.procedures.kit.errors import BeamLostError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.bench_time import BenchTime
-from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.records import Row, row_of
 from catseye.procedures.kit.stored import integer, number_of
+from catseye.procedures.kit.tasks import PlaceReflector
 from catseye.procedures.scara.beam.diagnosis import Loss
 from catseye.procedures.scara.following.follower import Follower
 from catseye.procedures.scara.following.recovery import LeftOut, Recovery
-from catseye.procedures.scara.motion.point_row import point_row, title_of
+from catseye.procedures.scara.motion.point_row import distance_of, title_of
 from catseye.procedures.scara.motion.visits import Visit
 from catseye.procedures.scara.open_loop.closures import Closure, trip_within_reach
 from catseye.procedures.scara.open_loop.live_knowledge import Knowledge
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, ReflectorPlan
+from catseye.procedures.scara.records import ClosureVisit
 
 
 @dataclass(frozen=True)
@@ -137,9 +139,7 @@ class ReflectorCampaign:
                 "point-left-out", reflector=self._name, point=visit.command.index, reason=measured.reason
             )
             return {"measured": False, "segment": segment, "reason": measured.reason}
-        self._ctx.record(
-            "points", point_row(self._name, segment, visit.command, self._follower.sent, measured)
-        )
+        self._ctx.record(distance_of(self._name, segment, visit.command, self._follower.sent, measured))
         return {"measured": True, "segment": segment, "displacement_mm": measured.displacement_mm}
 
     async def _closed(self, planned: Closure) -> Row:
@@ -198,18 +198,16 @@ class ReflectorCampaign:
         drift_um = (measured.displacement_mm - known.displacement_mm) * 1e3
         # Each overlap is a difference of two distances, as the drift itself is.
         limit_um = self._rules.drift_limit_mm * 1e3 * math.sqrt(1.0 + known.overlaps)
-        row = point_row(self._name, segment, reference.command, self._follower.sent, measured)
+        there = distance_of(self._name, segment, reference.command, self._follower.sent, measured)
         self._ctx.record(
-            "records",
-            {
-                "kind": "closure",
-                **row,
-                "number": closure.number,
-                "point": reference.command.index,
-                "reference_displacement_mm": known.displacement_mm,
-                "overlaps": known.overlaps,
-                "drift_um": drift_um,
-            },
+            ClosureVisit(
+                number=closure.number,
+                point=reference.command.index,
+                reference_displacement_mm=known.displacement_mm,
+                overlaps=known.overlaps,
+                drift_um=drift_um,
+                extra=row_of(there),
+            )
         )
         self._ctx.show(Live("drift at the reference pose", drift_um, "µm", -limit_um, limit_um))
         if abs(drift_um) > limit_um:
@@ -232,7 +230,7 @@ class ReflectorCampaign:
                 "confirm",
                 f"Put the reflector into nest {self._name} at x {reflector.x_mm:.0f} mm, y {reflector.y_mm:.0f} mm, "
                 f"facing {reflector.facing_deg:.0f}°, clamp it, step back, then confirm.",
-                task={"do": "place-reflector", "reflector": self._name},
+                task=PlaceReflector(reflector=self._name),
                 motion=True,
             )
         )

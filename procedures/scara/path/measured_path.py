@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from catseye.calibration.scara.comparison import rigid_fit
 from catseye.procedures.kit.columns import Columns
 from catseye.procedures.kit.errors import TableFileError
-from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.path.tracked_path import PathPoint
+from catseye.procedures.scara.records import PathPosition
 
 Floats = NDArray[np.float64]
 
@@ -39,8 +39,10 @@ _UNIT_SHARE = 0.05
 """A ratio of spreads this near to a factor gives the unit away."""
 
 
-def matched_rows(file: str, points: tuple[PathPoint, ...], passes: int, measured: Columns) -> list[Row]:
-    """Return the rows of a path from what a file holds.
+def matched_positions(
+    file: str, points: tuple[PathPoint, ...], passes: int, measured: Columns
+) -> list[PathPosition]:
+    """Return the positions of a path from what a file holds.
 
     Args:
         file: its name, for complaints.
@@ -63,13 +65,7 @@ def matched_rows(file: str, points: tuple[PathPoint, ...], passes: int, measured
     _require_places(file, driven, measured)
     u_mm = measured["u_mm"].tolist() if "u_mm" in measured else [None] * len(measured)
     return [
-        {
-            **point.as_row(),
-            "x_meas_mm": x,
-            "y_meas_mm": y,
-            "u_mm": u,
-            "pass_number": number // len(points),
-        }
+        point.position(number // len(points), (x, y), u)
         for number, (point, (x, y), u) in enumerate(
             zip(driven, measured.stacked(MEASURED_PLACE).tolist(), u_mm, strict=True)
         )

@@ -3,18 +3,21 @@
 from dataclasses import dataclass
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import PlanError
-from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.records import Row, row_of, table_of
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.beam.nests import Nests
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.following.follower import Follower
 from catseye.procedures.scara.following.recovery import Recovery
 from catseye.procedures.scara.motion.approach import Command, Waypoint
-from catseye.procedures.scara.motion.point_row import point_row
+from catseye.procedures.scara.motion.point_row import distance_of
 from catseye.procedures.scara.motion.tracking import plan_track
 from catseye.procedures.scara.motion.visits import Visit, break_warnings, plan_visits
+from catseye.procedures.scara.records import PathPosition
+
+_COLUMNS = frozenset(column.name for column in table_of(PathPosition).columns)
 
 _FEWEST_SEEN = 0.5
 """A reflector that sees less than this share of the path says too little about it."""
@@ -43,16 +46,34 @@ class PathPoint:
     direction1: int
     direction2: int
 
-    def as_row(self) -> dict[str, float | int]:
-        """Return the columns of a path that come from the command."""
-        return {
-            "x_mm": self.x_mm,
-            "y_mm": self.y_mm,
-            "theta1_deg": self.theta1_deg,
-            "theta2_deg": self.theta2_deg,
-            "direction1": self.direction1,
-            "direction2": self.direction2,
-        }
+    def position(
+        self,
+        pass_number: int,
+        measured_mm: tuple[float, float] | None = None,
+        u_mm: float | None = None,
+        further: Row | None = None,
+    ) -> PathPosition:
+        """Return the record of the point.
+
+        Args:
+            pass_number: of the drive along the path, from 0.
+            measured_mm: x and y where an independent instrument saw the arm; None where a distance was measured.
+            u_mm: standard uncertainty of each coordinate; None when it is not stated.
+            further: what belongs to this point alone.
+        """
+        x_meas_mm, y_meas_mm = measured_mm or (None, None)
+        return PathPosition(
+            x_mm=self.x_mm,
+            y_mm=self.y_mm,
+            theta1_deg=self.theta1_deg,
+            theta2_deg=self.theta2_deg,
+            direction1=self.direction1,
+            direction2=self.direction2,
+            x_meas_mm=x_meas_mm,
+            y_meas_mm=y_meas_mm,
+            u_mm=u_mm,
+            extra={**(further or {}), "pass_number": pass_number},
+        )
 
 
 @dataclass(frozen=True)
@@ -89,7 +110,7 @@ class TrackedPath:
 
 
 def plan_tracked_path(
-    run_in: Pose, points: tuple[PathPoint, ...], passes: int, bench: Bench, name: str = ""
+    run_in: Pose, points: tuple[PathPoint, ...], passes: int, bench: ScaraBench, name: str = ""
 ) -> TrackedPath:
     """Plan how the beam follows a reflector over all passes.
 
@@ -133,7 +154,7 @@ class TrackedCampaign:
     """
 
     def __init__(
-        self, ctx: Context, bench: Bench, tracked: TrackedPath, points: tuple[PathPoint, ...]
+        self, ctx: Context, bench: ScaraBench, tracked: TrackedPath, points: tuple[PathPoint, ...]
     ) -> None:
         self._ctx = ctx
         self._tracked = tracked
@@ -181,8 +202,11 @@ class TrackedCampaign:
 
     def _record(self, point: PathPoint, pass_number: int, command: Command, measured: Measurement) -> None:
         follower = self._follower
-        row = point_row(self._tracked.reflector.name, follower.segment, command, follower.sent, measured)
-        self._ctx.record("path", {**row, **point.as_row(), "pass_number": pass_number})
+        distance = distance_of(
+            self._tracked.reflector.name, follower.segment, command, follower.sent, measured
+        )
+        further = {name: value for name, value in row_of(distance).items() if name not in _COLUMNS}
+        self._ctx.record(point.position(pass_number, further=further))
 
 
 def _stops(run_in: Pose, points: tuple[PathPoint, ...], passes: int) -> tuple[Waypoint, ...]:
@@ -196,7 +220,7 @@ def _stops(run_in: Pose, points: tuple[PathPoint, ...], passes: int) -> tuple[Wa
     return tuple(stops)
 
 
-def _followed(stops: tuple[Waypoint, ...], bench: Bench, reflector: Reflector) -> TrackedPath:
+def _followed(stops: tuple[Waypoint, ...], bench: ScaraBench, reflector: Reflector) -> TrackedPath:
     track = plan_track(stops, bench, reflector, subdivide=True)
     visits, blind = plan_visits(stops, track, bench, reflector)
     return TrackedPath(reflector, visits, blind, max(0, sum(not visit.tracked for visit in visits) - 1))

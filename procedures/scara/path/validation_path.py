@@ -8,18 +8,19 @@ from pydantic import BaseModel, ConfigDict, Field
 from catseye.calibration.scara.planar import Hand
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.drivers.roles.tracker import Position
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import ArmMovedError, TableFileError
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.records import Record, Row
 from catseye.procedures.scara.before import ALIGNED
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.entry import way_in
 from catseye.procedures.scara.path.joint_rows import plan_joint_rows
-from catseye.procedures.scara.path.measured_path import commands_as_measured, matched_rows
+from catseye.procedures.scara.path.measured_path import commands_as_measured, matched_positions
 from catseye.procedures.scara.path.path_plan import Instrument, PathPlan, plan_path, take_up_of
 from catseye.procedures.scara.path.tables import JOINT_ROWS, MEASURED
 from catseye.procedures.scara.path.tracked_path import PathPoint, TrackedCampaign
+from catseye.procedures.scara.records import Overlap, PathPosition
 
 _ATTEMPTS = 3
 """So often a point is measured anew when the arm was moved meanwhile."""
@@ -69,9 +70,10 @@ class ValidationPath:
     name = "validation-path"
     title = "Validation path"
     needs: ClassVar[Needs] = Needs(after=(ALIGNED,), aim=True, tracker=True)
+    records: ClassVar[tuple[type[Record], ...]] = (PathPosition, Overlap)
     params_type = PathParams
 
-    def plan(self, bench: Bench, params: PathParams) -> PathPlan:
+    def plan(self, bench: ScaraBench, params: PathParams) -> PathPlan:
         """Plan the path; see plan_path, and plan_joint_rows for given commands."""
         if params.joints:
             return plan_joint_rows(
@@ -141,8 +143,8 @@ class _Drive:
                 start = take_up_of(point, self._plan.bench)
                 await self._enter(start[0], start[1])
             elif self._plan.come_from and (beyond := self._plan.come_from[number]) is not None:
-                await self._move((*beyond, self._plan.bench.arm.j3_mm, 0.0))
-            await self._move((point.theta1_deg, point.theta2_deg, self._plan.bench.arm.j3_mm, 0.0))
+                await self._move((*beyond, self._plan.bench.j3_mm, 0.0))
+            await self._move((point.theta1_deg, point.theta2_deg, self._plan.bench.j3_mm, 0.0))
             found = await self._measured(point, f"point/{pass_number}/{number:04d}", attempt)
             if await self._undisturbed():
                 return self._kept(point, pass_number, found)
@@ -167,11 +169,11 @@ class _Drive:
         if number >= len(self._plan.points):
             return None
         point = self._plan.points[number]
-        return (point.theta1_deg, point.theta2_deg, self._plan.bench.arm.j3_mm, 0.0)
+        return (point.theta1_deg, point.theta2_deg, self._plan.bench.j3_mm, 0.0)
 
     async def _enter(self, theta1_deg: float, theta2_deg: float) -> None:
         bench = self._plan.bench
-        target = (theta1_deg, theta2_deg, bench.arm.j3_mm, 0.0)
+        target = (theta1_deg, theta2_deg, bench.j3_mm, 0.0)
         for pose in way_in(await self._ctx.joints(), target, bench):
             await self._move(pose)
 
@@ -193,11 +195,8 @@ class _Drive:
     def _kept(self, point: PathPoint, pass_number: int, found: Position | None) -> Row:
         if found is None:
             return {}
-        measured = {"x_meas_mm": found.x_mm, "y_meas_mm": found.y_mm}
-        self._ctx.record(
-            "path", {**point.as_row(), **measured, "u_mm": found.u_mm, "pass_number": pass_number}
-        )
-        return measured
+        self._ctx.record(point.position(pass_number, (found.x_mm, found.y_mm), found.u_mm))
+        return {"x_meas_mm": found.x_mm, "y_meas_mm": found.y_mm}
 
     async def _hold(self, point: PathPoint, prompt_id: str) -> None:
         """Stand still for the instrument; a "no" of the operator gives it more time."""
@@ -229,14 +228,16 @@ async def _take_file(ctx: Context, plan: PathPlan) -> Row:
     for number in range(1, _MOST_FILES + 1):
         file = await ctx.ask(_file_prompt(number, complaint))
         try:
-            rows = matched_rows(file, plan.points, plan.passes, await ctx.read_table(file, MEASURED, ideal))
+            positions = matched_positions(
+                file, plan.points, plan.passes, await ctx.read_table(file, MEASURED, ideal)
+            )
         except TableFileError as error:
             complaint = str(error)
             await ctx.warn(complaint)
             continue
-        for row in rows:
-            ctx.record("path", row)
-        return {"file": file, "points": len(rows)}
+        for position in positions:
+            ctx.record(position)
+        return {"file": file, "points": len(positions)}
     raise TableFileError(
         f"{complaint}; {_MOST_FILES} files could not be used: the arm has been driven along the whole path, so go on "
         "with catseye resume when the file is right"

@@ -6,14 +6,16 @@ from typing import Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.kit.records import Record, Row
 from catseye.procedures.kit.stored import integer
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.before import ALIGNED, WARM
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.following.rounds import Rounds
+from catseye.procedures.scara.motion.point_row import links_of
+from catseye.procedures.scara.records import Repeat
 from catseye.procedures.scara.repeats.repeatability_plan import (
     ReflectorCycles,
     RepeatabilityPlan,
@@ -43,9 +45,10 @@ class Repeatability:
     name = "repeatability"
     title = "Pose repeatability"
     needs: ClassVar[Needs] = Needs(after=(ALIGNED, WARM), aim=True)
+    records: ClassVar[tuple[type[Record], ...]] = (Repeat,)
     params_type = RepeatabilityParams
 
-    def plan(self, bench: Bench, params: RepeatabilityParams) -> RepeatabilityPlan:
+    def plan(self, bench: ScaraBench, params: RepeatabilityParams) -> RepeatabilityPlan:
         """Plan the test; see plan_repeatability."""
         given = params.poses
         poses = given if isinstance(given, int) else tuple((pose[0], pose[1]) for pose in given)
@@ -95,7 +98,7 @@ async def _cycle(
     rounds.succeed()
     for pose, measured in enumerate(attained):
         if measured is not None:
-            ctx.record("records", _record(plan, part, rounds.segment, cycle, pose, measured))
+            ctx.record(_record(plan, part, rounds.segment, cycle, pose, measured))
     return {
         "segment": rounds.segment,
         "displacement_mm": [None if measured is None else measured.displacement_mm for measured in attained],
@@ -120,21 +123,20 @@ async def _attained(part: ReflectorCycles, rounds: Rounds, cycle: int) -> Sequen
 
 def _record(
     plan: RepeatabilityPlan, part: ReflectorCycles, segment: int, cycle: int, pose: int, measured: Measurement
-) -> Row:
-    row: dict[str, Json] = {
-        "kind": "repeat",
-        "reflector": part.reflector.name,
-        "segment": segment,
-        "cycle": cycle + 1,
-        "pose": pose + 1,
-        "theta1_deg": plan.poses[pose][0],
-        "theta2_deg": plan.poses[pose][1],
-        "direction1": 1,
-        "direction2": 1,
-        "displacement_mm": measured.displacement_mm,
-        "spread_mm": measured.spread_mm,
-        "signal": measured.beam.signal,
-        "temperature_c": measured.air.temperature_c,
-        "time_utc": measured.time_utc,
-    }
-    return row if measured.material_c is None else {**row, "material_c": measured.material_c}
+) -> Repeat:
+    return Repeat(
+        reflector=part.reflector.name,
+        segment=segment,
+        cycle=cycle + 1,
+        pose=pose + 1,
+        theta1_deg=plan.poses[pose][0],
+        theta2_deg=plan.poses[pose][1],
+        direction1=1,
+        direction2=1,
+        displacement_mm=measured.displacement_mm,
+        spread_mm=measured.spread_mm,
+        signal=measured.beam.signal,
+        temperature_c=measured.air.temperature_c,
+        time_utc=measured.time_utc,
+        extra=links_of(measured),
+    )

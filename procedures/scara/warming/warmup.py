@@ -6,16 +6,18 @@ from typing import Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import NotWarmError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.kit.records import Json, Record, Row
 from catseye.procedures.kit.stored import integer
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.before import ALIGNED
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.following.rounds import Rounds
+from catseye.procedures.scara.motion.point_row import links_of
+from catseye.procedures.scara.records import Drift
 from catseye.procedures.scara.warming.warmup_plan import Exercise, WarmupPlan, plan_warmup
 from catseye.procedures.scara.warming.warmup_watch import FEWEST_VISITS, Watch
 
@@ -55,9 +57,10 @@ class Warmup:
     name = "warmup"
     title = "Warm-up"
     needs: ClassVar[Needs] = Needs(after=(ALIGNED,), aim=True)
+    records: ClassVar[tuple[type[Record], ...]] = (Drift,)
     params_type = WarmupParams
 
-    def plan(self, bench: Bench, params: WarmupParams) -> WarmupPlan:
+    def plan(self, bench: ScaraBench, params: WarmupParams) -> WarmupPlan:
         """Plan the warm-up; see plan_warmup."""
         given = params.reference_deg
         reference = None if given is None else (given[0], given[1])
@@ -112,7 +115,7 @@ async def _visit(ctx: Context, plan: WarmupPlan, rounds: Rounds, number: int) ->
     if measured is None:
         return {"measured": False, "segment": rounds.segment}
     rounds.succeed()
-    ctx.record("records", _record(plan, rounds.segment, number, measured))
+    ctx.record(_record(plan, rounds.segment, number, measured))
     return {
         "measured": True,
         "segment": rounds.segment,
@@ -121,21 +124,20 @@ async def _visit(ctx: Context, plan: WarmupPlan, rounds: Rounds, number: int) ->
     }
 
 
-def _record(plan: WarmupPlan, segment: int, number: int, measured: Measurement) -> Row:
-    row: dict[str, Json] = {
-        "kind": "drift",
-        "reflector": plan.trip.reflector.name,
-        "segment": segment,
-        "visit": number + 1,
-        "theta1_deg": plan.trip.stops[0][0],
-        "theta2_deg": plan.trip.stops[0][1],
-        "displacement_mm": measured.displacement_mm,
-        "spread_mm": measured.spread_mm,
-        "temperature_c": measured.air.temperature_c,
-        "time_utc": measured.time_utc,
-        "clock_s": measured.clock_s,
-    }
-    return row if measured.material_c is None else {**row, "material_c": measured.material_c}
+def _record(plan: WarmupPlan, segment: int, number: int, measured: Measurement) -> Drift:
+    return Drift(
+        reflector=plan.trip.reflector.name,
+        segment=segment,
+        visit=number + 1,
+        theta1_deg=plan.trip.stops[0][0],
+        theta2_deg=plan.trip.stops[0][1],
+        displacement_mm=measured.displacement_mm,
+        spread_mm=measured.spread_mm,
+        temperature_c=measured.air.temperature_c,
+        time_utc=measured.time_utc,
+        clock_s=measured.clock_s,
+        extra=links_of(measured),
+    )
 
 
 async def _tell(ctx: Context, plan: WarmupPlan, watch: Watch, again: bool) -> None:

@@ -19,7 +19,7 @@ from catseye.calibration.scara.identification import Identification, identify
 from catseye.calibration.scara.layout import ModelName
 from catseye.calibration.scara.points import Commands, Points
 from catseye.procedures.kit.records import Row
-from tests.unit.app.store.fakes import TickingClock
+from tests.unit.app.store.fakes import RECORDS, TickingClock
 from tests.unit.calibration.scara.paper import (
     NODES1_DEG,
     NODES2_DEG,
@@ -240,7 +240,9 @@ async def test_stored_distances_become_columns(tmp_path: Path) -> None:
     # Row two of the first pass is missing: it was blind.
     way = [(-10.0, 1.0, 1), (10.0, 5.0, 1), (10.0, 5.0, 1), (0.0, 4.5, -1), (-10.0, 1.0, -1)]
     rows = [stored_row(y, one, d, p, p) for p in range(2) for y, one, d in way]
-    store = await RunStore.create(tmp_path, "validation-path", {}, TickingClock(), reserve_bytes=0)
+    store = await RunStore.create(
+        tmp_path, "validation-path", {}, TickingClock(), records=RECORDS, reserve_bytes=0
+    )
     await store.append_step("rows", 1, "rows", {}, [("path", row) for row in rows])
     await store.finish("complete", 0)
     found = distance_path(RunReader(store.path), 1.0)

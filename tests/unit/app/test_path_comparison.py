@@ -13,7 +13,7 @@ from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.records import Json, Row
 from tests.unit.app.engine.fakes import point
-from tests.unit.app.store.fakes import TickingClock
+from tests.unit.app.store.fakes import RECORDS, TickingClock
 from tests.unit.app.test_distance_validation import COUNT, TRUTH, commands, true_length, true_place
 from tests.unit.calibration.scara.paper import NODES1_DEG, NODES2_DEG, sequence, true_position
 
@@ -26,8 +26,10 @@ META: dict[str, Json] = {
 
 
 async def stored(root: Path, procedure: str, rows: list[tuple[str, Row]], **meta: Json) -> RunReader:
-    store = await RunStore.create(root, procedure, {**META, **meta}, TickingClock(), reserve_bytes=0)
-    await store.append_step("rows", 1, "rows", {}, rows)  # type: ignore[arg-type]  # names of tables
+    store = await RunStore.create(
+        root, procedure, {**META, **meta}, TickingClock(), records=RECORDS, reserve_bytes=0
+    )
+    await store.append_step("rows", 1, "rows", {}, rows)
     await store.finish("complete", 0)
     return RunReader(store.path)
 

@@ -9,7 +9,7 @@ import pytest
 
 from catseye.procedures.kit.columns import Columns
 from catseye.procedures.kit.errors import TableFileError
-from catseye.procedures.scara.path.measured_path import matched_rows
+from catseye.procedures.scara.path.measured_path import matched_positions
 from catseye.procedures.scara.path.path_plan import plan_path
 from catseye.procedures.scara.path.tracked_path import PathPoint
 from tests.unit.procedures.benches import bench
@@ -62,7 +62,7 @@ def joints() -> list[dict[str, float]]:
 
 def refused(rows: Sequence[Mapping[str, float]], passes: int = 1) -> str:
     with pytest.raises(TableFileError) as caught:
-        matched_rows("t.csv", POINTS, passes, columns(rows))
+        matched_positions("t.csv", POINTS, passes, columns(rows))
     return str(caught.value)
 
 
@@ -70,15 +70,15 @@ def refused(rows: Sequence[Mapping[str, float]], passes: int = 1) -> str:
 def test_rows_take_commands_from_the_path_and_places_from_the_file(
     form: Callable[[], list[dict[str, float]]],
 ) -> None:
-    rows = matched_rows("t.csv", POINTS, 1, columns(form()))
+    rows = matched_positions("t.csv", POINTS, 1, columns(form()))
     assert len(rows) == 26
     for row, point in zip(rows, POINTS, strict=True):
-        assert (row["x_mm"], row["y_mm"], row["theta1_deg"]) == (point.x_mm, point.y_mm, point.theta1_deg)
-        assert (row["direction1"], row["direction2"]) == (point.direction1, point.direction2)
-        assert (row["x_meas_mm"], row["y_meas_mm"]) == seen(point)
-        assert row["u_mm"] == (0.01 if form is places else None)
-    twice = matched_rows("t.csv", POINTS, 2, columns(form() + form()))
-    assert [row["pass_number"] for row in twice] == [0] * 26 + [1] * 26
+        assert (row.x_mm, row.y_mm, row.theta1_deg) == (point.x_mm, point.y_mm, point.theta1_deg)
+        assert (row.direction1, row.direction2) == (point.direction1, point.direction2)
+        assert (row.x_meas_mm, row.y_meas_mm) == seen(point)
+        assert row.u_mm == (0.01 if form is places else None)
+    twice = matched_positions("t.csv", POINTS, 2, columns(form() + form()))
+    assert [row.extra["pass_number"] for row in twice] == [0] * 26 + [1] * 26
 
 
 def test_another_number_of_points_is_told() -> None:

@@ -6,7 +6,7 @@ from catseye.app.engine.host import run_procedure
 from catseye.app.engine.request import RunOutcome
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.records import Row
-from tests.unit.app.engine.fakes import AWAY, HOME, FakeBench, Script, point
+from tests.unit.app.engine.fakes import AWAY, HOME, FakeBench, Script, distance
 
 
 async def run(bench: FakeBench, procedure: Script, **changes: object) -> RunOutcome:
@@ -24,7 +24,7 @@ def measuring(*numbers: int) -> Script:
     async def one(ctx: Context, number: int) -> Row:
         await ctx.move(AWAY if number % 2 else HOME)
         measured = await ctx.measure(0.5, 0.5, 3)
-        ctx.record("points", {**point(number), "displacement_mm": measured.displacement_mm})
+        ctx.record(distance(number, displacement_mm=measured.displacement_mm))
         return {"number": number}
 
     return Script(body)

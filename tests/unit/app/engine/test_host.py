@@ -39,7 +39,7 @@ async def test_a_complete_run_is_stored_sealed_and_told(bench: FakeBench) -> Non
     assert (outcome.status, outcome.exit_code, outcome.text) == ("complete", ExitCode.DONE, "")
     reader = RunReader(outcome.path)
     assert (reader.status, reader.exit_code) == ("complete", 0)
-    assert len(reader.points()) == 3
+    assert len(reader.rows("points")) == 3
     assert verify(outcome.path).ok
     assert reader.meta["operator"] == "Ada"
     assert reader.meta["simulated"] is True
@@ -234,7 +234,7 @@ async def test_a_resumed_run_repeats_only_what_was_not_done(bench: FakeBench) ->
     assert second.status == "complete"
     assert bench.robot.calls.count("move") == moves + 1
     reader = RunReader(second.path)
-    assert [row["theta1_deg"] for row in reader.points()] == [0.0, 1.0, 2.0]
+    assert [row["theta1_deg"] for row in reader.rows("points")] == [0.0, 1.0, 2.0]
     assert [event.kind for event in reader.events()].count("run-reopened") == 1
     assert verify(second.path).ok
 

@@ -3,6 +3,7 @@
 import asyncio
 import signal
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -34,7 +35,7 @@ async def test_a_device_error_stops_the_robot_and_fails_the_run(bench: FakeBench
     assert bench.robot.calls[-3:] == ["stop", "servo off", "close"]
     assert bench.states()[-2:] == ["STOPPING", "STOPPED"]
     assert procedure.torn_down == 1
-    assert RunReader(outcome.path).points() == []
+    assert RunReader(outcome.path).rows("points") == []
     assert "link lost" in str(bench.said("error")[0]["text"])
 
 
@@ -224,7 +225,7 @@ async def test_a_storage_failure_during_a_move_stops_it(
     stores: list[RunStore] = []
     create = RunStore.create
 
-    async def remember(root: Path, name: str, meta: Row, clock: Clock, **more: int) -> RunStore:
+    async def remember(root: Path, name: str, meta: Row, clock: Clock, **more: Any) -> RunStore:
         stores.append(await create(root, name, meta, clock, **more))
         return stores[0]
 

@@ -2,7 +2,8 @@
 
 from datetime import UTC, datetime, timedelta
 
-from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.records import Record, Row
+from catseye.procedures.scara.records import Distance, Overlap, PathPosition, SeenReflector
 
 
 class TickingClock:
@@ -31,3 +32,6 @@ PATH_ROW: Row = {
     "direction1": 1,
     "direction2": -1,
 }  # fmt: skip - one row a line
+
+RECORDS: tuple[type[Record], ...] = (Distance, SeenReflector, PathPosition, Overlap)
+"""Types of records for every table of a SCARA."""

@@ -14,7 +14,7 @@ from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.calibration.scara.points import Commands
 from catseye.procedures.kit.records import Json, Row
-from tests.unit.app.store.fakes import TickingClock
+from tests.unit.app.store.fakes import RECORDS, TickingClock
 from tests.unit.procedures.benches import bench
 
 
@@ -44,7 +44,9 @@ class Shelf:
             {"name": r.name, "x_mm": r.x_mm + off_mm, "y_mm": r.y_mm} for r in bench().reflectors
         ]
         meta: dict[str, Json] = {"cell": cell, "configuration": {"reflector": places}}
-        store = await RunStore.create(self.root, procedure, meta, self.clock, reserve_bytes=0)
+        store = await RunStore.create(
+            self.root, procedure, meta, self.clock, records=RECORDS, reserve_bytes=0
+        )
         if rows:
             await store.append_step("rows", 1, "rows", {}, [("path", row) for row in rows])
         if result is not None:

@@ -13,9 +13,8 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, 
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.app.store.verify import verify
-from catseye.procedures.kit.context import Table
 from catseye.procedures.kit.records import Row
-from tests.unit.app.store.fakes import SEARCH_ROW, TickingClock
+from tests.unit.app.store.fakes import RECORDS, SEARCH_ROW, TickingClock
 
 STEP_IDS = st.sampled_from([f"s{number}" for number in range(8)])
 
@@ -28,7 +27,8 @@ class StoreMachine(RuleBasedStateMachine):
         self.root = Path(tempfile.mkdtemp())
         self.loop = asyncio.Runner()
         self.clock = TickingClock()
-        self.store = self.loop.run(RunStore.create(self.root, "model", {}, self.clock, reserve_bytes=0))
+        create = RunStore.create(self.root, "model", {}, self.clock, records=RECORDS, reserve_bytes=0)
+        self.store = self.loop.run(create)
         self.steps: dict[str, tuple[int, int]] = {}
         self.dropped: dict[str, int] = {}
         self.kinds = ["run-opened"]
@@ -39,7 +39,7 @@ class StoreMachine(RuleBasedStateMachine):
         if self.store.stored_result(step_id) is None:
             attempt = self.store.next_attempt(step_id)
             assert attempt == 1 + self.dropped.get(step_id, 0)
-            data: list[tuple[Table, Row]] = [("search", SEARCH_ROW)] * rows
+            data: list[tuple[str, Row]] = [("search", SEARCH_ROW)] * rows
             self.loop.run(self.store.append_step(step_id, attempt, "title", {"rows": rows}, data))
             self.steps[step_id] = (attempt, rows)
 
@@ -83,7 +83,7 @@ class StoreMachine(RuleBasedStateMachine):
         self._reopen(self.store.path)
 
     def _reopen(self, path: Path) -> None:
-        self.store = self.loop.run(RunStore.reopen(path, self.clock, reserve_bytes=0))
+        self.store = self.loop.run(RunStore.reopen(path, self.clock, records=RECORDS, reserve_bytes=0))
         self.kinds.append("run-reopened")
 
     @invariant()
@@ -91,7 +91,7 @@ class StoreMachine(RuleBasedStateMachine):
         reader = RunReader(self.store.path)
         steps = [asdict(step) for step in reader.steps()]
         assert {step["step_id"]: (step["attempt"], step["row_count"]) for step in steps} == self.steps
-        assert len(reader.search()) == sum(rows for _, rows in self.steps.values())
+        assert len(reader.rows("search")) == sum(rows for _, rows in self.steps.values())
         assert [event.kind for event in reader.events()] == self.kinds
         assert [prompt["answer"] for prompt in reader.prompts()] == self.answers
         assert verify(self.store.path).problems == ()

@@ -20,16 +20,18 @@ from catseye.app.store.catalog import list_runs
 from catseye.app.store.lock import RunLock, is_being_written
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
-from catseye.app.store.schema import RAW_TABLES, UPGRADES, VERSION, open_reader, open_writer
+from catseye.app.store.schema import BASE_TABLES, VERSION, open_reader, open_writer
 from catseye.app.store.seal import MANIFEST
 from catseye.app.store.verify import verify
-from catseye.procedures.kit.records import Row
-from tests.unit.app.store.fakes import PATH_ROW, SEARCH_ROW, TickingClock
+from catseye.procedures.kit.records import Row, tables_of
+from tests.unit.app.store.fakes import PATH_ROW, RECORDS, SEARCH_ROW, TickingClock
 
 
 @pytest.fixture
 async def store(tmp_path: Path) -> AsyncIterator[RunStore]:
-    made = await RunStore.create(tmp_path, "search", {"operator": "Ada"}, TickingClock(), reserve_bytes=0)
+    made = await RunStore.create(
+        tmp_path, "search", {"operator": "Ada"}, TickingClock(), records=RECORDS, reserve_bytes=0
+    )
     yield made
     await made.abandon()
 
@@ -48,7 +50,7 @@ async def test_p1_what_is_acknowledged_is_there_for_every_reader(store: RunStore
     await store.append_step("s1", 1, "first", {"found": True}, [("search", SEARCH_ROW)])
     reader = RunReader(store.path)
     assert reader.steps()[0].result == {"found": True}
-    assert reader.search()[0]["reflector"] == "P1"
+    assert reader.rows("search")[0]["reflector"] == "P1"
     assert store.stored_result("s1") == {"found": True}
     assert store.stored_result("s2") is None
 
@@ -60,7 +62,7 @@ async def test_p2_a_step_and_its_rows_come_together_or_not_at_all(store: RunStor
         await store.append_step("s1", 1, "again", {}, [("path", PATH_ROW)])
     reader = RunReader(store.path)
     assert [step.title for step in reader.steps()] == ["first"]
-    assert reader.path_rows() == []
+    assert reader.rows("path") == []
 
 
 async def test_p2_a_row_that_does_not_fit_stores_nothing_and_harms_nothing(store: RunStore) -> None:
@@ -72,7 +74,9 @@ async def test_p2_a_row_that_does_not_fit_stores_nothing_and_harms_nothing(store
 
 async def test_p3_lines_cut_from_the_transcript_are_counted(tmp_path: Path) -> None:
     clock = TickingClock()
-    store = await RunStore.create(tmp_path, "search", {}, clock, reserve_bytes=0, max_log_bytes=300)
+    store = await RunStore.create(
+        tmp_path, "search", {}, clock, records=RECORDS, reserve_bytes=0, max_log_bytes=300
+    )
     for _ in range(5):
         store.wire.record("stream", "rx", b"\x00QoK")
     # A device that fills its half of the transcript does not push the others out.
@@ -103,11 +107,11 @@ async def test_p4_after_one_failure_everything_is_refused(store: RunStore) -> No
 
 
 async def test_p4_a_log_on_a_full_disk_is_a_failure_too(tmp_path: Path) -> None:
-    store = await RunStore.create(tmp_path, "search", {}, TickingClock(), reserve_bytes=0)
+    store = await RunStore.create(tmp_path, "search", {}, TickingClock(), records=RECORDS, reserve_bytes=0)
     await store.finish("stopped", 130)
     (store.path / "wire.log").unlink()
     (store.path / "wire.log").symlink_to("/dev/full")
-    store = await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+    store = await RunStore.reopen(store.path, TickingClock(), records=RECORDS, reserve_bytes=0)
     store.wire.record("robot", "tx", b"x")
     with pytest.raises(StorageError, match="No space left"):
         await store.event("note")
@@ -156,7 +160,7 @@ class Usage:
     free = 99
 
 
-@pytest.mark.parametrize("table", RAW_TABLES)
+@pytest.mark.parametrize("table", [*BASE_TABLES, *(table.name for table in tables_of(RECORDS))])
 @pytest.mark.parametrize("verb", ["UPDATE {} SET rowid = 99", "DELETE FROM {}"])
 async def test_p5_nothing_is_overwritten(store: RunStore, table: str, verb: str) -> None:
     await store.append_step("s1", 1, "first", {}, [("search", SEARCH_ROW), ("path", PATH_ROW)])
@@ -213,7 +217,7 @@ async def test_status_follows_the_life_of_a_run(store: RunStore) -> None:
     seen = [(reader.status, reader.exit_code)]
     await store.abandon()
     seen.append((reader.status, reader.exit_code))
-    again = await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+    again = await RunStore.reopen(store.path, TickingClock(), records=RECORDS, reserve_bytes=0)
     seen.append((reader.status, reader.exit_code))
     await again.finish("stopped", 130)
     seen.append((reader.status, reader.exit_code))
@@ -224,7 +228,7 @@ async def test_a_reopened_run_knows_results_and_attempts(store: RunStore) -> Non
     await store.append_step("s1", 1, "first", {"n": 1}, [])
     await store.drop_step("s2", 1, {"error": "lost"})
     await store.abandon()
-    again = await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+    again = await RunStore.reopen(store.path, TickingClock(), records=RECORDS, reserve_bytes=0)
     assert again.stored_result("s1") == {"n": 1}
     assert again.next_attempt("s2") == 2
     await again.append_step("s2", 2, "second", {}, [("search", SEARCH_ROW)])
@@ -235,7 +239,7 @@ async def test_a_reopened_run_knows_results_and_attempts(store: RunStore) -> Non
 
 async def test_two_processes_never_write_one_run(store: RunStore) -> None:
     with pytest.raises(StorageError, match="being written"):
-        await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+        await RunStore.reopen(store.path, TickingClock(), records=RECORDS, reserve_bytes=0)
 
 
 async def test_a_look_whether_a_run_is_written_does_not_keep_its_writer_out(store: RunStore) -> None:
@@ -255,7 +259,7 @@ async def test_a_run_that_is_just_being_sealed_is_left_alone(store: RunStore) ->
     lock = RunLock(store.path)
     try:
         with pytest.raises(StorageError, match="being written"):
-            await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+            await RunStore.reopen(store.path, TickingClock(), records=RECORDS, reserve_bytes=0)
     finally:
         lock.release()
     assert seal.read_manifest(store.path) is not None
@@ -271,7 +275,7 @@ async def test_a_stopped_run_of_somebody_else_is_not_reopened(
 
     monkeypatch.setattr(os, "fchmod", refuse)
     with pytest.raises(StorageError, match=str(store.path)):
-        await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+        await RunStore.reopen(store.path, TickingClock(), records=RECORDS, reserve_bytes=0)
     assert verify(store.path).problems == verify(store.path).notes == ()
 
 
@@ -284,7 +288,7 @@ async def test_a_folder_that_cannot_be_locked_is_named(tmp_path: Path) -> None:
 async def test_a_complete_run_is_not_reopened(store: RunStore) -> None:
     await store.finish("complete", 0)
     with pytest.raises(UsageError, match="start a new run"):
-        await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
+        await RunStore.reopen(store.path, TickingClock(), records=RECORDS, reserve_bytes=0)
 
 
 async def test_a_closed_store_refuses(store: RunStore) -> None:
@@ -297,38 +301,9 @@ def test_commits_are_durable_and_the_version_is_known(tmp_path: Path) -> None:
     with closing(open_writer(tmp_path / "run.sqlite")) as connection:
         assert connection.execute("PRAGMA synchronous").fetchone()[0] == 2
         assert connection.execute("PRAGMA journal_mode").fetchone()[0] == "wal"
-        assert connection.execute("PRAGMA user_version").fetchone()[0] == VERSION == len(UPGRADES)
+        assert connection.execute("PRAGMA user_version").fetchone()[0] == VERSION
         strict = connection.execute("SELECT name FROM pragma_table_list WHERE strict = 1").fetchall()
-    assert {name for (name,) in strict} == set(RAW_TABLES)
-
-
-async def test_a_run_of_the_first_version_is_read_and_goes_on(store: RunStore) -> None:
-    await store.append_step("s1", 1, "first", {}, [("points", POINT)])
-    await store.abandon()
-    database = store.path / "run.sqlite"
-    with closing(sqlite3.connect(database)) as connection:
-        names = (
-            "raw_displacement_mm",
-            "refractive_index",
-            "zero_refractive_index",
-            "dead_path_mm",
-            "formula",
-        )
-        for name in names:
-            connection.execute(f"ALTER TABLE points DROP COLUMN {name}")
-        connection.execute("DROP TABLE records")
-        connection.execute("PRAGMA user_version=1")
-    assert (RunReader(store.path).count("records"), RunReader(store.path).records()) == (0, [])
-    (old,) = RunReader(store.path).points()
-    assert (old["displacement_mm"], "raw_displacement_mm" in old) == (0.1, False)
-    again = await RunStore.reopen(store.path, TickingClock(), reserve_bytes=0)
-    corrected = {**POINT, "raw_displacement_mm": 0.1001, "refractive_index": 1.00027, "formula": "ciddor"}
-    await again.append_step("s2", 1, "second", {}, [("points", corrected)])
-    await again.abandon()
-    first, second = RunReader(store.path).points()
-    assert (first["displacement_mm"], first["raw_displacement_mm"], first["formula"]) == (0.1, None, None)
-    assert (second["raw_displacement_mm"], second["refractive_index"]) == (0.1001, 1.00027)
-    assert (second["formula"], second["dead_path_mm"]) == ("ciddor", None)
+    assert {name for (name,) in strict} == set(BASE_TABLES)
 
 
 def test_a_newer_file_is_refused(tmp_path: Path) -> None:
@@ -353,7 +328,9 @@ def test_what_is_no_run_is_said(tmp_path: Path) -> None:
 
 async def test_a_place_without_permission_is_said() -> None:
     with pytest.raises(StorageError, match="choose another directory"):
-        await RunStore.create(Path("/proc/nowhere"), "search", {}, TickingClock(), reserve_bytes=0)
+        await RunStore.create(
+            Path("/proc/nowhere"), "search", {}, TickingClock(), records=RECORDS, reserve_bytes=0
+        )
 
 
 POINT: Row = {
@@ -381,13 +358,15 @@ POINT: Row = {
 async def test_minus_zero_is_read_back(store: RunStore) -> None:
     # A controller reports "-0.00", and SQLite keeps no sign of zero: the check sum is of what comes back.
     await store.append_step("s1", 1, "first", {}, [("search", {**SEARCH_ROW, "theta1_deg": -0.0})])
-    assert RunReader(store.path).search()[0]["theta1_deg"] == 0.0
+    assert RunReader(store.path).rows("search")[0]["theta1_deg"] == 0.0
 
 
 async def test_a_path_that_is_no_utf_8_is_stored_and_read(tmp_path: Path) -> None:
     root = tmp_path / os.fsdecode(b"lab\xff")
     cell = str(root / "cell.toml")
-    made = await RunStore.create(root, "search", {"cell": cell}, TickingClock(), reserve_bytes=0)
+    made = await RunStore.create(
+        root, "search", {"cell": cell}, TickingClock(), records=RECORDS, reserve_bytes=0
+    )
     await made.event("warning", {"text": cell})
     await made.finish("complete", 0)
     reader = RunReader(made.path)

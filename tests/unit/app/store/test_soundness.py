@@ -15,16 +15,16 @@ from catseye.app.store.catalog import list_runs
 from catseye.app.store.mend import seal_late
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.run_store import RunStore
-from catseye.app.store.schema import RAW_TABLES
+from catseye.app.store.schema import BASE_TABLES
 from catseye.app.store.seal import MANIFEST, UNSEALED, digest, unseal
 from catseye.app.store.verify import verify
-from tests.unit.app.store.fakes import SEARCH_ROW, TickingClock
+from tests.unit.app.store.fakes import RECORDS, SEARCH_ROW, TickingClock
 
 CHANGED = "run.sqlite was changed after the end"
 
 
 async def stored(root: Path, status: str | None = "complete") -> Path:
-    store = await RunStore.create(root, "search", {}, TickingClock(), reserve_bytes=0)
+    store = await RunStore.create(root, "search", {}, TickingClock(), records=RECORDS, reserve_bytes=0)
     await store.append_step("s1", 1, "first", {}, [("search", SEARCH_ROW)] * 3)
     await (store.abandon() if status is None else store.finish(status, 0))
     return store.path
@@ -33,7 +33,7 @@ async def stored(root: Path, status: str | None = "complete") -> Path:
 def tamper(run: Path, *statements: str) -> None:
     (run / "run.sqlite").chmod(0o644)
     with closing(sqlite3.connect(run / "run.sqlite", isolation_level=None)) as connection:
-        for table in RAW_TABLES:
+        for table in (*BASE_TABLES, "search"):
             for verb in ("update", "delete"):
                 connection.execute(f"DROP TRIGGER IF EXISTS {table}_no_{verb}")
         for statement in statements:
@@ -56,7 +56,7 @@ async def test_a_changed_run_is_taken_on_demand(tmp_path: Path) -> None:
     run = await stored(tmp_path)
     tamper(run, TURNED)
     reader = RunReader(run, Accept.CHANGED)
-    assert reader.search()[1]["theta1_deg"] == 1.5
+    assert reader.rows("search")[1]["theta1_deg"] == 1.5
     assert reader.unverified == [f"{run.name}: {CHANGED}"]
 
 
@@ -95,7 +95,7 @@ async def test_a_run_without_its_manifest_is_taken_on_demand(tmp_path: Path) -> 
     run = await stored(tmp_path)
     (run / MANIFEST).unlink()
     reader = RunReader(run, Accept.CHANGED)
-    assert len(reader.search()) == 3
+    assert len(reader.rows("search")) == 3
     assert reader.unverified == [f"{run.name}: manifest.json is missing"]
 
 
@@ -123,7 +123,7 @@ async def test_a_run_that_died_on_the_way_back_into_it_is_taken(tmp_path: Path) 
 
 async def test_a_run_closed_by_an_older_program_is_taken(tmp_path: Path) -> None:
     # It promised no manifest in its closing record, and had no file that stood for one.
-    store = await RunStore.create(tmp_path, "search", {}, TickingClock(), reserve_bytes=0)
+    store = await RunStore.create(tmp_path, "search", {}, TickingClock(), records=RECORDS, reserve_bytes=0)
     await store.event("run-ended", {"status": "complete", "exit_code": 0})
     await store.abandon()
     (store.path / UNSEALED).unlink()
@@ -135,7 +135,7 @@ async def test_a_changed_row_of_an_unsealed_run_is_refused(tmp_path: Path) -> No
     run = await stored(tmp_path, None)
     tamper(run, TURNED)
     with pytest.raises(StorageError, match="row 2 of search is not what was written"):
-        RunReader(run).search()
+        RunReader(run).rows("search")
     assert any("row 2 of search" in problem for problem in verify(run).problems)
 
 
@@ -143,14 +143,14 @@ async def test_a_missing_last_row_of_an_unsealed_run_is_refused(tmp_path: Path) 
     run = await stored(tmp_path, None)
     tamper(run, "DELETE FROM search WHERE seq = 3")
     with pytest.raises(StorageError, match="row 3 of search is missing"):
-        RunReader(run).search()
+        RunReader(run).rows("search")
 
 
 async def test_a_row_without_an_entry_in_the_journal_is_refused(tmp_path: Path) -> None:
     run = await stored(tmp_path, None)
     tamper(run, "DELETE FROM journal WHERE of = 'search' AND row = 2")
     with pytest.raises(StorageError, match="row 2 of search has no entry in the journal"):
-        RunReader(run).search()
+        RunReader(run).rows("search")
 
 
 async def test_a_journal_whose_numbers_are_none_is_refused(tmp_path: Path) -> None:
@@ -159,7 +159,7 @@ async def test_a_journal_whose_numbers_are_none_is_refused(tmp_path: Path) -> No
     renamed = ("ALTER TABLE copy RENAME TO journal", "INSERT INTO journal VALUES (99, 'search', 'x', 1)")
     tamper(run, *copied, *renamed)
     with pytest.raises(StorageError, match=r"is damaged: a stored value cannot be read"):
-        RunReader(run).search()
+        RunReader(run).rows("search")
     assert any("a stored value cannot be read" in problem for problem in verify(run).problems)
 
 
@@ -181,7 +181,7 @@ async def test_files_are_hashed_once_until_they_change(
 
     monkeypatch.setattr(soundness, "digest", counted)
     for _ in range(3):
-        RunReader(run).search()
+        RunReader(run).rows("search")
     assert len(hashed) == 1
     tamper(run, TURNED)
     with pytest.raises(StorageError):
@@ -205,7 +205,7 @@ async def test_a_run_that_somebody_goes_on_with_is_not_called_changed(
 async def test_a_run_that_cannot_be_sealed_late_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    store = await RunStore.create(tmp_path, "search", {}, TickingClock(), reserve_bytes=0)
+    store = await RunStore.create(tmp_path, "search", {}, TickingClock(), records=RECORDS, reserve_bytes=0)
     await store.event("run-ended", {"status": "complete", "exit_code": 0})
     await store.abandon()
 

@@ -12,12 +12,12 @@ from catseye.app.store.lock import RunLock
 from catseye.app.store.run_store import RunStore
 from catseye.app.store.seal import MANIFEST, PROMISED, seal, unseal
 from catseye.app.store.verify import verify
-from tests.unit.app.store.fakes import SEARCH_ROW, TickingClock
+from tests.unit.app.store.fakes import RECORDS, SEARCH_ROW, TickingClock
 
 
 @pytest.fixture
 async def run(tmp_path: Path) -> Path:
-    store = await RunStore.create(tmp_path, "search", {}, TickingClock(), reserve_bytes=0)
+    store = await RunStore.create(tmp_path, "search", {}, TickingClock(), records=RECORDS, reserve_bytes=0)
     await store.append_step("s1", 1, "first", {}, [("search", SEARCH_ROW)] * 3)
     await store.finish("complete", 0)
     return store.path
@@ -53,7 +53,7 @@ async def test_a_name_of_an_added_file_commands_no_terminal(run: Path) -> None:
 
 @pytest.mark.parametrize("log", ["wire.log", "app.log"])
 async def test_a_log_lost_before_the_end_is_noted(tmp_path: Path, log: str) -> None:
-    store = await RunStore.create(tmp_path, "search", {}, TickingClock(), reserve_bytes=0)
+    store = await RunStore.create(tmp_path, "search", {}, TickingClock(), records=RECORDS, reserve_bytes=0)
     (store.path / log).unlink()
     await store.finish("complete", 0)
     found = verify(store.path)
@@ -99,7 +99,7 @@ async def test_missing_rows(run: Path, statement: str, text: str) -> None:
 
 
 async def closed_unsealed(root: Path) -> Path:
-    store = await RunStore.create(root, "search", {}, TickingClock(), reserve_bytes=0)
+    store = await RunStore.create(root, "search", {}, TickingClock(), records=RECORDS, reserve_bytes=0)
     await store.event("run-ended", {"status": "complete", "exit_code": 0, PROMISED: True})
     await store.abandon()
     return store.path

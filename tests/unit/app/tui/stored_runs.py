@@ -6,7 +6,7 @@ from catseye.app.store.lock import RunLock
 from catseye.app.store.run_store import RunStore
 from catseye.app.store.seal import DATABASE
 from catseye.procedures.kit.records import Json, Row
-from tests.unit.app.store.fakes import TickingClock
+from tests.unit.app.store.fakes import RECORDS, TickingClock
 
 POINT: Row = {
     "reflector": "P1",
@@ -52,7 +52,9 @@ async def make_runs(root: Path) -> RunLock:
 async def _store(root: Path, name: str, status: str, *, simulated: bool, points: int = 0) -> None:
     """Make a run; one with an empty status has no end."""
     meta: dict[str, Json] = {"cell": "lab-1", "simulated": simulated}
-    store = await RunStore.create(root, name.split("_")[1], meta, TickingClock(), reserve_bytes=0)
+    store = await RunStore.create(
+        root, name.split("_")[1], meta, TickingClock(), records=RECORDS, reserve_bytes=0
+    )
     for number in range(points):
         await store.append_step(f"measure/{number}", 1, "a point", {}, [("points", POINT)])
     if status:

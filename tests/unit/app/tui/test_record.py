@@ -10,6 +10,7 @@ from catseye.app.tui.record import read_record, rehearsal_of
 from catseye.app.tui.run_state import LogLine, MapKnowledge, RunState, SoFar
 from catseye.procedures.kit.live import Live
 from tests.unit.app.engine.fakes import ManualClock, point
+from tests.unit.app.store.fakes import RECORDS
 from tests.unit.app.tui.scripted import snapshot_with
 
 RUN = "20261121T090000Z_open-loop_abc123"
@@ -40,7 +41,7 @@ async def test_the_record_holds_steps_points_maps_and_what_happened(tmp_path: Pa
         "aim": "20261121T080000Z_reflector-search_000000",
         "clock_speed": 20.0,
     }
-    store = await RunStore.create(tmp_path, "open-loop", meta, clock, reserve_bytes=0)
+    store = await RunStore.create(tmp_path, "open-loop", meta, clock, records=RECORDS, reserve_bytes=0)
     await store.append_step("P1/0000", 1, "first", {}, [("points", point(1)), ("points", point(2))])
     await store.event("map-known", {"u_theta1_mdeg": 5.0, "u_theta2_mdeg": 7.0})
     await store.event("warning", {"text": "the beam is weak"})
@@ -61,7 +62,7 @@ async def test_the_record_holds_steps_points_maps_and_what_happened(tmp_path: Pa
 
 
 async def test_a_record_that_says_little_is_not_rehearsed(tmp_path: Path) -> None:
-    store = await RunStore.create(tmp_path, "open-loop", {}, ManualClock(), reserve_bytes=0)
+    store = await RunStore.create(tmp_path, "open-loop", {}, ManualClock(), records=RECORDS, reserve_bytes=0)
     found = read_record(store.path)
     assert (found.points, found.command) == (0, ())
     await store.abandon()

@@ -3,12 +3,12 @@
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from pydantic import BaseModel
 
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.engine.operator import Answer
 from catseye.app.engine.request import RunOutcome
@@ -20,7 +20,7 @@ from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.records import Record, Row
 from tests.unit.app.engine.fakes import FakeBench, ManualClock
 
 FIRST: Pose = (0.0, 60.0, 50.0, 0.0)
@@ -42,6 +42,7 @@ class Tour:
     name = "tour"
     title = "A tour"
     needs = Needs()
+    records: ClassVar[tuple[type[Record], ...]] = ()
     params_type = NoParams
 
     def plan(self, bench: Bench, params: Any) -> Any:
@@ -96,7 +97,7 @@ class TourBench:
         file = self.folder / "cell.toml"
         file.write_text(self.cell_text, encoding="utf-8")
         loaded = load_cell(file)
-        bench, params = bench_of(loaded.cell), NoParams()
+        bench, params = scara_bench_of(loaded.cell), NoParams()
         return PlannedRun(loaded, self.tour, params, bench, self.tour.plan(bench, params), "cell file", None)
 
     async def run(self, **options: Any) -> RunOutcome:

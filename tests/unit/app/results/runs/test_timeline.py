@@ -5,13 +5,14 @@ from pathlib import Path
 import pytest
 
 from catseye.app.results.runs.event_text import event_text
+from catseye.app.results.runs.reports import story_report
 from catseye.app.results.runs.summary import summary
 from catseye.app.results.runs.timeline import timeline
 from catseye.app.store.reader import RunReader, StoredEvent
 from catseye.app.store.run_store import RunStore
-from catseye.procedures.kit.context import Table
 from catseye.procedures.kit.records import Json, Row
 from tests.unit.app.engine.fakes import ManualClock, point
+from tests.unit.app.store.fakes import RECORDS
 
 DEVICES: dict[str, Json] = {
     "robot": {"model": "RH-3FRH5515", "firmware": "A1", "serial": "17", "simulated": True},
@@ -30,7 +31,9 @@ class Author:
     async def open(self, **meta: Json) -> None:
         about: dict[str, Json] = {"cell": "lab-1", "operator": "Ada", "aim": "cell file", "simulated": True}
         given: dict[str, Json] = {"devices": DEVICES, **about, **meta}
-        self.store = await RunStore.create(self._root, "open-loop", given, self.clock, reserve_bytes=0)
+        self.store = await RunStore.create(
+            self._root, "open-loop", given, self.clock, records=RECORDS, reserve_bytes=0
+        )
 
     async def die(self) -> None:
         await self.store.abandon()
@@ -38,7 +41,9 @@ class Author:
     async def reopen(self, after_s: float) -> None:
         self.clock.advance(after_s)
         about: dict[str, Json] = {"operator": "Bob"}
-        self.store = await RunStore.reopen(self.store.path, self.clock, about, reserve_bytes=0)
+        self.store = await RunStore.reopen(
+            self.store.path, self.clock, about, records=RECORDS, reserve_bytes=0
+        )
 
     async def event(self, kind: str, **data: Json) -> None:
         self.clock.advance(1.0)
@@ -55,7 +60,7 @@ class Author:
         for number in range(first, last + 1):
             started = self.clock.now_utc().isoformat()
             self.clock.advance(1.0)
-            rows: list[tuple[Table, Row]] = [("points", {**point(number), "segment": segment})]
+            rows: list[tuple[str, Row]] = [("points", {**point(number), "segment": segment})]
             await self.store.append_step(
                 f"P1/{number:04d}", 1, f"point {number}", {}, rows, started_utc=started
             )
@@ -184,8 +189,7 @@ async def test_alignments_are_told_before_and_after(author: Author) -> None:
     assert "alignment, round 1: offset +0.43 ± 0.02 mm" in told(author)
     assert "0.86 turns clockwise" in told(author)
     assert "alignment, round 2: offset -0.03 ± 0.02 mm after: 0.86 turns clockwise" in told(author)
-    line = next(line for line in summary(author.reader) if line.startswith("alignment"))
-    assert line.split(maxsplit=1)[1] == "offset: +0.43 mm before, -0.03 mm after 2 round(s)"
+    assert dict(summary(author.reader))["alignment"] == "offset: +0.43 mm before, -0.03 mm after 2 round(s)"
     await author.die()
 
 
@@ -201,8 +205,8 @@ async def test_the_summary_counts_lives_distances_and_segments(author: Author) -
     await author.reopen(3.0)
     await author.points(5, 6, 1)
     await author.store.finish("stopped", 130)
-    lines = {line[:16].strip(): line[16:] for line in summary(author.reader)}
-    assert "SIMULATED: every" in lines
+    lines = dict(summary(author.reader))
+    assert story_report(author.reader).origin.simulated
     assert lines["robot"] == "RH-3FRH5515 A1 no. 17"
     assert lines["stored"] == "7 steps, 7 points"
     assert lines["interrupted"].startswith("died 1×; 3.0 s")

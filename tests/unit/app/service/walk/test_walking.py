@@ -46,7 +46,7 @@ async def test_a_walk_is_a_sealed_run_whose_steps_are_motions(bench: TourBench) 
     }
     # The way back, with which the tour would begin again, lies in the tube of the way there.
     assert [(leg.start, leg.end) for leg in own_legs(outcome.path)] == [(FIRST, FIRST), (FIRST, SECOND)]
-    assert reader.points() == []
+    assert reader.rows("points") == []
 
 
 class Round(Tour):

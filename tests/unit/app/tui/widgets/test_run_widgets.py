@@ -10,6 +10,7 @@ from catseye.app.tui.widgets.progress_line import bar
 from catseye.app.tui.widgets.run_plots import _scale, _uncertainties, _values  # noqa: PLC2701  # drawing without a screen
 from catseye.app.tui.widgets.task_picture import task_picture
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.tasks import ClearBeam, PlaceReflector, TurnScrew
 
 
 def live(value: float, low: float | None, high: float | None) -> LiveData:
@@ -52,13 +53,13 @@ def test_a_live_value_has_digits_for_a_glance(value: float, text: str) -> None:
 
 
 def test_a_screw_turns_the_way_that_is_drawn() -> None:
-    clockwise = task_picture({"do": "turn-screw", "screw": "stage", "turns": 0.25})
+    clockwise = task_picture(TurnScrew(screw="stage", turns=0.25))
     # Clockwise: right above, left below.
     assert "▶" in clockwise[0]
     assert "◀" in clockwise[2]
     assert "0.25 turns clockwise" in clockwise[1]
     assert "90° of the stage screw" in clockwise[2]
-    anticlockwise = task_picture({"do": "turn-screw", "screw": "level", "turns": -1.5})
+    anticlockwise = task_picture(TurnScrew(screw="level", turns=-1.5))
     assert "◀" in anticlockwise[0]
     assert "1.50 turns anticlockwise" in anticlockwise[1]
 
@@ -68,11 +69,11 @@ def test_the_nest_that_is_meant_holds_the_reflector() -> None:
         ReflectorPlace(name=name, x_mm=x_mm, y_mm=y_mm, facing_deg=0.0, field_half_angle_deg=80.0)
         for name, x_mm, y_mm in (("P1", 1.0, 2.0), ("P2", 650.0, -400.0))
     ]
-    (line,) = task_picture({"do": "place-reflector", "reflector": "P2"}, nests)
+    (line,) = task_picture(PlaceReflector(reflector="P2"), nests)
     assert line.startswith("[ ] P1   [◗] P2")
     assert "x 650 mm, y -400 mm" in line
-    assert task_picture({"do": "place-reflector", "reflector": "P9"}) == ["[◗] P9"]
-    assert "╳" in task_picture({"do": "clear-beam"})[0]
+    assert task_picture(PlaceReflector(reflector="P9")) == ["[◗] P9"]
+    assert "╳" in task_picture(ClearBeam())[0]
     assert task_picture(None) == []
 
 

@@ -1,0 +1,212 @@
+"""What the procedures of a SCARA keep. Directions are states of approach, 1 or -1."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from catseye.procedures.kit.records import Observation, Record, Row
+
+
+@dataclass(frozen=True, kw_only=True)
+class Distance(Record):
+    """A distance to a reflector, relative to the zero of its segment."""
+
+    table: ClassVar[str] = "points"
+    is_point: ClassVar[bool] = True
+    reflector: str
+    segment: int
+    theta1_deg: float
+    theta2_deg: float
+    j3_mm: float
+    j4_deg: float
+    reported1_deg: float
+    reported2_deg: float
+    reported3_mm: float
+    reported4_deg: float
+    direction1: int
+    direction2: int
+    displacement_mm: float
+    spread_mm: float
+    readings: int
+    signal: float
+    time_utc: str
+    duration_s: float
+    temperature_c: float | None = None
+    pressure_hpa: float | None = None
+    humidity_percent: float | None = None
+    raw_displacement_mm: float | None = None
+    refractive_index: float | None = None
+    zero_refractive_index: float | None = None
+    dead_path_mm: float | None = None
+    formula: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class SeenReflector(Record):
+    """The middle of the window of J4 in which a reflector returns the beam, and its edges."""
+
+    table: ClassVar[str] = "search"
+    reflector: str
+    theta1_deg: float
+    theta2_deg: float
+    j4_deg: float | None = None
+    lower_deg: float | None = None
+    upper_deg: float | None = None
+    signal: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathPosition(Record):
+    """A command of a path, and where an independent instrument saw the arm, in its own frame."""
+
+    table: ClassVar[str] = "path"
+    x_mm: float
+    y_mm: float
+    theta1_deg: float
+    theta2_deg: float
+    direction1: int
+    direction2: int
+    x_meas_mm: float | None = None
+    y_meas_mm: float | None = None
+    u_mm: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Overlap(Observation):
+    """A point that was measured again in a new segment, which ties it to an earlier one; `extra` is the distance."""
+
+    kind: ClassVar[str] = "overlap"
+    point: int
+    previous_segment: int
+    previous_displacement_mm: float
+    previous_j4_deg: float
+    difference_mm: float
+    across_mm: float
+
+    @classmethod
+    def describe(cls, row: Row) -> str:
+        """Return a stored one as a sentence."""
+        return (
+            f"{row.get('reflector')}: segment {row.get('segment')} tied to segment {row.get('previous_segment')} at "
+            f"point {_point(row)}, measured again"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClosureVisit(Observation):
+    """A visit to the reference pose; `extra` is the distance there."""
+
+    kind: ClassVar[str] = "closure"
+    number: int
+    point: int
+    reference_displacement_mm: float
+    overlaps: int
+    drift_um: float
+
+    @classmethod
+    def describe(cls, row: Row) -> str:
+        """Return a stored one as a sentence."""
+        return (
+            f"{row.get('reflector')}: closure visit {row.get('number')}, drift {_number(row, 'drift_um'):+.1f} µm "
+            f"since point {_point(row)}"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drift(Observation):
+    """A distance at the reference pose of a warm-up."""
+
+    kind: ClassVar[str] = "drift"
+    reflector: str
+    segment: int
+    visit: int
+    theta1_deg: float
+    theta2_deg: float
+    displacement_mm: float
+    spread_mm: float
+    temperature_c: float | None
+    time_utc: str
+    clock_s: float
+
+    @classmethod
+    def describe(cls, row: Row) -> str:
+        """Return a stored one as a sentence."""
+        return (
+            f"{row.get('reflector')}: visit {row.get('visit')}, displacement "
+            f"{_number(row, 'displacement_mm'):.4f} mm, air {_number(row, 'temperature_c'):.2f} °C"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Repeat(Observation):
+    """A pose attained in a cycle."""
+
+    kind: ClassVar[str] = "repeat"
+    reflector: str
+    segment: int
+    cycle: int
+    pose: int
+    theta1_deg: float
+    theta2_deg: float
+    direction1: int
+    direction2: int
+    displacement_mm: float
+    spread_mm: float
+    signal: float
+    temperature_c: float | None
+    time_utc: str
+
+    @classmethod
+    def describe(cls, row: Row) -> str:
+        """Return a stored one as a sentence."""
+        return (
+            f"{row.get('reflector')}: cycle {row.get('cycle')}, pose {row.get('pose')}, displacement "
+            f"{_number(row, 'displacement_mm'):.4f} mm"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class AlignmentRound(Observation):
+    """How far the beam was off in a round, after an instruction was carried out."""
+
+    kind: ClassVar[str] = "alignment"
+    quantity: str
+    value: float
+    u: float
+    unit: str
+    round: int
+    instruction: str
+
+    @classmethod
+    def describe(cls, row: Row) -> str:
+        """Return a stored one as a sentence."""
+        after = f" after: {row['instruction']}" if row.get("instruction") else ""
+        return (
+            f"alignment, round {row.get('round')}: {row.get('quantity')} {_number(row, 'value'):+.3g} ± "
+            f"{_number(row, 'u'):.2g} {row.get('unit', '')}{after}"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScrewTurn(Observation):
+    """A screw that an operator has turned; clockwise is positive."""
+
+    kind: ClassVar[str] = "screw"
+    screw: str
+    turns: float
+    round: int
+    text: str
+
+    @classmethod
+    def describe(cls, row: Row) -> str:
+        """Return a stored one as a sentence."""
+        return str(row.get("text") or "")
+
+
+def _number(row: Row, key: str) -> float:
+    value = row.get(key)
+    return float(value) if isinstance(value, int | float) else float("nan")
+
+
+def _point(row: Row) -> int:
+    point = row.get("point")
+    return (int(point) if isinstance(point, int | float) else 0) + 1
