@@ -28,7 +28,7 @@ def demo(
     Example: catseye demo --out /tmp/demo --seed 7
     """
     from catseye.app.cli.demo_job import DemoInterruptedError, evaluate, measure, prepare_folder, run_for
-    from catseye.app.cli.demo_report import demo_facts, write_demo_report
+    from catseye.app.cli.demo_report import job_document, write_demo_report
     from catseye.app.cli.failure import write_failure_texts
     from catseye.app.render.text import statement_lines, tables_text
     from catseye.app.results.scara.job_summary import job_summary
@@ -45,7 +45,7 @@ def demo(
     note("drawing the report")
     report = write_demo_report(result)
     if as_json:
-        write_json(demo_facts(result, report))
+        write_json(job_document(result, report).json_object())
     else:
         summary = job_summary(result.truth, result.results["error-map"].fit, result.validation)
         write_line(tables_text(summary))

@@ -6,8 +6,10 @@ from catseye.app.cli.demo_job import DemoResult, run_for
 from catseye.app.files.documents import read_truth
 from catseye.app.render.page import write_page
 from catseye.app.results.scara.identify import MODELS
+from catseye.app.results.scara.job_document import IdentifiedValue, JobDocument, JobValidation, ModelLeaves
 from catseye.app.results.scara.run_content import job_content, truth_tables
 from catseye.app.results.scara.run_report import run_report
+from catseye.app.results.scara.validation import PathValidation
 from catseye.app.store.reader import RunReader
 
 
@@ -26,36 +28,40 @@ def write_demo_report(result: DemoResult) -> Path:
     return path
 
 
-def demo_facts(result: DemoResult, report: Path) -> dict[str, object]:
+def job_document(result: DemoResult, report: Path) -> JobDocument:
     """Return what a demo found as plain values."""
     truth = result.truth
-    models = {
-        model.model: {
-            "e_yy_rms_um": model.comparison.rms_um[1],
-            "e_xy_rms_um": model.comparison.rms_um[0],
-            "rms_2d_um": model.comparison.rms_2d_um,
-            "max_um": model.comparison.max_um,
-        }
-        for model in result.validation.models
-    }
-    return {
-        "runs": {name: str(path) for name, path in result.runs.items()},
-        "run": str(run_for("identify", result.runs)),
-        "report": str(report),
-        "truth": str(result.folder / "truth.json"),
-        "results": {model: str(result.folder / f"result-{model}.json") for model in result.results},
-        "identified": [
-            {"name": n, "unit": unit, "truth": float(t), "identified": float(i), "u": float(u)}
-            for n, unit, t, i, u in zip(
+    return JobDocument(
+        runs={name: str(path) for name, path in result.runs.items()},
+        run=str(run_for("identify", result.runs)),
+        report=str(report),
+        truth=str(result.folder / "truth.json"),
+        results={model: str(result.folder / f"result-{model}.json") for model in result.results},
+        identified=[
+            IdentifiedValue(name=name, unit=unit, truth=float(true), identified=float(found), u=float(u))
+            for name, unit, true, found, u in zip(
                 truth.names, truth.units, truth.truth, truth.identified, truth.u, strict=True
             )
         ],
-        "rms_normalised_error": truth.rms_normalised,
-        "fit": result.results["error-map"].fit.model_dump(exclude_none=True),
-        "validation": {
-            "models": models,
-            "ratio": result.validation.ratio,
-            "compared": int(result.validation.compared.sum()),
-            "left_out": int((~result.validation.compared).sum()),
-        },
+        rms_normalised_error=truth.rms_normalised,
+        fit=result.results["error-map"].fit,
+        validation=_validation(result.validation),
+    )
+
+
+def _validation(validation: PathValidation) -> JobValidation:
+    models = {
+        model.model: ModelLeaves(
+            e_yy_rms_um=model.comparison.rms_um[1],
+            e_xy_rms_um=model.comparison.rms_um[0],
+            rms_2d_um=model.comparison.rms_2d_um,
+            max_um=model.comparison.max_um,
+        )
+        for model in validation.models
     }
+    return JobValidation(
+        models=models,
+        ratio=validation.ratio,
+        compared=int(validation.compared.sum()),
+        left_out=int((~validation.compared).sum()),
+    )

@@ -45,7 +45,7 @@ def validate(
     found = validate_files(result, measured, reference, hand, start_direction)
     report = file_validation_report(found, measured.name)
     if as_json:
-        write_json(validation_document(found, limit).json_object())
+        write_json(validation_document(found, limit, report.figures("validation")).json_object())
     else:
         write_tables(report)
     note_statements(report)

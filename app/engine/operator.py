@@ -1,6 +1,5 @@
 """Who answers the questions of a run."""
 
-import math
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, replace
 
@@ -28,20 +27,7 @@ class Answer:
 
 
 Answerer = Callable[[Prompt], Awaitable[Answer | None]]
-"""A front end that checks what was typed with `fault_of`; None means that nobody is there."""
-
-
-def fault_of(prompt: Prompt, text: str) -> str:
-    """Return why a text is no answer to a prompt; empty when it is one."""
-    match prompt.kind:
-        case "confirm":
-            return "" if text in {"yes", "no"} else "answer yes or no"
-        case "choice":
-            return "" if text in prompt.choices else f"choose one of {', '.join(prompt.choices)}"
-        case "number":
-            return "" if _is_number(text) else f"type a number{f' in {prompt.unit}' if prompt.unit else ''}"
-        case "text":
-            return ""
+"""A front end that checks what was typed with `Prompt.fault_of`; None means that nobody is there."""
 
 
 def says_done(prompt: Prompt, text: str) -> bool:
@@ -127,7 +113,7 @@ class Operator:
 
     def _from_file(self, prompt: Prompt) -> Answer:
         text = self._answers[prompt.id]
-        if fault := fault_of(prompt, text):
+        if fault := prompt.fault_of(text):
             raise ConfigError(f"the answers file gives {prompt.id} = {text!r}: {fault}")
         return Answer(text, "answers file")
 
@@ -140,7 +126,7 @@ class Operator:
 
     async def _ask(self, answerer: Answerer, prompt: Prompt) -> Answer | None:
         found = await answerer(prompt)
-        if found is not None and (fault := fault_of(prompt, found.text)):
+        if found is not None and (fault := prompt.fault_of(found.text)):
             raise ValueError(f"the front end answered {prompt.id} with {found.text!r}: {fault}")
         return found
 
@@ -166,10 +152,3 @@ def _best_answer(prompt: Prompt) -> str | None:
     if prompt.kind == "choice" and (prompt.task is not None or prompt.safe_answer is None):
         return prompt.choices[0]
     return prompt.safe_answer
-
-
-def _is_number(text: str) -> bool:
-    try:
-        return math.isfinite(float(text))
-    except ValueError:
-        return False

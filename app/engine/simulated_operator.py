@@ -2,18 +2,17 @@
 
 import asyncio
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from urllib.parse import urlsplit
 
 from catseye.app.errors import LinkFailedError
 from catseye.procedures.kit.records import Json
+from catseye.procedures.kit.tasks import ClearBeam, PlaceReflector, Task, TurnScrew
 
 _LIMIT_S = 10.0
 """Real seconds that one grip may take."""
 
 _LONGEST_ANSWER_BYTES = 1 << 16
-
-Task = Mapping[str, Json]
-"""What is to be done; see `catseye.procedures.kit.context.Prompt`."""
 
 
 class SimulatedOperator:
@@ -27,11 +26,6 @@ class SimulatedOperator:
     def __init__(self, endpoint: str, *, clumsy: bool = False) -> None:
         self._endpoint = endpoint
         self._sense = -1.0 if clumsy else 1.0
-        self._requests: dict[str, Callable[[Task], dict[str, Json]]] = {
-            "turn-screw": self._turn,
-            "place-reflector": lambda task: {"op": "place_reflector", "reflector": task["reflector"]},
-            "clear-beam": lambda _task: {"op": "clear_beam"},
-        }
 
     async def do(self, task: Task) -> dict[str, Json]:
         """Carry a task out.
@@ -41,12 +35,8 @@ class SimulatedOperator:
 
         Raises:
             LinkFailedError: the bench does not answer, or cannot do it.
-            ValueError: no hands know this task.
         """
-        make = self._requests.get(str(task.get("do")))
-        if make is None:
-            raise ValueError(f"no hands know how to do {dict(task)}; they know {', '.join(self._requests)}")
-        request = make(task)
+        request = self._request(task)
         answer = await self._ask(request)
         if answer.get("ok") is not True:
             raise LinkFailedError(
@@ -55,17 +45,22 @@ class SimulatedOperator:
             )
         return request
 
-    def _turn(self, task: Task) -> dict[str, Json]:
-        turns = task["turns"]
-        if not isinstance(turns, int | float):
-            raise ValueError(f"turns of a screw are a number, found {turns!r}")
-        return {"op": "turn_screw", "screw": task["screw"], "turns": self._sense * turns}
+    def _request(self, task: Task) -> dict[str, Json]:
+        match task:
+            case TurnScrew():
+                return {"op": "turn_screw", "screw": task.screw, "turns": self._sense * task.turns}
+            case PlaceReflector():
+                return {"op": "place_reflector", "reflector": task.reflector}
+            case ClearBeam():
+                return {"op": "clear_beam"}
 
     async def _ask(self, request: Mapping[str, Json]) -> dict[str, Json]:
-        host, _, port = self._endpoint.removeprefix("tcp://").rpartition(":")
         try:
+            where = urlsplit(self._endpoint)
             async with asyncio.timeout(_LIMIT_S):
-                reader, writer = await asyncio.open_connection(host, int(port), limit=_LONGEST_ANSWER_BYTES)
+                reader, writer = await asyncio.open_connection(
+                    where.hostname, where.port, limit=_LONGEST_ANSWER_BYTES
+                )
                 try:
                     writer.write(json.dumps(request).encode() + b"\n")
                     answer = json.loads(await reader.readline())

@@ -1,11 +1,12 @@
 """A prompt on the wire: the question as the procedures' kit has it, and the motion that follows on the answer."""
 
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import JsonValue, SerializerFunctionWrapHandler, model_serializer
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from catseye.app.protocol.message import Message
 from catseye.procedures.kit.context import Prompt
+from catseye.procedures.kit.tasks import Task
 
 _OF_A_MOTION = ("rests_after", "target", "override_percent", "speed_deg_s")
 
@@ -48,7 +49,7 @@ class PromptFields(Message):
     choices: tuple[str, ...] = ()
     unit: str = ""
     timeout_s: float | None = None
-    task: dict[str, JsonValue] | None = None
+    task: Annotated[Task, Field(discriminator="do")] | None = None
     safe_answer: str | None = None
     motion: bool = False
     rests_after: tuple[str, ...] | None = None
@@ -74,7 +75,7 @@ class PromptFields(Message):
             choices=prompt.choices,
             unit=prompt.unit,
             timeout_s=prompt.timeout_s,
-            task=None if prompt.task is None else dict(prompt.task),
+            task=prompt.task,
             safe_answer=prompt.safe_answer,
             motion=prompt.motion,
             **after,

@@ -1,6 +1,6 @@
-"""Colours and markers of pages and figures by what they stand for; the style sheet takes its colours from here.
+"""Colours and markers by what they stand for; the style sheet takes its colours from here.
 
-Textual has themes of its own, which a user may change: there a role names a colour of the theme.
+Textual has themes, which a user may change: on a screen a role names a colour of the theme.
 """
 
 from dataclasses import dataclass
@@ -15,11 +15,13 @@ class Look:
 
     Attributes:
         colour: of lines, markers and outlines.
-        marker: of single points.
+        theme: name of the colour in Textual's themes.
+        marker: of single points, by its name in matplotlib.
         face: inside of a marker or a filled shape; empty for the colour itself.
     """
 
     colour: str
+    theme: str
     marker: str = "o"
     face: str = ""
 
@@ -29,35 +31,35 @@ BLUE: Final = "#1556b0"
 GREEN: Final = "#1b7f3b"
 
 ROLES: Final = {
-    Role.POSITIVE: Look(RED, "^"),
-    Role.NEGATIVE: Look(BLUE, "v"),
-    Role.CONVENTIONAL: Look(GREEN),
-    Role.REVERSAL: Look("#5b3a8c"),
-    Role.TRUTH: Look("#222222", "."),
-    Role.COMMAND: Look("#3c4148", "."),
-    Role.SCATTER: Look("#b9c4d2", "."),
-    Role.QUANTILE: Look("#35608f", "."),
-    Role.EXPECTED: Look("#c9b458"),
-    Role.AXIS: Look("#5f6670"),
-    Role.CHANGE: Look(RED, "D"),
-    Role.CHOSEN: Look(RED),
-    Role.BEAM: Look("#e00000"),
-    Role.ARM: Look("#59636e", "o", "white"),
-    Role.COLUMN: Look("#8a8f98", "o", "#d7dbe0"),
-    Role.MUTED: Look("#8a8f98"),
-    Role.PATH: Look("#9aa0a8"),
-    Role.ABOVE: Look("#b35806", "^"),
-    Role.BELOW: Look("#542788", "v"),
-    Role.REGION: Look("#0a3d91"),
+    Role.POSITIVE: Look(RED, "primary", "^"),
+    Role.NEGATIVE: Look(BLUE, "accent", "v"),
+    Role.CONVENTIONAL: Look(GREEN, "secondary"),
+    Role.REVERSAL: Look("#5b3a8c", "secondary"),
+    Role.TRUTH: Look("#222222", "foreground", "."),
+    Role.COMMAND: Look("#3c4148", "foreground", "."),
+    Role.SCATTER: Look("#b9c4d2", "foreground-muted", "."),
+    Role.QUANTILE: Look("#35608f", "primary", "."),
+    Role.EXPECTED: Look("#c9b458", "warning"),
+    Role.AXIS: Look("#5f6670", "foreground-muted"),
+    Role.CHANGE: Look(RED, "error", "D"),
+    Role.CHOSEN: Look(RED, "error"),
+    Role.BEAM: Look("#e00000", "success"),
+    Role.ARM: Look("#59636e", "foreground", "o", "white"),
+    Role.COLUMN: Look("#8a8f98", "foreground-muted", "o", "#d7dbe0"),
+    Role.MUTED: Look("#8a8f98", "foreground-muted"),
+    Role.PATH: Look("#9aa0a8", "foreground-muted"),
+    Role.ABOVE: Look("#b35806", "accent", "^"),
+    Role.BELOW: Look("#542788", "primary", "v"),
+    Role.REGION: Look("#0a3d91", "primary"),
 }
 
 SERIES: Final = (
-    Look("#d55e00", "o"),
-    Look("#0072b2", "s"),
-    Look("#8e44ad", "^"),
-    Look("#00806a", "D"),
-    Look("#8c6d1f", "v"),
-    Look("#444444", "P"),
+    Look("#d55e00", "accent", "o"),
+    Look("#0072b2", "primary", "s"),
+    Look("#8e44ad", "secondary", "^"),
+    Look("#00806a", "success", "D"),
+    Look("#8c6d1f", "warning", "v"),
+    Look("#444444", "foreground", "P"),
 )
 """Reflectors in turn."""
 

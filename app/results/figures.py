@@ -203,6 +203,12 @@ class Axis:
     high: float | None = None
     shared: bool = False
 
+    @property
+    def plain(self) -> str:
+        """Symbol and label without TeX."""
+        symbol = self.symbol.replace("{", "").replace("}", "")
+        return " / ".join(part for part in (symbol, self.label) if part)
+
 
 @dataclass(frozen=True)
 class Panel:

@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Callable
 
-from catseye.app.engine.operator import Answer, fault_of
+from catseye.app.engine.operator import Answer
 from catseye.app.service.errors import RefusedError
 from catseye.procedures.kit.context import Prompt
 
@@ -52,7 +52,7 @@ class PromptBroker:
             raise RefusedError(
                 f"{prompt_id!r} is not the open question; open is {self.open.id!r}: {self.open.text}"
             )
-        if fault := fault_of(self.open, text):
+        if fault := self.open.fault_of(text):
             raise RefusedError(f"{text!r} is no answer to {prompt_id!r}: {fault}")
         self._answer = Answer(text, who)
         self._answered.set()

@@ -1,6 +1,5 @@
 """Questions to a person at a terminal: how they read, and what a typed line means."""
 
-from catseye.app.engine.operator import fault_of
 from catseye.procedures.kit.context import Prompt
 
 MOTION_WORD = "move"
@@ -17,7 +16,7 @@ def hint(prompt: Prompt) -> str:
         case "choice":
             return " | ".join(prompt.choices)
         case "number":
-            return f"a number{f' in {prompt.unit}' if prompt.unit else ''}"
+            return f"a number{prompt.in_unit}"
         case "text":
             return "a line of text"
 
@@ -38,5 +37,5 @@ def answer_of(prompt: Prompt, typed: str) -> tuple[str, str]:
         text = {"y": "yes", "n": "no"}.get(text, text)
         if moves and text == MOTION_WORD:
             text = "yes"
-    fault = fault_of(prompt, text)
+    fault = prompt.fault_of(text)
     return ("", fault) if fault else (text, "")

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from catseye.app.cell.bench import bench_of
+from catseye.app.cell.bench import bench_of, system_of
 from catseye.app.cell.load import LoadedCell
 from catseye.app.cell.model import Cell
 from catseye.app.engine.walked.register import WALK, own_legs
@@ -53,9 +53,7 @@ def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> Plan
     walked = meta.get(WALK)
     procedure = load_procedure(str(meta["procedure"] if walked is None else walked["procedure"]))
     params = _params(path.name, procedure, meta["params"])
-    bench, basis = bench_of(loaded.cell), procedure.needs.basis
-    if basis is not None:
-        bench = basis.apply(bench, meta["aimed"])
+    bench = system_of(bench_of(loaded.cell)).aimed(meta["aimed"])
     plan = procedure.plan(bench, params)
     if plan_digest(plan) != meta["plan_sha256"]:
         raise UsageError(

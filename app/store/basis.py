@@ -3,7 +3,9 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Generic, TypeVar, cast
 
+from catseye.app.cell.bench import system_of
 from catseye.app.errors import UsageError
 from catseye.app.store.catalog import list_runs, resolve_run
 from catseye.app.store.reader import Accept, RunReader
@@ -13,9 +15,11 @@ from catseye.procedures.kit.needs import Basis
 CELL_FILE = "cell file"
 """Source of a bench without an earlier run."""
 
+AnyBench = TypeVar("AnyBench", bound=Bench)
+
 
 @dataclass(frozen=True)
-class FoundBasis:
+class FoundBasis(Generic[AnyBench]):
     """A bench to plan with, and where what is known of it comes from.
 
     Attributes:
@@ -24,18 +28,18 @@ class FoundBasis:
         simulated: whether it was made on emulated devices; None without one.
     """
 
-    bench: Bench
+    bench: AnyBench
     source: str
     simulated: bool | None = None
 
 
 def find_basis(
     basis: Basis | None,
-    bench: Bench,
+    bench: AnyBench,
     root: Path,
     wanted: str = "auto",
     opened: Callable[[Path], RunReader] = RunReader,
-) -> FoundBasis:
+) -> FoundBasis[AnyBench]:
     """Find the earlier run that a plan is made from.
 
     Args:
@@ -93,8 +97,10 @@ def _require_valid(basis: Basis, root: Path, bench: Bench, taken: Path) -> None:
             raise UsageError(f"{run.name} {basis.overtaken.format(run=taken.name)}")
 
 
-def _applied(basis: Basis, bench: Bench, reader: RunReader) -> FoundBasis:
+def _applied(basis: Basis, bench: AnyBench, reader: RunReader) -> FoundBasis[AnyBench]:
     found = basis.found(reader)
     if found is None:
         raise UsageError(f"{reader.path.name} holds no result of a {basis.what}")
-    return FoundBasis(basis.apply(bench, found), reader.path.name, bool(reader.meta.get("simulated")))
+    # What is found makes a bench of the same system.
+    informed = cast("AnyBench", system_of(bench).aimed(found))
+    return FoundBasis(informed, reader.path.name, bool(reader.meta.get("simulated")))

@@ -11,17 +11,16 @@ from catseye.app.render.text import table_text
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import EXPANDED, fixed, number
 from catseye.app.results.origin import origin_now
-from catseye.app.results.scara.comparison import MapDifference, ResultComparison
+from catseye.app.results.scara.comparison import ResultComparison
 from catseye.app.results.scara.comparison_report import comparison_report
 from catseye.app.results.scara.diagnosis_document import DiagnosisDocument
 from catseye.app.results.scara.fit_text import fit_statements, identified_text, left_out_statements
 from catseye.app.results.scara.names import MODEL_TITLES
-from catseye.app.results.scara.result import MapTable, Result
+from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.result_files import ResultFile
 from catseye.app.results.scara.uncertainty import uncertainty_statements
 from catseye.app.results.scara.validation_document import ValidationDocument
 from catseye.app.results.scara.values import parameter_table
-from catseye.app.tui.widgets.result_charts import MapColumns
 from catseye.app.tui.work import command_line
 
 
@@ -65,29 +64,6 @@ def value_rows(result: Result) -> list[list[str]]:
     return rows
 
 
-def map_columns(joint: int, table: MapTable) -> MapColumns:
-    """Return a map for its chart."""
-    return MapColumns(
-        f"Δθ{joint} mdeg",
-        np.array(table.node_deg),
-        np.array(table.positive_mdeg),
-        np.array(table.negative_mdeg),
-        np.array(table.u_positive_mdeg),
-        np.array(table.u_negative_mdeg),
-    )
-
-
-def difference_columns(one: MapDifference, *, in_u: bool) -> MapColumns:
-    """Return the difference of two maps for its chart: in mdeg with bars, or in combined standard uncertainties."""
-    if in_u:
-        title, (up, down) = f"Δθ{one.joint} difference / u", one.normalised
-        u_up = u_down = np.zeros(one.node_deg.size)
-    else:
-        title, (up, down) = f"Δθ{one.joint} difference mdeg", one.difference_mdeg
-        u_up, u_down = one.u_mdeg
-    return MapColumns(title, one.node_deg, up, down, u_up, u_down, limit=EXPANDED if in_u else 0.0)
-
-
 def layout_text(result: Result) -> str:
     """Return places of reflectors and dead paths with their uncertainties."""
     lines = ["reflector      x mm   U(k=2)       y mm   U(k=2)"]
@@ -116,18 +92,6 @@ def fit_sentences(result: Result, diagnosis: DiagnosisDocument | None) -> list[S
     return [*statements, *left_out_statements(result)]
 
 
-def outlier_rows(result: Result, diagnosis: DiagnosisDocument | None) -> list[int]:
-    """Return the numbers of the outlying distances, the farthest first.
-
-    None where the diagnosis is not of the residuals that the result holds.
-    """
-    if diagnosis is None or result.residuals is None or result.model != "error-map":
-        return []
-    if diagnosis.fit.n_points != len(result.residuals.residual_um):
-        return []
-    return [one.row for one in diagnosis.outliers.distances]
-
-
 def residual_text(result: Result, diagnosis: DiagnosisDocument | None) -> str:
     """Return the outliers in a numbered list; before a diagnosis the scatter of each reflector."""
     if result.residuals is None:
@@ -145,8 +109,6 @@ def residual_text(result: Result, diagnosis: DiagnosisDocument | None) -> str:
         f"{place:>2}  {_signed(one.residual_um, 8)} µm {_signed(one.external, 6)}  {one.what}"
         for place, one in enumerate(outliers, 1)
     ]
-    if not outlier_rows(result, diagnosis):
-        lines.append("not marked above: the diagnosis is of the error map over all distances of the runs")
     return "\n".join([*lines, *left_out])
 
 
@@ -172,9 +134,9 @@ def _rms(values: "np.ndarray[Any, np.dtype[np.float64]]") -> float:
 def path_text(found: ValidationDocument) -> str:
     """Return a validation in a few lines."""
     lines = [f"{found.compared} of {found.rows} rows compared"]
-    for letter, model in zip("ce"[-len(found.models) :], found.models, strict=True):
+    for model in found.models:
         leaves = f"leaves {model.rms_um:>6.1f} µm rms (2-D), largest {model.max_um:.1f} µm"
-        lines.append(f"{letter}  {model.title:<20} {leaves}, expected {model.expected_um:.1f} µm")
+        lines.append(f"{model.title:<20} {leaves}, expected {model.expected_um:.1f} µm")
     if found.ratio is not None:
         lines.append(f"ratio {found.ratio:.3f}")
     return "\n".join([*lines, *found.verdict, *(f"left out: {text}" for text in found.left_out)])

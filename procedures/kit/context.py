@@ -1,6 +1,7 @@
 """What a procedure may do: the only door between a procedure and the world."""
 
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+import math
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
@@ -11,6 +12,7 @@ from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.columns import Columns, TableRule
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Json, Record, Row
+from catseye.procedures.kit.tasks import Task
 
 
 @dataclass(frozen=True)
@@ -63,11 +65,6 @@ class Measurement:
     clock_s: float = 0.0
 
 
-def in_band(value: float, low: float | None, high: float | None) -> bool:
-    """Return whether a value is accepted; None is no limit on that side."""
-    return (low is None or value >= low) and (high is None or value <= high)
-
-
 @dataclass(frozen=True)
 class Prompt:
     """A question to the operator, as data.
@@ -80,9 +77,8 @@ class Prompt:
         unit: for kind "number".
         timeout_s: how long the question stays open; None for ever.
         safe_answer: taken when the time is over; None leaves the prompt unanswered (an error).
-        task: what hands have to do on the bench before the answer, as data: `{"do": "turn-screw", "screw": "stage",
-            "turns": 0.86}` (clockwise is positive) or `{"do": "place-reflector", "reflector": "P2"}`; None for a mere
-            question. "yes", or the first of the choices, says that it is done; an emulated bench has it done then.
+        task: what a person does on the bench before the answer; None for a mere question. "yes", or the first of the
+            choices, says that it is done; an emulated bench has it done then.
         motion: the arm moves after "yes", after every choice but those of `rests_after`, after what is typed: front
             ends take such an answer by a key of its own.
         rests_after: answers after which the arm does not move; None for the safe choice alone.
@@ -97,7 +93,7 @@ class Prompt:
     unit: str = ""
     timeout_s: float | None = None
     safe_answer: str | None = None
-    task: Mapping[str, Json] | None = None
+    task: Task | None = None
     motion: bool = False
     rests_after: tuple[str, ...] | None = None
     by_person: bool = False
@@ -111,11 +107,35 @@ class Prompt:
         resting = (self.safe_answer,) if self.rests_after is None else self.rests_after
         return tuple(choice for choice in resting if choice in self.choices)
 
+    @property
+    def in_unit(self) -> str:
+        """The unit as it follows what is asked for: " in mm"; empty without one."""
+        return f" in {self.unit}" if self.unit else ""
+
+    def fault_of(self, text: str) -> str:
+        """Return why a text is no answer; empty when it is one."""
+        match self.kind:
+            case "confirm":
+                return "" if text in {"yes", "no"} else "answer yes or no"
+            case "choice":
+                return "" if text in self.choices else f"choose one of {', '.join(self.choices)}"
+            case "number":
+                return "" if _is_number(text) else f"type a number{self.in_unit}"
+            case "text":
+                return ""
+
     def moves_after(self, answer: str) -> bool:
         """Return whether the arm moves after an answer."""
         if self.kind == "confirm":
             return self.motion and answer == "yes"
         return self.motion and answer not in self.resting_answers
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
 
 
 class Context(Protocol):

@@ -2,9 +2,8 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.records import Row
 
 
@@ -23,6 +22,7 @@ class After:
     fresh_for_s: float | None = None
 
 
+# Each system has a bench of its own type.
 @dataclass(frozen=True)
 class Equipment:
     """Something of the bench that a procedure uses.
@@ -34,7 +34,7 @@ class Equipment:
     """
 
     what: str
-    found: Callable[[Bench], str]
+    found: Callable[[Any], str]
     without: str = ""
 
 
@@ -67,12 +67,10 @@ class Basis:
         procedure: that makes such runs.
         what: it gives, in one or two words.
         without: what a plan is made from where there is none, in words.
-        found: returns what a run found, as later runs store it; None when it found nothing.
+        found: returns what a run found, as `System.aimed` takes it; None when it found nothing.
         missing: what a run is that found nothing, and what to do about it.
         fits: returns whether a run belongs to a bench as its cell file has it.
         misfit: what a run that does not fit did, and what to do about it.
-        apply: returns the bench with what was found.
-        describe: returns what a plan was made from, as `found` does.
         overtaken_by: procedure after which what was found may not hold any more.
         overtakes: returns whether a run of that procedure has changed it.
         overtaken: what that run did to an earlier one, whose name stands for `{run}`, and what to do about it.
@@ -83,10 +81,8 @@ class Basis:
     without: str
     found: Callable[[EarlierRun], Row | None]
     missing: str
-    fits: Callable[[Bench, EarlierRun], bool]
+    fits: Callable[[Any, EarlierRun], bool]
     misfit: str
-    apply: Callable[[Bench, Row], Bench]
-    describe: Callable[[Bench], Row]
     overtaken_by: str
     overtakes: Callable[[EarlierRun], bool]
     overtaken: str

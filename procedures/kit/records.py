@@ -110,14 +110,14 @@ class Observation(Record):
 
     @classmethod
     def summary(cls, rows: Sequence[Row]) -> list[str]:
-        """Return what all that a run has stored come to, in lines: how often, and the largest change.
+        """Return what all that a run has stored come to, in texts: how often, and the largest change.
 
         Args:
             rows: in order, at least one.
         """
         changes = [change for row in rows if (change := cls._change_um(row)) is not None]
         largest = f", largest change {max(changes, key=abs):+.1f} µm" if changes else ""
-        return [f"{cls.kind:<16}{len(rows)}×{largest}"]
+        return [f"{len(rows)}×{largest}"]
 
     @classmethod
     def _change_um(cls, row: Row) -> float | None:

@@ -2,9 +2,9 @@
 
 from typing import Any, Final
 
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.needs import Basis, EarlierRun
 from catseye.procedures.kit.records import Row
+from catseye.procedures.scara.bench import ScaraBench
 
 _SOLUTION: Final = "solve"
 
@@ -23,24 +23,11 @@ def _found(run: EarlierRun) -> Row | None:
     return {"reflectors": places, "theta40_deg": solution["theta40_deg"]}
 
 
-def _fits(bench: Bench, run: EarlierRun) -> bool:
+def _fits(bench: ScaraBench, run: EarlierRun) -> bool:
     """Return whether a search looked for the reflectors of this bench where this bench's cell file has them."""
     configuration: Any = run.meta.get("configuration") or {}
     searched = {row["name"]: (row["x_mm"], row["y_mm"]) for row in configuration.get("reflector", ())}
     return searched == {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}
-
-
-def _apply(bench: Bench, found: Row) -> Bench:
-    aimed: dict[str, Any] = dict(found)
-    places = {name: (float(x_mm), float(y_mm)) for name, (x_mm, y_mm) in aimed["reflectors"].items()}
-    return bench.aimed(places, float(aimed["theta40_deg"]))
-
-
-def _describe(bench: Bench) -> Row:
-    return {
-        "reflectors": {reflector.name: [reflector.x_mm, reflector.y_mm] for reflector in bench.reflectors},
-        "theta40_deg": bench.optics.theta40_deg,
-    }
 
 
 def _moved_beam(run: EarlierRun) -> bool:
@@ -59,8 +46,6 @@ SEARCHED: Final = Basis(
     fits=_fits,
     misfit="searched reflectors at other rough places than the cell file's: search again, or plan with "
     "--search none",
-    apply=_apply,
-    describe=_describe,
     overtaken_by="beam-to-j4",
     overtakes=_moved_beam,
     overtaken="moved the beam after {run} had searched with it: its places and θ40 do not hold any more. "

@@ -2,9 +2,9 @@
 
 from typing import Final
 
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.needs import After, Equipment
 from catseye.procedures.kit.procedure import Analysis, Stage
+from catseye.procedures.scara.bench import ScaraBench
 
 WARM_S: Final = 4 * 3600.0
 """Links and drives cool down within hours."""
@@ -41,12 +41,12 @@ VALIDATE: Final = Analysis(
 )
 
 
-def _reflectors(bench: Bench) -> str:
+def _reflectors(bench: ScaraBench) -> str:
     names = ", ".join(reflector.name for reflector in bench.reflectors)
     return names + (", one cat's eye that is carried from nest to nest" if bench.optics.one_reflector else "")
 
 
-def _tracker(bench: Bench) -> str:
+def _tracker(bench: ScaraBench) -> str:
     return "in the cell file" if bench.tracker else ""
 
 

@@ -190,16 +190,16 @@ class AlignmentRound(Observation):
 
     @classmethod
     def summary(cls, rows: Sequence[Row]) -> list[str]:
-        """Return each quantity before and after, in lines."""
-        lines = []
+        """Return each quantity before and after."""
+        texts = []
         for quantity in dict.fromkeys(str(row.get("quantity")) for row in rows):
             own = [row for row in rows if str(row.get("quantity")) == quantity]
             unit = own[0].get("unit", "")
-            lines.append(
-                f"alignment       {quantity}: {_number(own[0], 'value'):+.3g} {unit} before, "
+            texts.append(
+                f"{quantity}: {_number(own[0], 'value'):+.3g} {unit} before, "
                 f"{_number(own[-1], 'value'):+.3g} {unit} after {len(own)} round(s)"
             )
-        return lines
+        return texts
 
 
 @dataclass(frozen=True, kw_only=True)

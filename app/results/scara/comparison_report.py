@@ -129,6 +129,6 @@ def _panel(one: MapDifference, *, in_u: bool) -> Panel:
     return Panel(
         f"J{one.joint}",
         Axis(f"command θ{one.joint} / °"),
-        Axis(f"Δθ{one.joint} / {'u' if in_u else 'mdeg'}"),
+        Axis(f"Δθ{one.joint} difference / {'u' if in_u else 'mdeg'}"),
         (*levels, *marks),
     )

@@ -6,10 +6,12 @@ from typing import Final, Literal
 import numpy as np
 
 from catseye.app.results.document import Document, Stated
+from catseye.app.results.figure_document import FigureParts
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.app.results.scara.diagnosis import coefficients, outlier_limit, outlying
 from catseye.app.results.scara.diagnosis_findings import distance_text, findings
+from catseye.app.results.scara.figures.diagnosis import diagnosis_figures
 from catseye.calibration.core.cross_validation import CrossValidation, Fold
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
 from catseye.calibration.scara.diagnostics.harmonics import Harmonic, HarmonicSeries
@@ -231,6 +233,7 @@ class DiagnosisDocument(Document):
     harmonics: list[HarmonicsPart]
     cross_validation: list[CrossValidationPart]
     nodes: NodesPart
+    figures: FigureParts
 
 
 def diagnosis_document(diagnosis: Diagnosis, names: Sequence[str]) -> DiagnosisDocument:
@@ -252,6 +255,7 @@ def diagnosis_document(diagnosis: Diagnosis, names: Sequence[str]) -> DiagnosisD
         harmonics=[_series(one) for one in diagnosis.harmonics],
         cross_validation=[_validation(one) for one in validations if one],
         nodes=_nodes(diagnosis.nodes),
+        figures=tuple(diagnosis_figures(diagnosis)),
     )
 
 

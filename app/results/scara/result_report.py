@@ -27,7 +27,7 @@ from catseye.app.results.numbers import (
     number,
 )
 from catseye.app.results.scara.figures.maps import map_figure
-from catseye.app.results.scara.figures.residuals import residual_figure
+from catseye.app.results.scara.figures.residuals import residual_figure, residual_order_figure
 from catseye.app.results.scara.fit_text import fit_statement
 from catseye.app.results.scara.identified_arm import nominal_of
 from catseye.app.results.scara.names import MODEL_TITLES
@@ -182,7 +182,7 @@ def fit_section(models: Sequence[Result]) -> Section:
             Bullets("", judged),
             _statistics(models),
             Bullets("Left out", rejected) if rejected else None,
-            _residuals(models[-1]),
+            *residual_figures(models[-1]),
         ],
     )
 
@@ -241,10 +241,14 @@ def _lack_rows(lack: LackOfFitPart | None) -> dict[str, tuple[float | None, Form
     return {name: (value, form) for (name, form), value in zip(rows, values, strict=True)}
 
 
-def _residuals(model: Result) -> Figure | None:
+def residual_figures(model: Result) -> list[Figure]:
+    """Return the residuals in measuring order, against the joints and per pose; none where none were kept."""
     if model.residuals is None or not model.residuals.residual_um:
-        return None
-    return residual_figure(model.residuals, reference(model.fit), MODEL_TITLES[model.model])
+        return []
+    return [
+        residual_order_figure(model.residuals),
+        residual_figure(model.residuals, reference(model.fit), MODEL_TITLES[model.model]),
+    ]
 
 
 def reflector_section(best: Result | None, truth: TruthTables | None) -> Section:

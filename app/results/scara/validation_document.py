@@ -1,8 +1,12 @@
 """A validation as numbers, for machines."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from catseye.app.results.document import Document, Stated
+from catseye.app.results.figure_document import FigureParts
+from catseye.app.results.figures import Figure
 from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.app.results.scara.path_view import model_title, path_axis, there
 from catseye.app.results.scara.validation import ModelOnPath
@@ -126,14 +130,18 @@ class ValidationDocument(Document):
     iso9283: list[RepeatedPosePart]
     path: PathPart
     verdict: list[str]
+    figures: FigureParts
 
 
-def validation_document(found: FileValidation, limit_um: float | None) -> ValidationDocument:
+def validation_document(
+    found: FileValidation, limit_um: float | None, figures: Sequence[Figure]
+) -> ValidationDocument:
     """Return what a validation found as plain values.
 
     Args:
         found: what was compared.
         limit_um: 2-D rms that may be left.
+        figures: of the path.
     """
     validation = found.validation
     left_um = validation.models[-1].comparison.rms_2d_um
@@ -161,6 +169,7 @@ def validation_document(found: FileValidation, limit_um: float | None) -> Valida
         iso9283=_repeats(found),
         path=_path(found),
         verdict=[agreement_text(model) for model in validation.models],
+        figures=tuple(figures),
     )
 
 

@@ -18,12 +18,12 @@ from textual.content import Content
 from textual.timer import Timer
 from textual.widgets import ContentSwitcher, DataTable
 
-from catseye.app.render.signs import SIGNS
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.path_questions import newest_path_run, path_fault, reference_of
 from catseye.app.tui.screens.working import WorkScreen, free_name, is_file, typed_path, why_not_written
 from catseye.app.tui.session import DEMO_FOLDER, Session
+from catseye.app.tui.widgets.report_content import statement_content
 from catseye.app.tui.widgets.result_parts import ComparePart, LayoutPart, MapsPart, PathPart, ResidualsPart
 from catseye.app.tui.widgets.row_table import RowTable
 from catseye.app.tui.widgets.static_text import StaticText, lines
@@ -42,11 +42,12 @@ _PARTS: Final = ("files", "maps", "values", "layout", "residuals", "fit", "path"
 _TITLES: Final = ("Files", "Maps", "Values", "Layout", "Residuals", "Fit", "Path", "Compare")
 _FOCUS: Final = {
     "files": "#file-table",
+    "maps": "#map-figures",
     "values": "#value-table",
     "layout": "#places-text",
-    "residuals": "#outliers-text",
+    "residuals": "#residual-figures",
     "fit": "#fit",
-    "path": "#validation-text",
+    "path": "#path-figures",
     "compare": "#comparison-text",
 }
 """What is scrolled in a part."""
@@ -84,9 +85,9 @@ class ResultsScreen(WorkScreen):
     ResultsScreen .beside { width: 52; }
     ResultsScreen .below { height: 2fr; }
     ResultsScreen .short { height: auto; max-height: 6; }
-    ResultsScreen.-high .short { max-height: 14; }
+    ResultsScreen.-high .short { max-height: 9; }
     ResultsScreen .charts { height: 3fr; }
-    ResultsScreen.-narrow .beside { width: 1fr; }
+    ResultsScreen.-narrow .beside { width: 1fr; height: auto; max-height: 6; }
     ResultsScreen.-narrow .charts { layout: vertical; }
     """
 
@@ -119,7 +120,7 @@ class ResultsScreen(WorkScreen):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
-        self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-wide")]
+        self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (100, "-wide")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (32, "-high")]
         self._shelf: ResultFiles | None = None
         self._files: list[ResultFile] = []
@@ -456,12 +457,8 @@ class ResultsScreen(WorkScreen):
         self.query_one(LayoutPart).show(result)
         self.query_one(ResidualsPart).show(result, diagnosis)
         self.query_one(PathPart).show(self._validations.get(_version(file)))
-        shown = [
-            Content.assemble((f"{look.glyph} ", look.theme and f"${look.theme}"), one.text)
-            for one in texts.fit_sentences(result, diagnosis)
-            for look in [SIGNS[one.sign]]
-        ]
-        self.query_one("#findings", StaticText).set_text(lines(*shown))
+        findings = map(statement_content, texts.fit_sentences(result, diagnosis))
+        self.query_one("#findings", StaticText).set_text(lines(*findings))
         self._show_comparison()
 
     def _show_comparison(self) -> None:
@@ -480,7 +477,7 @@ def _version(file: "ResultFile") -> _Version:
 
 def _shelf(root: Path) -> "ResultFiles":
     # What shows a result is imported here, in a thread: it takes longer than a key may.
-    for module in ("catseye.app.tui.result_texts", "catseye.app.tui.widgets.result_charts"):
+    for module in ("catseye.app.tui.result_texts", "catseye.app.tui.widgets.figure_drawing"):
         import_module(module)
     from catseye.app.results.scara.result_files import ResultFiles
 

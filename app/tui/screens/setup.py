@@ -317,8 +317,14 @@ class SetupScreen(WorkScreen):
             self.spawn(partial(self._use, Path(answers["file"]).expanduser()), "open", exclusive=True)
 
     def _demo_done(self, done: Done) -> None:
-        report = str(done.data()["report"])
-        self.notify(report, title="SIMULATION: demo done; its report", markup=False, timeout=15.0)
+        from catseye.app.results.scara.job_document import JobDocument
+
+        self.notify(
+            done.document(JobDocument).report,
+            title="SIMULATION: demo done; its report",
+            markup=False,
+            timeout=15.0,
+        )
         self.catseye.action_go("results")
 
     async def _emulate(self) -> None:

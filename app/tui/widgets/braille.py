@@ -87,6 +87,36 @@ class Canvas:
             share = share[np.arange(share.size) // dash % 2 == 0]
         self.points(x0 + share * (x1 - x0), y0 + share * (y1 - y0), ink)
 
+    def polyline(self, x: Floats, y: Floats, ink: str = "", dash: int = 0) -> None:
+        """Draw straight lines from point to point; one that is not finite interrupts them.
+
+        Args:
+            x: shape (n,).
+            y: shape (n,).
+            ink: of its cells.
+            dash: dots drawn and dots left out, by turns along the whole line; 0 leaves none out.
+        """
+        length = np.maximum(np.abs(np.diff(x)), np.abs(np.diff(y)))
+        drawn = np.isfinite(length)
+        far = drawn & (length > self.width + self.height)
+        for place in np.flatnonzero(far).tolist():
+            self.line(
+                (float(x[place]), float(y[place])), (float(x[place + 1]), float(y[place + 1])), ink, dash
+            )
+        start = np.flatnonzero(drawn & ~far)
+        steps = np.ceil(length[start]).astype(np.intp) + 1
+        number = np.arange(steps.sum())
+        within = number - np.repeat(np.cumsum(steps) - steps, steps)
+        if dash:
+            kept = number // dash % 2 == 0
+            within, start, steps = within[kept], np.repeat(start, steps)[kept], np.repeat(steps, steps)[kept]
+        else:
+            start, steps = np.repeat(start, steps), np.repeat(steps, steps)
+        share = within / np.maximum(steps - 1, 1)
+        self.points(
+            x[start] + share * (x[start + 1] - x[start]), y[start] + share * (y[start + 1] - y[start]), ink
+        )
+
     def arc(
         self,
         centre: tuple[float, float],
@@ -139,6 +169,10 @@ class Canvas:
         for place, letter in enumerate(text, column):
             if 0 <= place < self.columns and 0 <= row < self.rows:
                 self._letters[row, place] = (letter, self._number(ink))
+
+    def letter(self, column: int, row: int) -> str:
+        """Return the letter in a cell; empty where there is none."""
+        return self._letters.get((row, column), ("", 0))[0]
 
     def lines(self) -> Iterator[list[tuple[str, str]]]:
         """Yield each line of cells as pieces of text with their ink; empty cells are blanks."""

@@ -1,7 +1,7 @@
-"""A chart with axes, of braille dots and letters."""
+"""Axes with numbers around a canvas of braille dots."""
 
 import math
-from itertools import pairwise
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -9,141 +9,176 @@ import numpy as np
 from catseye.app.tui.widgets.braille import DOTS_ACROSS, DOTS_DOWN, Canvas, Floats
 
 AXIS: Final = "axis"
+"""Ink of axes and numbers."""
+
+Ends = tuple[float, float]
 
 _TOP_CELLS: Final = 1
-_BOTTOM_CELLS: Final = 2
-_DASH: Final = 2
+_MARK_CELLS: Final = 9
+_WORTH_CELLS: Final = 4
+"""A plot that is narrower shows nothing."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """What stands around a plot.
+
+    Attributes:
+        title: above.
+        x_label: below, at the right.
+        x_numbers: numbers stand below; without them only the axis.
+        y_numbers: numbers stand at the left; without them only the axis.
+        left: cells left of the plot; more where the numbers need more.
+        equal: both axes have one scale.
+    """
+
+    title: str = ""
+    x_label: str = ""
+    x_numbers: bool = True
+    y_numbers: bool = True
+    left: int = 0
+    equal: bool = False
+
+    @property
+    def other_rows(self) -> int:
+        """Rows that are no plot."""
+        return _TOP_CELLS + 1 + self.x_numbers
 
 
 class Chart:
-    """Places in two units become dots; numbers stand at the left and below.
+    """Places in two units become dots of a canvas.
 
     Args:
         columns: width in cells.
         rows: height in cells.
         x: smallest and largest value across.
         y: smallest and largest value upwards.
-        x_unit: stands behind the numbers below.
-        title: stands above, with the unit upwards.
-        x_step: between two numbers below; a round one where it is not given.
+        frame: axes, numbers and title.
 
     Attributes:
         canvas: what is drawn.
+        x: ends of the axis across.
+        y: ends of the axis upwards.
     """
 
-    def __init__(
-        self,
-        columns: int,
-        rows: int,
-        x: tuple[float, float],
-        y: tuple[float, float],
-        *,
-        x_unit: str,
-        title: str,
-        x_step: float | None = None,
-    ) -> None:
+    def __init__(self, columns: int, rows: int, x: Ends, y: Ends, frame: Frame) -> None:
         self.canvas = Canvas(columns, rows)
-        self._x, self._y = _wide(x), _wide(y)
-        plot_rows = max(rows - _TOP_CELLS - _BOTTOM_CELLS, 1)
-        y_marks = _at_least_two(self._y, plot_rows)
-        labels = [number(mark, _step(y_marks)) for mark in y_marks]
-        self._left = max((len(label) for label in labels), default=0) + 1
-        self._plot_rows = plot_rows
-        self._draw_axes(labels, y_marks, x_unit, x_step)
-        self.canvas.text(0, 0, title, AXIS)
+        self.frame = frame
+        self.x, self.y = _wide(x), _wide(y)
+        self.plot_rows = max(self.canvas.rows - frame.other_rows, 1)
+        self.left = max(frame.left, label_cells(self.y, self.plot_rows) if frame.y_numbers else 1)
+        if frame.equal:
+            self._equalise()
+        self._draw_axes()
+        self.canvas.text(0, 0, frame.title, AXIS)
+
+    @property
+    def plot_columns(self) -> int:
+        """Width of the plot in cells."""
+        return max(self.canvas.columns - self.left, 1)
 
     @property
     def usable(self) -> bool:
         """There is room for more than the axes."""
-        return self.canvas.columns > self._left + 4 and self.canvas.rows > _TOP_CELLS + _BOTTOM_CELLS
+        return self.plot_columns > _WORTH_CELLS and self.canvas.rows > self.frame.other_rows
 
     def dot(self, x: Floats | float, y: Floats | float) -> tuple[Floats, Floats]:
         """Return where places are, dots from the upper left corner."""
-        left, width = DOTS_ACROSS * self._left, DOTS_ACROSS * (self.canvas.columns - self._left)
-        height = DOTS_DOWN * self._plot_rows
-        across = left + 1.0 + _share(x, self._x) * (width - 4)
-        down = DOTS_DOWN * _TOP_CELLS + (1.0 - _share(y, self._y)) * (height - 1)
+        across = DOTS_ACROSS * self.left + 1.0 + _share(x, self.x) * self._width
+        down = DOTS_DOWN * _TOP_CELLS + (1.0 - _share(y, self.y)) * self._height
         return across, down
+
+    def line(self, x: Floats, y: Floats, ink: str, dash: int = 0) -> None:
+        """Draw straight lines from place to place; NaN interrupts them."""
+        self.canvas.polyline(*self.dot(x, y), ink, dash)
 
     def points(self, x: Floats, y: Floats, ink: str) -> None:
         """Draw dots."""
         self.canvas.points(*self.dot(x, y), ink)
 
-    def line(self, x: Floats, y: Floats, ink: str, dash: int = 0) -> None:
-        """Draw straight lines from place to place."""
-        across, down = self.dot(x, y)
-        places = list(zip(across.tolist(), down.tolist(), strict=True))
-        for start, end in pairwise(places):
-            self.canvas.line(start, end, ink, dash)
-
-    def level(self, y: float, ink: str, dash: int = _DASH) -> None:
-        """Draw a line across, where y lies inside."""
-        if self._y[0] <= y <= self._y[1]:
-            self.line(np.array(self._x), np.array([y, y]), ink, dash)
-
-    def upright(self, x: float, ink: str) -> None:
-        """Draw a line from bottom to top."""
-        self.line(np.array([x, x]), np.array(self._y), ink, _DASH)
-
-    def bars(self, x: Floats, low: Floats, high: Floats, ink: str, aside: int = 0) -> None:
-        """Draw upright bars.
-
-        Args:
-            x: where.
-            low: lower ends.
-            high: upper ends.
-            ink: of the bars.
-            aside: dots to the right, so that two bars at one place are seen.
-        """
-        across, bottom = self.dot(x, low)
-        _, top = self.dot(x, high)
-        for place, start, end in zip(across.tolist(), bottom.tolist(), top.tolist(), strict=True):
-            self.canvas.line((place + aside, start), (place + aside, end), ink)
+    def bars(self, x: Floats, low: Floats, high: Floats, ink: str) -> None:
+        """Draw upright lines, each with shape (n,)."""
+        gap = np.full(x.size, np.nan)
+        across, upwards = np.column_stack([x, x, gap]).ravel(), np.column_stack([low, high, gap]).ravel()
+        self.line(across, upwards, ink)
 
     def cell(self, x: float, y: float) -> tuple[int, int]:
         """Return column and row of the cell in which a place is."""
         across, down = self.dot(x, y)
         return round(float(across)) // DOTS_ACROSS, round(float(down)) // DOTS_DOWN
 
-    def letter(self, x: float, y: float, letter: str, ink: str) -> None:
-        """Write a letter at a place."""
-        if math.isfinite(x) and math.isfinite(y):
-            self.canvas.text(*self.cell(x, y), letter, ink)
+    def inside(self, x: float, y: float) -> bool:
+        """Return whether a place lies on the plot."""
+        return self.x[0] <= x <= self.x[1] and self.y[0] <= y <= self.y[1]
 
-    def heading(self, x: float, text: str, ink: str) -> None:
-        """Write above a place."""
-        self.canvas.text(self.cell(x, self._y[1])[0], 0, text, ink)
+    def lattice(self) -> tuple[Floats, Floats]:
+        """Return the places of every fourth dot of the plot: what fills an area."""
+        down, across = np.mgrid[0 : self.plot_rows * DOTS_DOWN, 0 : self.plot_columns * DOTS_ACROSS]
+        kept = (down + 2 * across) % DOTS_DOWN == 0
+        x = self.x[0] + (across[kept] - 1.0) / self._width * (self.x[1] - self.x[0])
+        y = self.y[1] - down[kept] / self._height * (self.y[1] - self.y[0])
+        return x, y
 
-    def _draw_axes(self, labels: list[str], y_marks: Floats, x_unit: str, x_step: float | None) -> None:
-        canvas, bottom = self.canvas, _TOP_CELLS + self._plot_rows
+    def cells(self) -> tuple[Floats, Floats]:
+        """Return the middles of the plot's cells, by row and column, both of shape (rows, columns)."""
+        row, column = np.mgrid[0 : self.plot_rows, 0 : self.plot_columns]
+        x = self.x[0] + (DOTS_ACROSS * column - 0.5) / self._width * (self.x[1] - self.x[0])
+        y = self.y[1] - (DOTS_DOWN * row + 1.5) / self._height * (self.y[1] - self.y[0])
+        return x, y
+
+    def shade(self, row: int, column: int, letter: str, ink: str) -> None:
+        """Write a letter into a cell of the plot."""
+        self.canvas.text(self.left + column, _TOP_CELLS + row, letter, ink)
+
+    @property
+    def _width(self) -> float:
+        return max(DOTS_ACROSS * self.plot_columns - 4.0, 1.0)
+
+    @property
+    def _height(self) -> float:
+        return max(DOTS_DOWN * self.plot_rows - 1.0, 1.0)
+
+    def _equalise(self) -> None:
+        """Widen the shorter axis until a dot is as wide as it is high."""
+        unit = max((self.x[1] - self.x[0]) / self._width, (self.y[1] - self.y[0]) / self._height)
+        self.x, self.y = (
+            (0.5 * (low + high) - 0.5 * unit * dots, 0.5 * (low + high) + 0.5 * unit * dots)
+            for (low, high), dots in ((self.x, self._width), (self.y, self._height))
+        )
+
+    def _draw_axes(self) -> None:
+        canvas, bottom = self.canvas, _TOP_CELLS + self.plot_rows
         for row in range(_TOP_CELLS, bottom):
-            canvas.text(self._left - 1, row, "│", AXIS)
-        for label, mark in zip(labels, y_marks.tolist(), strict=True):
-            row = self.cell(self._x[0], mark)[1]
-            canvas.text(0, row, label.rjust(self._left - 1) + "┤", AXIS)
-        canvas.text(self._left - 1, bottom, "└" + "─" * (canvas.columns - self._left), AXIS)
-        self._draw_x_marks(bottom, x_unit, x_step)
-        self.level(0.0, AXIS)
+            canvas.text(self.left - 1, row, "│", AXIS)
+        y_marks = _at_least_two(self.y, self.plot_rows)
+        for mark in y_marks.tolist():
+            label = number(mark, _step(y_marks)) if self.frame.y_numbers else ""
+            canvas.text(0, self.cell(self.x[0], mark)[1], label.rjust(self.left - 1) + "┤", AXIS)
+        canvas.text(self.left - 1, bottom, "└" + "─" * self.plot_columns, AXIS)
+        self._draw_x_marks(bottom)
 
-    def _draw_x_marks(self, bottom: int, x_unit: str, x_step: float | None) -> None:
-        room = max((self.canvas.columns - self._left) // 8, 1)
-        found = marks(self._x, room)
-        if x_step is not None:
-            every = math.ceil((self._x[1] - self._x[0]) / x_step / room) * x_step
-            first = math.ceil(self._x[0] / every - 1e-9)
-            found = every * np.arange(first, math.floor(self._x[1] / every + 1e-9) + 1)
-        taken = self.canvas.columns - len(x_unit)
-        self.canvas.text(taken, bottom + 1, x_unit, AXIS)
+    def _draw_x_marks(self, bottom: int) -> None:
+        found = marks(self.x, max(self.plot_columns // _MARK_CELLS, 1))
+        free, taken = 0, self.canvas.columns - len(self.frame.x_label)
+        if self.frame.x_numbers:
+            self.canvas.text(taken, bottom + 1, self.frame.x_label, AXIS)
         for mark in found.tolist():
-            column = self.cell(mark, self._y[0])[0]
+            column = self.cell(mark, self.y[0])[0]
             text = number(mark, _step(found))
             begin = column - len(text) // 2
             self.canvas.text(column, bottom, "┴", AXIS)
-            if begin >= 0 and begin + len(text) < taken:
+            if self.frame.x_numbers and begin >= free and begin + len(text) < taken:
                 self.canvas.text(begin, bottom + 1, text, AXIS)
+                free = begin + len(text) + 1
 
 
-def marks(ends: tuple[float, float], most: int) -> Floats:
+def label_cells(y: Ends, plot_rows: int) -> int:
+    """Return how many cells the numbers of an axis and the axis need."""
+    found = _at_least_two(_wide(y), plot_rows)
+    return max((len(number(mark, _step(found))) for mark in found.tolist()), default=0) + 1
+
+
+def marks(ends: Ends, most: int) -> Floats:
     """Return round values between two ends, at most so many intervals."""
     raw = (ends[1] - ends[0]) / max(most, 1)
     power = 10.0 ** math.floor(math.log10(raw))
@@ -152,7 +187,7 @@ def marks(ends: tuple[float, float], most: int) -> Floats:
     return step * np.arange(first, last + 1, dtype=np.float64)
 
 
-def _at_least_two(ends: tuple[float, float], rows: int) -> Floats:
+def _at_least_two(ends: Ends, rows: int) -> Floats:
     """Return round values with two rows for each, but two of them where there is room."""
     found = marks(ends, max(rows // 2, 1))
     return found if found.size > 1 else marks(ends, max(rows, 2))
@@ -165,21 +200,12 @@ def number(value: float, step: float) -> str:
     return "0" if float(text) == 0.0 else text.replace("-", "−")
 
 
-def ends_of(*values: Floats) -> tuple[float, float]:
-    """Return smallest and largest of all finite values and zero, a little apart."""
-    every = np.concatenate([np.zeros(1), *(np.ravel(each) for each in values)])
-    every = every[np.isfinite(every)]
-    low, high = float(every.min()), float(every.max())
-    apart = 0.04 * (high - low)
-    return low - apart, high + apart
-
-
-def _wide(ends: tuple[float, float]) -> tuple[float, float]:
+def _wide(ends: Ends) -> Ends:
     low, high = ends
     return (low, high) if high - low > 1e-12 * max(abs(low), abs(high), 1e-6) else (low - 1.0, high + 1.0)
 
 
-def _share(value: Floats | float, ends: tuple[float, float]) -> Floats:
+def _share(value: Floats | float, ends: Ends) -> Floats:
     return np.asarray((np.asarray(value, dtype=np.float64) - ends[0]) / (ends[1] - ends[0]))
 
 

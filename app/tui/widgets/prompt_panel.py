@@ -1,6 +1,5 @@
 """The open question: what is asked, what to do, and how to answer. Nothing is answered by leaning on a key."""
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
@@ -204,8 +203,8 @@ class PromptPanel(Vertical):
         """Judge a number as it is typed."""
         event.stop()
         self._show_part("refused", Content(""))
-        if self._kind() == "number" and event.value.strip() and not _is_number(event.value):
-            self._refuse(f"{event.value!r} is no number{self._in_unit()}")
+        if event.value.strip() and (fault := self._fault_of_typed()):
+            self._refuse(fault)
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Take what was typed; an empty line answers nothing."""
@@ -222,10 +221,10 @@ class PromptPanel(Vertical):
 
     def _fault_of_typed(self) -> str:
         """Return why what is typed answers nothing; empty when it does."""
-        text, number = self._typed(), self._kind() == "number"
-        if not text:
-            return f"type {'a number' if number else 'an answer'}{self._in_unit()}"
-        return f"{text!r} is no number{self._in_unit()}" if number and not _is_number(text) else ""
+        if self._prompt is None:
+            return ""
+        fault = self._prompt.fault_of(self._typed())
+        return fault or ("" if self._typed() else f"type an answer{self._prompt.in_unit}")
 
     def _answer(self, text: str) -> None:
         if self._asked is None or self._seen_s is None or self._now_s - self._seen_s < SETTLE_S:
@@ -247,9 +246,6 @@ class PromptPanel(Vertical):
 
     def _moves(self, answer: str) -> bool:
         return self._prompt is not None and self._prompt.moves_after(answer)
-
-    def _in_unit(self) -> str:
-        return f" in {self._prompt.unit}" if self._prompt is not None and self._prompt.unit else ""
 
     async def _lay_out(self, asked: "PromptAsked | None") -> None:
         for name in ("question", "task", "motion", "refused"):
@@ -329,10 +325,3 @@ def _time_left(asked: "PromptAsked", open_s: float, speed: float) -> str:
         return ""
     left_s = max(asked.timeout_s / speed - open_s, 0.0)
     return f"{duration_text(left_s)} left, then {asked.safe_answer or 'the run ends'}"
-
-
-def _is_number(text: str) -> bool:
-    try:
-        return math.isfinite(float(text))
-    except ValueError:
-        return False

@@ -1,30 +1,31 @@
 """What hands have to do, as a small picture of characters."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from catseye.procedures.kit.records import Json
+from catseye.procedures.kit.tasks import ClearBeam, PlaceReflector, Task, TurnScrew
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
     from catseye.app.protocol.bench import ReflectorPlace
 
 
-def task_picture(task: Mapping[str, Json] | None, reflectors: "Sequence[ReflectorPlace]" = ()) -> list[str]:
+def task_picture(task: Task | None, reflectors: "Sequence[ReflectorPlace]" = ()) -> list[str]:
     """Return lines that show a task; none for a mere question.
 
     Args:
         task: of the prompt.
         reflectors: of the bench.
     """
-    match dict(task or {}):
-        case {"do": "turn-screw", "turns": int() | float() as turns, **rest}:
-            return _screw(float(turns), str(rest.get("screw", "")))
-        case {"do": "place-reflector", "reflector": name}:
-            return _nests(str(name), reflectors)
-        case {"do": "clear-beam"}:
+    match task:
+        case TurnScrew():
+            return _screw(task.turns, task.screw)
+        case PlaceReflector():
+            return _nests(task.reflector, reflectors)
+        case ClearBeam():
             return ["▣━━━━━━━ ╳ ━━━━━━━◗   nothing may stand in the beam"]
-    return []
+        case None:
+            return []
 
 
 def _screw(turns: float, screw: str) -> list[str]:

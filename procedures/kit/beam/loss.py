@@ -10,6 +10,7 @@ from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import BeamLostError
 from catseye.procedures.kit.event_text import Data, EventText, EventTexts, plain_text
 from catseye.procedures.kit.records import Json
+from catseye.procedures.kit.tasks import ClearBeam
 
 Decision = Literal["again", "ask", "retry", "skip", "stop"]
 """What follows: another attempt by itself, a question, an attempt that somebody asked for, or neither."""
@@ -216,7 +217,7 @@ class BeamLoss:
             "the run (stop)?",
             choices=("retry", "skip", "stop"),
             safe_answer="stop",
-            task={"do": "clear-beam"},
+            task=ClearBeam(),
             motion=True,
             target=goal,
         )

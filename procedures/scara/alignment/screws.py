@@ -12,6 +12,7 @@ from catseye.procedures.kit.errors import AlignmentError, BeamLostError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
+from catseye.procedures.kit.tasks import TurnScrew
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 
 _ROUND_S: Final = 60.0
@@ -326,7 +327,7 @@ class GuidedScrew:
                 id=f"{screw.name}/{number}",
                 kind="confirm",
                 text=f"{told[0].upper()}{told[1:]}, then confirm.",
-                task={"do": "turn-screw", "screw": screw.name, "turns": turns},
+                task=TurnScrew(screw=screw.name, turns=turns),
                 motion=True,
                 target=self._target,
             ),

@@ -10,6 +10,7 @@ from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.bench_time import BenchTime
 from catseye.procedures.kit.records import Row, row_of
 from catseye.procedures.kit.stored import integer, number_of
+from catseye.procedures.kit.tasks import PlaceReflector
 from catseye.procedures.scara.beam.diagnosis import Loss
 from catseye.procedures.scara.following.follower import Follower
 from catseye.procedures.scara.following.recovery import LeftOut, Recovery
@@ -229,7 +230,7 @@ class ReflectorCampaign:
                 "confirm",
                 f"Put the reflector into nest {self._name} at x {reflector.x_mm:.0f} mm, y {reflector.y_mm:.0f} mm, "
                 f"facing {reflector.facing_deg:.0f}°, clamp it, step back, then confirm.",
-                task={"do": "place-reflector", "reflector": self._name},
+                task=PlaceReflector(reflector=self._name),
                 motion=True,
             )
         )

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.motion.bench_time import BenchTime
 from catseye.procedures.kit.needs import Needs
@@ -12,6 +11,7 @@ from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.scara import texts
 from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.before import ALIGNED, IDENTIFY, MEASURING, REFLECTORS, WARM
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, Rules, plan_open_loop
 from catseye.procedures.scara.records import ClosureVisit, Distance, Overlap
 
@@ -50,7 +50,7 @@ class OpenLoop(Procedure):
     demo = ()
     params_type = OpenLoopParams
 
-    def plan(self, bench: Bench, params: OpenLoopParams) -> OpenLoopPlan:
+    def plan(self, bench: ScaraBench, params: OpenLoopParams) -> OpenLoopPlan:
         """Plan the measurement; see plan_open_loop."""
         plan = plan_open_loop(
             bench,

@@ -6,7 +6,6 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
@@ -16,6 +15,7 @@ from catseye.procedures.scara import texts
 from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.before import ALIGNED, REFLECTORS, WARM
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.motion.point_row import links_of
 from catseye.procedures.scara.records import Repeat
@@ -52,7 +52,7 @@ class Repeatability(Procedure):
     event_texts = texts.REPEATABILITY
     params_type = RepeatabilityParams
 
-    def plan(self, bench: Bench, params: RepeatabilityParams) -> RepeatabilityPlan:
+    def plan(self, bench: ScaraBench, params: RepeatabilityParams) -> RepeatabilityPlan:
         """Plan the test; see plan_repeatability."""
         given = params.poses
         poses = given if isinstance(given, int) else tuple((pose[0], pose[1]) for pose in given)

@@ -4,12 +4,12 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.scara import texts
 from catseye.procedures.scara.before import ALIGNED, REFLECTORS, SEARCHING
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.records import SeenReflector
 from catseye.procedures.scara.search.search_plan import Jogging, SearchPlan, plan_search
 from catseye.procedures.scara.search.sighting import POSE_S, Lookout
@@ -51,7 +51,7 @@ class ReflectorSearch(Procedure):
     demo = ()
     params_type = SearchParams
 
-    def plan(self, bench: Bench, params: SearchParams) -> SearchPlan:
+    def plan(self, bench: ScaraBench, params: SearchParams) -> SearchPlan:
         """Plan the search; see plan_search."""
         manual = params.mode == "manual"
         return plan_search(

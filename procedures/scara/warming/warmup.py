@@ -6,7 +6,6 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import NotWarmError
 from catseye.procedures.kit.live import Live
@@ -18,6 +17,7 @@ from catseye.procedures.scara import texts
 from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.before import ALIGNED, REFLECTORS, WARMING
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.motion.point_row import links_of
 from catseye.procedures.scara.records import Drift
@@ -65,7 +65,7 @@ class Warmup(Procedure):
     event_texts = texts.WARMUP
     params_type = WarmupParams
 
-    def plan(self, bench: Bench, params: WarmupParams) -> WarmupPlan:
+    def plan(self, bench: ScaraBench, params: WarmupParams) -> WarmupPlan:
         """Plan the warm-up; see plan_warmup."""
         given = params.reference_deg
         reference = None if given is None else (given[0], given[1])

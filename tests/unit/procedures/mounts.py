@@ -7,18 +7,21 @@ from typing import Any
 
 import numpy as np
 
-from catseye.procedures.kit.bench import Alignment, Bench
 from catseye.procedures.kit.context import Measurement, Prompt
 from catseye.procedures.kit.live import Live
-from tests.unit.procedures.benches import STILL_AIR, IdealContext, arm_xy, bench
+from catseye.procedures.kit.tasks import TurnScrew
+from catseye.procedures.scara.bench import Alignment, ScaraBench
+from tests.unit.procedures.benches import STILL_AIR, IdealContext, arm_xy, bench, with_axes
 
 
-def mounted_bench(**alignment: Any) -> Bench:
+def mounted_bench(**alignment: Any) -> ScaraBench:
     """Return the paper's bench with a range of J3 and screws."""
     base = bench()
     optics = replace(base.optics, signal_min=0.1)
-    arm = replace(base.arm, j3_mm=50.0, j3_range_mm=(40.0, 60.0))
-    return replace(base, arm=arm, optics=optics, alignment=Alignment(**alignment))
+    lifted = with_axes(base, j3_mm=(40.0, 60.0))
+    return replace(
+        lifted, j3_mm=50.0, j3_range_mm=(40.0, 60.0), optics=optics, alignment=Alignment(**alignment)
+    )
 
 
 @dataclass
@@ -82,8 +85,8 @@ class MountContext(IdealContext):
         if watch is not None:
             shown: Live = await watch()
             self.show(shown)
-        if prompt.task is not None and prompt.task["do"] == "turn-screw":
-            self.turn(str(prompt.task["screw"]), float(str(prompt.task["turns"])))
+        if isinstance(prompt.task, TurnScrew):
+            self.turn(prompt.task.screw, prompt.task.turns)
         answer = self.answers.get(prompt.id, "yes" if prompt.kind == "confirm" else prompt.safe_answer)
         assert answer is not None, f"nobody answers {prompt.id}"
         return answer(prompt) if callable(answer) else answer

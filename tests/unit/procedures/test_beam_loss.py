@@ -6,6 +6,7 @@ import pytest
 
 from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, Decision, LossCount, LossLog
 from catseye.procedures.kit.errors import BeamLostError
+from catseye.procedures.kit.tasks import ClearBeam
 from tests.unit.procedures.benches import IdealContext
 
 THREE = BeamLossPolicy(attempts=3)
@@ -67,7 +68,7 @@ async def test_a_question_names_target_place_and_cause() -> None:
         "Clear the beam to reflector P1 (θ1 10°): nothing returns. Try again (retry), or"
     )
     assert (prompt.choices, prompt.safe_answer, prompt.motion) == (("retry", "stop"), "stop", True)
-    assert prompt.task == {"do": "clear-beam"}
+    assert prompt.task == ClearBeam()
     assert prompt.target == (1.0, 2.0, 3.0, 4.0)
 
 

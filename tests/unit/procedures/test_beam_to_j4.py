@@ -7,7 +7,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import (
     AlignmentError,
     BeamLostError,
@@ -16,17 +15,19 @@ from catseye.procedures.kit.errors import (
     PlanLimitError,
     ReflectorNotFoundError,
 )
+from catseye.procedures.kit.tasks import ClearBeam, PlaceReflector, TurnScrew
 from catseye.procedures.scara.alignment.beam_to_j4 import BeamToJ4, BeamToJ4Params, BeamToJ4Plan
 from catseye.procedures.scara.alignment.screws import Observed, Screw, respond
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from tests.unit.procedures.benches import PLACES, arm_xy, bench, with_optics
 from tests.unit.procedures.mounts import MountContext, mounted_bench
 
 
-def planned(base: Bench | None = None, **params: object) -> BeamToJ4Plan:
+def planned(base: ScaraBench | None = None, **params: object) -> BeamToJ4Plan:
     return BeamToJ4().plan(base or mounted_bench(), BeamToJ4Params.model_validate(params))
 
 
-async def aligned(context: MountContext, base: Bench | None = None, **params: object) -> MountContext:
+async def aligned(context: MountContext, base: ScaraBench | None = None, **params: object) -> MountContext:
     procedure = BeamToJ4()
     await procedure.run(context, planned(base, **params))
     await procedure.teardown(context)
@@ -79,7 +80,7 @@ async def test_hands_are_told_side_way_and_turns() -> None:
     assert prompt.id == "stage/1"
     assert prompt.kind == "confirm"
     assert prompt.text == "Move the stage 0.43 mm towards −y, 0.86 turns anticlockwise, then confirm."
-    assert prompt.task == {"do": "turn-screw", "screw": "stage", "turns": -0.86}
+    assert prompt.task == TurnScrew(screw="stage", turns=-0.86)
     # Hands are at the mount: the arm moves after a "yes", so that it takes a key of its own.
     assert prompt.motion
     offsets = [live for live in context.shown if live.name == "offset of the beam from the J4 axis"]
@@ -224,7 +225,7 @@ async def test_hands_that_held_something_into_the_beam_have_it_measured_again() 
     (prompt,) = context.prompts
     assert prompt.text.startswith("Clear the beam to the reflector")
     assert "the beam was lost 3 times while J4 turned" in prompt.text
-    assert prompt.task == {"do": "clear-beam"}
+    assert prompt.task == ClearBeam()
     assert (prompt.motion, prompt.safe_answer) == (True, "stop")
     assert prompt.target == (
         planned().pose.theta1_deg,
@@ -270,7 +271,7 @@ async def test_something_else_that_moves_is_told() -> None:
 async def test_a_reflector_that_is_carried_is_asked_for() -> None:
     base = with_optics(mounted_bench(), one_reflector=True)
     context = await aligned(MountContext(offset_mm=0.02), base)
-    assert context.prompts[0].task == {"do": "place-reflector", "reflector": "P2"}
+    assert context.prompts[0].task == PlaceReflector(reflector="P2")
     with pytest.raises(ReflectorNotFoundError):
         await aligned(MountContext(answers={"place/P2": "no"}), base)
 

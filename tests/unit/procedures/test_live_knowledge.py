@@ -10,6 +10,7 @@ import pytest
 from catseye.calibration.scara.live_map import MapKnowledge
 from catseye.procedures.kit.errors import BeamLostError
 from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.tasks import PlaceReflector
 from catseye.procedures.scara.open_loop.open_loop import OpenLoop
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, plan_open_loop
 from tests.unit.procedures.benches import bench, with_optics
@@ -168,7 +169,7 @@ async def test_a_single_reflector_is_asked_for_before_it_is_needed() -> None:
         assert prompt.motion
         assert prompt.kind == "confirm"
         assert prompt.text.startswith(f"Put the reflector into nest {name} at x ")
-        assert prompt.task == {"do": "place-reflector", "reflector": name}
+        assert prompt.task == PlaceReflector(reflector=name)
     assert len(points(context)) == 2 * COUNT
 
 

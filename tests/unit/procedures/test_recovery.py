@@ -12,6 +12,7 @@ from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import BeamLostError
 from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.tasks import ClearBeam
 from catseye.procedures.scara.beam.beam_geometry import look_around_deg
 from catseye.procedures.scara.beam.diagnosis import hidden
 from catseye.procedures.scara.open_loop.open_loop import OpenLoop
@@ -212,7 +213,7 @@ async def test_a_beam_that_stays_away_is_asked_about_after_three_attempts() -> N
         assert "θ1 -40°" in prompt.text
         assert "nothing returns within ±0.5°" in prompt.text
         assert (prompt.choices, prompt.safe_answer) == (("retry", "skip", "stop"), "stop")
-        assert prompt.task == {"do": "clear-beam"}
+        assert prompt.task == ClearBeam()
         gone.clear()
         return "retry"
 

@@ -11,9 +11,10 @@ import pytest
 
 from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Measurement, Prompt
 from catseye.procedures.kit.errors import BeamLostError, PlanError, ReflectorNotFoundError
+from catseye.procedures.kit.tasks import PlaceReflector
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.repeats.repeatability import Repeatability, RepeatabilityParams
 from catseye.procedures.scara.repeats.repeatability_plan import RepeatabilityPlan
 from tests.unit.procedures.benches import PLACES, IdealContext, arm_xy, bench, miss_along, with_optics
@@ -41,7 +42,7 @@ class ScatteringContext(IdealContext):
         return replace(ideal, displacement_mm=ideal.displacement_mm + scatter, spread_mm=spread)
 
 
-def planned(base: Bench | None = None, **params: object) -> RepeatabilityPlan:
+def planned(base: ScaraBench | None = None, **params: object) -> RepeatabilityPlan:
     given = {"poses": POSES, "cycles": 10, "reflectors": ["P2"], **params}
     return Repeatability().plan(base or bench(), RepeatabilityParams.model_validate(given))
 
@@ -247,7 +248,7 @@ def test_a_reflector_that_is_done_is_not_asked_for_again() -> None:
 
 def test_a_reflector_that_is_not_placed_ends_it() -> None:
     def refused(prompt: Prompt) -> str:
-        assert prompt.task == {"do": "place-reflector", "reflector": "P2"}
+        assert prompt.task == PlaceReflector(reflector="P2")
         assert prompt.motion
         return "no"
 

@@ -11,6 +11,7 @@ import pytest
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import PlanError, ReflectorNotFoundError
+from catseye.procedures.kit.tasks import PlaceReflector
 from catseye.procedures.scara.search.reflector_search import ReflectorSearch, SearchParams
 from catseye.procedures.scara.search.search_plan import SearchPlan, plan_search
 from tests.unit.procedures.benches import IdealContext, arm_xy, bench, with_optics
@@ -229,7 +230,7 @@ async def test_one_cats_eye_is_carried_from_nest_to_nest() -> None:
     context.answers = {f"place/{name}": lambda _prompt, name=name: put(name) for name in TRUE_PLACES}  # type: ignore[misc]  # bound by default
     await searched(context, plan_search(base))
     assert [prompt.id for prompt in context.prompts] == ["place/P1", "place/P2", "place/P3"]
-    assert context.prompts[0].task == {"do": "place-reflector", "reflector": "P1"}
+    assert context.prompts[0].task == PlaceReflector(reflector="P1")
     # An interrupted search asks again: nobody knows where the cat's eye is now.
     stored = {name: row for name, row in context.stored.items() if name not in {"solve", "sight/P2/15"}}
     again = IdealContext({}, 1.4, stored=stored, resumed=True)

@@ -12,12 +12,16 @@ from catseye.app.results.figures import (
     Points,
     Role,
     Stems,
+    Text,
 )
-from catseye.app.results.scara.diagnosis import outlier_limit
+from catseye.app.results.scara.diagnosis import outlier_limit, outlying
 from catseye.app.results.scara.names import ANGLES, VARYING
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
 from catseye.calibration.scara.diagnostics.harmonics import HarmonicSeries
 from catseye.calibration.scara.diagnostics.joint_angles import AnglePattern
+
+_NUMBERED = 9
+"""Outliers that are numbered."""
 
 
 def diagnosis_figures(diagnosis: Diagnosis) -> list[Figure]:
@@ -43,11 +47,15 @@ def order_figure(diagnosis: Diagnosis) -> Figure:
         for one in diagnosis.changes
         if one.significant and one.kind == "jump"
     ]
+    marks += [
+        Text(str(place), (float(row[at]), float(external[at])), Role.CHANGE)
+        for place, at in enumerate(outlying(diagnosis)[:_NUMBERED], 1)
+    ]
     return Figure(
         "diagnosis-order",
         "Studentised residuals in measuring order",
         "Externally studentised residuals. Dashed: what one of all distances exceeds by chance in 1 % of "
-        "measurements. Dotted: a new segment; red line: a jump.",
+        "measurements. Dotted: a new segment; solid: a jump. Numbers: outliers, the farthest first.",
         ((Panel("", Axis("distance in measuring order"), Axis("studentised residual"), tuple(marks)),),),
         aspect=0.43,
         legend_columns=6,
@@ -64,7 +72,7 @@ def pattern_figure(diagnosis: Diagnosis) -> Figure:
         "diagnosis-angles",
         "Mean residuals against the joints' angles",
         "Mean residuals (predicted minus measured) against J1, J2 and the angle of the beam against link 2 (θ4). "
-        "Grey: twice the standard deviation that scatter alone gives them.",
+        "Band: twice the standard deviation that scatter alone gives them.",
         (panels,),
         aspect=0.33,
     )

@@ -19,12 +19,12 @@ def map_figure(result: Result, truth: TruthTables | None = None) -> Figure | Non
     if first is None or second is None:
         return None
     caption = (
-        "Angular positioning deviation (actual minus command) of both joints. ▲ red: positive direction, ▼ blue: "
+        "Angular positioning deviation (actual minus command) of both joints. ▲: positive direction, ▼: "
         "negative direction; error bars: standard uncertainty (k = 1). Below: reversal error, negative minus "
         "positive."
     )
     if truth is not None:
-        caption += " Thin black lines: truth of the emulated bench, solid for positive, dashed for negative."
+        caption += " Thin lines: truth of the emulated bench, solid for positive, dashed for negative."
     joints = (
         (1, first, None if truth is None else truth.theta1_map),
         (2, second, None if truth is None else truth.theta2_map),

@@ -60,8 +60,8 @@ def path_figure(validation: PathValidation, gaps: Sequence[Gap] = ()) -> Figure:
         "path",
         "Deviations along the validation path",
         f"{_definitions(axis)} × there, + back: measured; circles, squares or lines: predicted, error bars or bands: "
-        "standard uncertainty of the prediction (k = 1). Below each: measured minus predicted; yellow: ±2 standard "
-        "uncertainties of that difference. Grey: not compared.",
+        "standard uncertainty of the prediction (k = 1). Below each: measured minus predicted; the band: ±2 standard "
+        "uncertainties of that difference. Bands over the whole height: not compared.",
         rows,
         heights=(2.2, 1.0, 2.2, 1.0),
         aspect=1.05,

@@ -58,6 +58,28 @@ def residual_figure(residuals: Residuals, reference: Reference, model: str) -> F
     )
 
 
+def residual_order_figure(residuals: Residuals) -> Figure:
+    """Return the residuals of a fit in measuring order."""
+    value = np.array(residuals.residual_um)
+    row, reflector = np.arange(1, value.size + 1, dtype=np.float64), np.array(residuals.reflector)
+    marks: list[Mark] = [Level(0.0, Role.AXIS, width=0.6)]
+    marks += [
+        Level(start + 1.5, Role.MUTED, vertical=True, dash="dotted", width=0.6)
+        for start in np.flatnonzero(reflector[1:] != reflector[:-1]).tolist()
+    ]
+    for place, name in enumerate(dict.fromkeys(residuals.reflector)):
+        own = reflector == name
+        marks.append(Points(row[own], value[own], place, f"reflector {name}", size=2.4, faint=True))
+    return Figure(
+        "residual-order",
+        "Residuals in measuring order",
+        "Residuals (predicted minus measured) in measuring order. Dotted: another reflector.",
+        ((Panel("", Axis("distance in measuring order"), Axis("residual / µm"), tuple(marks)),),),
+        aspect=0.36,
+        legend_columns=6,
+    )
+
+
 def _against(
     letter: str, joint: int, residuals: Residuals, theta: Sequence[float], names: Sequence[str]
 ) -> Panel:

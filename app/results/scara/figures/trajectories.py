@@ -50,7 +50,7 @@ def trajectory_figure(validation: PathValidation) -> Figure:
     return Figure(
         "trajectories",
         "Trajectories with magnified errors",
-        f"Grey line and black dots: command positions; from there the error, magnified {factor:g} times (the bar "
+        f"Thin line with dots: command positions; from there the error, magnified {factor:g} times (the bar "
         "shows its scale), to where the arm was measured or is predicted. The last panel, measured minus the best "
         "model, is what a compensation with that model would leave.",
         tuple(tuple(panels[row * across : (row + 1) * across]) for row in range(count)),

@@ -10,7 +10,7 @@ from catseye.app.engine.operator import Answer, Operator, says_done
 from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.errors import ConfigError, LinkFailedError
 from catseye.procedures.kit.context import Prompt
-from catseye.procedures.kit.records import Json
+from catseye.procedures.kit.tasks import ClearBeam, PlaceReflector, TurnScrew
 from catseye.simulators.config import Screws
 from catseye.simulators.emulated_bench import EmulatedBench
 from tests.unit.app.engine.fakes import ManualClock
@@ -19,7 +19,7 @@ from tests.unit.simulators.benches import QUIET
 # Reflectors are drawn some millimetres off: the straight arm meets P2 with a wide acceptance.
 WIDE = replace(QUIET, one_reflector=True, acceptance_mm=50.0, devices=())
 EXACT = replace(WIDE, screws=Screws(setting_turns=0.0, play_turns=0.0))
-TURN: dict[str, Json] = {"do": "turn-screw", "screw": "stage", "turns": 0.5}
+TURN = TurnScrew(screw="stage", turns=0.5)
 STAGE = Prompt("stage/1", "choice", "Turn.", choices=("done", "stop"), safe_answer="stop", task=TURN)
 
 
@@ -36,41 +36,31 @@ def endpoint(bench: EmulatedBench) -> str:
 async def test_hands_turn_a_screw_clockwise(bench: EmulatedBench) -> None:
     done = await SimulatedOperator(endpoint(bench)).do(TURN)
     # Half a turn of a screw with 0.5 mm a turn.
-    assert bench.bench.mount.offset_mm == pytest.approx(0.25)
+    assert bench.bench.beam.mount.offset_mm == pytest.approx(0.25)
     assert done == {"op": "turn_screw", "screw": "stage", "turns": 0.5}
 
 
 async def test_clumsy_hands_turn_it_the_wrong_way(bench: EmulatedBench) -> None:
-    await SimulatedOperator(endpoint(bench), clumsy=True).do(
-        {"do": "turn-screw", "screw": "level", "turns": 1}
-    )
-    assert 1e3 * bench.bench.mount.pitch_rad == pytest.approx(-2.0)
+    await SimulatedOperator(endpoint(bench), clumsy=True).do(TurnScrew(screw="level", turns=1))
+    assert 1e3 * bench.bench.beam.mount.pitch_rad == pytest.approx(-2.0)
 
 
 async def test_hands_carry_the_reflector_and_clear_the_beam(bench: EmulatedBench) -> None:
     hands = SimulatedOperator(endpoint(bench))
-    assert bench.bench.in_place == ["P1"]
-    await hands.do({"do": "place-reflector", "reflector": "P2"})
-    assert bench.bench.in_place == ["P2"]
-    bench.bench.block_beam(None)
-    assert not bench.bench.read().returns
-    await hands.do({"do": "clear-beam"})
-    assert bench.bench.read().returns
+    assert bench.bench.beam.in_place == ["P1"]
+    await hands.do(PlaceReflector(reflector="P2"))
+    assert bench.bench.beam.in_place == ["P2"]
+    bench.bench.beam.block(None)
+    assert not bench.bench.beam.read().returns
+    await hands.do(ClearBeam())
+    assert bench.bench.beam.read().returns
 
 
 async def test_what_the_bench_refuses_is_said(bench: EmulatedBench) -> None:
     with pytest.raises(LinkFailedError, match="no reflector 'P9'; there are P1, P2, P3"):
-        await SimulatedOperator(endpoint(bench)).do({"do": "place-reflector", "reflector": "P9"})
+        await SimulatedOperator(endpoint(bench)).do(PlaceReflector(reflector="P9"))
     with pytest.raises(LinkFailedError, match="turns"):
-        await SimulatedOperator(endpoint(bench)).do({**TURN, "turns": 500.0})
-
-
-async def test_a_task_that_no_hands_know_is_a_fault_of_the_program() -> None:
-    hands = SimulatedOperator("tcp://127.0.0.1:1")
-    with pytest.raises(ValueError, match="they know turn-screw"):
-        await hands.do({"do": "dance"})
-    with pytest.raises(ValueError, match="number"):
-        await hands.do({**TURN, "turns": "many"})
+        await SimulatedOperator(endpoint(bench)).do(TurnScrew(screw="stage", turns=500.0))
 
 
 async def test_a_bench_that_is_not_there_is_said() -> None:
@@ -106,7 +96,7 @@ async def test_unattended_the_task_is_done_and_the_safe_answer_is_not_taken(benc
     answer = await operator.answer(STAGE)
     assert (answer.text, answer.who) == ("done", "emulated operator")
     assert answer.done == {"op": "turn_screw", "screw": "stage", "turns": 0.5}
-    assert bench.bench.mount.offset_mm == pytest.approx(0.25)
+    assert bench.bench.beam.mount.offset_mm == pytest.approx(0.25)
 
 
 async def test_the_hands_obey_a_person_and_the_answers_file_too(bench: EmulatedBench) -> None:
@@ -115,12 +105,12 @@ async def test_the_hands_obey_a_person_and_the_answers_file_too(bench: EmulatedB
 
     hands = SimulatedOperator(endpoint(bench))
     await Operator(ManualClock(), {}, person, simulated=True, hands=hands).answer(STAGE)
-    assert bench.bench.mount.offset_mm == pytest.approx(0.25)
+    assert bench.bench.beam.mount.offset_mm == pytest.approx(0.25)
     stopped = await Operator(ManualClock(), {"stage/1": "stop"}, None, simulated=True, hands=hands).answer(
         STAGE
     )
     assert stopped == Answer("stop", "answers file")
-    assert bench.bench.mount.offset_mm == pytest.approx(0.25)
+    assert bench.bench.beam.mount.offset_mm == pytest.approx(0.25)
 
 
 async def test_on_real_hardware_no_hands_move(bench: EmulatedBench) -> None:
@@ -129,7 +119,7 @@ async def test_on_real_hardware_no_hands_move(bench: EmulatedBench) -> None:
 
     operator = Operator(ManualClock(), {}, person, simulated=False, hands=SimulatedOperator(endpoint(bench)))
     assert await operator.answer(STAGE) == Answer("done", "Ada")
-    assert bench.bench.mount.offset_mm == 0.0
+    assert bench.bench.beam.mount.offset_mm == 0.0
 
 
 async def test_without_a_way_to_the_bench_the_remedy_is_told() -> None:

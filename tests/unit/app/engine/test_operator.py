@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from catseye.app.engine.operator import Answer, Answerer, Operator, fault_of
+from catseye.app.engine.operator import Answer, Answerer, Operator
 from catseye.app.errors import ConfigError, PromptUnansweredError
 from catseye.procedures.kit.context import Prompt
 from tests.unit.app.engine.fakes import ManualClock
@@ -26,8 +26,8 @@ def person(text: str | None) -> Answerer:
     [(CLEAR, "yes", "maybe"), (COLOUR, "green", "blue"), (HEIGHT, "1.5e2", "tall"), (HEIGHT, "-3", "nan")],
 )
 def test_an_answer_must_fit_its_kind(prompt: Prompt, good: str, bad: str) -> None:
-    assert fault_of(prompt, good) == ""
-    assert fault_of(prompt, bad) != ""
+    assert prompt.fault_of(good) == ""
+    assert prompt.fault_of(bad) != ""
 
 
 async def test_the_answers_file_comes_first_on_emulated_hardware() -> None:

@@ -20,6 +20,7 @@ from catseye.app.service.questions import answer_of, hint
 from catseye.app.service.run_service import RunService
 from catseye.app.store.reader import RunReader
 from catseye.procedures.kit.context import Context, Prompt
+from catseye.procedures.kit.tasks import TurnScrew
 from tests.unit.app.engine.fakes import FakeBench, Script
 from tests.unit.app.service.benches import ServiceBench, settled
 
@@ -123,7 +124,7 @@ def test_a_question_comes_back_whole_from_its_event() -> None:
         "Turn.",
         ("done", "skip"),
         timeout_s=5.0,
-        task={"do": "turn-screw", "turns": 0.5},
+        task=TurnScrew(screw="stage", turns=0.5),
         motion=True,
         rests_after=("skip",),
     )

@@ -6,6 +6,9 @@ import os
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
+
+from catseye.app.results.figures import Axis, Figure, Level, Line, Panel, Points, Role, Text
 from catseye.app.results.scara.diagnosis_document import (
     DiagnosedFit,
     DiagnosisDocument,
@@ -134,6 +137,20 @@ def _outlier(row: int, what: str, residual_um: float, external: float) -> Outlie
     )
 
 
+def _order_figure() -> Figure:
+    """Return residuals in measuring order with two numbered outliers."""
+    size = np.sin(1.7 * np.arange(1.0, 41.0))
+    size[6], size[30] = 9.4, -6.1
+    marks = (
+        Points(np.arange(1.0, 41.0), size, 0, "reflector P1", size=2.4),
+        Level(3.9, Role.CHANGE, dash="dashed"),
+        Text("1", (7.0, 9.4), Role.CHANGE),
+        Text("2", (31.0, -6.1), Role.CHANGE),
+    )
+    panel = Panel("", Axis("distance in measuring order"), Axis("studentised residual"), marks)
+    return Figure("diagnosis-order", "Residuals", "Dashed: the limit.", ((panel,),))
+
+
 DIAGNOSIS: Final = DiagnosisDocument(
     sources=[RUN],
     findings=[
@@ -165,6 +182,7 @@ DIAGNOSIS: Final = DiagnosisDocument(
         best_prediction=None,
         grids=[],
     ),
+    figures=(_order_figure(),),
 )
 
 
@@ -195,6 +213,13 @@ def validation() -> ValidationDocument:
     seen = [value + (2.0 if place % 2 else -2.0) for place, value in enumerate(true)]
     plain = [value - 25.0 for value in true]
     models = {"conventional": "conventional model", "error-map": "error map"}
+    at = np.array(way)
+    marks = (
+        Points(at, np.array(seen), Role.POSITIVE, "measured", marker="x"),
+        Line(at, np.array(plain), Role.CONVENTIONAL, "conventional model"),
+        Line(at, np.array(true), Role.NEGATIVE, "error map", "dashed"),
+    )
+    panels = tuple(Panel("", Axis("Y / mm"), Axis("µm", symbol), marks) for symbol in ("E_{YY}", "E_{XY}"))
     return ValidationDocument(
         rows=33,
         compared=31,
@@ -221,4 +246,5 @@ def validation() -> ValidationDocument:
             ],
         ),
         verdict=["error map: 2.0 µm are left"],
+        figures=(Figure("path", "Path", "Actual minus command.", (panels,)),),
     )

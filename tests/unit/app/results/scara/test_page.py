@@ -10,7 +10,14 @@ from catseye.app.results.scara.content import ReportContent
 from tests.unit.app.render.page_reader import Page, read_page
 from tests.unit.app.results.scara import sample
 
-FIGURES = ["figure-maps", "figure-path", "figure-trajectories", "figure-residuals", "figure-layout"]
+FIGURES = [
+    "figure-maps",
+    "figure-path",
+    "figure-trajectories",
+    "figure-residual-order",
+    "figure-residuals",
+    "figure-layout",
+]
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +113,7 @@ def test_simulation_is_said_in_a_banner_and_only_then(whole: str) -> None:
 
 def test_report_of_a_single_result_shows_that_result_and_what_was_not_checked() -> None:
     page = read_page(sample.bare_page())
-    assert figures(page) == ["figure-maps", "figure-residuals", "figure-layout"]
+    assert figures(page) == ["figure-maps", "figure-residual-order", "figure-residuals", "figure-layout"]
     assert "has not been checked against an independent instrument" in page.text
     assert "truth" not in page.text
     assert "Results were identified from: points.csv." in page.text
@@ -116,7 +123,7 @@ def test_report_of_a_single_result_shows_that_result_and_what_was_not_checked() 
 
 def test_report_of_the_conventional_model_alone_has_no_maps() -> None:
     page = read_page(sample.page(sample.bare(sample.results()[0])))
-    assert figures(page) == ["figure-residuals", "figure-layout"]
+    assert figures(page) == ["figure-residual-order", "figure-residuals", "figure-layout"]
     assert page.row("θ20 / mdeg")[0] == "–"
     assert "Error maps" not in page.headings
 
@@ -138,7 +145,7 @@ def test_report_without_results_says_that_nothing_was_identified() -> None:
 
 def test_run_without_validation_and_without_a_cell_file() -> None:
     page = read_page(sample.page(replace(sample.whole(), validation=None, cell=None, truth=None, search=())))
-    assert figures(page) == ["figure-maps", "figure-residuals", "figure-layout"]
+    assert figures(page) == ["figure-maps", "figure-residual-order", "figure-residuals", "figure-layout"]
     assert "Configuration" not in page.headings
 
 

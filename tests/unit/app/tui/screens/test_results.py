@@ -135,7 +135,7 @@ async def test_comparison_in_mdeg_and_in_combined_uncertainties(bench: Path) -> 
         assert "L1 mm 325.0123 325.0323 +0.0200 0.0050 +4.00" in squeezed
         assert re.search(r"Δθ2\(60°, \+\) mdeg \S+ \S+ \+5\.00 3\.54 \+1\.41", squeezed)
         assert re.search(r"Δθ2\(60°, −\) mdeg \S+ \S+ 0\.00 1\.77 0\.00", squeezed)
-        assert "Δθ2 difference mdeg" in text
+        assert "Δθ2 difference / mdeg" in text
         assert "Δθ2 difference / u" in await press(app, pilot, "u")
         # Two results that cannot be compared do not borrow the figures of others.
         await press(app, pilot, "1", "down", "down", "c")

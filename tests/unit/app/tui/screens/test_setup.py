@@ -12,6 +12,8 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.cell.wizard.pages import PAGES
 from catseye.app.protocol.requests import Watch
+from catseye.app.results.scara.job_document import JobDocument, JobValidation
+from catseye.app.results.scara.result import Fit
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
@@ -22,12 +24,25 @@ from catseye.app.tui.setup.question_row import QuestionRow
 from catseye.app.tui.setup.wizard import Wizard
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.scripted import ScriptedLink, compare, failed, make_app, shown, work_of
+from tests.unit.app.tui.stored_results import error_map
 
 ENDPOINTS = {
     "robot.endpoint": "tcp://192.168.0.20:10001",
     "interferometer.endpoint": "serial:///dev/ttyUSB0?baud=9600",
     "environment.endpoint": "tcp://192.168.0.30:502",
 }
+
+DEMO = JobDocument(
+    runs={},
+    run="catseye-demo/runs/open-loop",
+    report="catseye-demo/report.html",
+    truth="catseye-demo/truth.json",
+    results={},
+    identified=[],
+    rms_normalised_error=1.0,
+    fit=Fit.model_validate(error_map()["fit"]),
+    validation=JobValidation(models={}, ratio=None, compared=0, left_out=0),
+)
 
 
 @pytest.fixture(autouse=True)
@@ -217,7 +232,7 @@ async def test_a_device_is_asked_who_it_is() -> None:
         assert work_of(app).done[-1][0] == "doctor"
         assert work_of(app).done[-1][2:] == ("--device", "robot", "--json")
         text = await shown(app, pilot)
-        for part in ("RH-3FRH5515 F2", "servo off", "→ alarm 60: reset it"):
+        for part in ("RH-3FRH5515 F2", "servo off", "! alarm 60: reset it"):
             assert part in text
         await pilot.press("c")
         assert "alarm 60" in app.clipboard
@@ -353,7 +368,7 @@ async def test_a_cell_file_with_faults_is_not_used_and_an_engine_of_another_one_
 
 async def test_the_demo_runs_and_shows_results() -> None:
     app, _ = first_start()
-    work_of(app).outcomes["demo"] = Done((), 0, json.dumps({"report": "catseye-demo/report.html"}), "")
+    work_of(app).outcomes["demo"] = Done((), 0, DEMO.model_dump_json(), "")
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.press("d")
         await settled(app, pilot)

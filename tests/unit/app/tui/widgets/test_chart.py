@@ -1,17 +1,16 @@
 """Charts against geometry: where places, numbers and bars stand."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from catseye.app.tui.widgets.chart import Chart, ends_of, marks, number
-from catseye.app.tui.widgets.inks import Line
-from catseye.app.tui.widgets.result_charts import MapColumns, draw_layout, draw_map, draw_residuals
+from catseye.app.tui.widgets.chart import Chart, Frame, label_cells, marks, number
+from catseye.calibration.core.types import Bools
 
-
-def text(lines: list[Line]) -> list[str]:
-    return ["".join(piece for piece, _ in line) for line in lines]
+FRAME = Frame("y", "deg")
 
 
 @given(
@@ -47,13 +46,8 @@ def test_numbers(value: float, step: float, expected: str) -> None:
     assert number(value, step) == expected
 
 
-def test_ends_hold_zero_and_every_finite_value() -> None:
-    low, high = ends_of(np.array([3.0, np.nan]), np.array([7.0, np.inf]))
-    assert low < 0.0 < 7.0 < high < 8.0
-
-
 def test_corners_of_the_plot() -> None:
-    chart = Chart(40, 13, (0.0, 100.0), (-10.0, 10.0), x_unit="deg", title="y")
+    chart = Chart(40, 13, (0.0, 100.0), (-10.0, 10.0), FRAME)
     lower, upper = chart.cell(0.0, -10.0), chart.cell(100.0, 10.0)
     # One line above for the title, two below for the axis and its numbers.
     assert (lower[1], upper[1]) == (10, 1)
@@ -64,7 +58,7 @@ def test_corners_of_the_plot() -> None:
 
 
 def test_numbers_stand_at_their_heights() -> None:
-    chart = Chart(40, 23, (0.0, 100.0), (-10.0, 10.0), x_unit="deg", title="y")
+    chart = Chart(40, 23, (0.0, 100.0), (-10.0, 10.0), FRAME)
     lines = chart.canvas.plain()
     for value in (-10, 0, 10):
         row = chart.cell(0.0, value)[1]
@@ -72,65 +66,52 @@ def test_numbers_stand_at_their_heights() -> None:
     assert lines[-1].rstrip().endswith("deg")
 
 
-def columns(positive: list[float], negative: list[float], u: float) -> MapColumns:
-    node, none = np.array([-40.0, 0.0, 40.0]), np.full(3, u)
-    return MapColumns("Δθ1 mdeg", node, np.array(positive), np.array(negative), none, none)
+def test_numbers_that_a_neighbour_has_take_no_room() -> None:
+    chart = Chart(40, 23, (0.0, 100.0), (-10.0, 10.0), Frame(x_numbers=False, y_numbers=False))
+    assert chart.plot_columns == 39
+    assert chart.plot_rows == 21
+    assert chart.left < label_cells((-10.0, 10.0), 21)
 
 
-def test_signs_of_a_map_stand_at_the_values() -> None:
-    lines = text(draw_map(columns([10.0, 20.0, 10.0], [-20.0, -10.0, -20.0], 0.0), 60, 24))
-    rows = [row for row, line in enumerate(lines) if "+" in line]
-    # 20 mdeg at the node in the middle, 10 at both ends, as far below as above.
-    assert [lines[row].count("+") for row in rows] == [1, 2]
-    middle = lines[rows[0]].index("+")
-    ends = [lines[rows[1]].index("+"), lines[rows[1]].rindex("+")]
-    assert abs(middle - sum(ends) / 2) <= 1
-    # Behind the numbers of the axis, above those below.
-    below = [row for row, line in enumerate(lines[1:-2], 1) for sign in line[4:] if sign == "−"]
-    assert len(below) == 3
-    assert below[0] < below[1] == below[2]
+def test_equal_axes_draw_a_square_as_a_square() -> None:
+    chart = Chart(70, 30, (0.0, 10.0), (0.0, 1.0), Frame(equal=True))
+    across, down = chart.dot(np.array([2.0, 3.0]), np.array([0.0, 1.0]))
+    assert across[1] - across[0] == pytest.approx(down[0] - down[1])
+    assert chart.x == (0.0, 10.0)
+    assert chart.y[0] < 0.0 < 1.0 < chart.y[1]
 
 
-def test_both_directions_at_one_place() -> None:
-    lines = text(draw_map(columns([5.0, 5.0, -5.0], [5.0, -5.0, 5.0], 0.0), 60, 24))
-    assert sum(line.count("±") for line in lines) == 1
+def test_places_of_cells_and_lattice_are_where_dots_are() -> None:
+    chart = Chart(40, 13, (0.0, 100.0), (-10.0, 10.0), FRAME)
+    x, y = chart.cells()
+    for row, column in ((0, 0), (5, 17), (9, 30)):
+        assert chart.cell(float(x[row, column]), float(y[row, column])) == (chart.left + column, 1 + row)
+    across, down = chart.dot(*chart.lattice())
+    assert np.allclose(across, np.rint(across))
+    assert np.allclose(down, np.rint(down))
 
 
-def test_bars_reach_twice_the_uncertainty_to_either_side() -> None:
-    """Bars from −20 to 20 fill 40 of the 43.2 mdeg that the axis holds, and a part of a cell at both ends."""
-    lines = text(draw_map(columns([0.0, 0.0, 0.0], [0.0, 0.0, 0.0], 10.0), 60, 24))
-    column = next(line.rindex("±") for line in lines if line.count("±") == 3)
-    rows = [row for row, line in enumerate(lines[1:-2], 1) if line[column] != " "]
-    expected = (len(lines) - 3) * 40.0 / 43.2
-    assert expected <= len(rows) <= expected + 2.0
+@given(
+    x=st.lists(st.floats(-50.0, 150.0) | st.just(float("nan")), min_size=2, max_size=6),
+    y=st.lists(st.floats(-50.0, 50.0) | st.just(float("nan")), min_size=6, max_size=6),
+)
+def test_polyline_sets_the_dots_of_its_straight_lines(x: list[float], y: list[float]) -> None:
+    """A whole polyline against one line after the other, which is cut at the edges by itself."""
+    whole, single = (Chart(40, 13, (0.0, 100.0), (-10.0, 10.0), FRAME).canvas for _ in range(2))
+    places = list(zip(x, y, strict=False))
+    whole.polyline(np.array(x), np.array(y[: len(x)]), "a")
+    for start, end in pairwise(places):
+        single.line(start, end, "a")
+    # Where a line is cut, dots half-way between two may go either way.
+    assert not np.any(whole.dots & ~widened(single.dots))
+    assert not np.any(single.dots & ~widened(whole.dots))
 
 
-def test_outliers_carry_their_numbers() -> None:
-    values = np.zeros(40)
-    values[6], values[30] = 60.0, -45.0
-    lines = text(draw_residuals(values, ["P1"] * 20 + ["P2"] * 20, [7, 31], 80, 20))
-    one = next((row, line.index("1")) for row, line in enumerate(lines[1:-2], 1) if "1" in line[6:])
-    two = next((row, line.index("2", 6)) for row, line in enumerate(lines[1:-2], 1) if "2" in line[6:])
-    assert one[0] < two[0]
-    assert one[1] < 20 < 55 < two[1]
-    assert lines[0].index("P1") < 40 < lines[0].index("P2") + 2
-
-
-def test_layout_is_to_scale() -> None:
-    """Two reflectors 500 mm apart stand five times as far apart as a bar of 100 mm is long."""
-    places = [("A", 600.0, 250.0), ("B", 600.0, -250.0)]
-    lines = text(draw_layout((325.0, 225.0), places, np.zeros((0, 2)), 70, 40))
-    rows = [row for row, line in enumerate(lines) if "◆" in line]
-    assert lines[rows[0]].index("◆") == lines[rows[1]].index("◆")
-    bar = lines[-1]
-    length_mm = float(bar.split()[1])
-    cells = bar.index("┤") + 1
-    # A cell is twice as high as wide.
-    assert 2.0 * (rows[1] - rows[0]) / cells == pytest.approx(500.0 / length_mm, rel=0.15)
-
-
-@pytest.mark.parametrize("size", [(0, 0), (1, 1), (5, 3), (9, 4), (12, 30)])
-def test_no_room_is_no_fault(size: tuple[int, int]) -> None:
-    draw_map(columns([1.0, 2.0, 3.0], [0.0, 0.0, 0.0], 1.0), *size)
-    draw_residuals(np.zeros(3), ["P1"] * 3, [1], *size)
-    draw_layout((325.0, 225.0), [("P1", 1.0, 2.0)], np.zeros((1, 2)), *size)
+def widened(dots: Bools) -> Bools:
+    """Return dots with all their neighbours."""
+    room = np.pad(dots, 1)
+    rows, columns = dots.shape
+    found: Bools = np.logical_or.reduce(
+        [room[1 + i : 1 + i + rows, 1 + j : 1 + j + columns] for i in (-1, 0, 1) for j in (-1, 0, 1)]
+    )
+    return found

@@ -4,12 +4,14 @@ import pytest
 
 from catseye.app.protocol.bench import ReflectorPlace
 from catseye.app.protocol.run_events import LiveData
-from catseye.app.tui.run_state import MapKnowledge, RunState
+from catseye.app.results.scara.map_known import MapKnown
+from catseye.app.tui.run_state import RunState
 from catseye.app.tui.widgets.band_bar import band_bar, band_text, value_text
 from catseye.app.tui.widgets.progress_line import bar
 from catseye.app.tui.widgets.run_plots import _scale, _uncertainties, _values  # noqa: PLC2701  # drawing without a screen
 from catseye.app.tui.widgets.task_picture import task_picture
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.tasks import ClearBeam, PlaceReflector, TurnScrew
 
 
 def live(value: float, low: float | None, high: float | None) -> LiveData:
@@ -52,13 +54,13 @@ def test_a_live_value_has_digits_for_a_glance(value: float, text: str) -> None:
 
 
 def test_a_screw_turns_the_way_that_is_drawn() -> None:
-    clockwise = task_picture({"do": "turn-screw", "screw": "stage", "turns": 0.25})
+    clockwise = task_picture(TurnScrew(screw="stage", turns=0.25))
     # Clockwise: right above, left below.
     assert "▶" in clockwise[0]
     assert "◀" in clockwise[2]
     assert "0.25 turns clockwise" in clockwise[1]
     assert "90° of the stage screw" in clockwise[2]
-    anticlockwise = task_picture({"do": "turn-screw", "screw": "level", "turns": -1.5})
+    anticlockwise = task_picture(TurnScrew(screw="level", turns=-1.5))
     assert "◀" in anticlockwise[0]
     assert "1.50 turns anticlockwise" in anticlockwise[1]
 
@@ -68,11 +70,11 @@ def test_the_nest_that_is_meant_holds_the_reflector() -> None:
         ReflectorPlace(name=name, x_mm=x_mm, y_mm=y_mm, facing_deg=0.0, field_half_angle_deg=80.0)
         for name, x_mm, y_mm in (("P1", 1.0, 2.0), ("P2", 650.0, -400.0))
     ]
-    (line,) = task_picture({"do": "place-reflector", "reflector": "P2"}, nests)
+    (line,) = task_picture(PlaceReflector(reflector="P2"), nests)
     assert line.startswith("[ ] P1   [◗] P2")
     assert "x 650 mm, y -400 mm" in line
-    assert task_picture({"do": "place-reflector", "reflector": "P9"}) == ["[◗] P9"]
-    assert "╳" in task_picture({"do": "clear-beam"})[0]
+    assert task_picture(PlaceReflector(reflector="P9")) == ["[◗] P9"]
+    assert "╳" in task_picture(ClearBeam())[0]
     assert task_picture(None) == []
 
 
@@ -89,13 +91,13 @@ def test_an_outlier_is_marked_and_does_not_flatten_the_others() -> None:
 
 
 def test_both_maps_are_drawn_where_they_are_known() -> None:
-    known = [MapKnowledge((), None, 100.0, ""), MapKnowledge((), 50.0, 10.0, "")]
+    known = [MapKnown(u_theta2_mdeg=100.0), MapKnown(u_theta1_mdeg=50.0, u_theta2_mdeg=10.0)]
     drawn = ["".join(text for text, _ in line) for line in _uncertainties(known, 20, 5)]
     assert drawn[0].lstrip().startswith("100")
     assert drawn[-1].lstrip().startswith("10")
     assert "○" in drawn[-1]
     assert sum(line.count("●") for line in drawn) == 1
-    assert _uncertainties([MapKnowledge((), None, None, "not yet")], 20, 5) == []
+    assert _uncertainties([MapKnown(text="not yet")], 20, 5) == []
 
 
 def test_a_run_that_is_not_known_has_no_current_step() -> None:

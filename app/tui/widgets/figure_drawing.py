@@ -1,0 +1,248 @@
+"""Figures drawn with letters and braille dots: panels, one legend, note and caption."""
+
+import textwrap
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+import numpy as np
+
+from catseye.app.results.figures import Axis, Figure, Heat, Panel, Points
+from catseye.app.tui.widgets.chart import AXIS, Chart, Ends, Frame, label_cells
+from catseye.app.tui.widgets.inks import Line, ink_name
+from catseye.app.tui.widgets.mark_drawing import SEVERAL, SHADES, draw, ends_of, layer, sample, value_ends
+
+_NARROWEST: Final = 34
+"""Panels that would be narrower stand below each other."""
+
+_LOW_ROWS: Final = 3
+_HIGH_ROWS: Final = 8
+_SQUARE_ROWS: Final = 14
+_MARGIN: Final = 0.04
+_BETWEEN: Final[Line] = [("  ", "")]
+
+_Placed: TypeAlias = tuple[int, int]
+"""Row and place of a panel in its figure."""
+
+
+@dataclass(frozen=True)
+class _Strip:
+    """Panels that stand side by side on the screen.
+
+    Attributes:
+        places: of the panels in the figure; None for an empty place.
+        share: of the height.
+        broken: the figure has more panels in this row.
+    """
+
+    places: tuple[_Placed | None, ...]
+    share: float
+    broken: bool
+
+
+def draw_figure(figure: Figure, width: int, height: int) -> list[Line]:
+    """Return a figure that fills its place: what says what above, note and caption below.
+
+    Args:
+        figure: as data.
+        width: in cells.
+        height: in cells; rows of panels that have too little room are cut off at the end.
+    """
+    above, below = _legend(figure, width), _below(figure, width)
+    strips = _strips(figure, width)
+    frames = [_frames(figure, strip) for strip in strips]
+    room = height - len(above) - len(below)
+    heights = _heights(figure, strips, frames, room)
+    scales = _Scales(figure)
+    drawn = [
+        line
+        for strip, own, rows in zip(strips, frames, heights, strict=True)
+        for line in _draw_strip(figure, strip, own, scales, width, rows)
+    ]
+    if above and any(SEVERAL in text for line in drawn for text, _ in line):
+        above[-1].append((f"{SEVERAL} several", AXIS))
+    return [*above, *drawn, *below][:height]
+
+
+def rows_needed(figure: Figure, width: int) -> int:
+    """Return the height in cells from which on a figure is readable."""
+    strips = _strips(figure, width)
+    other = len(_legend(figure, width)) + len(_below(figure, width))
+    return other + sum(_least(figure, strip, _frames(figure, strip)) for strip in strips)
+
+
+class _Scales:
+    """Ends of the axes of each panel; those that share a scale hold the marks of all."""
+
+    def __init__(self, figure: Figure) -> None:
+        self._figure = figure
+        self._x = self._shared("x", lambda row, place: (row + 1, place))
+        self._y = self._shared("y", lambda row, place: (row, place - 1))
+
+    def of(self, place: _Placed) -> tuple[Ends, Ends]:
+        """Return the ends across and upwards."""
+        return self._x[place], self._y[place]
+
+    def _shared(self, name: str, neighbour: Callable[[int, int], _Placed]) -> dict[_Placed, Ends]:
+        panels = dict(_panels(self._figure))
+        groups: dict[_Placed, list[_Placed]] = {}
+        for place in panels:
+            first = place
+            while _axis(panels[first], name).shared and neighbour(*first) in panels:
+                first = neighbour(*first)
+            groups.setdefault(first, []).append(place)
+        return {
+            place: _ends([panels[each] for each in members], name)
+            for members in groups.values()
+            for place in members
+        }
+
+
+def _axis(panel: Panel, name: str) -> Axis:
+    return panel.x if name == "x" else panel.y
+
+
+def _ends(panels: Sequence[Panel], name: str) -> Ends:
+    """Return the ends of an axis: those that are given, else of all marks with a margin."""
+    every = [ends_of(mark)[name == "y"] for panel in panels for mark in panel.marks]
+    values = np.concatenate([np.zeros(0), *(np.asarray(part, dtype=np.float64).ravel() for part in every)])
+    values = values[np.isfinite(values)]
+    low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
+    margin = _MARGIN * (high - low)
+    lows = [axis.low for panel in panels if (axis := _axis(panel, name)).low is not None]
+    highs = [axis.high for panel in panels if (axis := _axis(panel, name)).high is not None]
+    return (
+        low - margin if not lows or lows[0] is None else lows[0],
+        high + margin if not highs or highs[0] is None else highs[0],
+    )
+
+
+def _panels(figure: Figure) -> Iterator[tuple[_Placed, Panel]]:
+    for row, panels in enumerate(figure.rows):
+        for place, panel in enumerate(panels):
+            if panel is not None:
+                yield (row, place), panel
+
+
+def _strips(figure: Figure, width: int) -> list[_Strip]:
+    """Return what stands side by side: rows of the figure, broken where a panel would be too narrow."""
+    most = max(width // _NARROWEST, 1)
+    heights = figure.heights or (1.0,) * len(figure.rows)
+    strips = []
+    for row, (panels, share) in enumerate(zip(figure.rows, heights, strict=True)):
+        places = [(row, place) if panel is not None else None for place, panel in enumerate(panels)]
+        # As many in each part as in the others: four panels are two and two, not three and one.
+        size = -(-len(places) // -(-len(places) // most))
+        parts = [tuple(places[first : first + size]) for first in range(0, len(places), size)]
+        strips += [_Strip(part, share, len(parts) > 1) for part in parts if any(part)]
+    return strips
+
+
+def _frames(figure: Figure, strip: _Strip) -> list[Frame | None]:
+    """Return what stands around the panels; numbers that a neighbour has are left out."""
+    frames: list[Frame | None] = []
+    for number, place in enumerate(strip.places):
+        panel = None if place is None else figure.rows[place[0]][place[1]]
+        if panel is None:
+            frames.append(None)
+            continue
+        frames.append(
+            Frame(
+                "  ".join(part for part in (panel.title, panel.y.plain) if part),
+                panel.x.plain,
+                x_numbers=strip.broken or not panel.x.shared,
+                y_numbers=not number or not panel.y.shared,
+                equal=panel.equal,
+            )
+        )
+    return frames
+
+
+def _other_rows(frames: Sequence[Frame | None]) -> int:
+    return max(frame.other_rows for frame in frames if frame is not None)
+
+
+def _least(figure: Figure, strip: _Strip, frames: Sequence[Frame | None]) -> int:
+    if any(frame is not None and frame.equal for frame in frames):
+        return _SQUARE_ROWS + _other_rows(frames)
+    share = strip.share / max(figure.heights, default=1.0)
+    return max(_LOW_ROWS, round(share * _HIGH_ROWS)) + _other_rows(frames)
+
+
+def _heights(
+    figure: Figure, strips: Sequence[_Strip], frames: Sequence[Sequence[Frame | None]], room: int
+) -> list[int]:
+    """Return the height of each strip: what it needs at least, and its share of what is left."""
+    least = [_least(figure, strip, own) for strip, own in zip(strips, frames, strict=True)]
+    left, whole = max(room - sum(least), 0), sum(strip.share for strip in strips)
+    ends = np.rint(left * np.cumsum([strip.share for strip in strips]) / whole).astype(int).tolist()
+    return [rows + end - before for rows, before, end in zip(least, [0, *ends[:-1]], ends, strict=True)]
+
+
+def _draw_strip(
+    figure: Figure, strip: _Strip, frames: Sequence[Frame | None], scales: _Scales, width: int, rows: int
+) -> list[Line]:
+    """Return panels side by side, each as wide as the others."""
+    count = len(strip.places)
+    columns = (width - len(_BETWEEN[0][0]) * (count - 1)) // count
+    drawn = [
+        _blank(columns, rows)
+        if place is None or frame is None
+        else _draw_panel(figure, place, frame, scales, columns, rows)
+        for place, frame in zip(strip.places, frames, strict=True)
+    ]
+    return [
+        [piece for number, line in enumerate(row) for piece in ([*_BETWEEN, *line] if number else line)]
+        for row in zip(*drawn, strict=True)
+    ]
+
+
+def _draw_panel(
+    figure: Figure, place: _Placed, frame: Frame, scales: _Scales, columns: int, rows: int
+) -> list[Line]:
+    panel = figure.rows[place[0]][place[1]]
+    x, y = scales.of(place)
+    if frame.y_numbers:
+        # Panels above each other begin in one column.
+        above = [scales.of(each)[1] for each, _ in _panels(figure) if each[1] == place[1]]
+        left = max(label_cells(ends, max(rows - frame.other_rows, 1)) for ends in above)
+        frame = Frame(frame.title, frame.x_label, frame.x_numbers, True, left, frame.equal)
+    chart = Chart(columns, rows, x, y, frame)
+    if panel is not None and chart.usable:
+        for mark in sorted(panel.marks, key=layer):
+            draw(mark, chart)
+    return list(chart.canvas.lines())
+
+
+def _blank(columns: int, rows: int) -> list[Line]:
+    return [[(" " * columns, "")] for _ in range(rows)]
+
+
+def _legend(figure: Figure, width: int) -> list[Line]:
+    """Return each label of the marks once, with what stands for it, in as many lines as it takes."""
+    entries: dict[str, tuple[str, str]] = {}
+    for _, panel in _panels(figure):
+        for mark in panel.marks:
+            label, ink = getattr(mark, "label", ""), getattr(mark, "ink", AXIS)
+            if isinstance(mark, Heat):
+                entries[f"{label}, 0 to {mark.highest:.3g}"] = (SHADES, ink_name("heat"))
+            elif isinstance(mark, Points) and mark.value is not None:
+                low, high = value_ends(mark)
+                entries[f"{mark.value_label}, {low:.3g} to {high:.3g}"] = ("0…9", ink_name(ink))
+            elif label:
+                entries.setdefault(label, (sample(mark), ink_name(ink)))
+    lines: list[Line] = []
+    used = width
+    for label, (sign, ink) in entries.items():
+        needed = len(sign) + len(label) + 4
+        if used + needed > width + 3:
+            lines.append([])
+            used = 0
+        lines[-1] += [(sign, ink), (f" {label}   ", AXIS)]
+        used += needed
+    return lines
+
+
+def _below(figure: Figure, width: int) -> list[Line]:
+    texts = [text for text in (figure.note, figure.caption) if text]
+    return [[(line, AXIS)] for text in texts for line in textwrap.wrap(text, max(width, 20))]

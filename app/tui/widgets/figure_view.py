@@ -1,0 +1,77 @@
+"""Figures of a report on the screen."""
+
+from textual.app import ComposeResult, RenderResult
+from textual.containers import VerticalScroll
+from textual.content import Content
+from textual.geometry import Size
+from textual.widget import Widget
+
+from catseye.app.results.figures import Figure
+from catseye.app.tui.widgets.inks import FIGURE_STYLES, painted
+
+
+class FigureView(Widget):
+    """Figures one below the other, each as high as the place where it is seen, or higher where it needs that."""
+
+    DEFAULT_CSS = """
+    FigureView { height: auto; width: 1fr; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._figures: tuple[Figure, ...] = ()
+        self._drawn_at: tuple[int, int] | None = None
+        self._content = Content("")
+
+    def show(self, figures: tuple[Figure, ...]) -> None:
+        """Show figures instead of those before."""
+        self._figures, self._drawn_at = figures, None
+        self.refresh(layout=True)
+
+    def get_content_height(self, container: Size, _viewport: Size, width: int) -> int:
+        """Return the height of all figures."""
+        return sum(self._heights(width, container.height))
+
+    def render(self) -> RenderResult:
+        """Return the figures at this size; drawn anew only for another size or other figures."""
+        size = self.size.width, self.size.height
+        if size != self._drawn_at:
+            self._content, self._drawn_at = self._drawn(*size), size
+        return self._content
+
+    def _drawn(self, width: int, height: int) -> Content:
+        from catseye.app.tui.widgets.figure_drawing import draw_figure
+
+        least = self._heights(width, 0)
+        seen = self.parent.size.height if isinstance(self.parent, Widget) else height
+        lines = [
+            line
+            for figure, rows in zip(self._figures, least, strict=True)
+            for line in draw_figure(figure, width, max(rows, seen))
+        ]
+        return painted(lines, FIGURE_STYLES)
+
+    def _heights(self, width: int, seen: int) -> list[int]:
+        # Mathematics are imported with the first figure, not with the first screen.
+        if not self._figures:
+            return []
+        from catseye.app.tui.widgets.figure_drawing import rows_needed
+
+        return [max(rows_needed(figure, width), seen) for figure in self._figures]
+
+
+class Figures(VerticalScroll):
+    """Figures that can be scrolled."""
+
+    DEFAULT_CSS = """
+    Figures { height: 1fr; width: 1fr; padding: 0 1; scrollbar-size-vertical: 1; }
+    """
+
+    def compose(self) -> ComposeResult:
+        """All figures in one view."""
+        yield FigureView()
+
+    def show(self, *figures: Figure | None) -> None:
+        """Show the figures that there are, from the first one on."""
+        self.query_one(FigureView).show(tuple(figure for figure in figures if figure is not None))
+        self.scroll_home(animate=False)

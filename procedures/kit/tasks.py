@@ -1,0 +1,36 @@
+"""What a person does on the bench before a question is answered, as data; an emulated bench has it done."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True, kw_only=True)
+class TurnScrew:
+    """Turn an adjustment screw.
+
+    Attributes:
+        screw: its name, "stage" or "level".
+        turns: how far; clockwise is positive.
+    """
+
+    do: Literal["turn-screw"] = "turn-screw"
+    screw: str
+    turns: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlaceReflector:
+    """Put a reflector into its nest."""
+
+    do: Literal["place-reflector"] = "place-reflector"
+    reflector: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClearBeam:
+    """Take away what stands in the beam."""
+
+    do: Literal["clear-beam"] = "clear-beam"
+
+
+Task = TurnScrew | PlaceReflector | ClearBeam
