@@ -5,16 +5,18 @@ import sys
 from pathlib import Path
 
 from catseye.app.cli.hosting import DriveOptions, serve_and_run
-from catseye.app.cli.output import note, write_line
-from catseye.app.cli.rehearsal import write_rehearsal
+from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.engine.heap import settled_heap
+from catseye.app.results.rehearsal import rehearsal_report
+from catseye.app.service.rehearsal import rehearsal_of
 from catseye.app.service.running import PlannedRun, rehearse
 
 
 def conduct(planned: PlannedRun, root: Path, options: DriveOptions, *, dry_run: bool) -> None:
     """Rehearse a plan, or run it and end the process with the run's exit code."""
     if dry_run:
-        write_rehearsal(planned, asyncio.run(rehearse(planned)), as_json=options.as_json)
+        _rehearse(planned, as_json=options.as_json)
         note("a real arm drives this where it was walked through (--walk), or with a reason (--waive-walk)")
         return
     with settled_heap():
@@ -22,3 +24,13 @@ def conduct(planned: PlannedRun, root: Path, options: DriveOptions, *, dry_run: 
     if not options.as_json:
         write_line(str(outcome.path))
     sys.exit(int(outcome.exit_code))
+
+
+def _rehearse(planned: PlannedRun, *, as_json: bool) -> None:
+    rehearsal = rehearsal_of(planned, asyncio.run(rehearse(planned)))
+    report = rehearsal_report(rehearsal)
+    if as_json:
+        write_json(rehearsal.model_dump(mode="json"))
+    else:
+        write_tables(report)
+    note_statements(report)

@@ -3,7 +3,6 @@
 import json
 import os
 import sys
-from collections.abc import Iterable, Sequence
 
 from catseye.app.cli.reporting import report_warning
 from catseye.app.errors import OutputError, ReaderGoneError
@@ -50,24 +49,3 @@ def warn(text: str) -> None:
     """Warn people on stderr, and the program that started this one."""
     note(f"warning: {text}")
     report_warning(harmless_lines(text))
-
-
-def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Return a plain table; numbers stand to the right."""
-    cells = [[str(cell) for cell in row] for row in rows]
-    widths = [max(len(row[i]) for row in [list(header), *cells]) for i in range(len(header))]
-
-    def line(row: Sequence[str]) -> str:
-        parts = [
-            cell.rjust(width) if _is_number(cell) else cell.ljust(width)
-            for cell, width in zip(row, widths, strict=True)
-        ]
-        return "  ".join(parts).rstrip()
-
-    return "\n".join(
-        [line(list(header)), line(["-" * width for width in widths]), *(line(row) for row in cells)]
-    )
-
-
-def _is_number(text: str) -> bool:
-    return text.lstrip("+-−").replace(".", "", 1).replace("e-", "", 1).isdigit()

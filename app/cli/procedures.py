@@ -2,12 +2,16 @@
 
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from catseye.app.cli.options import AsJson, Runs
 from catseye.app.cli.output import note, write_json, write_line
+
+if TYPE_CHECKING:
+    from catseye.app.results.model import Report
+    from catseye.app.results.readiness.survey_document import SurveyDocument
 
 
 def procedures(
@@ -28,26 +32,31 @@ def procedures(
 
 
 def _list_procedures(*, as_json: bool) -> None:
-    from catseye.app.cli.procedures_text import procedure_facts, procedure_lines
     from catseye.app.protocol.procedures import load_procedure, procedure_names
+    from catseye.app.results.readiness.survey_document import procedures_document
+    from catseye.app.results.readiness.survey_report import procedures_report
 
-    for procedure in map(load_procedure, procedure_names()):
-        if as_json:
-            write_json(procedure_facts(procedure))
-        else:
-            write_line("\n".join(procedure_lines(procedure)))
+    document = procedures_document(map(load_procedure, procedure_names()))
+    _write(document, procedures_report(document), as_json=as_json)
 
 
 def _survey(cell: Path, runs: Path | None, *, as_json: bool) -> None:
-    from catseye.app.cli.procedures_text import survey_facts, survey_lines
     from catseye.app.results.readiness.survey import survey_cell
+    from catseye.app.results.readiness.survey_document import survey_document
+    from catseye.app.results.readiness.survey_report import survey_report
     from catseye.app.store.runs_folder import runs_folder
 
-    survey = survey_cell(cell, runs_folder(runs), datetime.now(UTC))
+    document = survey_document(survey_cell(cell, runs_folder(runs), datetime.now(UTC)))
+    _write(document, survey_report(document), as_json=as_json)
+    if document.next is not None and not as_json:
+        note(f"next: {document.next.command}")
+
+
+def _write(document: "SurveyDocument", report: "Report", *, as_json: bool) -> None:
+    from catseye.app.render.text import report_text
+
     if as_json:
-        for facts in survey_facts(survey):
-            write_json(facts)
-        return
-    write_line("\n".join(survey_lines(survey)))
-    if survey.next is not None:
-        note(f"next: {survey.next.command}")
+        for line in document.lines():
+            write_json(line)
+    else:
+        write_line(report_text(report))

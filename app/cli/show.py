@@ -11,7 +11,9 @@ def show(
     as_json: AsJson = False,
 ) -> None:
     """Tell a run's story: what, with which devices, what happened, how it ended."""
-    from catseye.app.cli.show_text import run_facts, run_lines
+    from catseye.app.render.text import report_text
+    from catseye.app.results.runs.documents import run_document
+    from catseye.app.results.runs.reports import story_report
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
     from catseye.app.store.runs_folder import runs_folder
@@ -20,7 +22,6 @@ def show(
     reader = RunReader(resolve_run(runs_folder(runs), run), accept(unverified=unverified))
     with taken_as_it_is(reader):
         if as_json:
-            write_json(run_facts(reader))
-            return
-        for line in run_lines(reader):
-            write_line(line)
+            write_json(run_document(reader).model_dump(mode="json"))
+        else:
+            write_line(report_text(story_report(reader)))

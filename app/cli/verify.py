@@ -1,7 +1,7 @@
 """verify: a run against its manifest and its own rules."""
 
 from catseye.app.cli.options import AsJson, Runs, StoredRun
-from catseye.app.cli.output import note, write_json
+from catseye.app.cli.output import write_json
 
 
 def verify(
@@ -10,21 +10,19 @@ def verify(
     as_json: AsJson = False,
 ) -> None:
     """Check a stored run against its manifest and its own rules."""
+    from catseye.app.cli.report_output import note_statements
     from catseye.app.errors import StorageError
+    from catseye.app.results.runs.documents import verification_document
+    from catseye.app.results.runs.reports import verification_report
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.runs_folder import runs_folder
     from catseye.app.store.verify import verify as verified
 
     path = resolve_run(runs_folder(runs), run)
-    found = verified(path)
+    verification = verification_document(path.name, verified(path))
     if as_json:
-        facts = {"sealed": found.sealed, "problems": found.problems, "notes": found.notes}
-        write_json({"run": path.name, "sound": found.ok, **facts})
+        write_json(verification.model_dump(mode="json"))
     else:
-        if found.ok:
-            compared = "manifest, database" if found.sealed else "database"
-            note(f"{path.name}: {compared} and sequence numbers agree")
-        for text in found.notes:
-            note(f"{path.name}: {text}")
-    if found.problems:
-        raise StorageError(f"{path.name}: " + "; ".join(found.problems))
+        note_statements(verification_report(verification))
+    if verification.problems:
+        raise StorageError(f"{path.name}: " + "; ".join(verification.problems))

@@ -11,7 +11,7 @@ from catseye.app.render.markup import table as html_table
 from catseye.app.render.mpl import drawn
 from catseye.app.render.signs import SIGNS
 from catseye.app.results.figures import Figure
-from catseye.app.results.model import Block, Bullets, Listing, Paragraph, Section, Statement, Table
+from catseye.app.results.model import Block, Bullets, Entries, Listing, Paragraph, Section, Statement, Table
 
 
 @singledispatch
@@ -56,6 +56,12 @@ def _(block: Bullets) -> Html:
 def _(block: Listing) -> Html:
     lines = (element("span", text, class_=kind) if kind else join([text]) for text, kind in block.lines)
     return element("pre", Html("\n".join(lines)))
+
+
+@html_of.register
+def _(block: Entries) -> Html:
+    pairs = ((element("dt", label), element("dd", text)) for label, text in block.entries)
+    return element("dl", *(part for pair in pairs for part in pair))
 
 
 def section_html(section: Section) -> Html:

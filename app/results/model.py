@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TypeAlias
 
+from catseye.app.protocol.banners import SIMULATED_TEXT, unverified_text
 from catseye.app.results.figures import Figure
 from catseye.app.results.numbers import TEXT, Format
 
@@ -90,7 +91,14 @@ class Listing:
     lines: tuple[tuple[str, str], ...]
 
 
-Block: TypeAlias = Statement | Table | Figure | Paragraph | Bullets | Listing
+@dataclass(frozen=True)
+class Entries:
+    """Texts that have a label each: parameters, a timeline. A text may have several lines."""
+
+    entries: tuple[tuple[str, str], ...]
+
+
+Block: TypeAlias = Statement | Table | Figure | Paragraph | Bullets | Listing | Entries
 
 
 @dataclass(frozen=True)
@@ -126,6 +134,11 @@ class Origin:
     simulated: bool = False
     unverified: tuple[str, ...] = ()
 
+    @property
+    def banners(self) -> list[str]:
+        """What a reader has to know before anything else."""
+        return [*map(unverified_text, self.unverified), *([SIMULATED_TEXT] if self.simulated else [])]
+
 
 @dataclass(frozen=True)
 class Report:
@@ -138,6 +151,17 @@ class Report:
     def blocks(self, *, brief: bool = False) -> Iterator[Block]:
         """Yield all blocks, or those that the command line shows."""
         return (block for section in self.sections if section.brief or not brief for block in section.blocks)
+
+    def section(self, key: str) -> Section:
+        """Return a section by its key.
+
+        Raises:
+            KeyError: there is none.
+        """
+        for section in self.sections:
+            if section.key == key:
+                return section
+        raise KeyError(key)
 
     def statements(self) -> list[Statement]:
         """Return all statements in order."""

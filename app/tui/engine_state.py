@@ -127,7 +127,8 @@ class EngineState:
     @property
     def reflectors(self) -> "tuple[ReflectorPlace, ...]":
         """The reflectors of the bench; none while it is not known."""
-        return () if self.bench is None else self.bench.layout.reflectors
+        layout = None if self.bench is None else self.bench.layout
+        return () if layout is None else layout.reflectors
 
     @property
     def running(self) -> bool:

@@ -10,87 +10,93 @@ from catseye.app.results.runs.timeline import last_signs
 from catseye.app.store.reader import RunReader
 from catseye.app.store.resumable import why_not_resumable
 
+Entry = tuple[str, str]
+"""A label and its text."""
+
 _RESULT = "solve"
 _FEW = 20
 """A longer list of parameters is the content of a file."""
 
 
-def summary(reader: RunReader) -> list[str]:
-    """Return what was run, on what, how often it was interrupted, and what came out."""
+def summary(reader: RunReader) -> list[Entry]:
+    """Return what was run, on what, how often it was interrupted, and what came out: texts with their labels."""
     meta: dict[str, Any] = dict(reader.meta)
-    lines = ["SIMULATED: every device is an emulator; these data say nothing about a real robot"]
-    if not meta.get("simulated"):
-        lines = []
-    lines += [
-        f"procedure       {meta.get('procedure')} on cell {meta.get('cell')}, operator {meta.get('operator')}",
-        f"params          {json.dumps(_short(meta.get('params', {})), ensure_ascii=False)}",
-        f"aim             from {meta.get('aim')}",
+    entries = [
+        ("procedure", f"{meta.get('procedure')} on cell {meta.get('cell')}, operator {meta.get('operator')}"),
+        ("params", json.dumps(_short(meta.get("params", {})), ensure_ascii=False)),
+        ("aim", f"from {meta.get('aim')}"),
     ]
-    lines += [f"{name:<16}{device_text(facts)}" for name, facts in (meta.get("devices") or {}).items()]
+    entries += [(name, device_text(facts)) for name, facts in (meta.get("devices") or {}).items()]
     tables = ("steps", *(table.name for table in reader.tables()))
     counts = ", ".join(f"{count} {name}" for name in tables if (count := reader.count(name)))
-    lines += [f"stored          {counts or 'nothing'}", *_interruptions(reader), *_reflectors(reader)]
-    lines += [*_alignments(reader.records("alignment")), *_others(reader), *_results(reader)]
+    entries += [("stored", counts or "nothing"), *_interruptions(reader), *_reflectors(reader)]
+    entries += [*_alignments(reader.records("alignment")), *_others(reader), *_results(reader)]
     if not why_not_resumable(reader):
-        lines.append(f"to go on            catseye resume {reader.path.name}")
-    return lines
+        entries.append(("to go on", f"catseye resume {reader.path.name}"))
+    return entries
 
 
 def _short(params: dict[str, Any]) -> dict[str, Any]:
-    """Return parameters with the rows of a file counted instead of told."""
+    """Return parameters with the rows of a file counted instead of listed."""
     rows = {name: value for name, value in params.items() if isinstance(value, list) and len(value) > _FEW}
     return {**params, **{name: f"{len(value)} rows" for name, value in rows.items()}}
 
 
-def _interruptions(reader: RunReader) -> list[str]:
+def _interruptions(reader: RunReader) -> list[Entry]:
     last = last_signs(reader)
     reopened = [event for event in reader.events() if event.kind == "run-reopened"]
     ways = Counter(str(event.data.get("before")) for event in reopened)
     if not reopened:
         return []
     gaps = sum(between_s(last[event.seq], event.time_utc) for event in reopened)
-    told = ", ".join(f"{name} {count}×" for name, count in ways.items())
+    counts = ", ".join(f"{name} {count}×" for name, count in ways.items())
     return [
-        f"interrupted     {told}; {gap_text(gaps)} between the last record before and the going on, together"
+        (
+            "interrupted",
+            f"{counts}; {gap_text(gaps)} between the last record before and the going on, together",
+        )
     ]
 
 
-def _reflectors(reader: RunReader) -> list[str]:
+def _reflectors(reader: RunReader) -> list[Entry]:
     points = reader.rows("points")
-    lines = []
+    entries: list[Entry] = []
     for name in dict.fromkeys(row["reflector"] for row in points):
         own = [row for row in points if row["reflector"] == name]
         segments = len({row["segment"] for row in own})
-        lines.append(f"{name!s:<16}{len(own)} distances in {segments} segment(s)")
+        entries.append((str(name), f"{len(own)} distances in {segments} segment(s)"))
     lost = sum(event.kind == "beam-lost" for event in reader.events())
-    return [*lines, f"beam lost       {lost}×"] if lost else lines
+    return [*entries, ("beam lost", f"{lost}×")] if lost else entries
 
 
-def _alignments(rows: Sequence[dict[str, Any]]) -> list[str]:
-    lines = []
+def _alignments(rows: Sequence[dict[str, Any]]) -> list[Entry]:
+    entries: list[Entry] = []
     for quantity in dict.fromkeys(str(row.get("quantity")) for row in rows):
         own = [row for row in rows if str(row.get("quantity")) == quantity]
         before, after = own[0], own[-1]
         unit = before.get("unit", "")
-        lines.append(
-            f"alignment       {quantity}: {before['value']:+.3g} {unit} before, {after['value']:+.3g} {unit} after "
-            f"{len(own)} round(s)"
+        entries.append(
+            (
+                "alignment",
+                f"{quantity}: {before['value']:+.3g} {unit} before, {after['value']:+.3g} {unit} after "
+                f"{len(own)} round(s)",
+            )
         )
-    return lines
+    return entries
 
 
-def _others(reader: RunReader) -> list[str]:
+def _others(reader: RunReader) -> list[Entry]:
     """Return closures, drift and whatever else was observed: how often, and the largest change in µm."""
     rows = [row for row in reader.records() if row["kind"] not in {"alignment", "screw"}]
-    lines = []
+    entries: list[Entry] = []
     for kind in dict.fromkeys(str(row["kind"]) for row in rows):
         own = [row for row in rows if row["kind"] == kind]
-        text = f"{kind:<16}{len(own)}×"
+        text = f"{len(own)}×"
         found = [change for row in own if (change := _change_um(row)) is not None]
         if found:
             text += f", largest change {max(found, key=abs):+.1f} µm"
-        lines.append(text)
-    return lines
+        entries.append((kind, text))
+    return entries
 
 
 def _change_um(row: dict[str, Any]) -> float | None:
@@ -100,9 +106,9 @@ def _change_um(row: dict[str, Any]) -> float | None:
     return None
 
 
-def _results(reader: RunReader) -> list[str]:
+def _results(reader: RunReader) -> list[Entry]:
     return [
-        f"result          {step.title}: {json.dumps(_readable(step.result), ensure_ascii=False)}"
+        ("result", f"{step.title}: {json.dumps(_readable(step.result), ensure_ascii=False)}")
         for step in reader.steps()
         if step.row_count == 0 and step.result and step.step_id == _RESULT
     ]
@@ -113,5 +119,5 @@ def _readable(value: Any) -> Any:
     if isinstance(value, float):
         return float(f"{value:.6g}")
     if isinstance(value, dict):
-        return {key: _readable(one) for key, one in value.items()}
-    return [_readable(one) for one in value] if isinstance(value, list) else value
+        return {key: _readable(part) for key, part in value.items()}
+    return [_readable(part) for part in value] if isinstance(value, list) else value

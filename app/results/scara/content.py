@@ -11,7 +11,7 @@ from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.truth_tables import TruthTables
 from catseye.app.results.scara.validation import PathValidation
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
-from catseye.procedures.kit.bench import Bench
+from catseye.procedures.scara.bench import ScaraBench
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class ReportContent:
     simulated: bool
     cell: Cell | None = None
     origins: Mapping[str, str] = field(default_factory=dict)
-    bench: Bench | None = None
+    bench: ScaraBench | None = None
     results: Sequence[Result] = ()
     truth: TruthTables | None = None
     validation: PathValidation | None = None

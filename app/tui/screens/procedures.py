@@ -12,20 +12,26 @@ from textual.content import Content
 from textual.widgets import Button, ContentSwitcher, Log, OptionList
 from textual.widgets.option_list import Option
 
+from catseye.app.render.text import block_lines, table_text
+from catseye.app.results.model import Report
 from catseye.app.results.readiness.need import Need, links_need
+from catseye.app.results.readiness.survey_report import need_statement, readiness, worst_sign
+from catseye.app.results.rehearsal import first_target_text, rehearsal_report, totals_text
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
-from catseye.app.tui.procedure_facts import SIGNS, STAGE_SIGNS, STYLES, Catalogue, with_run_fields
-from catseye.app.tui.rehearsal import HEADER, Rehearsal
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
+from catseye.app.tui.start_fields import STAGE_SIGNS, with_run_fields
 from catseye.app.tui.widgets.parameter_form import ParameterForm
+from catseye.app.tui.widgets.report_content import sign_content, statement_content
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.status_bar import override_text
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
+    from catseye.app.protocol.rehearsal import Rehearsal
     from catseye.app.protocol.requests import Start
+    from catseye.app.results.readiness.survey_document import ProcedureEntry, SurveyDocument
 
 _WALK_LINES: Final = (
     "Its motions at 10 % and 250 mm/s at most; nothing is measured.",
@@ -120,7 +126,7 @@ class ProceduresScreen(MainScreen):
         super().__init__(session)
         self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-wide")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (32, "-high")]
-        self._catalogue = Catalogue()
+        self._survey: SurveyDocument | None = None
         self._chosen = ""
         self._typed: dict[str, dict[str, str]] = {}
         self._devices: Need | None = None
@@ -196,22 +202,22 @@ class ProceduresScreen(MainScreen):
         if self.session.cell != self._cell:
             # A search, and names of reflectors, are of one cell.
             self._cell, self._typed = self.session.cell, {}
-            self._catalogue, self._chosen = Catalogue(), ""
+            self._survey, self._chosen = None, ""
         # What was rehearsed before may be another motion now.
         self._rehearsed = None
         self.run_worker(self._update(), group="update", exclusive=True, exit_on_error=False)
 
     def action_next(self) -> None:
         """Choose the next sensible procedure."""
-        stage = self._catalogue.next
+        stage = None if self._survey is None else self._survey.next
         if self._looking:
             self.notify("cell and runs are being looked at: wait a moment", severity="warning")
         elif stage is None:
             self.notify("every stage is done")
-        elif stage["procedure"]:
-            self._highlight(str(stage["name"]))
+        elif stage.procedure:
+            self._highlight(stage.name)
         else:
-            self.notify(str(stage["command"]), title=f"next: {stage['name']}", timeout=15.0, markup=False)
+            self.notify(stage.command, title=f"next: {stage.name}", timeout=15.0, markup=False)
 
     def action_view(self) -> None:
         """Show parameters, or what the rehearsal found."""
@@ -242,9 +248,10 @@ class ProceduresScreen(MainScreen):
             self._show_start("Walk-through: ", [*_WALK_LINES, *self._start_lines()], walk=True)
 
     def _show_start(self, kind: str, shown: list[str], *, walk: bool) -> None:
-        title = f"{kind}{self._catalogue.procedures[self._chosen]['title']}"
+        procedure = self._procedure
+        title = f"{kind}{self._chosen if procedure is None else procedure.title}"
         simulated = self.session.link.engine.bench_simulated
-        dialog = StartDialog(title, "\n".join(shown), self._catalogue.cell, simulated=simulated)
+        dialog = StartDialog(title, "\n".join(shown), self._cell_name, simulated=simulated)
         request = self._request().model_copy(update={"walk": walk})
         self.app.push_screen(dialog, partial(self._begin, request))
 
@@ -280,26 +287,37 @@ class ProceduresScreen(MainScreen):
         self._say("")
         if done.code:
             # What was known before does not hold any more.
-            self._catalogue, self._chosen = Catalogue(), ""
+            self._survey, self._chosen = None, ""
             self._show_list()
             self.query_one("#needed", StaticText).set_text(Content(f"✗ {done.fault}").stylize("$error"))
             return
-        data = done.data() if done.out.strip() else []
-        self._catalogue = Catalogue.of(data if isinstance(data, list) else [data])
+        from catseye.app.results.readiness.survey_document import SurveyDocument
+
+        self._survey = SurveyDocument.of_lines(done.out)
         self._show_list()
 
     def _show_list(self) -> None:
-        catalogue, options = self._catalogue, self.query_one("#list", OptionList)
-        following = catalogue.next
-        chosen = self._chosen or (str(following["name"]) if following else "")
+        survey, options = self._survey, self.query_one("#list", OptionList)
+        entries = () if survey is None else survey.procedures
+        following = None if survey is None else survey.next
+        chosen = self._chosen or ("" if following is None else following.name)
         options.clear_options()
-        for name in catalogue.procedures:
-            arrow = "→" if following is not None and following["name"] == name else " "
-            word = catalogue.worst(name)
-            sign = Content.styled(SIGNS[word], STYLES[word])
-            options.add_option(Option(Content.assemble(arrow, sign, f" {name}"), id=name))
+        for entry in entries:
+            arrow = "→" if following is not None and following.name == entry.name else " "
+            sign = sign_content(worst_sign(entry.needs))
+            options.add_option(Option(Content.assemble(arrow, sign, f" {entry.name}"), id=entry.name))
         self._show_way()
-        self._highlight(chosen if chosen in catalogue.procedures else next(iter(catalogue.procedures), ""))
+        names = [entry.name for entry in entries]
+        self._highlight(chosen if chosen in names else next(iter(names), ""))
+
+    @property
+    def _procedure(self) -> "ProcedureEntry | None":
+        """What is chosen."""
+        return None if self._survey is None else self._survey.procedure(self._chosen)
+
+    @property
+    def _cell_name(self) -> str:
+        return "" if self._survey is None else self._survey.cell
 
     def _highlight(self, name: str) -> None:
         if not name:
@@ -309,16 +327,16 @@ class ProceduresScreen(MainScreen):
         self._choose(name)
 
     def _choose(self, name: str) -> None:
-        if name not in self._catalogue.procedures:
+        procedure = None if self._survey is None else self._survey.procedure(name)
+        if procedure is None:
             return
         changed, self._chosen = name != self._chosen, name
-        facts = self._catalogue.procedures[name]
-        self.query_one("#needs").border_title = str(facts["title"])
+        self.query_one("#needs").border_title = procedure.title
         self._show_needs()
         if changed:
             self._show_part("form")
             self.query_one("#described", StaticText).set_text(Content(""))
-        fields = with_run_fields(facts, self.session.speed, real=self._real)
+        fields = with_run_fields(procedure, self.session.speed, real=self._real)
         if not changed and fields == self._fields:
             # Somebody may be typing there.
             return
@@ -327,32 +345,20 @@ class ProceduresScreen(MainScreen):
         self.run_worker(form, group="form", exclusive=True, exit_on_error=False)
 
     def _show_way(self) -> None:
+        stages = () if self._survey is None else self._survey.stages
         way = [
-            Content.styled(
-                f"{STAGE_SIGNS[stage['state']]} {stage['name']}", _stage_style(str(stage["state"]))
-            )
-            for stage in self._catalogue.stages
+            Content.styled(f"{STAGE_SIGNS[stage.state]} {stage.name}", _stage_style(stage.state))
+            for stage in stages
         ]
         self.query_one("#way", StaticText).set_text(lines(*way))
 
     def _show_needs(self) -> None:
-        facts = self._catalogue.procedures.get(self._chosen)
-        if facts is None:
+        procedure = self._procedure
+        if procedure is None:
             return
-        needs = [(need["what"], need["met"], need["text"]) for need in facts.get("needs", [])]
-        if self._devices is not None:
-            needs.append((self._devices.what, self._devices.met, self._devices.text))
-        shown = [
-            Content.assemble(
-                (SIGNS[met], STYLES[met]), f" {what:<11} ", (text, "" if met == "met" else STYLES[met])
-            )
-            for what, met, text in needs
-        ]
-        last = facts.get("last")
-        text = "none on this cell" if last is None else f"{last['id']}: {last['status']}, {last['age']}"
-        self.query_one("#needed", StaticText).set_text(
-            lines(*shown, Content.assemble(("  last run    ", "dim"), text))
-        )
+        devices = () if self._devices is None else (self._devices,)
+        shown = readiness((*procedure.needs, *devices), procedure.last)
+        self.query_one("#needed", StaticText).set_text(lines(*map(statement_content, shown)))
 
     def _show_part(self, part: str) -> None:
         self.query_one(ContentSwitcher).current = part
@@ -397,25 +403,22 @@ class ProceduresScreen(MainScreen):
         )
 
     def _params(self) -> list[str]:
-        facts = self._catalogue.procedures[self._chosen]
-        return self.query_one(ParameterForm).params(set(facts["params"]))
+        procedure = self._procedure
+        return [] if procedure is None else self.query_one(ParameterForm).params(set(procedure.params))
 
     def _start_lines(self) -> list[str]:
-        request = self._request()
-        shown = [f"{self._chosen} on cell {self._catalogue.cell} ({self.session.cell})"]
+        request, procedure = self._request(), self._procedure
+        shown = [f"{self._chosen} on cell {self._cell_name} ({self.session.cell})"]
         shown += [f"  {text}" for text in self._params()] or ["  every parameter at its default"]
-        if self._catalogue.procedures[self._chosen]["needs_aim"]:
+        if procedure is not None and procedure.needs_aim:
             shown.append(f"  aim: {request.search}")
         shown += self._motion_lines(request)
         if request.speed != 1.0:
             shown.append(f"  {request.speed:g} bench seconds in one real second")
-        needs = self._catalogue.procedures[self._chosen].get("needs", [])
-        shown += [
-            f"{SIGNS[need['met']]} {need['what']}: {need['text']}" for need in needs if need["met"] != "met"
-        ]
-        if self._devices is not None and self._devices.met != "met":
-            shown.append(f"{SIGNS[self._devices.met]} {self._devices.what}: {self._devices.text}")
-        return shown
+        needs = () if procedure is None else procedure.needs
+        devices = () if self._devices is None else (self._devices,)
+        open_needs = (need_statement(need) for need in (*needs, *devices) if need.met != "met")
+        return [*shown, *(line for statement in open_needs for line in block_lines(statement))]
 
     def _motion_lines(self, request: "Start") -> list[str]:
         """Say where the arm goes first, how fast, at which override, as far as anybody knows."""
@@ -424,7 +427,8 @@ class ProceduresScreen(MainScreen):
             shown = [f"  override {override_text(robot)}, at most {robot.override_cap_percent:g} %"]
         if self._rehearsed is None or self._rehearsed[0] != request:
             return [*shown, "! not rehearsed with these parameters: r does that"]
-        return [*shown, f"  {self._rehearsed[1].first}", f"  {self._rehearsed[1].totals}"]
+        rehearsal = self._rehearsed[1]
+        return [*shown, f"  {first_target_text(rehearsal)}", f"  {totals_text(rehearsal)}"]
 
     def _begin(self, request: "Start", permission: Permission | None) -> None:
         if permission is None:
@@ -445,6 +449,8 @@ class ProceduresScreen(MainScreen):
             self._say("")
 
     async def _rehearse(self) -> None:
+        from catseye.app.protocol.rehearsal import Rehearsal
+
         request = self._request()
         arguments = ["run", request.procedure, "--cell", request.cell or "", "--runs", str(self.session.root)]
         arguments += ["--search", request.search, "--dry-run", "--json"]
@@ -459,17 +465,20 @@ class ProceduresScreen(MainScreen):
         head.set_text(Content(""))
         totals.set_text(Content("going through it …  Esc ends that"))
         self._rehearsing = True
-        outcome = Content("ended; nothing was found")
+        outcome = Content("ended before it was complete")
         try:
             done = await self.session.work.do(*arguments)
             if done.code:
                 outcome = Content.styled(f"✗ {done.fault}", "$error")
                 return
-            rehearsal = Rehearsal(done.data())
+            rehearsal = Rehearsal.model_validate_json(done.out)
             self._rehearsed = request, rehearsal
-            outcome = _totals(rehearsal)
-            head.set_text(Content(HEADER))
-            table.write_lines(rehearsal.table(), scroll_end=False)
+            report = rehearsal_report(rehearsal)
+            outcome = lines(*map(statement_content, report.statements()))
+            head_line, _, *rows = table_text(report.table("steps")).splitlines()
+            head.set_text(Content(head_line))
+            table.write_lines(rows, scroll_end=False)
+            _add_questions(table, report)
         finally:
             self._rehearsing = False
             totals.set_text(outcome)
@@ -479,14 +488,10 @@ class ProceduresScreen(MainScreen):
         self.query_one("#list-panel").border_subtitle = "wait …" if text else ""
 
 
-def _totals(rehearsal: Rehearsal) -> Content:
-    shown = [Content(rehearsal.totals)]
-    shown += [Content.styled(f"! {text}", "$warning") for text in rehearsal.warnings]
-    if rehearsal.questions:
-        asked = rehearsal.questions
-        count = "1 question" if len(asked) == 1 else f"{len(asked)} questions, the first"
-        shown.append(Content(f"? {count}: {asked[0]}"))
-    return lines(*shown)
+def _add_questions(table: Log, report: Report) -> None:
+    """Write below the steps what will be asked."""
+    questions = report.section("questions").blocks
+    table.write_lines((line for block in questions for line in block_lines(block)), scroll_end=False)
 
 
 def _stage_style(state: str) -> str:

@@ -18,12 +18,12 @@ from textual.content import Content
 from textual.timer import Timer
 from textual.widgets import ContentSwitcher, DataTable
 
-from catseye.app.render.signs import SIGNS
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.path_questions import newest_path_run, path_fault, reference_of
 from catseye.app.tui.screens.working import WorkScreen, free_name, is_file, typed_path, why_not_written
 from catseye.app.tui.session import DEMO_FOLDER, Session
+from catseye.app.tui.widgets.report_content import statement_content
 from catseye.app.tui.widgets.result_parts import ComparePart, LayoutPart, MapsPart, PathPart, ResidualsPart
 from catseye.app.tui.widgets.row_table import RowTable
 from catseye.app.tui.widgets.static_text import StaticText, lines
@@ -457,12 +457,8 @@ class ResultsScreen(WorkScreen):
         self.query_one(LayoutPart).show(result)
         self.query_one(ResidualsPart).show(result, diagnosis)
         self.query_one(PathPart).show(self._validations.get(_version(file)))
-        shown = [
-            Content.assemble((f"{look.glyph} ", look.theme and f"${look.theme}"), one.text)
-            for one in texts.fit_sentences(result, diagnosis)
-            for look in [SIGNS[one.sign]]
-        ]
-        self.query_one("#findings", StaticText).set_text(lines(*shown))
+        findings = map(statement_content, texts.fit_sentences(result, diagnosis))
+        self.query_one("#findings", StaticText).set_text(lines(*findings))
         self._show_comparison()
 
     def _show_comparison(self) -> None:

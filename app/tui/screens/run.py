@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
@@ -401,14 +401,10 @@ class RunScreen(MainScreen):
     async def _rehearse(self, run: RunState) -> None:
         done = await self.session.work.do(*run.command)
         if done.code == 0:
-            self._planned = _planned(done.data())
+            from catseye.app.protocol.rehearsal import Rehearsal
 
-
-def _planned(facts: dict[str, Any]) -> list[PlannedStep]:
-    return [
-        PlannedStep(str(step["step"]), str(step["title"]), float(step["duration_s"]))
-        for step in facts["steps"]
-    ]
+            steps = Rehearsal.model_validate_json(done.out).steps
+            self._planned = [PlannedStep(step.step, step.title, step.duration_s) for step in steps]
 
 
 def _holder_text(engine: EngineState) -> str:

@@ -214,8 +214,8 @@ class RunsScreen(WorkScreen):
             self.let_work(
                 f"verify {line.id}",
                 f"{line.name} is not what was written",
-                *("verify", line.name, "--runs", self.session.root),
-                done=lambda done: self.notify(done.talk.strip(), title="sound", markup=False),
+                *("verify", line.name, "--runs", self.session.root, "--json"),
+                done=self._verified,
             )
 
     def action_report(self) -> None:
@@ -323,6 +323,14 @@ class RunsScreen(WorkScreen):
             *("identify", *names, *how, "--runs", self.session.root, "-o", file),
             done=partial(self._identified, file),
         )
+
+    def _verified(self, done: Done) -> None:
+        from catseye.app.results.runs.documents import VerificationDocument
+        from catseye.app.results.runs.reports import verification_report
+
+        report = verification_report(VerificationDocument.model_validate_json(done.out))
+        text = "\n".join(statement.text for statement in report.statements())
+        self.notify(text, title="sound", markup=False)
 
     def _identified(self, file: Path, done: Done) -> None:
         del done

@@ -4,7 +4,7 @@ import asyncio
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -13,8 +13,10 @@ from textual.content import Content
 from textual.screen import ModalScreen
 from textual.widgets import Label
 
+from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import duration_text
 from catseye.app.tui.widgets.key_line import KeyLine
+from catseye.app.tui.widgets.report_content import section_content, statement_content
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.work import Work
 
@@ -100,19 +102,20 @@ class DeviceTest(ModalScreen[None]):
         self.query_one("#found", StaticText).set_text(shown)
 
     async def _findings(self) -> Content:
+        # The first screen is painted before this is imported.
+        from catseye.app.protocol.examination import CellExamination
+        from catseye.app.results.examination import examination_report
+
         with tempfile.TemporaryDirectory(prefix="catseye-test-") as folder:
             path = Path(folder) / "cell.toml"
             await asyncio.to_thread(path.write_text, self._text, encoding="utf-8")
             done = await self._work.do("doctor", path, "--device", self._device, "--json")
         if done.code not in {0, _NOT_USABLE} or not done.out.strip():
-            return Content.assemble(("✗ ", "$error"), done.fault or "the test told nothing")
-        return lines(*(line for device in done.data()["devices"] for line in _lines_of(device)))
-
-
-def _lines_of(device: dict[str, Any]) -> list[Content]:
-    sign = ("✓ ", "$success bold") if device["ok"] else ("✗ ", "$error bold")
-    emulated = ("  SIMULATION", "black on yellow") if device["simulated"] else ""
-    first = Content.assemble(sign, device["identity"] or "nobody answers as this device would", emulated)
-    shown = [first, Content.assemble((str(device["endpoint"]), "dim"))]
-    shown += [Content(f"  {fact}") for fact in device["status"]]
-    return shown + [Content.assemble(("→ ", "$warning"), text) for text in device["advice"]]
+            return statement_content(Statement(Sign.BAD, done.fault or "the test ended without a finding"))
+        examination = CellExamination.model_validate_json(done.out)
+        return lines(
+            *(
+                Content(section.title) + "\n" + section_content(section)
+                for section in examination_report(examination).sections
+            )
+        )

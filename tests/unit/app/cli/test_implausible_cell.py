@@ -10,14 +10,14 @@ from catseye.app.cell.model import Cell
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.cli.config import validate
 from catseye.app.cli.doctor import doctor
-from catseye.app.service.examination import Finding
+from catseye.app.protocol.examination import DeviceExamination
 
 FLAG = "measurement.dwell_time_s = 408: seconds at each point; usual are 0.2 … 5"
 
 
 @pytest.fixture(autouse=True)
 def no_devices(monkeypatch: pytest.MonkeyPatch) -> None:
-    async def nothing_found(_cell: Cell, _only: str | None) -> list[Finding]:
+    async def nothing_found(_cell: Cell, _only: str | None) -> list[DeviceExamination]:
         return []
 
     monkeypatch.setattr("catseye.app.service.examination.examine", nothing_found)

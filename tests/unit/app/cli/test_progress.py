@@ -6,7 +6,6 @@ import sys
 import pytest
 
 from catseye.app.cli.narrator import Narrator
-from catseye.app.cli.output import table
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.run_events import (
@@ -105,12 +104,3 @@ def test_the_narrator_gives_programs_every_event_as_a_line(capsys: pytest.Captur
         narrator.publish(event)
     out = capsys.readouterr().out
     assert [json.loads(line) for line in out.splitlines()] == [event.json_object() for event in events]
-
-
-def test_numbers_of_a_table_stand_to_the_right() -> None:
-    assert table(["name", "mm"], [["a", "1.5"], ["long", "-12.25"]]).splitlines() == [
-        "name  mm",
-        "----  ------",
-        "a        1.5",
-        "long  -12.25",
-    ]

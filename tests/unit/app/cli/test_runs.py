@@ -83,7 +83,7 @@ async def test_the_story_is_wrapped_and_dated(tmp_path: Path, capsys: pytest.Cap
     show(str(path), as_json=False)
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == f"{path.name}: stopped"
-    assert "  2026-01-02 (UTC)" in lines
+    assert "2026-01-02 (UTC)" in lines
     assert all(len(line) <= 118 for line in lines)
     warning = next(number for number, line in enumerate(lines) if "WARNING" in line)
     assert lines[warning].startswith("  03:05:05.0  WARNING: word")
@@ -150,10 +150,10 @@ async def test_verify_says_manifest_only_where_there_is_one(
 ) -> None:
     sealed, dead = await store(tmp_path, "complete", ENOUGH), await store(tmp_path, None, ENOUGH)
     verify_command(str(sealed), as_json=False)
-    assert capsys.readouterr().err == f"{sealed.name}: manifest, database and sequence numbers agree\n"
+    assert capsys.readouterr().err == f"✓ {sealed.name}: manifest, database and sequence numbers agree\n"
     verify_command(str(dead), as_json=False)
     first, second = capsys.readouterr().err.splitlines()
-    assert first == f"{dead.name}: database and sequence numbers agree"
+    assert first == f"✓ {dead.name}: database and sequence numbers agree"
     assert second == f"{dead.name}: not sealed: its process died before it was closed"
 
 

@@ -21,6 +21,7 @@ from catseye.app.results.figures import (
 from catseye.app.results.model import (
     Bullets,
     Column,
+    Entries,
     Listing,
     Origin,
     Paragraph,
@@ -100,6 +101,7 @@ REPORT = Report(
                 Paragraph("Text & text"),
                 Bullets("Left out", ("one", "two")),
                 Listing((("a = 1", "default"), ("b < 2", ""))),
+                Entries((("poses", "how many\na whole number"),)),
                 FIGURE,
                 Statement(Sign.GOOD, "Only on the page."),
             ),

@@ -2,8 +2,9 @@
 
 from dataclasses import replace
 
-from catseye.app.render.text import statement_lines, table_text, tables_text
-from catseye.app.results.model import Section
+from catseye.app.protocol.banners import SIMULATED_TEXT
+from catseye.app.render.text import block_lines, report_text, statement_lines, table_text, tables_text
+from catseye.app.results.model import Bullets, Entries, Paragraph, Section
 from tests.unit.app.render.reports import REPORT, TABLE
 
 
@@ -30,3 +31,31 @@ def test_captions_tell_several_tables_apart() -> None:
     twice = Section("two", "Two", (TABLE, replace(TABLE, caption="Others")), brief=True)
     first, second = tables_text(replace(REPORT, sections=(twice,))).split("\n\n")
     assert (first.splitlines()[0], second.splitlines()[0]) == ("Values", "Others")
+
+
+def test_a_report_as_text_has_title_banners_and_brief_sections() -> None:
+    origin = replace(REPORT.origin, simulated=True, unverified=("a run was changed",))
+    lines = report_text(replace(REPORT, origin=origin)).splitlines()
+    assert lines[:6] == [
+        "Title",
+        "  UNVERIFIED: a run was changed",
+        f"  {SIMULATED_TEXT}",
+        "",
+        "Verdict",
+        "  ✓ A sentence that is good.",
+    ]
+    assert "Values" in lines
+    assert "More" not in lines
+
+
+def test_entries_are_wrapped_beside_their_labels() -> None:
+    first, *others = block_lines(Entries((("07:33:40", "word " * 40 + "\nsecond"), ("07:34:00", "short"))))
+    assert first.startswith("07:33:40  word word")
+    assert all(len(line) <= 118 for line in (first, *others))
+    assert [line[:10] for line in others] == [" " * 10, " " * 10, "07:34:00  "]
+    assert others[1] == " " * 10 + "second"
+
+
+def test_bullets_stand_below_their_title_and_paragraphs_on_pages_only() -> None:
+    assert block_lines(Bullets("Left out", ("one", "two"))) == ["Left out", "- one", "- two"]
+    assert block_lines(Paragraph("explains")) == []

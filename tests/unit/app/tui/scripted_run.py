@@ -43,6 +43,10 @@ REHEARSAL: Final = Done(
             "tool_mm_s": 240.0,
             "miss_mm": 0.12,
             "max_miss_mm": 0.2,
+            "joints": [
+                {"name": name, "unit": unit}
+                for name, unit in (("J1", "deg"), ("J2", "deg"), ("J3", "mm"), ("J4", "deg"))
+            ],
             "steps": [
                 {
                     "step": f"P1/{number:04d}",

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cli.init import init
 from catseye.app.cli.procedures import procedures as list_procedures
 from catseye.app.protocol.bench import DeviceStatus, LinkState
@@ -33,7 +33,7 @@ class History:
         self.cell, self.root = folder / "cell.toml", folder / "runs"
         init(self.cell)
         self.clock = ManualClock()
-        self.bench = bench_of(load_cell(self.cell).cell)
+        self.bench = scara_bench_of(load_cell(self.cell).cell)
 
     async def put(self, procedure: str, status: str = "complete", cell: str = "lab-1") -> str:
         places: list[Json] = [{"name": r.name, "x_mm": r.x_mm, "y_mm": r.y_mm} for r in self.bench.reflectors]
@@ -143,7 +143,7 @@ async def test_what_the_cell_cannot_do_is_left_out(history: History) -> None:
     assert survey.next.name == "beam-to-j4"
 
 
-async def test_last_runs_and_needs_are_told(history: History, capsys: pytest.CaptureFixture[str]) -> None:
+async def test_last_runs_and_needs_are_listed(history: History, capsys: pytest.CaptureFixture[str]) -> None:
     run = await history.put("open-loop", status="stopped")
     list_procedures(history.cell, history.root, as_json=True)
     *procedures, stages = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
@@ -154,7 +154,7 @@ async def test_last_runs_and_needs_are_told(history: History, capsys: pytest.Cap
     assert stages["cell"] == "lab-1"
     list_procedures(history.cell, history.root, as_json=False)
     out = capsys.readouterr()
-    assert "→ beam-level" in out.out
+    assert ["next", "beam-level"] in [line.split()[:2] for line in out.out.splitlines()]
     assert out.err.startswith("next: catseye run beam-level")
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.results.runs.event_text import event_text
+from catseye.app.results.runs.reports import story_report
 from catseye.app.results.runs.summary import summary
 from catseye.app.results.runs.timeline import timeline
 from catseye.app.store.reader import RunReader, StoredEvent
@@ -188,8 +189,7 @@ async def test_alignments_are_told_before_and_after(author: Author) -> None:
     assert "alignment, round 1: offset +0.43 ± 0.02 mm" in told(author)
     assert "0.86 turns clockwise" in told(author)
     assert "alignment, round 2: offset -0.03 ± 0.02 mm after: 0.86 turns clockwise" in told(author)
-    line = next(line for line in summary(author.reader) if line.startswith("alignment"))
-    assert line.split(maxsplit=1)[1] == "offset: +0.43 mm before, -0.03 mm after 2 round(s)"
+    assert dict(summary(author.reader))["alignment"] == "offset: +0.43 mm before, -0.03 mm after 2 round(s)"
     await author.die()
 
 
@@ -205,8 +205,8 @@ async def test_the_summary_counts_lives_distances_and_segments(author: Author) -
     await author.reopen(3.0)
     await author.points(5, 6, 1)
     await author.store.finish("stopped", 130)
-    lines = {line[:16].strip(): line[16:] for line in summary(author.reader)}
-    assert "SIMULATED: every" in lines
+    lines = dict(summary(author.reader))
+    assert story_report(author.reader).origin.simulated
     assert lines["robot"] == "RH-3FRH5515 A1 no. 17"
     assert lines["stored"] == "7 steps, 7 points"
     assert lines["interrupted"].startswith("died 1×; 3.0 s")

@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.render.page import page_html
 from catseye.app.results.runs.records import DeviceRecord, EnvironmentSummary, RunRecord, Spread
@@ -233,7 +233,7 @@ def whole(systematic_um: float = 0.0) -> ReportContent:
         software="catseye 0.1.0",
         simulated=True,
         cell=the_cell,
-        bench=bench_of(the_cell),
+        bench=scara_bench_of(the_cell),
         results=results(systematic_um),
         truth=truth_tables(),
         validation=validation(),

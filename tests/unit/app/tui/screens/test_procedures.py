@@ -46,10 +46,12 @@ def stage(name: str, state: str, *, procedure: bool = True) -> dict[str, Any]:
 
 LAST = {
     "name": "20261121T080000Z_open-loop_00beef",
-    "id": "00beef",
+    "procedure": "open-loop",
     "status": "stopped",
-    "age": "2 h ago",
+    "age_s": 7200.0,
     "resumable": True,
+    "id": "00beef",
+    "age": "2 h ago",
 }
 TOLD = [
     facts(
@@ -247,7 +249,7 @@ async def test_the_start_tells_what_the_rehearsal_of_the_same_parameters_found()
         await settled(app, pilot)
         await pilot.press("s")
         text = await settled(app, pilot)
-        assert "first to J1 -140.00°, J2 0.00°, J3 50.0 mm, J4 30.00°" in text
+        assert "first to J1 -140.00°, J2 0.00°, J3 50.00 mm, J4 30.00°" in text
         assert "8 steps, 16 moves, 8 distances" in text
         # What was rehearsed before a run is not told after it.
         await pilot.press("escape")
@@ -294,7 +296,7 @@ async def test_lost_devices_the_next_step_a_refused_plan_and_a_cell_that_is_gone
         assert {"Rehearse the procedure", "Start the procedure", "Choose the next step"} <= named
         robot = {**BENCH["devices"][0], "link": "lost", "error": "no answer for 3 s"}
         link.publish("bench", **{**BENCH, "devices": [robot, *BENCH["devices"][1:]]})
-        assert "✗ devices     robot: no answer for 3 s" in await settled(app, pilot)
+        assert "✗ devices: robot: no answer for 3 s" in await settled(app, pilot)
         await pilot.press("up")
         assert chosen(app) == "beam-to-j4"
         await pilot.press("n")
@@ -359,7 +361,7 @@ async def test_a_rehearsal_is_ended_by_escape() -> None:
         await pilot.press("escape")
         text = await settled(app, pilot)
         assert work.cancelled
-        assert "nothing was found" in text
+        assert "ended before it was complete" in text
 
 
 async def test_what_was_typed_for_one_cell_is_not_kept_for_another() -> None:

@@ -15,6 +15,7 @@ from textual.widgets import DataTable, Input, Select
 
 from catseye.app.protocol.commands import CommandProgress
 from catseye.app.protocol.requests import Control, Resume
+from catseye.app.results.runs.documents import VerificationDocument
 from catseye.app.store.seal import DATABASE
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
@@ -239,12 +240,13 @@ async def test_resume_is_asked_of_the_engine_after_f8(root: Path) -> None:
 async def test_verify(root: Path) -> None:
     app = make_app(ScriptedLink(), "runs", root=root)
     outcomes = work_of(app).outcomes
-    outcomes["verify"] = Done((), 0, "", f"{STOPPED}: manifest, database and sequence numbers agree\n")
+    verified = VerificationDocument(run=STOPPED, sound=True, sealed=True, problems=(), notes=())
+    outcomes["verify"] = Done((), 0, verified.model_dump_json(), "")
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
         await go_to(app, pilot, STOPPED)
         await pilot.press("v")
         await settle(app, pilot)
-        assert work_of(app).done == [("verify", STOPPED, "--runs", str(root))]
+        assert work_of(app).done == [("verify", STOPPED, "--runs", str(root), "--json")]
         assert "numbers agree" in " ".join((await shown(app, pilot)).split())
         # An interrupted command is no error.
         outcomes["verify"] = Done((), 130, "", "interrupted\n")

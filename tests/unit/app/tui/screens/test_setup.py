@@ -232,7 +232,7 @@ async def test_a_device_is_asked_who_it_is() -> None:
         assert work_of(app).done[-1][0] == "doctor"
         assert work_of(app).done[-1][2:] == ("--device", "robot", "--json")
         text = await shown(app, pilot)
-        for part in ("RH-3FRH5515 F2", "servo off", "→ alarm 60: reset it"):
+        for part in ("RH-3FRH5515 F2", "servo off", "! alarm 60: reset it"):
             assert part in text
         await pilot.press("c")
         assert "alarm 60" in app.clipboard

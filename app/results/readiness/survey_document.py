@@ -1,0 +1,120 @@
+"""Procedures, and what a cell is ready for, as `catseye procedures --json` writes them."""
+
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict
+from typing import Any
+
+from pydantic import BaseModel
+
+from catseye.app.protocol.procedures import Runnable
+from catseye.app.results.numbers import age_text
+from catseye.app.results.readiness.cell_runs import CellRun
+from catseye.app.results.readiness.need import Need
+from catseye.app.results.readiness.stages import Stage
+from catseye.app.results.readiness.survey import Survey
+
+
+class LastRun(BaseModel):
+    """The newest run of a procedure; see `CellRun`, whose age is a text here too."""
+
+    name: str
+    procedure: str
+    status: str
+    age_s: float
+    resumable: bool
+    id: str
+    age: str
+
+
+class ProcedureEntry(BaseModel):
+    """A procedure.
+
+    Attributes:
+        name: as on the command line.
+        title: one line for people.
+        needs_aim: a search has to find the reflectors before.
+        params: JSON schema of each parameter.
+        needs: of the cell.
+        last: its newest run on the cell.
+    """
+
+    name: str
+    title: str
+    needs_aim: bool
+    params: dict[str, dict[str, Any]]
+    needs: tuple[Need, ...] = ()
+    last: LastRun | None = None
+
+
+class SurveyDocument(BaseModel):
+    """All procedures on one cell.
+
+    Attributes:
+        cell: its name; empty where no cell file was given.
+        procedures: that are installed.
+        stages: on the way to a validated error map.
+    """
+
+    cell: str = ""
+    procedures: tuple[ProcedureEntry, ...] = ()
+    stages: tuple[Stage, ...] = ()
+
+    @property
+    def next(self) -> Stage | None:
+        """The next sensible stage."""
+        return next((stage for stage in self.stages if stage.state == "next"), None)
+
+    def procedure(self, name: str) -> ProcedureEntry | None:
+        """Return a procedure by its name."""
+        return next((entry for entry in self.procedures if entry.name == name), None)
+
+    def lines(self) -> Iterator[dict[str, Any]]:
+        """Yield what the command writes: one object a procedure; of a cell its needs and runs, its stages last."""
+        if not self.cell:
+            yield from (entry.model_dump(mode="json", exclude={"needs", "last"}) for entry in self.procedures)
+            return
+        yield from (entry.model_dump(mode="json") for entry in self.procedures)
+        yield self.model_dump(mode="json", include={"cell", "stages"})
+
+    @classmethod
+    def of_lines(cls, text: str) -> "SurveyDocument":
+        """Return what the command wrote."""
+        entries: list[dict[str, Any]] = [json.loads(line) for line in text.splitlines() if line.strip()]
+        cell = next((entry for entry in entries if "stages" in entry), {})
+        return cls.model_validate(
+            {**cell, "procedures": [entry for entry in entries if "stages" not in entry]}
+        )
+
+
+def survey_document(survey: Survey) -> SurveyDocument:
+    """Return what is known about a cell."""
+    entries = tuple(
+        procedure_entry(procedure).model_copy(
+            update={
+                "needs": tuple(survey.needs[procedure.name]),
+                "last": _last_run(survey.runs.last(procedure.name)),
+            }
+        )
+        for procedure in survey.procedures
+    )
+    return SurveyDocument(cell=survey.cell, procedures=entries, stages=tuple(survey.stages))
+
+
+def procedures_document(procedures: Iterable[Runnable]) -> SurveyDocument:
+    """Return procedures without any cell."""
+    return SurveyDocument(procedures=tuple(map(procedure_entry, procedures)))
+
+
+def procedure_entry(procedure: Runnable) -> ProcedureEntry:
+    """Return a procedure and the schema of its parameters."""
+    return ProcedureEntry(
+        name=procedure.name,
+        title=procedure.title,
+        needs_aim=procedure.needs.aim,
+        params=procedure.params_type.model_json_schema()["properties"],
+    )
+
+
+def _last_run(run: CellRun | None) -> LastRun | None:
+    return None if run is None else LastRun(**asdict(run), id=run.id, age=age_text(run.age_s))

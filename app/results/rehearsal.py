@@ -1,0 +1,102 @@
+"""A rehearsed plan as a report: totals, warnings, questions, the table of its steps."""
+
+from typing import TYPE_CHECKING
+
+from catseye.app.results.model import Column, Report, Sign, Statement, Table, section
+from catseye.app.results.numbers import COUNT, counted, duration_text, fixed, listed
+from catseye.app.results.origin import origin_now
+
+if TYPE_CHECKING:
+    from catseye.app.protocol.rehearsal import Rehearsal
+
+_QUESTIONS_NAMED = 8
+_UNITS = {"deg": "°", "mm": " mm"}
+
+
+def rehearsal_report(rehearsal: "Rehearsal") -> Report:
+    """Return what a plan comes to."""
+    return Report(
+        f"Rehearsal of {rehearsal.procedure}",
+        origin_now(),
+        (
+            section("steps", "Steps", [step_table(rehearsal)], brief=True),
+            section("verdict", "Verdict", _verdict(rehearsal), brief=True),
+            section("questions", "Questions", [question_table(rehearsal)] if rehearsal.questions else []),
+        ),
+    )
+
+
+def totals_text(rehearsal: "Rehearsal") -> str:
+    """Return how much it is, how long it takes and how fast it goes."""
+    moves = sum(step.moves for step in rehearsal.steps)
+    distances = sum(step.measurements for step in rehearsal.steps)
+    led = "" if rehearsal.led_deg_s is None else f", led at {rehearsal.led_deg_s:g} deg/s at most"
+    miss_mm = rehearsal.miss_mm
+    miss = "" if miss_mm is None else f"; the beam misses by {miss_mm:.3f} mm at most where it is kept"
+    limits = (
+        "the joints' limits hold, max_miss_mm does not"
+        if rehearsal.misses_too_far
+        else "every limit of the cell file holds"
+    )
+    return (
+        f"{len(rehearsal.steps)} steps, {moves} moves, {distances} distances, "
+        f"about {duration_text(rehearsal.total_s, whole=True)} at {rehearsal.override_percent:g} % override{led}; "
+        f"fastest joint {rehearsal.joint_deg_s:.1f} deg/s, tool {rehearsal.tool_mm_s:.0f} mm/s{miss}; "
+        f"{limits}; nothing was moved"
+    )
+
+
+def first_target_text(rehearsal: "Rehearsal") -> str:
+    """Return where the arm is after the first step that moves it."""
+    step = next((step for step in rehearsal.steps if step.moves), None)
+    if step is None:
+        return "the arm does not move"
+    joints = zip(rehearsal.joints, step.end, strict=True)
+    return "first to " + ", ".join(f"{joint.name} {value:.2f}{_UNITS[joint.unit]}" for joint, value in joints)
+
+
+def step_table(rehearsal: "Rehearsal") -> Table:
+    """Return a line for each step."""
+    columns = (
+        Column("step", "step"),
+        Column("moves", "moves", format=COUNT),
+        Column("measurements", "points", format=COUNT),
+        Column("duration_s", "time", "s", fixed(2)),
+        Column("beam_mm", "beam", "mm", fixed(1)),
+        Column("miss_mm", "miss", "mm", fixed(3)),
+        Column("joint_deg_s", "joint", "deg/s", fixed(1)),
+        Column("tool_mm_s", "tool", "mm/s", fixed(0)),
+        *(Column(joint.name, joint.name, joint.unit, fixed(3)) for joint in rehearsal.joints),
+    )
+    rows = (
+        (
+            s.step,
+            s.moves,
+            s.measurements,
+            s.duration_s,
+            s.beam_mm,
+            s.miss_mm,
+            s.joint_deg_s,
+            s.tool_mm_s,
+            *s.end,
+        )
+        for s in rehearsal.steps
+    )
+    return Table("steps", "Steps", columns, tuple(rows))
+
+
+def question_table(rehearsal: "Rehearsal") -> Table:
+    """Return what will be asked, each question once."""
+    texts = {question.id: question.text for question in rehearsal.questions}
+    columns = (Column("id", "question"), Column("text", "text"))
+    return Table("questions", "Questions", columns, tuple(texts.items()))
+
+
+def _verdict(rehearsal: "Rehearsal") -> list[Statement]:
+    names = list(dict.fromkeys(question.id for question in rehearsal.questions))
+    statements = [Statement(Sign.ATTENTION, text) for text in rehearsal.warnings]
+    statements.append(Statement(Sign.NEUTRAL, totals_text(rehearsal)))
+    if names:
+        asked = f"{counted(len(names), 'question')}: {listed(names, _QUESTIONS_NAMED)}"
+        statements.append(Statement(Sign.NEUTRAL, asked))
+    return statements
