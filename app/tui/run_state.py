@@ -71,27 +71,26 @@ class Step:
 
 @dataclass(frozen=True)
 class MapKnowledge:
-    """How well the maps were known when a row of J2 was done.
+    """How well the maps were known at a time.
 
     Attributes:
-        row: which row it was.
-        u_theta1_mdeg: largest standard uncertainty of the map of J1; None where it is not known yet.
-        u_theta2_mdeg: the same of J2.
+        at: everything else that was said then: it tells one time from another.
+        u_mdeg: name and largest standard uncertainty of each map; None where it is not known yet.
         text: why nothing is known.
     """
 
-    row: tuple[object, ...]
-    u_theta1_mdeg: float | None
-    u_theta2_mdeg: float | None
+    at: tuple[tuple[str, object], ...]
+    u_mdeg: tuple[tuple[str, float | None], ...]
     text: str
 
     @classmethod
     def of(cls, data: Mapping[str, object]) -> "MapKnowledge":
         """Return what an event of the kind "map-known" holds, as it is sent and stored."""
+        found = data.get("u_mdeg")
+        u_mdeg = found.items() if isinstance(found, Mapping) else ()
         return cls(
-            tuple(data.get(name) for name in ("reflector", "theta1_deg", "direction1")),
-            _number(data.get("u_theta1_mdeg")),
-            _number(data.get("u_theta2_mdeg")),
+            tuple(sorted((name, value) for name, value in data.items() if name not in {"u_mdeg", "text"})),
+            tuple((str(name), _number(value)) for name, value in u_mdeg),
             str(data.get("text") or ""),
         )
 

@@ -90,13 +90,15 @@ def test_an_outlier_is_marked_and_does_not_flatten_the_others() -> None:
 
 
 def test_both_maps_are_drawn_where_they_are_known() -> None:
-    known = [MapKnowledge((), None, 100.0, ""), MapKnowledge((), 50.0, 10.0, "")]
+    known = [
+        MapKnowledge((), u_mdeg, "") for u_mdeg in ((("a", None), ("b", 100.0)), (("a", 50.0), ("b", 10.0)))
+    ]
     drawn = ["".join(text for text, _ in line) for line in _uncertainties(known, 20, 5)]
     assert drawn[0].lstrip().startswith("100")
     assert drawn[-1].lstrip().startswith("10")
     assert "○" in drawn[-1]
     assert sum(line.count("●") for line in drawn) == 1
-    assert _uncertainties([MapKnowledge((), None, None, "not yet")], 20, 5) == []
+    assert _uncertainties([MapKnowledge((), (("a", None), ("b", None)), "not yet")], 20, 5) == []
 
 
 def test_a_run_that_is_not_known_has_no_current_step() -> None:
