@@ -1,7 +1,6 @@
 """A run as far as the engine's events and its record have shown it."""
 
 from collections import deque
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
         RunEnded,
     )
     from catseye.app.protocol.snapshot import Snapshot
+    from catseye.app.results.scara.map_known import MapKnown
 
 LOG_LINES: Final = 2000
 VALUES_KEPT: Final = 600
@@ -70,36 +70,6 @@ class Step:
 
 
 @dataclass(frozen=True)
-class MapKnowledge:
-    """How well the maps were known at a time.
-
-    Attributes:
-        at: everything else that was said then: it tells one time from another.
-        u_mdeg: name and largest standard uncertainty of each map; None where it is not known yet.
-        text: why nothing is known.
-    """
-
-    at: tuple[tuple[str, object], ...]
-    u_mdeg: tuple[tuple[str, float | None], ...]
-    text: str
-
-    @classmethod
-    def of(cls, data: Mapping[str, object]) -> "MapKnowledge":
-        """Return what an event of the kind "map-known" holds, as it is sent and stored."""
-        found = data.get("u_mdeg")
-        u_mdeg = found.items() if isinstance(found, Mapping) else ()
-        return cls(
-            tuple(sorted((name, value) for name, value in data.items() if name not in {"u_mdeg", "text"})),
-            tuple((str(name), _number(value)) for name, value in u_mdeg),
-            str(data.get("text") or ""),
-        )
-
-
-def _number(value: object) -> float | None:
-    return float(value) if isinstance(value, int | float) else None
-
-
-@dataclass(frozen=True)
 class SoFar:
     """What the record of a run holds that began before this client came.
 
@@ -114,7 +84,7 @@ class SoFar:
 
     steps: list[tuple[str, str]]
     points: int
-    map_known: list[MapKnowledge]
+    map_known: "list[MapKnown]"
     log: list[LogLine]
     command: tuple[str, ...] = ()
     speed: float | None = None
@@ -180,7 +150,7 @@ class RunState:
     prompt: "PromptAsked | None" = None
     prompt_at_s: float = 0.0
     points_seen: int = 0
-    map_known: deque[MapKnowledge] = field(default_factory=lambda: deque(maxlen=2000))
+    map_known: "deque[MapKnown]" = field(default_factory=lambda: deque(maxlen=2000))
     log: deque[LogLine] = field(default_factory=lambda: deque(maxlen=LOG_LINES))
     ended: "RunEnded | None" = None
     recorded: bool = False
@@ -287,7 +257,9 @@ class RunState:
         if not isinstance(data, dict):
             return
         if event.kind == MAP_KNOWN:
-            self.map_known.append(MapKnowledge.of(data))
+            from catseye.app.results.scara.map_known import MapKnown
+
+            self.map_known.append(MapKnown.model_validate(data))
         if event.kind in NOT_LOGGED:
             return
         # The first screen is painted before this is imported.

@@ -7,12 +7,13 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from catseye.app.tui.run_state import LiveValue, MapKnowledge, RunState
+from catseye.app.tui.run_state import LiveValue, RunState
 from catseye.app.tui.widgets.inks import Line, painted
 
 if TYPE_CHECKING:
     # numpy and pydantic are not loaded before the first screen is painted.
     from catseye.app.protocol.run_events import LiveData
+    from catseye.app.results.scara.map_known import MapKnown
     from catseye.app.tui.widgets.braille import Canvas, Floats
 
 INNOVATION: Final = "innovation"
@@ -115,7 +116,7 @@ class MapPlot(RunPlot):
             return Content.styled("none yet: it comes with the first row", "dim")
         last = known[-1]
         self.border_subtitle = "  ".join(
-            f"{_u_text(*one)} {sign}" for one, (_, sign) in zip(last.u_mdeg, _CURVES, strict=False)
+            f"{_u_text(*one)} {sign}" for one, (_, sign) in zip(last.u_mdeg.items(), _CURVES, strict=False)
         )
         drawn = _uncertainties(known, max(self.size.width - _AXIS, 1), max(self.size.height, 1))
         return painted(drawn, _STYLES) if drawn else Content(last.text)
@@ -175,15 +176,14 @@ def _scale(seen: Sequence["LiveData"]) -> tuple[float, float]:
     return (low, high) if high > low else (low - 0.5, high + 0.5)
 
 
-def _uncertainties(known: Sequence[MapKnowledge], width: int, rows: int) -> list[Line]:
+def _uncertainties(known: "Sequence[MapKnown]", width: int, rows: int) -> list[Line]:
     """Draw the curve of each map, a point each time it was known better."""
     import numpy as np
 
     from catseye.app.tui.widgets.braille import DOTS_DOWN, Canvas
 
-    names = [name for name, _ in known[-1].u_mdeg]
-    stated = [dict(each.u_mdeg) for each in known]
-    curves = [np.array([one.get(name) for one in stated], dtype=np.float64) for name in names]
+    stated = [each.u_mdeg for each in known]
+    curves = [np.array([one.get(name) for one in stated], dtype=np.float64) for name in stated[-1]]
     values = np.concatenate([np.zeros(0), *curves])
     values = values[np.isfinite(values) & (values > 0.0)]
     if values.size == 0:

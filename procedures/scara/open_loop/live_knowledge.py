@@ -112,7 +112,8 @@ class Knowledge:
                 reflector=reflector,
                 theta1_deg=command.theta1_deg,
                 direction1=command.direction1,
-                u_mdeg={"Δθ1": u1_mdeg, "Δθ2": u2_mdeg},
+                u_theta1_mdeg=u1_mdeg,
+                u_theta2_mdeg=u2_mdeg,
                 text=text,
             )
             self._show("Δθ1", u1_mdeg, text)

@@ -46,13 +46,13 @@ def points(context: TroubledContext) -> list[Row]:
 async def test_nothing_is_known_of_the_map_before_it_is_determined() -> None:
     told = known(await ran(plan_of("P1", "P2")))
     assert len(told) == 2 * 6
-    assert told[0]["u_mdeg"]["Δθ1"] is None
+    assert told[0]["u_theta1_mdeg"] is None
     assert told[0]["text"].startswith("the map is not determined yet: ")
     last = told[-1]
     assert last["text"] == (
-        f"Δθ1 known to {last['u_mdeg']['Δθ1']:.1f} mdeg, Δθ2 {last['u_mdeg']['Δθ2']:.1f} mdeg"
+        f"Δθ1 known to {last['u_theta1_mdeg']:.1f} mdeg, Δθ2 {last['u_theta2_mdeg']:.1f} mdeg"
     )
-    numbers = [data["u_mdeg"]["Δθ2"] for data in told if data["u_mdeg"]["Δθ2"] is not None]
+    numbers = [data["u_theta2_mdeg"] for data in told if data["u_theta2_mdeg"] is not None]
     assert all(math.isfinite(number) for number in numbers)
     assert numbers[-1] < 0.95 * numbers[0]
 
@@ -64,7 +64,7 @@ async def test_a_map_that_is_only_formally_determined_has_no_number(monkeypatch:
         "catseye.procedures.scara.open_loop.live_knowledge.LiveMap.known", lambda _self: on_paper
     )
     context = await ran(stopping_at(plan_of("P1"), 100.0))
-    assert {data["u_mdeg"]["Δθ1"] for data in known(context)} == {None}
+    assert {data["u_theta1_mdeg"] for data in known(context)} == {None}
     assert {data["text"] for data in known(context)} == {
         "the map is not determined yet: the points so far leave it free by degrees"
     }
@@ -99,7 +99,7 @@ async def test_a_run_stops_when_both_maps_are_known_well_enough() -> None:
     plan = plan_of("P1", "P2", "P3")
     whole = known(await ran(plan))
     determined = [
-        max(d["u_mdeg"]["Δθ1"], d["u_mdeg"]["Δθ2"]) for d in whole if d["u_mdeg"]["Δθ1"] is not None
+        max(d["u_theta1_mdeg"], d["u_theta2_mdeg"]) for d in whole if d["u_theta1_mdeg"] is not None
     ]
     limit = 0.5 * (determined[0] + determined[-1])
     context = await ran(stopping_at(plan, limit))
@@ -107,7 +107,7 @@ async def test_a_run_stops_when_both_maps_are_known_well_enough() -> None:
     (stop,) = (data for kind, data in context.events if kind == "early-stop")
     assert f"known to {limit:g} mdeg" in str(stop["text"])
     last = known(context)[-1]
-    assert max(last["u_mdeg"]["Δθ1"], last["u_mdeg"]["Δθ2"]) <= limit
+    assert max(last["u_theta1_mdeg"], last["u_theta2_mdeg"]) <= limit
     done, total, text = context.told[-1]
     assert done == total
     assert text == stop["text"]
@@ -130,7 +130,7 @@ async def test_stored_points_count_for_the_map_but_are_not_told_again() -> None:
     assert 1 <= len(known(later)) <= 2
     before, now = known(whole)[-1], known(later)[-1]
     # A further segment costs a little of what is known.
-    assert now["u_mdeg"]["Δθ2"] == pytest.approx(before["u_mdeg"]["Δθ2"], rel=0.2)
+    assert now["u_theta2_mdeg"] == pytest.approx(before["u_theta2_mdeg"], rel=0.2)
 
 
 async def test_the_pace_counts_from_the_first_step_that_runs_now() -> None:

@@ -113,7 +113,7 @@ def measure(link: ScriptedLink) -> None:
             "state",
             state="EXECUTE",
             kind="map-known",
-            data={"row": number, "u_mdeg": {"Δθ1": 40.0 / (number + 1), "Δθ2": 20.0 / (number + 1)}},
+            data={"u_theta1_mdeg": 40.0 / (number + 1), "u_theta2_mdeg": 20.0 / (number + 1)},
         )
         show_value(link, "innovation", [1.0, -2.0, 14.0][number], -9.0, 9.0, "µm")
     publish(link, "progress", done=3.9, total=10.4, text="P1 point 3/8", elapsed_s=4.0, remaining_s=6.7)

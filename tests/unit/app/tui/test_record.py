@@ -5,9 +5,11 @@ from typing import Any
 
 from catseye.app.protocol.events import event_of
 from catseye.app.protocol.run_events import LiveData, StepStarted
+from catseye.app.results.runs.rehearsal_command import rehearsal_command
+from catseye.app.results.scara.map_known import MapKnown
 from catseye.app.store.run_store import RunStore
-from catseye.app.tui.record import read_record, rehearsal_of
-from catseye.app.tui.run_state import LogLine, MapKnowledge, RunState, SoFar
+from catseye.app.tui.record import read_record
+from catseye.app.tui.run_state import LogLine, RunState, SoFar
 from catseye.procedures.kit.live import Live
 from tests.unit.app.engine.fakes import ManualClock, point
 from tests.unit.app.store.fakes import RECORDS
@@ -24,8 +26,8 @@ def publish(run: RunState, event: str, **fields: Any) -> None:
     run.take(event_of({"event": event, "t": "2026-11-21T09:30:00+00:00", "run": RUN, **fields}), 1.0)
 
 
-def known(u_mdeg: float) -> MapKnowledge:
-    return MapKnowledge.of({"u_mdeg": {"a": u_mdeg}})
+def known(u_theta1_mdeg: float) -> MapKnown:
+    return MapKnown(u_theta1_mdeg=u_theta1_mdeg)
 
 
 def so_far(**fields: Any) -> SoFar:
@@ -43,13 +45,13 @@ async def test_the_record_holds_steps_points_maps_and_what_happened(tmp_path: Pa
     }
     store = await RunStore.create(tmp_path, "open-loop", meta, clock, records=RECORDS, reserve_bytes=0)
     await store.append_step("P1/0000", 1, "first", {}, [("points", point(1)), ("points", point(2))])
-    await store.event("map-known", {"u_mdeg": {"a": 5.0, "b": 7.0}})
+    await store.event("map-known", {"u_theta1_mdeg": 5.0, "u_theta2_mdeg": 7.0})
     await store.event("warning", {"text": "the beam is weak"})
     found = read_record(store.path)
     assert found.steps == [("P1/0000", "first")]
     assert found.points == 2
     assert found.speed == 20.0
-    assert [each.u_mdeg for each in found.map_known] == [(("a", 5.0), ("b", 7.0))]
+    assert [(each.u_theta1_mdeg, each.u_theta2_mdeg) for each in found.map_known] == [(5.0, 7.0)]
     assert ("warning", "the beam is weak") in [(line.level, line.text) for line in found.log]
     assert found.command[:8] == (
         *("run", "open-loop", "--cell", "/bench/cell.toml", "--runs", str(tmp_path)),
@@ -75,7 +77,7 @@ def test_a_run_without_a_search_is_rehearsed_without_one() -> None:
         "params": {"reflector": None},
         "aim": "cell file",
     }
-    words = rehearsal_of(meta, Path("/runs"))
+    words = rehearsal_command(meta, Path("/runs"))
     assert words[words.index("--search") + 1] == "none"
     assert "--param" not in words
 
@@ -87,7 +89,7 @@ def test_a_parameter_too_long_for_a_command_is_not_rehearsed() -> None:
         "params": {"joints": "x" * 200_000},
         "aim": "cell file",
     }
-    assert rehearsal_of(meta, Path("/runs")) == ()
+    assert rehearsal_command(meta, Path("/runs")) == ()
 
 
 def test_what_has_come_meanwhile_stands_behind_the_record() -> None:
@@ -95,7 +97,7 @@ def test_what_has_come_meanwhile_stands_behind_the_record() -> None:
     publish(run, "step-done", step="b", title="second", stored=False)
     publish(run, "step-started", step="c", title="third", attempt=1)
     publish(run, "point", step="b", point={"theta1_deg": 2.0})
-    publish(run, "state", state="EXECUTE", kind="map-known", data={"u_mdeg": {"a": 4.0}})
+    publish(run, "state", state="EXECUTE", kind="map-known", data={"u_theta1_mdeg": 4.0})
     publish(run, "warning", text="later")
     run.take_record(
         so_far(
@@ -114,7 +116,7 @@ def test_what_has_come_meanwhile_stands_behind_the_record() -> None:
         ("c", "current"),
     ]
     assert run.points_seen == 2
-    assert [each.u_mdeg for each in run.map_known] == [(("a", 9.0),), (("a", 4.0),)]
+    assert [each.u_theta1_mdeg for each in run.map_known] == [9.0, 4.0]
     assert [line.text for line in run.log] == ["before", "later"]
     assert run.recorded
 
