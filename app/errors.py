@@ -10,7 +10,7 @@ from catseye.app.exitcode import ExitCode
 from catseye.calibration.core.errors import BudgetError, CalibrationError
 from catseye.calibration.scara.errors import MapRangeError, OutOfReachError
 from catseye.drivers.roles.errors import AlarmError, DeviceError, NotArrivedError, NotReadyError, ProfileError
-from catseye.procedures.kit.errors import PlanError, PlanLimitError, ProcedureError
+from catseye.procedures.kit.errors import ManualStepError, PlanError, PlanLimitError, ProcedureError
 from catseye.simulators.errors import EmulatorError
 
 
@@ -123,6 +123,7 @@ _FOREIGN: tuple[tuple[type[BaseException], ExitCode], ...] = (
     (CalibrationError, ExitCode.REJECTED),
     (PlanLimitError, ExitCode.SAFETY),
     (PlanError, ExitCode.USAGE),
+    (ManualStepError, ExitCode.USAGE),
     (ProcedureError, ExitCode.REJECTED),
     (AlarmError, ExitCode.SAFETY),
     (NotReadyError, ExitCode.SAFETY),

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from catseye.app.cell.section import Finite, Positive, Section
+from catseye.drivers.roles.pose import Range, Unit
 
 _SHIPPED = files("catseye.app.cell") / "arms"
 
@@ -32,11 +33,27 @@ class RevoluteJoint(_Joint):
     low_deg: Finite
     high_deg: Finite
     speed_deg_s: Positive
+    acceleration_deg_s2: Positive | None = None
 
     @property
-    def range(self) -> tuple[float, float]:
+    def unit(self) -> Unit:
+        """Of its values."""
+        return "deg"
+
+    @property
+    def range(self) -> Range:
         """Lowest and highest angle, deg."""
         return self.low_deg, self.high_deg
+
+    @property
+    def speed(self) -> float:
+        """Fastest, deg/s."""
+        return self.speed_deg_s
+
+    @property
+    def acceleration(self) -> float | None:
+        """Largest, deg/s²; None where nobody knows."""
+        return self.acceleration_deg_s2
 
 
 class PrismaticJoint(_Joint):
@@ -46,11 +63,27 @@ class PrismaticJoint(_Joint):
     low_mm: Finite
     high_mm: Finite
     speed_mm_s: Positive
+    acceleration_mm_s2: Positive | None = None
 
     @property
-    def range(self) -> tuple[float, float]:
+    def unit(self) -> Unit:
+        """Of its values."""
+        return "mm"
+
+    @property
+    def range(self) -> Range:
         """Lowest and highest place, mm."""
         return self.low_mm, self.high_mm
+
+    @property
+    def speed(self) -> float:
+        """Fastest, mm/s."""
+        return self.speed_mm_s
+
+    @property
+    def acceleration(self) -> float | None:
+        """Largest, mm/s²; None where nobody knows."""
+        return self.acceleration_mm_s2
 
 
 Joint = Annotated[RevoluteJoint | PrismaticJoint, Field(discriminator="type")]
@@ -76,7 +109,7 @@ class ArmDescription(Section):
     joint: Annotated[list[Joint], Field(min_length=1)]
     body: list[Body] = Field(default_factory=list)
 
-    def range_of(self, joint: str) -> tuple[float, float]:
+    def range_of(self, joint: str) -> Range:
         """Return lowest and highest place of a joint, deg or mm."""
         return next(one.range for one in self.joint if one.name == joint)
 

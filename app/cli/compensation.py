@@ -5,9 +5,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal
 
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.errors import LimitError, MeasurementRejectedError, UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.results.scara.compensated_path import Origin, write_compensated_csv, write_compensated_json
@@ -161,7 +161,7 @@ def _require_drivable(path: CompensatedPath, lines: list[int], cell: Cell, j4_de
     if not low <= j4_deg <= high:
         raise LimitError(f"--j4 {j4_deg:g} is outside the limits {low:g}°…{high:g}° of the cell file")
     require_limits(path, _range(limits.j1), _range(limits.j2), lines)
-    require_clear(path, bench_of(cell), j4_deg, lines)
+    require_clear(path, scara_bench_of(cell), j4_deg, lines)
 
 
 def _range(limits: list[float]) -> tuple[float, float]:

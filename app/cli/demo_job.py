@@ -41,7 +41,7 @@ from catseye.app.service.running import PlannedRun, carry_out, plan_run
 from catseye.app.store.reader import RunReader
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.layout import ModelName
-from catseye.procedures.kit.bench import Bench
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.simulators.world.scara.truth import true_arm
 
 _PORTS = ("10001", "10002", "10502", "10099")
@@ -189,7 +189,7 @@ def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
     for model, result in results.items():
         write_result(result, folder / f"result-{model}.json")
     document: dict[str, Any] = read_truth(folder / "truth.json")
-    nominal = (bench.arm.link1_mm, bench.arm.link2_mm)
+    nominal = (bench.link1_mm, bench.link2_mm)
     path = path_measurement(RunReader(runs["validation-path"]), bench.take_up_deg)
     return DemoResult(
         folder,
@@ -201,7 +201,7 @@ def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
     )
 
 
-def _result(identified: Identification, bench: Bench, measured: RunReader) -> Result:
+def _result(identified: Identification, bench: ScaraBench, measured: RunReader) -> Result:
     result = identified_result(identified, bench, [measured.path.name], are_simulated([measured]))
     return result.model_copy(update={"uncertainty": by_jacobian(identified).part})
 

@@ -85,8 +85,8 @@ def design(
 
     Example: catseye design --cell cell.toml --reflectors 3 -o design.html
     """
-    from catseye.app.cell.bench import bench_of
     from catseye.app.cell.load import load_cell
+    from catseye.app.cell.scara.bench import scara_bench_of
     from catseye.app.cli.report_output import note_statements, write_tables
     from catseye.app.cluster.sharing import sharing
     from catseye.app.files.atomic import require_output
@@ -103,7 +103,7 @@ def design(
     on_path = None if path is None else _commands_of(path, loaded)
     wish = Wish(criterion, on_path, _rectangle(floor), keep_out, apart, breaks, not random_only)
     wanted = Wanted(reflectors, places, seed, commands, minutes, pareto)
-    problem = problem_of(bench_of(loaded.cell), loaded.cell.uncertainty.budget, wish)
+    problem = problem_of(scara_bench_of(loaded.cell), loaded.cell.uncertainty.budget, wish)
     with sharing(workers, dask, insecure=insecure_cluster) as share:
         designed = _designed(problem, wanted, share)
     report = design_report(designed, loaded.cell.name)

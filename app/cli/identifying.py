@@ -5,8 +5,8 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cluster.share import Share
 from catseye.app.errors import UsageError
@@ -26,7 +26,7 @@ from catseye.app.results.scara.uncertainty import Propagated, by_jacobian, by_mo
 from catseye.calibration.core.contributions import Contributions
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.layout import ModelName
-from catseye.procedures.kit.bench import Bench
+from catseye.procedures.scara.bench import ScaraBench
 
 
 @dataclass(frozen=True)
@@ -123,14 +123,14 @@ def _propagated(
             bar.close()
 
 
-def identified_scan(points: Path, cell: Path, method: Method) -> tuple[Result, Bench]:
+def identified_scan(points: Path, cell: Path, method: Method) -> tuple[Result, ScaraBench]:
     """Identify from a long points file, with bars for reading and for solving.
 
     Raises:
         UsageError: an option is asked for that needs all distances at once, or a file is wrong.
     """
     _require_streamable(points, method)
-    bench, terms = bench_of(load_cell(cell).cell), parse_extensions(method.extend)
+    bench, terms = scara_bench_of(load_cell(cell).cell), parse_extensions(method.extend)
     with _Bar("reading") as reading, _Bar("solving") as solving:
         result = identify_scan_file(
             points,

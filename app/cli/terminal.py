@@ -98,7 +98,7 @@ def _may_send(cell: "Cell", device: str, arm: str | None) -> bool:
 
 
 def _moves(cell: "Cell", device: str) -> bool:
-    from catseye.app.cell.bench import may_move_an_arm
+    from catseye.app.cell.axes import may_move_an_arm
 
     return may_move_an_arm(device, _driver(cell, device))
 

@@ -41,7 +41,7 @@ from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.interferometer import BeamStatus
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Axes, Pose
 from catseye.drivers.roles.tracker import Position, Tracker
 from catseye.procedures.kit.columns import Columns, TableRule
 from catseye.procedures.kit.context import Measurement, Prompt
@@ -78,12 +78,12 @@ class RunContext:
         store: of the run.
         control: the stop ladder.
         clock: of the run.
+        axes: of the arm.
         gate: passes motions.
         operator: answers prompts.
         announcer: publishes to front ends.
         air: how the program corrects for the air where the instrument does not.
         poll_s: between two looks at a condition that is missing, s of the clock.
-        speed_deg_s: fastest J1, J2, J4 at 100 % override, as questions before a motion tell them; None for unknown.
         records: types of records that the procedure declares.
 
     Attributes:
@@ -96,12 +96,12 @@ class RunContext:
         store: RunStore,
         control: RunControl,
         clock: Clock,
+        axes: Axes,
         gate: MotionGate,
         operator: Operator,
         announcer: Announcer,
         air: AirRule = _DEFAULT_AIR,
         poll_s: float = 0.5,
-        speed_deg_s: Sequence[float] | None = None,
         records: Collection[type[Record]] = (),
     ) -> None:
         self.step_times: list[StepTime] = []
@@ -109,6 +109,7 @@ class RunContext:
         self._store = store
         self._control = control
         self._clock = clock
+        self._axes = axes
         self._gate = gate
         self._operator = operator
         self._announcer = announcer
@@ -119,14 +120,13 @@ class RunContext:
         self._progress = Progress(clock)
         self._asked_s = 0.0
         self._poll_s = poll_s
-        self._speed_deg_s = speed_deg_s
         self._records = records
         self._step: _OpenStep | None = None
         self._prompt_open = False
         self._zeroed = False
         self._looking = 0
         self._mover = Mover(
-            devices.robot, control, gate, self.wait_until, self._timed, self._waive, self._first_motion
+            devices.robot, axes, control, gate, self.wait_until, self._timed, self._waive, self._first_motion
         )
         self._acknowledging = Acknowledging(
             control, gate, devices.guard, clock, poll_s, self._ask_to_go_on, self.warn
@@ -137,11 +137,6 @@ class RunContext:
     def resumed(self) -> bool:
         """The run goes on after an interruption."""
         return self._store.resumed
-
-    @property
-    def software_time_s(self) -> list[float]:
-        """Time that program and links added, one for each step that ran, s of the run's clock."""
-        return [time.software_s for time in self.step_times]
 
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step once; one that is done returns its stored result.
@@ -327,11 +322,11 @@ class RunContext:
         )
 
     def _motion_after(self) -> MotionAfter:
-        """Return at which override the arm would move now, and how fast its joints can be."""
-        percent, speeds = self._gate.override_percent, self._speed_deg_s
+        """Return at which override the arm would move now, and how fast its revolute axes can be."""
+        percent = self._gate.override_percent
         return MotionAfter(
             override_percent=percent,
-            speed_deg_s=None if speeds is None else tuple(speed * percent / 100.0 for speed in speeds),
+            speed_deg_s=tuple(axis.speed * percent / 100.0 for axis in self._axes if axis.unit == "deg"),
         )
 
     def _begin(self, step_id: str, title: str) -> _OpenStep:

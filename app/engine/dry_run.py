@@ -6,8 +6,8 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 
-from catseye.app.engine.arm_model import AT_REST, ArmModel, Hit, Speeds
-from catseye.app.engine.gate import JointLimits
+from catseye.app.engine.driven import AT_REST, Speeds, sampled, speeds_of
+from catseye.app.engine.gate import require_in_range
 from catseye.app.engine.measuring import dwell_interval_s
 from catseye.app.engine.recording import require_recordable
 from catseye.app.engine.walked.tube import Leg, legs_through
@@ -16,13 +16,15 @@ from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
-from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.bench import Arm
 from catseye.procedures.kit.columns import Columns, TableRule
 from catseye.procedures.kit.context import Measurement, Prompt
+from catseye.procedures.kit.ideal import Hit
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import legs_refusal
 from catseye.procedures.kit.motion.motion_time import way_time_s
 from catseye.procedures.kit.records import Json, Record, Row
+from catseye.procedures.kit.system import System
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
@@ -77,9 +79,8 @@ class DryRunContext:
     """Implements `catseye.procedures.kit.context.Context` for an ideal arm.
 
     Attributes:
-        limits: checked at every move.
+        system: tells how long moves take and where the beam goes; the limits of its axes are checked at every move.
         declared: types of records that the procedure declares.
-        bench: tells how long moves take and where the beam goes.
         pose: where the arm stands; set it to where it starts.
         done: results of steps that an interrupted run has done; they are not rehearsed.
         steps: the step table, filled while the procedure runs.
@@ -87,11 +88,11 @@ class DryRunContext:
         notes: events and warnings, as (kind, data).
         records: what was recorded.
         motions: every straight joint motion.
+        ideal: the beam, where the arm carries one.
     """
 
-    limits: JointLimits
-    bench: Bench
-    pose: Pose = (0.0, 0.0, 0.0, 0.0)
+    system: System
+    pose: Pose
     declared: Collection[type[Record]] = ()
     steps: list[DryStep] = field(default_factory=list)
     prompts: list[Prompt] = field(default_factory=list)
@@ -109,8 +110,12 @@ class DryRunContext:
     _driven: list[tuple[Pose, ...]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        """Make the ideal arm."""
-        self._model = ArmModel(self.bench)
+        """Make the ideal beam."""
+        self.ideal = self.system.ideal_beam()
+
+    @property
+    def _arm(self) -> Arm:
+        return self.system.bench.arm
 
     @property
     def resumed(self) -> bool:
@@ -125,7 +130,7 @@ class DryRunContext:
     @property
     def excess(self) -> list[DryStep]:
         """Steps on whose ways the beam misses by more than the plan allows itself."""
-        limit_mm = self.bench.optics.max_miss_mm
+        limit_mm = self.ideal.max_miss_mm
         return [step for step in self.steps if step.miss_mm is not None and step.miss_mm > limit_mm]
 
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
@@ -142,7 +147,7 @@ class DryRunContext:
         finally:
             self._in_step = False
         now = self._account
-        seen = self._model.hit(self.pose)
+        seen = self.ideal.hit(self.pose)
         step = DryStep(
             step_id,
             title,
@@ -187,16 +192,15 @@ class DryRunContext:
         if not way:
             return
         for target in way:
-            self.limits.require(target)
+            require_in_range(self._arm.axes, target)
         self._start = self._start or self.pose
-        stops = np.array([self.pose, *way])[:, [0, 1, 3]]
         account = self._account
-        account.time_s += way_time_s(self.bench.arm, stops)
+        account.time_s += way_time_s(self._arm, np.array([self.pose, *way]))
         account.moves += len(way)
         self._driven.append(tuple(way))
-        account.speeds = account.speeds.faster(self._model.speeds(self.pose, way))
+        account.speeds = account.speeds.faster(speeds_of(self.system, self.pose, way))
         self._watch_beam(way)
-        self.motions += legs_through(self.pose, way, blended=self.bench.arm.following == "blended")
+        self.motions += legs_through(self.pose, way, blended=self._arm.following == "blended")
         self.pose = way[-1]
         self._questions = 0
 
@@ -208,21 +212,18 @@ class DryRunContext:
         """
         if self._start is None:
             return
-        if (blocked := legs_refusal(self._start, self._driven, self.bench)) is not None:
+        if (blocked := legs_refusal(self._start, self._driven, self.system.bench)) is not None:
             raise LimitError(blocked)
 
     def _watch_beam(self, way: Sequence[Pose]) -> None:
-        """Note by how much the beam misses on a way the reflector that it was zeroed on."""
+        """Note by how much the beam misses on a way the target that it was zeroed on."""
         if self._zeroed is None:
             self._lost = True
             return
-        poses = self._model.sampled(self.pose, way)
-        self._lost = self._lost or not self._model.returns(poses, self._zeroed.reflector).all()
-        if not np.ptp(poses[:, :2], axis=0).any():
-            # Whoever turns J4 alone means to aim beside the reflector, or to find its edge.
-            return
-        miss_mm = float(self._model.miss_mm(poses, self._zeroed.reflector).max())
-        self._way_miss_mm = max(self._way_miss_mm or 0.0, miss_mm)
+        watched = self.ideal.watch(sampled(self.pose, way), self._zeroed.target)
+        self._lost = self._lost or not watched.kept
+        if watched.miss_mm is not None:
+            self._way_miss_mm = max(self._way_miss_mm or 0.0, watched.miss_mm)
 
     async def joints(self) -> Pose:
         """Return the pose."""
@@ -236,7 +237,7 @@ class DryRunContext:
         self._account.measurements += 1
         self._questions = 0
         self._claim_way()
-        seen = self._model.hit(self.pose)
+        seen = self.ideal.hit(self.pose)
         zero_mm = 0.0 if self._zeroed is None else self._zeroed.length_mm
         return Measurement(
             displacement_mm=0.0 if seen is None else seen.length_mm - zero_mm,
@@ -252,7 +253,7 @@ class DryRunContext:
 
     async def beam(self) -> BeamStatus:
         """Return the state of the ideal beam."""
-        hit = self._model.hit(self.pose) is not None
+        hit = self.ideal.hit(self.pose) is not None
         return BeamStatus(
             beam_ok=hit, beam_lost=self._lost, overspeed=False, laser_ready=True, signal=1.0 if hit else 0.0
         )
@@ -260,7 +261,7 @@ class DryRunContext:
     async def zero(self, dead_path_mm: float) -> None:
         """Begin a new dead path; an ideal distance needs no correction for it."""
         del dead_path_mm
-        self._zeroed = self._model.hit(self.pose)
+        self._zeroed = self.ideal.hit(self.pose)
         self._lost = self._zeroed is None
         # Nobody needed the beam on the way here.
         self._way_miss_mm = None

@@ -1,15 +1,13 @@
 """The one gate that every motion passes: limits, bodies, controller state, speed override."""
 
-import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 from catseye.app.engine.conditions import Condition
 from catseye.app.engine.door_watch import DoorWatch
 from catseye.app.engine.walked.rule import Desk, WalkRule
 from catseye.app.errors import ConditionLostError, InterruptionError, LimitError, SafetyError, UnwalkedError
 from catseye.app.store.run_store import RunStore
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Axes, Pose, out_of_range
 from catseye.drivers.roles.robot import Robot, RobotStatus
 
 # Rounding of a controller that keeps the override as a whole number or as text.
@@ -25,43 +23,14 @@ _LEAST_PERCENT = 1.0
 """Controllers take no less."""
 
 
-@dataclass(frozen=True)
-class JointLimits:
-    """Ranges of the joints that the cell allows; None leaves the axis to the controller.
+def require_in_range(axes: Axes, target: Pose) -> None:
+    """Check a target.
 
-    Attributes:
-        j1_deg: lowest and highest J1, deg.
-        j2_deg: lowest and highest J2, deg.
-        j3_mm: lowest and highest J3, mm.
-        j4_deg: lowest and highest J4, deg.
+    Raises:
+        LimitError: an axis is outside its range or not a number; every such axis is named.
     """
-
-    j1_deg: tuple[float, float]
-    j2_deg: tuple[float, float]
-    j4_deg: tuple[float, float]
-    j3_mm: tuple[float, float] | None = None
-
-    def require(self, target: Pose) -> None:
-        """Check a target.
-
-        Raises:
-            LimitError: a joint is outside its range or not a number; every such joint is named.
-        """
-        ranges = (
-            ("J1", "deg", self.j1_deg),
-            ("J2", "deg", self.j2_deg),
-            ("J3", "mm", self.j3_mm or (-math.inf, math.inf)),
-            ("J4", "deg", self.j4_deg),
-        )
-        wrong = [
-            f"{name} = {value:g} {unit} is outside {low:g} … {high:g} {unit}"
-            for value, (name, unit, (low, high)) in zip(target, ranges, strict=True)
-            if not (math.isfinite(value) and low <= value <= high)
-        ]
-        if wrong:
-            raise LimitError(
-                f"{'; '.join(wrong)}: the robot was not moved; change the plan or the cell's limits"
-            )
+    if wrong := out_of_range(axes, target):
+        raise LimitError(f"{'; '.join(wrong)}: the robot was not moved; change the plan or the cell's limits")
 
 
 class MotionGate:
@@ -69,7 +38,7 @@ class MotionGate:
 
     Args:
         robot: the controller.
-        limits: ranges of the cell.
+        axes: with the ranges of the cell.
         blocked: tells why bodies are in the way of a motion.
         override_cap_percent: highest speed override that the cell allows.
         conditions: of the surroundings that come back by themselves: the air.
@@ -84,7 +53,7 @@ class MotionGate:
     def __init__(
         self,
         robot: Robot,
-        limits: JointLimits,
+        axes: Axes,
         blocked: WayCheck,
         override_cap_percent: float,
         conditions: Sequence[Condition] = (),
@@ -93,7 +62,7 @@ class MotionGate:
         self._conditions = conditions
         self._door = door
         self._robot = robot
-        self._limits = limits
+        self._axes = axes
         self._blocked = blocked
         self._cap_percent = override_cap_percent
         self._wanted_percent = override_cap_percent
@@ -150,7 +119,7 @@ class MotionGate:
             SafetyError: the controller's state forbids motion.
         """
         for target in targets:
-            self._limits.require(target)
+            require_in_range(self._axes, target)
         if targets:
             self._require_clear((await self._robot.joints() if here is None else here, *targets))
         await self.require_surroundings()

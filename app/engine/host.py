@@ -212,7 +212,12 @@ class _Run:
     def _gate(self, devices: Devices, conditions: Sequence[Condition], door: DoorWatch | None) -> MotionGate:
         request = self._request
         gate = MotionGate(
-            devices.robot, request.limits, request.blocked, request.override_cap_percent, conditions, door
+            devices.robot,
+            request.driven.axes,
+            request.blocked,
+            request.override_cap_percent,
+            conditions,
+            door,
         )
         gate.on_override = self._override_lowered
         gate.permit = self._control.raise_ending
@@ -228,12 +233,12 @@ class _Run:
             self._store,
             self._control,
             self._clock,
+            request.driven.axes,
             gate,
             operator,
             self._announcer,
             request.air,
             POLL_S * request.clock_speed,
-            request.speed_deg_s,
             request.procedure.records,
         )
 
@@ -304,7 +309,7 @@ class _Run:
 
     async def _ready(self, devices: Devices, gate: MotionGate, context: RunContext) -> None:
         await gate.require_surroundings()
-        if text := await require_within_controller(devices.robot, self._request.limits):
+        if text := await require_within_controller(devices.robot, self._request.driven):
             self._warn(text)
         here = await require_rest(devices.robot, self._clock, self._request.clock_speed, context.warn)
         percent = await gate.lower_override()

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from catseye.app.cell.bench import robot_driver
+from catseye.app.cell.axes import robot_driver
 from catseye.app.cell.model import Cell, FurtherDevice, Robot
 from catseye.app.engine.devices import DeviceBuilder, Devices, WireRecorder
 from catseye.app.errors import ConfigError

@@ -7,7 +7,7 @@ from catseye.app.engine.cut_short import rest_of_way
 from catseye.app.engine.gate import MotionGate
 from catseye.app.errors import ConditionLostError, InterruptionError, UnwalkedError
 from catseye.app.store.crash_points import crash_point
-from catseye.drivers.roles.pose import Pose, is_at
+from catseye.drivers.roles.pose import Axes, Pose, is_at, pose_text
 from catseye.drivers.roles.robot import Robot
 from catseye.procedures.kit.errors import ArmMovedError
 
@@ -20,6 +20,7 @@ class Mover:
 
     Args:
         robot: the controller.
+        axes: of its arm.
         control: the stop ladder.
         gate: passes motions.
         wait_until: suspends the run until a condition is back.
@@ -31,6 +32,7 @@ class Mover:
     def __init__(
         self,
         robot: Robot,
+        axes: Axes,
         control: RunControl,
         gate: MotionGate,
         wait_until: Callable[[str, Callable[[], Awaitable[bool]]], Awaitable[None]],
@@ -39,6 +41,7 @@ class Mover:
         first: Callable[[Pose | None, Sequence[Pose]], Awaitable[None]],
     ) -> None:
         self._robot = robot
+        self._axes = axes
         self._control = control
         self._gate = gate
         self._wait_until = wait_until
@@ -85,10 +88,10 @@ class Mover:
         waits = self._control.waits
         if self._stood is None and motion.start is not None:
             here = await self._robot.joints()
-            motion.ahead = _rest(motion.start, motion.ahead, here)
+            motion.ahead = _rest(self._axes, motion.start, motion.ahead, here)
             self._stood, self._waits_then = here, waits
         elif self._stood is not None and waits != self._waits_then:
-            _require_place(await self._robot.joints(), self._stood)
+            _require_place(self._axes, await self._robot.joints(), self._stood)
         await self._gate.require(*motion.ahead, here=self._stood)
         if not self._begun:
             self._begun = True
@@ -120,26 +123,22 @@ class _Motion:
         await self._mover.move(self)
 
 
-def _rest(start: Pose, way: Sequence[Pose], here: Pose) -> tuple[Pose, ...]:
+def _rest(axes: Axes, start: Pose, way: Sequence[Pose], here: Pose) -> tuple[Pose, ...]:
     rest = rest_of_way(start, way, here)
     if rest is None:
         raise ArmMovedError(
-            f"the arm was stopped, and its joints are {_listed(here)} now, beside the way that it was on from "
-            f"{_listed(start)} to {_listed(way[-1])} (J1 deg, J2 deg, J3 mm, J4 deg); the rest was not driven; go on "
-            "with catseye resume"
+            f"the arm was stopped and stands at {pose_text(axes, here)} now, beside the way that it was on from "
+            f"{pose_text(axes, start)} to {pose_text(axes, way[-1])}; the rest was not driven; go on with catseye "
+            "resume"
         )
     return rest
 
 
-def _require_place(here: Pose, stood: Pose) -> None:
+def _require_place(axes: Axes, here: Pose, stood: Pose) -> None:
     """Refuse to drive on from where nobody planned to be."""
     if not is_at(here, stood):
         raise ArmMovedError(
-            "the arm was moved while the run was held or suspended or a question was open: its joints are "
-            f"{_listed(here)} and were {_listed(stood)} when it was left (J1 deg, J2 deg, J3 mm, J4 deg); the rest "
-            "of its way was not driven; go on with catseye resume, and leave the arm alone while a run is under way"
+            "the arm was moved while the run was held or suspended or a question was open: it stands at "
+            f"{pose_text(axes, here)} and was left at {pose_text(axes, stood)}; the rest of its way was not driven; "
+            "go on with catseye resume, and leave the arm alone while a run is under way"
         )
-
-
-def _listed(joints: Pose) -> str:
-    return ", ".join(f"{value:.2f}" for value in joints)

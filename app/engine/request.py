@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from catseye.app.cell.air import AirLimits, AirRule
 from catseye.app.engine.ending import EndStatus
-from catseye.app.engine.gate import JointLimits, WayCheck
+from catseye.app.engine.gate import WayCheck
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.handle import OnOpen
 from catseye.app.engine.operator import Answerer
@@ -16,6 +16,7 @@ from catseye.app.engine.timekeeping import StepTime
 from catseye.app.engine.walked.rule import WalkRule
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.run_store import DEFAULT_RESERVE_BYTES
+from catseye.procedures.kit.bench import Arm
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.records import Json, Record
 
@@ -55,7 +56,7 @@ class RunRequest:
         plan: what the procedure's own `plan()` returned.
         root: directory of all runs.
         cell: name of the cell.
-        limits: ranges of the joints.
+        driven: the arm that is driven, with the ranges that the cell allows.
         blocked: returns why bodies are in the way of a motion.
         override_cap_percent: highest speed override.
         meta: resolved configuration with origins, operator, parameters; stored with the run.
@@ -72,7 +73,6 @@ class RunRequest:
         unconfirmed: dimensions of bodies that nobody has confirmed; they are named before a real arm moves.
         aim_simulated: whether the search that the plan aims with was made on emulated devices; None without one.
         clock_speed: bench seconds in one real second; anything but 1 is for emulated devices only.
-        speed_deg_s: fastest J1, J2, J4 at 100 % override, as questions before a motion tell them.
         keep_drives: leave the drives on at the end, unless the run is aborted.
         on_open: gives a service access to the run while its record is open.
         walk_rule: what a real arm has to be walked first; None where nothing has to be.
@@ -82,7 +82,7 @@ class RunRequest:
     plan: object
     root: Path
     cell: str
-    limits: JointLimits
+    driven: Arm
     blocked: WayCheck
     override_cap_percent: float
     meta: Mapping[str, Json] = field(default_factory=dict)
@@ -97,7 +97,6 @@ class RunRequest:
     halt_limits: HaltLimits = field(default_factory=HaltLimits)
     teardown_limit_s: float = 60.0
     clock_speed: float = 1.0
-    speed_deg_s: tuple[float, float, float] | None = None
     aim_simulated: bool | None = None
     unconfirmed: Sequence[str] = ()
     keep_drives: bool = False

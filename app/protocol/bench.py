@@ -170,7 +170,7 @@ class BenchStatus(Message):
         beam: the interferometer.
         air: the air.
         door_closed: as the interlock says.
-        layout: from above.
+        layout: from above; None where nobody has described how this arm looks from there.
         missed: messages of this kind that this one replaced for a slow client.
     """
 
@@ -182,7 +182,7 @@ class BenchStatus(Message):
     beam: BeamStatus | None
     air: AirStatus | None
     door_closed: bool | None
-    layout: Layout
+    layout: Layout | None
     missed: int = 0
 
     def device(self, name: str) -> DeviceStatus | None:

@@ -206,13 +206,13 @@ class JogStep(Request):
     """Move one joint by a step; the answer comes when the arm stands.
 
     Attributes:
-        joint: what moves; "beam" turns J4 so that the beam moves sideways at a reflector.
-        by: deg; mm at the reflector for the beam.
-        aim: reflector that J4 keeps the beam on while J1 or J2 moves, and that the beam's mm are measured at.
+        joint: what moves, an axis or something that the arm turns, such as the beam, in lower case.
+        by: deg; mm of a prismatic axis, or of the beam at what it is aimed at.
+        aim: reflector that the beam is kept on while another axis moves, and that its mm are measured at.
     """
 
     op: Literal["jog-step"] = "jog-step"
-    joint: Literal["j1", "j2", "j4", "beam"]
+    joint: Name
     by: float = Field(ge=-90.0, le=90.0, allow_inf_nan=False)
     aim: Name | None = None
 
@@ -226,12 +226,12 @@ class JogHold(Request):
     """Keep one joint moving; repeated at least every 0.2 s, or the arm stops.
 
     Attributes:
-        joint: what moves.
+        joint: what moves, in lower case.
         direction: which way; 0 stops now.
     """
 
     op: Literal["jog-hold"] = "jog-hold"
-    joint: Literal["j1", "j2", "j4"]
+    joint: Name
     direction: Literal[-1, 0, 1]
 
     @property

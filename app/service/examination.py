@@ -9,22 +9,22 @@ from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Cell
 from catseye.app.engine.before_motion import beyond
 from catseye.app.engine.compensation import Compensation
-from catseye.app.engine.gate import JointLimits
 from catseye.app.engine.instruments import device_builder, further_device
 from catseye.app.engine.interlock import NO_DOOR
 from catseye.app.engine.stopping_distance import stopping_text
 from catseye.app.errors import UsageError
 from catseye.app.protocol.examination import DeviceExamination
-from catseye.app.service.running import joint_limits
 from catseye.drivers.roles.air import AirSensor
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.device import ROLES, Device, Role
 from catseye.drivers.roles.errors import DeviceError, ProtocolError, RefusedError
 from catseye.drivers.roles.interferometer import Interferometer
 from catseye.drivers.roles.io import Io
+from catseye.drivers.roles.pose import pose_text
 from catseye.drivers.roles.registry import load_driver
 from catseye.drivers.roles.robot import Robot
 from catseye.drivers.roles.tracker import Tracker
+from catseye.procedures.kit.bench import Arm
 
 Look = Callable[[], Awaitable[tuple[list[str], list[str]]]]
 """Returns facts and advice about a connected device."""
@@ -36,7 +36,7 @@ async def examine(cell: Cell, only: str | None) -> list[DeviceExamination]:
     Raises:
         UsageError: the cell has no such device.
     """
-    clock, rule, limits = SystemClock(), air_rule(cell), joint_limits(bench_of(cell))
+    clock, rule, bench = SystemClock(), air_rule(cell), bench_of(cell)
     devices = device_builder(cell, clock)(_ignore)
     further = [(device, further_device(device, clock, _ignore)) for device in cell.device]
     endpoints: dict[Role, str] = {
@@ -60,7 +60,7 @@ async def examine(cell: Cell, only: str | None) -> list[DeviceExamination]:
     examinations = list(
         await asyncio.gather(
             *(
-                _examine(name, endpoint, driver, _look_at(role, driver, rule, limits))
+                _examine(name, endpoint, driver, _look_at(role, driver, rule, bench.arm))
                 for name, endpoint, role, driver in drivers
                 if only in {None, name}
             )
@@ -68,16 +68,16 @@ async def examine(cell: Cell, only: str | None) -> list[DeviceExamination]:
     )
     for examined in examinations:
         if examined.device == "robot" and examined.identity:
-            examined.status.append(stopping_text(bench_of(cell), cell.robot.override_cap_percent))
+            examined.status.append(stopping_text(bench, cell.robot.override_cap_percent))
             if not examined.simulated and cell.io is None:
                 examined.status.append(f"note: {NO_DOOR}")
     return examinations
 
 
-def _look_at(role: Role, driver: Any, rule: AirRule, limits: JointLimits) -> Look:
+def _look_at(role: Role, driver: Any, rule: AirRule, arm: Arm) -> Look:
     """Return the look at a driver of a role."""
     looks: dict[Role, Look] = {
-        "robot": lambda: _robot(driver, limits),
+        "robot": lambda: _robot(driver, arm),
         "interferometer": lambda: _beam(driver, rule),
         "environment": lambda: _air(driver),
         "io": lambda: _door(driver),
@@ -109,10 +109,10 @@ async def _examine(
     return examined
 
 
-async def _robot(robot: Robot, limits: JointLimits) -> tuple[list[str], list[str]]:
+async def _robot(robot: Robot, arm: Arm) -> tuple[list[str], list[str]]:
     status, joints = await robot.status(), await robot.joints()
     facts = [
-        f"joints J1 {joints[0]:.2f}°, J2 {joints[1]:.2f}°, J3 {joints[2]:.2f} mm, J4 {joints[3]:.2f}°",
+        f"joints {pose_text(arm.axes, joints)}",
         f"servo {'on' if status.servo_on else 'off'}, override {status.override_percent:g} %",
     ]
     advice = []
@@ -122,11 +122,11 @@ async def _robot(robot: Robot, limits: JointLimits) -> tuple[list[str], list[str
         advice.append("the emergency stop is pressed: release it at the bench, then reset the alarm")
     if status.teach_mode:
         advice.append("the key switch is at TEACH: turn it to AUTO and disable the teach pendant")
-    more_facts, more_advice = await look_at_limits(robot, limits)
+    more_facts, more_advice = await look_at_limits(robot, arm)
     return facts + more_facts, advice + more_advice
 
 
-async def look_at_limits(robot: Robot, limits: JointLimits) -> tuple[list[str], list[str]]:
+async def look_at_limits(robot: Robot, arm: Arm) -> tuple[list[str], list[str]]:
     """Return the controller's own limits, and what to do about ranges of the cell file beyond them."""
     try:
         own = await robot.joint_limits()
@@ -134,8 +134,10 @@ async def look_at_limits(robot: Robot, limits: JointLimits) -> tuple[list[str], 
         return [f"not answered by this controller: {error}"], []
     if own is None:
         return [], []
-    listed = ", ".join(f"J{n} {low:g}…{high:g}" for n, (low, high) in enumerate(own, start=1))
-    return [f"controller's limits (MEJAR): {listed}"], beyond(limits, own)
+    listed = ", ".join(
+        f"{axis.name} {low:g}…{high:g}" for axis, (low, high) in zip(arm.axes, own, strict=True)
+    )
+    return [f"controller's limits (MEJAR): {listed}"], beyond(arm, own)
 
 
 async def _beam(counter: Interferometer, air: AirRule) -> tuple[list[str], list[str]]:

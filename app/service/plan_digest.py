@@ -10,12 +10,18 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
+from catseye.procedures.kit.bench import Bench
+
 _DECIMALS = 6
 """Of mm and deg: far below what an arm tells apart, far above what another processor rounds differently."""
 
 
 def plan_digest(plan: object) -> str:
-    """Return the SHA-256 of everything that a plan holds, numbers rounded to a nanometre or a microdegree."""
+    """Return the SHA-256 of everything that a plan holds, numbers rounded to a nanometre or a microdegree.
+
+    The bench that a plan keeps beside what it decides is left out: it follows from the configuration, which a run
+    stores, so that a program that describes a bench otherwise and plans the same goes on with the run.
+    """
     text = json.dumps(_plain(plan), sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()
 
@@ -27,6 +33,8 @@ def _plain(value: Any) -> Any:
         case float():
             # Adding zero makes one of the two zeros.
             return round(value, _DECIMALS) + 0.0
+        case Bench():
+            return value.name
         case BaseModel():
             return _plain(value.model_dump())
         case np.ndarray():

@@ -25,7 +25,7 @@ def as_walk(planned: PlannedRun, root: Path, walked: Iterable[Leg] = ()) -> Plan
     before = partial(walked_legs, root, planned.loaded.cell)
     walk = Walk(
         planned.procedure,
-        planned.bench,
+        planned.system,
         partial(motions_from, whole),
         walked,
         before,

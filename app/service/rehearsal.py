@@ -1,16 +1,9 @@
 """A dry run as the data that every front end shows."""
 
-from typing import Final
-
-from catseye.app.engine.arm_model import AT_REST
+from catseye.app.engine.driven import AT_REST
 from catseye.app.engine.dry_run import DryRunContext, DryStep
 from catseye.app.protocol.rehearsal import Rehearsal, RehearsedJoint, RehearsedQuestion, RehearsedStep
 from catseye.app.service.running import PlannedRun
-
-_JOINTS: Final = tuple(
-    RehearsedJoint(name=name, unit=unit)
-    for name, unit in (("J1", "deg"), ("J2", "deg"), ("J3", "mm"), ("J4", "deg"))
-)
 
 
 def rehearsal_of(planned: PlannedRun, dry: DryRunContext) -> Rehearsal:
@@ -26,8 +19,8 @@ def rehearsal_of(planned: PlannedRun, dry: DryRunContext) -> Rehearsal:
         joint_deg_s=speeds.joint_deg_s,
         tool_mm_s=speeds.tool_mm_s,
         miss_mm=max((step.miss_mm for step in dry.steps if step.miss_mm is not None), default=None),
-        max_miss_mm=planned.bench.optics.max_miss_mm,
-        joints=_JOINTS,
+        max_miss_mm=dry.ideal.max_miss_mm,
+        joints=tuple(RehearsedJoint(name=axis.name, unit=axis.unit) for axis in arm.axes),
         steps=tuple(map(_step, dry.steps)),
         warnings=(*(str(data.get("text")) for kind, data in dry.notes if kind == "warning"), *_excess(dry)),
         questions=tuple(RehearsedQuestion(id=p.id, kind=p.kind, text=p.text) for p in dry.prompts),
@@ -54,10 +47,10 @@ def _excess(dry: DryRunContext) -> list[str]:
     if not dry.excess:
         return []
     worst = max(dry.excess, key=lambda step: step.miss_mm or 0.0)
-    optics = dry.bench.optics
-    kept = "the cat's eye still returns it" if (worst.miss_mm or 0.0) <= optics.acceptance_mm else "it breaks"
+    beam = dry.ideal
+    kept = "the cat's eye still returns it" if (worst.miss_mm or 0.0) <= beam.acceptance_mm else "it breaks"
     return [
         f"the beam misses by up to {worst.miss_mm:.3f} mm on the way of {worst.step_id} and by more than "
-        f"max_miss_mm = {optics.max_miss_mm:g} in {len(dry.excess)} step(s); {kept} (acceptance_mm = "
-        f"{optics.acceptance_mm:g}): split the moves, or move the reflector away from the arm"
+        f"max_miss_mm = {beam.max_miss_mm:g} in {len(dry.excess)} step(s); {kept} (acceptance_mm = "
+        f"{beam.acceptance_mm:g}): split the moves, or move the reflector away from the arm"
     ]

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from catseye.app.cell.bench import bench_of
+from catseye.app.cell.bench import bench_of, system_of
 from catseye.app.cell.load import LoadedCell
 from catseye.app.cell.model import Cell
 from catseye.app.engine.walked.register import WALK, own_legs
@@ -19,7 +19,6 @@ from catseye.app.service.running import PlannedRun
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader
 from catseye.app.store.resumable import why_not_resumable, writer_of
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.records import Json
 
 
@@ -54,7 +53,7 @@ def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> Plan
     walked = meta.get(WALK)
     procedure = load_procedure(str(meta["procedure"] if walked is None else walked["procedure"]))
     params = _params(path.name, procedure, meta["params"])
-    bench = _aimed(bench_of(loaded.cell), meta["aimed"])
+    bench = system_of(bench_of(loaded.cell)).aimed(meta["aimed"])
     plan = procedure.plan(bench, params)
     if plan_digest(plan) != meta["plan_sha256"]:
         raise UsageError(
@@ -116,11 +115,6 @@ def _params(name: str, procedure: Runnable, values: Any) -> Any:
             f"{name}: its parameters do not fit this program's {procedure.name} ({error.errors()[0]['msg']}): go on "
             "with the version that wrote it, or start a new run"
         ) from error
-
-
-def _aimed(bench: Bench, aimed: Any) -> Bench:
-    places = {name: (float(x_mm), float(y_mm)) for name, (x_mm, y_mm) in aimed["reflectors"].items()}
-    return bench.aimed(places, float(aimed["theta40_deg"]))
 
 
 def _require_same_but_links(name: str, stored: Cell, given: Cell) -> None:

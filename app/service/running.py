@@ -11,13 +11,12 @@ from typing import Any, Literal
 from pydantic import BaseModel
 
 from catseye.app.cell.air import air_limits, air_rule
-from catseye.app.cell.bench import bench_of
+from catseye.app.cell.bench import bench_of, system_of
 from catseye.app.cell.load import LoadedCell
 from catseye.app.cell.model import Cell
 from catseye.app.engine.announcer import Publish
 from catseye.app.engine.devices import DeviceBuilder
 from catseye.app.engine.dry_run import DryRunContext
-from catseye.app.engine.gate import JointLimits
 from catseye.app.engine.handle import OnOpen
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.instruments import device_builder
@@ -41,6 +40,7 @@ from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.motion.clear_way import way_check
 from catseye.procedures.kit.records import Json
+from catseye.procedures.kit.system import System
 
 
 @dataclass(frozen=True)
@@ -72,6 +72,11 @@ class PlannedRun:
     clock_speed: float = 1.0
     relinked: bool = False
     walk: Walk | None = None
+
+    @property
+    def system(self) -> System:
+        """What there is to ask of the bench."""
+        return system_of(self.bench)
 
     @property
     def on_client_lost(self) -> Literal["continue", "hold", "stop"]:
@@ -153,7 +158,7 @@ async def carry_out(
 def _walk_rule(planned: PlannedRun, root: Path, reason: str | None) -> WalkRule:
     walked = partial(walked_legs, root, planned.loaded.cell)
     blended = planned.bench.arm.following == "blended"
-    return WalkRule(partial(motions_from, planned), walked, blended, reason)
+    return WalkRule(planned.bench.arm.axes, partial(motions_from, planned), walked, blended, reason)
 
 
 def _request_of(planned: PlannedRun, root: Path, speed: float) -> RunRequest:
@@ -164,14 +169,13 @@ def _request_of(planned: PlannedRun, root: Path, speed: float) -> RunRequest:
         plan=planned.plan,
         root=root,
         cell=cell.name,
-        limits=joint_limits(bench),
+        driven=bench.arm,
         blocked=way_check(bench),
         override_cap_percent=cell.robot.override_cap_percent,
         air=air_rule(cell),
         air_limits=air_limits(cell),
         meta=run_meta(planned, speed) if planned.resume is None else _meta_of_resumption(planned, speed),
         clock_speed=speed,
-        speed_deg_s=bench.arm.speed_deg_s,
         aim_simulated=planned.aim_simulated,
         unconfirmed=bench.workspace.unconfirmed,
         resume=planned.resume,
@@ -184,14 +188,13 @@ async def rehearse(planned: PlannedRun, here: Pose | None = None) -> DryRunConte
 
     Args:
         planned: what plan_run returned.
-        here: where the arm stands; stretched out at its height when nobody knows.
+        here: where the arm stands; at rest when nobody knows.
     """
-    bench = planned.bench
+    system = planned.system
     steps = [] if planned.resume is None else RunReader(planned.resume).steps()
     context = DryRunContext(
-        joint_limits(bench),
-        bench,
-        pose=here or (0.0, 0.0, bench.arm.j3_mm, 0.0),
+        system,
+        pose=here or system.rest,
         declared=planned.procedure.records,
         done={step.step_id: step.result for step in steps},
     )
@@ -208,13 +211,6 @@ async def motions_from(planned: PlannedRun, here: Pose) -> list[Leg]:
     return context.motions
 
 
-def joint_limits(bench: Bench) -> JointLimits:
-    """Return the limits that the gate checks at each move; J3 stays where the cell file puts it, or in its range."""
-    arm = bench.arm
-    heights = arm.j3_range_mm or (arm.j3_mm, arm.j3_mm)
-    return JointLimits(arm.j1_limits_deg, arm.j2_limits_deg, arm.j4_limits_deg, heights)
-
-
 def run_meta(planned: PlannedRun, speed: float) -> dict[str, Json]:
     """Return what a new run stores about itself: everything that going on with it needs."""
     loaded, walk = planned.loaded, planned.walk
@@ -227,21 +223,10 @@ def run_meta(planned: PlannedRun, speed: float) -> dict[str, Json]:
         "configuration_sha256": loaded.sha256,
         "params": planned.params.model_dump(mode="json"),
         "aim": planned.aim,
-        "aimed": _aimed(planned),
+        "aimed": {**planned.system.aim_facts(), "simulated": planned.aim_simulated},
         "plan_sha256": plan_digest(planned.plan),
         "operator": getpass.getuser(),
         "clock_speed": speed,
-    }
-
-
-def _aimed(planned: PlannedRun) -> dict[str, Json]:
-    """Return what the plan was aimed with: the search that found it may be gone when the run goes on."""
-    bench = planned.bench
-    places: dict[str, Json] = {r.name: [r.x_mm, r.y_mm] for r in bench.reflectors}
-    return {
-        "reflectors": places,
-        "theta40_deg": bench.optics.theta40_deg,
-        "simulated": planned.aim_simulated,
     }
 
 

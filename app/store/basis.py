@@ -3,19 +3,22 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar, cast
 
 from catseye.app.errors import UsageError
 from catseye.app.store.catalog import list_runs, resolve_run
 from catseye.app.store.reader import Accept, RunReader
 from catseye.procedures.kit.bench import Bench
+from catseye.procedures.scara.bench import ScaraBench
 
 SEARCH = "reflector-search"
 _ALIGNMENT = "beam-to-j4"
 
+AnyBench = TypeVar("AnyBench", bound=Bench)
+
 
 @dataclass(frozen=True)
-class Aim:
+class Aim(Generic[AnyBench]):
     """A bench to plan with, and where its aim comes from.
 
     Attributes:
@@ -24,15 +27,15 @@ class Aim:
         simulated: whether that search was made on emulated devices; None without a search.
     """
 
-    bench: Bench
+    bench: AnyBench
     source: str
     simulated: bool | None = None
 
 
 def find_aim(
-    bench: Bench, root: Path, wanted: str = "auto", opened: Callable[[Path], RunReader] = RunReader
-) -> Aim:
-    """Aim a bench.
+    bench: AnyBench, root: Path, wanted: str = "auto", opened: Callable[[Path], RunReader] = RunReader
+) -> Aim[AnyBench]:
+    """Aim a bench; one that no search knows is as the cell file describes it.
 
     Args:
         bench: as the cell file describes it.
@@ -46,8 +49,14 @@ def find_aim(
             an alignment that moved the beam.
         StorageError: the run that would be taken is damaged or was changed.
     """
-    if wanted == "none":
+    if wanted == "none" or not isinstance(bench, ScaraBench):
         return Aim(bench, "cell file")
+    return cast("Aim[AnyBench]", _find_aim(bench, root, wanted, opened))
+
+
+def _find_aim(
+    bench: ScaraBench, root: Path, wanted: str, opened: Callable[[Path], RunReader]
+) -> Aim[ScaraBench]:
     if wanted == "auto":
         found = _newest(root, bench)
         if found is None:
@@ -66,7 +75,7 @@ def find_aim(
     return _aimed(bench, reader)
 
 
-def _newest(root: Path, bench: Bench) -> Path | None:
+def _newest(root: Path, bench: ScaraBench) -> Path | None:
     for run in reversed(list_runs(root)):
         if run.procedure == SEARCH and run.status == "complete":
             reader = RunReader(run.path, Accept.UNCHECKED)
@@ -79,7 +88,7 @@ def _newest(root: Path, bench: Bench) -> Path | None:
     return None
 
 
-def _require_beam_unmoved(root: Path, bench: Bench, search: Path) -> None:
+def _require_beam_unmoved(root: Path, bench: ScaraBench, search: Path) -> None:
     """Refuse a search whose beam passed the J4 axis elsewhere; a named one is taken at the operator's word."""
     for run in reversed(list_runs(root)):
         if run.name <= search.name:
@@ -96,7 +105,7 @@ def _require_beam_unmoved(root: Path, bench: Bench, search: Path) -> None:
             )
 
 
-def _moved_beam(reader: RunReader, bench: Bench) -> bool:
+def _moved_beam(reader: RunReader, bench: ScaraBench) -> bool:
     """Return whether hands were sent to the stage; a question that a process died over may have been acted on."""
     asked = [event for event in reader.events() if event.kind == "asked"]
     stage = {str(event.data["id"]) for event in asked if str(event.data["id"]).startswith("stage/")}
@@ -104,14 +113,14 @@ def _moved_beam(reader: RunReader, bench: Bench) -> bool:
     return reader.meta.get("cell") == bench.name and bool(stage - refused)
 
 
-def _same_places(bench: Bench, reader: RunReader) -> bool:
+def _same_places(bench: ScaraBench, reader: RunReader) -> bool:
     """Return whether a search looked for the reflectors of this bench where this bench's cell file has them."""
     configuration: Any = reader.meta.get("configuration") or {}
     searched = {row["name"]: (row["x_mm"], row["y_mm"]) for row in configuration.get("reflector", ())}
     return searched == {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}
 
 
-def _aimed(bench: Bench, reader: RunReader) -> Aim:
+def _aimed(bench: ScaraBench, reader: RunReader) -> Aim[ScaraBench]:
     solution = search_result(reader)
     if solution is None:
         raise UsageError(f"{reader.path.name} holds no result of a search")

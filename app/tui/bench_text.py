@@ -152,7 +152,7 @@ def beam_lines(bench: "BenchStatus | None", since_s: float) -> list[Content]:
     style, age = age_style(beam.age_s, since_s)
     return [
         _signal_line(beam, style),
-        _state_line(bench.layout.aim, beam, style, age),
+        _state_line(None if bench.layout is None else bench.layout.aim, beam, style, age),
         *_length_lines(beam, style),
     ]
 
@@ -180,7 +180,7 @@ def engine_lines(engine: EngineState, most: int) -> list[Content]:
         Content.styled(f"{line.t[11:19]} {line.text}", styles.get(line.level, "dim"))
         for line in list(engine.log)[-most:]
     ]
-    skipped = engine.missed.get("bench", 0) + engine.missed.get("samples", 0)
+    skipped = engine.missed["bench"] + engine.missed["samples"]
     if skipped:
         log = [Content.styled(f"skipped    {skipped} older values; the newest are shown", "dim"), *log]
     return [Content(f"connected  {people}"), Content(f"control    {control}"), *log]
@@ -204,7 +204,7 @@ def _joint_lines(bench: "BenchStatus", robot: "RobotStatus") -> list[str]:
         return ["joints not known"]
     one, two, three, four = (_joint_text(value) for value in robot.joints)
     found = [f"J1 {one} deg   J2 {two} deg", f"J3 {three} mm    J4 {four} deg"]
-    if (known := robot.known_joints) is not None:
+    if (known := robot.known_joints) is not None and bench.layout is not None:
         from catseye.app.tui.widgets.plan_drawing import pose_of
 
         x_mm, y_mm = pose_of(bench.layout, known).place_mm

@@ -33,6 +33,10 @@ class WayBlockedError(ProcedureError):
     """There is no free way from where the arm stands to where it has to go."""
 
 
+class ManualStepError(ProcedureError):
+    """A step by hand that cannot be made: nothing of that name moves, or what is aimed at is elsewhere."""
+
+
 class ReflectorNotFoundError(ProcedureError):
     """A search did not find a reflector, or not well enough to aim at it."""
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from scipy import linalg
 
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.cluster.share import InThisProcess
 from catseye.app.results.scara.design.layouts import Places, best_layouts, candidate_places
@@ -29,7 +29,7 @@ def problem(folder: Path) -> Problem:
     cell = folder / "cell.toml"
     cell.write_text(TEMPLATE)
     loaded = load_cell(cell).cell
-    return problem_of(bench_of(loaded), loaded.uncertainty.budget, Wish("A", systematic=False))
+    return problem_of(scara_bench_of(loaded), loaded.uncertainty.budget, Wish("A", systematic=False))
 
 
 def exactly(places: Places, count: int) -> Places:

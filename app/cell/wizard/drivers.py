@@ -8,7 +8,7 @@ from typing import Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from catseye.app.cell.bench import robot_driver
+from catseye.app.cell.axes import robot_driver
 from catseye.app.cell.wizard.question import Choice, Question, text_of
 from catseye.drivers.roles.device import DriverClass, Role
 from catseye.drivers.roles.registry import driver_names, load_driver

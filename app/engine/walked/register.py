@@ -112,12 +112,11 @@ def as_row(leg: Leg) -> dict[str, Json]:
 
 
 def _leg(step: StoredStep) -> Leg:
-    return Leg(_joints(step.result["from"]), _joints(step.result["to"]))
+    return Leg(_pose(step.result["from"]), _pose(step.result["to"]))
 
 
-def _joints(stored: Any) -> Pose:
-    one, two, three, four = stored
-    return float(one), float(two), float(three), float(four)
+def _pose(stored: Any) -> Pose:
+    return tuple(float(value) for value in stored)
 
 
 def _holds(path: Path, digest: str, arm: Identity, endpoint: str) -> bool:

@@ -5,13 +5,12 @@ from collections.abc import Awaitable, Callable, Sequence
 from typing import Final, Protocol
 
 from catseye.app.engine.walked.register import as_row
-from catseye.app.engine.walked.speed import place_text
 from catseye.app.engine.walked.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, legs_through, uncovered
 from catseye.app.errors import PromptUnansweredError, UnwalkedError
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.device import Identity
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Axes, Pose, pose_text
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.records import Json
 
@@ -42,6 +41,7 @@ class WalkRule:
     """Knows which motions of one run were walked; in force on a real arm, from `begin` on, until it is waived.
 
     Args:
+        axes: of the arm.
         motions_from: returns every motion that the run would drive from where the arm stands.
         walked: returns the motions of valid walks of an arm.
         blended: the arm passes the targets of a way without standing still.
@@ -50,11 +50,13 @@ class WalkRule:
 
     def __init__(
         self,
+        axes: Axes,
         motions_from: Callable[[Pose], Awaitable[Sequence[Leg]]],
         walked: Callable[[Identity], Sequence[Leg]],
         blended: bool,
         reason: str | None = None,
     ) -> None:
+        self._axes = axes
         self._motions_from = motions_from
         self._walked = walked
         self._blended = blended
@@ -82,7 +84,8 @@ class WalkRule:
             return
         motions = await self._motions_from(here)
         walked = await asyncio.to_thread(self._walked, arm)
-        self._tubes, left = Tubes(walked), await asyncio.to_thread(uncovered, motions, walked)
+        self._tubes = Tubes(self._axes, walked)
+        left = await asyncio.to_thread(uncovered, self._axes, motions, walked)
         await desk.event(
             "walked-motions",
             of=len(motions),
@@ -91,7 +94,7 @@ class WalkRule:
         )
         if left:
             counted = f"{len(left)} of {len(motions)} motions of this run were not walked"
-            await self.waive(f"{counted}, the first {_leg_text(left[0])}", desk, store)
+            await self.waive(f"{counted}, the first {self._leg_text(left[0])}", desk, store)
 
     def require(self, start: Pose, way: Sequence[Pose]) -> None:
         """Check a motion through targets.
@@ -104,8 +107,8 @@ class WalkRule:
         for leg in legs_through(start, way, blended=self._blended):
             if not self._tubes.covers(leg):
                 raise UnwalkedError(
-                    f"the motion {_leg_text(leg)} was not walked: it leaves {TUBE_DEG:g}° and {TUBE_MM:g} mm around "
-                    "every motion that was"
+                    f"the motion {self._leg_text(leg)} was not walked: it leaves {TUBE_DEG:g}° and {TUBE_MM:g} mm "
+                    "around every motion that was"
                 )
 
     async def waive(self, missing: str, desk: Desk, store: RunStore) -> None:
@@ -126,6 +129,9 @@ class WalkRule:
         await desk.event("walk-waived", reason=reason, missing=missing)
         self._tubes = None
 
+    def _leg_text(self, leg: Leg) -> str:
+        return f"from {pose_text(self._axes, leg.start)} to {pose_text(self._axes, leg.end)}"
+
 
 async def _asked(missing: str, desk: Desk) -> str:
     prompt = Prompt(
@@ -139,7 +145,3 @@ async def _asked(missing: str, desk: Desk) -> str:
         return (await desk.ask(prompt)).strip()
     except PromptUnansweredError as error:
         raise UnwalkedError(f"{missing}: nothing was moved; {_REMEDY}") from error
-
-
-def _leg_text(leg: Leg) -> str:
-    return f"from {place_text(leg.start)} to {place_text(leg.end)}"

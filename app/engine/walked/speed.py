@@ -5,7 +5,7 @@ from typing import Final
 
 from catseye.app.engine.walked.tube import Leg
 from catseye.app.errors import SafetyError
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import pose_text
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.motion.body_speed import fastest_mm_s
 
@@ -34,14 +34,8 @@ def walking_percent(bench: Bench, leg: Leg, cap_percent: float) -> float:
     percent = most if at_one * most <= FASTEST_MM_S else float(math.floor(FASTEST_MM_S / at_one))
     if percent < _LEAST_PERCENT:
         raise SafetyError(
-            f"the motion to {place_text(leg.end)} moves the outermost body at up to {at_one:.0f} mm/s with an "
-            f"override of {_LEAST_PERCENT:g} %, and a walk at {FASTEST_MM_S:g} mm/s at most: it cannot be walked, no "
-            "override is lower; check [robot] speed_deg_s and the bodies, or drive it by hand"
+            f"the motion to {pose_text(bench.arm.axes, leg.end)} moves the outermost body at up to {at_one:.0f} mm/s "
+            f"with an override of {_LEAST_PERCENT:g} %, and a walk at {FASTEST_MM_S:g} mm/s at most: it cannot be "
+            "walked, no override is lower; check [robot] speed_deg_s and the bodies, or drive it by hand"
         )
     return percent
-
-
-def place_text(joints: Pose) -> str:
-    """Return where an arm stands, for people."""
-    one, two, three, four = joints
-    return f"J1 {one:.2f}°, J2 {two:.2f}°, J3 {three:.1f} mm, J4 {four:.2f}°"

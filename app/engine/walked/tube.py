@@ -1,8 +1,8 @@
 """Where an arm was walked: tubes around straight joint motions, and whether another motion lies inside them.
 
-A pose lies in the tube of a walked motion when some pose of that motion is within 1 deg of it in every revolute joint
-and within 5 mm in the quill. A motion is covered when each of its poses lies in some tube: exactly, not by samples.
-Where the arm cuts corners, so much less is left of the tube.
+A pose lies in the tube of a walked motion when some pose of that motion is within 1 deg of it in every revolute axis
+and within 5 mm in every prismatic one. A motion is covered when each of its poses lies in some tube: exactly, not by
+samples. Where the arm cuts corners, so much less is left of the tube.
 """
 
 from collections.abc import Iterable, Sequence
@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catseye.calibration.kinematics.sweep import cut_corners
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Axes, Pose, Unit
 
 Floats = NDArray[np.float64]
 
 TUBE_DEG: Final = 1.0
 TUBE_MM: Final = 5.0
 
-_TOLERANCES: Final = np.array([TUBE_DEG, TUBE_DEG, TUBE_MM, TUBE_DEG])
+_TOLERANCES: Final[dict[Unit, float]] = {"deg": TUBE_DEG, "mm": TUBE_MM}
 
 _RADIUS: Final = 1.0 - 1e-9
 """Of a tube in units of its tolerances; what is missing outweighs every rounding below."""
@@ -39,12 +39,13 @@ class Leg:
     Attributes:
         start: where it begins.
         end: where it ends.
-        cut: how far the arm may be beside it where it cuts the corners at its ends, deg or mm.
+        cut: how far the arm may be beside it where it cuts the corners at its ends, deg or mm; empty
+            where it cuts none.
     """
 
     start: Pose
     end: Pose
-    cut: Pose = (0.0, 0.0, 0.0, 0.0)
+    cut: Pose = ()
 
 
 def legs_through(start: Pose, way: Sequence[Pose], *, blended: bool) -> list[Leg]:
@@ -58,18 +59,22 @@ def legs_through(start: Pose, way: Sequence[Pose], *, blended: bool) -> list[Leg
     places = (start, *way)
     passed = np.array([0 < number < len(way) and blended for number in range(len(places))])
     cuts = cut_corners(np.array(places), passed).tolist()
-    return [Leg(*ends, (a, b, c, d)) for ends, (a, b, c, d) in zip(pairwise(places), cuts, strict=True)]
+    return [
+        Leg(*ends, tuple(cut) if any(cut) else ()) for ends, cut in zip(pairwise(places), cuts, strict=True)
+    ]
 
 
 class Tubes:
     """The union of the tubes around walked motions.
 
     Args:
+        axes: of the arm.
         legs: that were driven to their end.
     """
 
-    def __init__(self, legs: Iterable[Leg] = ()) -> None:
-        self._ends = np.empty((_FIRST_ROOM, 2, 4))
+    def __init__(self, axes: Axes, legs: Iterable[Leg] = ()) -> None:
+        self._tolerances = np.array([_TOLERANCES[axis.unit] for axis in axes])
+        self._ends = np.empty((_FIRST_ROOM, 2, len(axes)))
         self._count = 0
         for leg in legs:
             self.add(leg)
@@ -82,12 +87,12 @@ class Tubes:
         """Add the tube of a motion."""
         if self._count == len(self._ends):
             self._ends = np.concatenate([self._ends, np.empty_like(self._ends)])
-        self._ends[self._count] = _scaled(leg)
+        self._ends[self._count] = self._scaled(leg)
         self._count += 1
 
     def covers(self, leg: Leg) -> bool:
         """Return whether every pose of a motion lies in some tube."""
-        motion = _scaled(leg)
+        motion = self._scaled(leg)
         if not np.isfinite(motion).all():
             return False
         walked = self._ends[: self._count]
@@ -95,32 +100,32 @@ class Tubes:
             walked.max(axis=1) + 1.0 >= motion.min(axis=0)
         )
         candidates = walked[near.all(axis=1)]
-        radius = _RADIUS - np.array(leg.cut) / _TOLERANCES
+        cut = np.array(leg.cut) if leg.cut else np.zeros_like(self._tolerances)
+        radius = _RADIUS - cut / self._tolerances
         return len(candidates) > 0 and _cover_all(*_inside(motion, candidates, radius))
 
+    def _scaled(self, leg: Leg) -> Floats:
+        """Return both ends of a motion in units of the tolerances, shape (2, axes)."""
+        scaled: Floats = np.array([leg.start, leg.end], dtype=np.float64) / self._tolerances
+        return scaled
 
-def uncovered(legs: Sequence[Leg], walked: Iterable[Leg]) -> list[Leg]:
+
+def uncovered(axes: Axes, legs: Sequence[Leg], walked: Iterable[Leg]) -> list[Leg]:
     """Return the motions that leave the tubes of walked ones; a plan that repeats a motion repeats it here."""
-    tubes = Tubes(walked)
+    tubes = Tubes(axes, walked)
     # Plans drive the same motions again and again.
     outside = {leg for leg in dict.fromkeys(legs) if not tubes.covers(leg)}
     return [leg for leg in legs if leg in outside]
 
 
-def to_walk(legs: Sequence[Leg], walked: Iterable[Leg]) -> list[Leg]:
+def to_walk(axes: Axes, legs: Sequence[Leg], walked: Iterable[Leg]) -> list[Leg]:
     """Return the motions to walk so that all are covered, those of them included that cover one another."""
-    tubes, chosen = Tubes(walked), []
+    tubes, chosen = Tubes(axes, walked), []
     for leg in dict.fromkeys(legs):
         if not tubes.covers(leg):
             tubes.add(leg)
             chosen.append(leg)
     return chosen
-
-
-def _scaled(leg: Leg) -> Floats:
-    """Return both ends of a motion in units of the tolerances, shape (2, 4)."""
-    scaled: Floats = np.array([leg.start, leg.end], dtype=np.float64) / _TOLERANCES
-    return scaled
 
 
 def _inside(motion: Floats, walked: Floats, radius: Floats) -> tuple[Floats, Floats]:
@@ -131,9 +136,9 @@ def _inside(motion: Floats, walked: Floats, radius: Floats) -> tuple[Floats, Flo
     an s where no lower bound exceeds an upper one: linear inequalities in t alone (Fourier and Motzkin).
 
     Args:
-        motion: its ends in units of the tolerances, shape (2, 4).
-        walked: those of the walked ones, shape (n, 2, 4).
-        radius: of the tubes in each joint, shape (4,).
+        motion: its ends in units of the tolerances, shape (2, axes).
+        walked: those of the walked ones, shape (n, 2, axes).
+        radius: of the tubes in each axis, shape (axes,).
     """
     g, u = motion[0] - walked[:, 0], np.broadcast_to(motion[1] - motion[0], walked[:, 0].shape)
     v = walked[:, 1] - walked[:, 0]

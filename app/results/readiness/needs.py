@@ -12,9 +12,9 @@ from catseye.app.results.numbers import age_text
 from catseye.app.results.readiness.cell_runs import CellRun, CellRuns
 from catseye.app.results.readiness.need import Need
 from catseye.app.store.basis import find_aim
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import ProcedureError
 from catseye.procedures.kit.needs import After
+from catseye.procedures.scara.bench import ScaraBench
 
 SEARCH: Final = "reflector-search"
 
@@ -29,12 +29,12 @@ class FoundAim:
         search: the run that found it; None without one.
     """
 
-    bench: Bench
+    bench: ScaraBench
     need: Need
     search: CellRun | None
 
 
-def needs_of(procedure: Runnable, bench: Bench, aim: FoundAim, runs: CellRuns) -> list[Need]:
+def needs_of(procedure: Runnable, bench: ScaraBench, aim: FoundAim, runs: CellRuns) -> list[Need]:
     """Return what a procedure needs on a cell.
 
     Args:
@@ -53,7 +53,7 @@ def needs_of(procedure: Runnable, bench: Bench, aim: FoundAim, runs: CellRuns) -
     return needs
 
 
-def aim_of(bench: Bench, root: Path, runs: CellRuns) -> FoundAim:
+def aim_of(bench: ScaraBench, root: Path, runs: CellRuns) -> FoundAim:
     """Return the aim that a run would be planned with, and what is to be said about it."""
     try:
         aim = find_aim(bench, root)
@@ -65,7 +65,7 @@ def aim_of(bench: Bench, root: Path, runs: CellRuns) -> FoundAim:
     return FoundAim(aim.bench, Need("search", "met", f"run {run.id}, {age_text(run.age_s)}"), run)
 
 
-def _reflectors(bench: Bench) -> Need:
+def _reflectors(bench: ScaraBench) -> Need:
     names = [reflector.name for reflector in bench.reflectors]
     one = ", one cat's eye that is carried from nest to nest" if bench.optics.one_reflector else ""
     return Need("reflectors", "met", f"{', '.join(names)}{one}")
@@ -80,13 +80,13 @@ def _earlier(after: After, runs: CellRuns) -> Need:
     return Need(after.what, "advised", f"none {lately}; run {after.procedure}")
 
 
-def _tracker(bench: Bench) -> Need:
+def _tracker(bench: ScaraBench) -> Need:
     if bench.tracker:
         return Need("tracker", "met", "in the cell file")
     return Need("tracker", "advised", "none: the interferometer measures, or instrument = file")
 
 
-def _plan(procedure: Runnable, bench: Bench) -> Need:
+def _plan(procedure: Runnable, bench: ScaraBench) -> Need:
     try:
         procedure.plan(bench, procedure.params_type())
     except ProcedureError as error:

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.protocol.procedures import Runnable, load_procedure, procedure_names
 from catseye.app.results.readiness.cell_runs import CellRuns, runs_of_cell
 from catseye.app.results.readiness.need import Need
@@ -51,7 +51,7 @@ def survey_cell(path: Path, root: Path, now: datetime) -> Survey:
         ConfigError: the cell file cannot be used.
     """
     cell = load_cell(path).cell
-    bench, runs = bench_of(cell), runs_of_cell(root, cell.name, now)
+    bench, runs = scara_bench_of(cell), runs_of_cell(root, cell.name, now)
     procedures = [load_procedure(name) for name in procedure_names()]
     aim = aim_of(bench, root, runs)
     needs = {each.name: needs_of(each, bench, aim, runs) for each in procedures}

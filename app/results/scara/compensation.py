@@ -13,8 +13,8 @@ from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.planar import forward
 from catseye.calibration.scara.points import Commands
 from catseye.calibration.scara.prediction import predict
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.motion.clear_way import refused_target
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.approach import Command, Waypoint, with_take_up
 
 STEP_DEG = 0.001
@@ -124,7 +124,7 @@ def require_limits(path: CompensatedPath, j1_deg: Range, j2_deg: Range, lines: S
                 )
 
 
-def require_clear(path: CompensatedPath, bench: Bench, j4_deg: float, lines: Sequence[int]) -> None:
+def require_clear(path: CompensatedPath, bench: ScaraBench, j4_deg: float, lines: Sequence[int]) -> None:
     """Refuse commands and take-up positions where, or on the way to which, bodies come too near each other.
 
     Args:
@@ -136,7 +136,7 @@ def require_clear(path: CompensatedPath, bench: Bench, j4_deg: float, lines: Seq
     Raises:
         LimitError: names the first line, both bodies, how near they come, and the remedy.
     """
-    way = [(stop.theta1_deg, stop.theta2_deg, bench.arm.j3_mm, j4_deg) for stop in path.stops]
+    way = [(stop.theta1_deg, stop.theta2_deg, bench.j3_mm, j4_deg) for stop in path.stops]
     if (refused := refused_target(way, bench)) is not None:
         target, obstacle = refused
         row = _rows_of(path.stops)[target]

@@ -8,7 +8,7 @@ from catseye.app.errors import UsageError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.planar import forward
 from catseye.calibration.scara.points import Points
-from catseye.procedures.kit.bench import Bench
+from catseye.procedures.scara.bench import ScaraBench
 
 _UNITS = {1e3: "µm", 0.1: "cm", 1e-3: "m", 1.0 / 25.4: "inches", 25.4: "mm that were taken for inches"}
 """Names by what the distances are multiples of."""
@@ -20,7 +20,7 @@ _FEWEST = 4
 """Distances of a dead path that can tell anything."""
 
 
-def require_millimetres(file: Path, points: Points, bench: Bench) -> None:
+def require_millimetres(file: Path, points: Points, bench: ScaraBench) -> None:
     """Refuse distances in another unit or of reversed sign.
 
     No fit finds it out: scaled distances are those of a scaled arm.
@@ -51,12 +51,12 @@ def require_millimetres(file: Path, points: Points, bench: Bench) -> None:
         )
 
 
-def _changes_mm(points: Points, bench: Bench) -> tuple[Floats, Floats]:
+def _changes_mm(points: Points, bench: ScaraBench) -> tuple[Floats, Floats]:
     """Return expected and found distances, each less the mean of its dead path, mm, shape (n,) each."""
     places = {reflector.name: reflector.xy_mm for reflector in bench.reflectors}
     reflectors = np.array([places[name] for name in points.reflector_names])
     commands = points.commands
-    axis = forward(commands.theta1_rad, commands.theta2_rad, bench.arm.link1_mm, bench.arm.link2_mm)
+    axis = forward(commands.theta1_rad, commands.theta2_rad, bench.link1_mm, bench.link2_mm)
     length = np.linalg.norm(axis - reflectors[points.reflector], axis=1)
     return _centred(length, points), _centred(points.displacement_mm, points)
 

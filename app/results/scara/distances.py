@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.errors import UsageError
 from catseye.app.protocol.banners import unverified_text
 from catseye.app.results.scara.distance_unit import require_millimetres
@@ -15,8 +15,8 @@ from catseye.app.store.reader import RunReader, accept
 from catseye.app.store.runs_folder import runs_folder
 from catseye.app.store.unverified import taken_as_it_is
 from catseye.calibration.scara.budget import Budget
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.columns import Columns
+from catseye.procedures.scara.bench import ScaraBench
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class DistanceSource:
     """
 
     points: Columns
-    bench: Bench
+    bench: ScaraBench
     budget: Budget | None
     names: list[str]
     readers: list[RunReader]
@@ -80,7 +80,7 @@ def _of_file(points: Path, cell: Path | None) -> DistanceSource:
         raise UsageError("--points needs --cell FILE: nodes, nominal links and rough reflectors stand there")
     loaded = load_cell(cell)
     names = [reflector.name for reflector in loaded.cell.reflector]
-    distances, bench = read_points(points, names), bench_of(loaded.cell)
+    distances, bench = read_points(points, names), scara_bench_of(loaded.cell)
     require_millimetres(points, to_points(distances, names), bench)
     # A points file states its uncertainties itself, in the column sigma_mm.
     return DistanceSource(distances, bench, None, [points.name], [], [])

@@ -8,7 +8,7 @@ from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.truth_tables import TruthTables
 from catseye.app.results.scara.validation import PathValidation
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
-from catseye.procedures.kit.bench import Bench
+from catseye.procedures.scara.bench import ScaraBench
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Findings:
     """
 
     results: Sequence[Result] = ()
-    bench: Bench | None = None
+    bench: ScaraBench | None = None
     truth: TruthTables | None = None
     validation: PathValidation | None = None
     lines: Sequence[int] = ()

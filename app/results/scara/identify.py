@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import RECORD, Cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.points import point_columns, to_points
 from catseye.app.results.scara.result import Result, result_of
@@ -22,8 +22,8 @@ from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.layout import ModelName
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.columns import Columns
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.records import Distance
 
 _SAME_PLACE_MM = 2.0
@@ -70,7 +70,7 @@ def error_budget(cell: Cell) -> Budget:
 
 def problem_of_points(
     points: Columns,
-    bench: Bench,
+    bench: ScaraBench,
     model: ModelName,
     budget: Budget | None,
     terms: tuple[Term, ...] = (),
@@ -88,10 +88,12 @@ def problem_of_points(
     distances = to_points(points, places)
     nodes = np.deg2rad(bench.nodes1_deg), np.deg2rad(bench.nodes2_deg)
     rough = np.array([places[name] for name in distances.reflector_names])
-    return Problem(distances, model, *nodes, bench.arm.link1_mm, bench.arm.link2_mm, rough, budget, terms)
+    return Problem(distances, model, *nodes, bench.link1_mm, bench.link2_mm, rough, budget, terms)
 
 
-def identify_points(points: Columns, bench: Bench, model: ModelName, budget: Budget | None) -> Identification:
+def identify_points(
+    points: Columns, bench: ScaraBench, model: ModelName, budget: Budget | None
+) -> Identification:
     """Identify an arm from distances; arguments are those of problem_of_points.
 
     Raises:
@@ -101,10 +103,10 @@ def identify_points(points: Columns, bench: Bench, model: ModelName, budget: Bud
 
 
 def identified_result(
-    identified: Identification, bench: Bench, sources: list[str], simulated: bool | None = None
+    identified: Identification, bench: ScaraBench, sources: list[str], simulated: bool | None = None
 ) -> Result:
     """Return an identification as a result file's content."""
-    nominal, now = (bench.arm.link1_mm, bench.arm.link2_mm), datetime.now(UTC)
+    nominal, now = (bench.link1_mm, bench.link2_mm), datetime.now(UTC)
     return result_of(identified, nominal, sources, SOFTWARE, now.isoformat(timespec="seconds"), simulated)
 
 
@@ -120,7 +122,7 @@ def are_simulated(readers: Sequence[RunReader]) -> bool | None:
     return any(bool(reader.meta.get("simulated")) for reader in readers) if readers else None
 
 
-def bench_of_runs(readers: Sequence[RunReader], root: Path) -> Bench:
+def bench_of_runs(readers: Sequence[RunReader], root: Path) -> ScaraBench:
     """Return the bench that runs were made on, with the reflectors of all of them.
 
     Raises:
@@ -131,8 +133,8 @@ def bench_of_runs(readers: Sequence[RunReader], root: Path) -> Bench:
     first = benches[0]
     _require_one_world(readers)
     for reader, bench in zip(readers, benches, strict=True):
-        same = (bench.arm.link1_mm, bench.arm.link2_mm, bench.nodes1_deg, bench.nodes2_deg)
-        if same != (first.arm.link1_mm, first.arm.link2_mm, first.nodes1_deg, first.nodes2_deg):
+        same = (bench.link1_mm, bench.link2_mm, bench.nodes1_deg, bench.nodes2_deg)
+        if same != (first.link1_mm, first.link2_mm, first.nodes1_deg, first.nodes2_deg):
             raise UsageError(
                 f"{reader.path.name} was made with other links or nodes than {readers[0].path.name}; "
                 "identify them one by one"
@@ -140,9 +142,9 @@ def bench_of_runs(readers: Sequence[RunReader], root: Path) -> Bench:
     return replace(first, reflectors=_all_reflectors(readers, benches))
 
 
-def aimed_bench(reader: RunReader, root: Path) -> Bench:
+def aimed_bench(reader: RunReader, root: Path) -> ScaraBench:
     """Return the bench that a run was made on, with the aim of the search it was planned with."""
-    bench, source = bench_of(cell_of_run(reader)), str(reader.meta.get("aim", "cell file"))
+    bench, source = scara_bench_of(cell_of_run(reader)), str(reader.meta.get("aim", "cell file"))
     if source == "cell file" or not (root / source).is_dir():
         return bench
     return find_aim(bench, root, source, reader.beside).bench
@@ -159,7 +161,7 @@ def _require_one_world(readers: Sequence[RunReader]) -> None:
         )
 
 
-def _all_reflectors(readers: Sequence[RunReader], benches: Sequence[Bench]) -> tuple[Reflector, ...]:
+def _all_reflectors(readers: Sequence[RunReader], benches: Sequence[ScaraBench]) -> tuple[Reflector, ...]:
     found: dict[str, Reflector] = {}
     for reader, bench in zip(readers, benches, strict=True):
         for reflector in bench.reflectors:

@@ -9,7 +9,7 @@ from catseye.app.results.scara.result import Residuals, Result
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.planar import forward
 from catseye.calibration.scara.pointing import visible
-from catseye.procedures.kit.bench import Bench, Reflector
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Scene:
         return float(theta1), float(theta2)
 
 
-def scene_of(bench: Bench | None, result: Result | None, path_mm: Floats | None) -> Scene | None:
+def scene_of(bench: ScaraBench | None, result: Result | None, path_mm: Floats | None) -> Scene | None:
     """Return the scene, None when neither a bench nor a result with its commands is there.
 
     Args:
@@ -80,13 +80,13 @@ def scene_of(bench: Bench | None, result: Result | None, path_mm: Floats | None)
     return _of_result(result, result.residuals, path_mm)
 
 
-def _of_bench(bench: Bench, path_mm: Floats | None) -> Scene:
+def _of_bench(bench: ScaraBench, path_mm: Floats | None) -> Scene:
     grid = np.meshgrid(np.deg2rad(bench.nodes1_deg), np.deg2rad(bench.nodes2_deg), indexing="ij")
     theta = np.column_stack([angles.ravel() for angles in grid])
-    positions = forward(theta[:, 0], theta[:, 1], bench.arm.link1_mm, bench.arm.link2_mm)
+    positions = forward(theta[:, 0], theta[:, 1], bench.link1_mm, bench.link2_mm)
     return Scene(
-        bench.arm.link1_mm,
-        bench.arm.link2_mm,
+        bench.link1_mm,
+        bench.link2_mm,
         theta,
         tuple(
             Target(reflector.name, reflector.xy_mm, reflector.facing_deg, _blind(bench, reflector, positions))
@@ -98,7 +98,7 @@ def _of_bench(bench: Bench, path_mm: Floats | None) -> Scene:
     )
 
 
-def _blind(bench: Bench, reflector: Reflector, positions_mm: Floats) -> Floats:
+def _blind(bench: ScaraBench, reflector: Reflector, positions_mm: Floats) -> Floats:
     optics = bench.optics
     seen = visible(
         positions_mm,

@@ -24,7 +24,7 @@ from catseye.app.store.catalog import list_runs
 from catseye.app.store.reader import Accept, RunReader
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.scara.identification import Identification
-from catseye.procedures.kit.bench import Bench
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.records import Distance, PathPosition
 
 
@@ -80,11 +80,11 @@ def compare_path(reader: RunReader, root: Path) -> PathComparison:
     )
 
 
-def _compared(reader: RunReader, identified: list[Identification], bench: Bench) -> PathComparison:
+def _compared(reader: RunReader, identified: list[Identification], bench: ScaraBench) -> PathComparison:
     if holds_distances(reader.rows(PathPosition.table)):
         distances = validate_on_distances(distance_path(reader, bench.take_up_deg), identified)
         return PathComparison(list(distances.rejected), distances=distances)
-    nominal = (bench.arm.link1_mm, bench.arm.link2_mm)
+    nominal = (bench.link1_mm, bench.link2_mm)
     path = path_measurement(reader, bench.take_up_deg)
     arms = [one.arm for one in identified]
     validation = validate_on_path(path, arms, nominal)

@@ -13,7 +13,7 @@ from catseye.app.results.scara.spooled_points import spooled_points
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.layout import ModelName
 from catseye.calibration.scara.scans.scan_identification import identify_scan
-from catseye.procedures.kit.bench import Bench
+from catseye.procedures.scara.bench import ScaraBench
 
 SCAN_ROWS = 100_000
 """Longer points files are streamed."""
@@ -43,7 +43,7 @@ def is_scan(points: Path) -> bool:
 
 def identify_scan_file(
     points: Path,
-    bench: Bench,
+    bench: ScaraBench,
     model: ModelName,
     terms: tuple[Term, ...] = (),
     reading: Callable[[float], None] | None = None,
@@ -65,7 +65,7 @@ def identify_scan_file(
     """
     places = {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}
     nodes = np.deg2rad(bench.nodes1_deg), np.deg2rad(bench.nodes2_deg)
-    links = bench.arm.link1_mm, bench.arm.link2_mm
+    links = bench.link1_mm, bench.link2_mm
     with spooled_points(points, list(places), reading) as source:
         require_millimetres(points, next(source.blocks()), bench)
         found = identify_scan(

@@ -3,16 +3,14 @@
 import asyncio
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final
 
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import LimitError
-from catseye.app.service.manual.approach import MARGIN_DEG, Approach
+from catseye.app.service.manual.approach import MARGIN, Approach
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Axis, Pose, with_axis
 from catseye.drivers.roles.robot import JogFeed, Robot
-
-HoldJoint = Literal["j1", "j2", "j4"]
 
 FED_FOR_S: Final = 0.2
 """How long one feeding lasts, real s."""
@@ -20,8 +18,6 @@ FED_FOR_S: Final = 0.2
 _TICK_S = 0.02
 _PERMISSION_S = 0.2
 """Between two looks at door and controller."""
-
-_PLACE: Final[dict[HoldJoint, int]] = {"j1": 0, "j2": 1, "j4": 3}
 
 
 @dataclass(frozen=True)
@@ -42,25 +38,28 @@ class Hold:
 
     Args:
         robot: with a dead-man of its own.
-        joint: what moves.
+        axis: what moves.
+        number: of the axis in a pose, from 0.
         approach: to the cell's limit.
         sight: of arm and surroundings.
         clock: real time.
 
     Attributes:
-        joint: what moves.
+        joint: name of what moves, in lower case.
         direction: which way.
         reason: why it is over; empty while it goes on.
         on_begun: is called when the joint has been set going.
     """
 
     def __init__(
-        self, robot: Robot, joint: HoldJoint, approach: Approach, sight: Sight, clock: Clock
+        self, robot: Robot, axis: Axis, number: int, approach: Approach, sight: Sight, clock: Clock
     ) -> None:
-        self.joint = joint
+        self.joint = axis.name.lower()
         self.direction = approach.direction
         self.reason = ""
         self.on_begun: Callable[[], None] = lambda: None
+        self._axis = axis
+        self._number = number
         self._robot = robot
         self._approach = approach
         self._sight = sight
@@ -84,9 +83,7 @@ class Hold:
 
     def at_limit(self, here: Pose) -> Pose:
         """Return the joints as they would be with this one at the limit that it is on its way to."""
-        target = list(here)
-        target[_PLACE[self.joint]] = self._limit_deg
-        return target[0], target[1], target[2], target[3]
+        return with_axis(here, self._number, self._limit)
 
     def end_at(self, end: Pose, obstacle: str | None) -> None:
         """Take what stands in the way before the limit for the limit.
@@ -97,7 +94,7 @@ class Hold:
         """
         if obstacle is not None:
             self._obstacle = f": {obstacle}"
-            self._approach.shorten(end[_PLACE[self.joint]])
+            self._approach.shorten(end[self._number])
 
     async def require_room(self) -> None:
         """Check that the joint, which stands, may be set going.
@@ -123,7 +120,7 @@ class Hold:
         # A look ends early by an error only.
         looks.add_done_callback(lambda _: self._over.set())
         try:
-            async with self._robot.jogging({self.joint.upper(): self.direction}) as self._feed:
+            async with self._robot.jogging({self._axis.name: self.direction}) as self._feed:
                 self._feed.feed()
                 self.on_begun()
                 await self._over.wait()
@@ -152,7 +149,7 @@ class Hold:
         asked_s = self._clock.monotonic_s()
         joints = await self._sight.joints()
         # Reckoned from the question: the joint has gone on since the answer was made up.
-        self._free_until_s = asked_s + self._approach.free_s(asked_s, joints[_PLACE[self.joint]])
+        self._free_until_s = asked_s + self._approach.free_s(asked_s, joints[self._number])
 
     async def _time(self) -> None:
         """Release when the feed or the room ends, however long a look takes."""
@@ -168,13 +165,13 @@ class Hold:
             self.release(self._too_near)
 
     @property
-    def _limit_deg(self) -> float:
-        low, high = self._approach.limits_deg
+    def _limit(self) -> float:
+        low, high = self._approach.limits
         return high if self.direction > 0 else low
 
     @property
     def _too_near(self) -> str:
         return (
-            f"{self.joint.upper()} is too near to its limit of {self._limit_deg:g} deg to be stopped with "
-            f"{MARGIN_DEG:g} deg to spare: go on by steps{self._obstacle}"
+            f"{self._axis.name} is too near to its limit of {self._limit:g} {self._axis.unit} to be stopped with "
+            f"{MARGIN:g} {self._axis.unit} to spare: go on by steps{self._obstacle}"
         )

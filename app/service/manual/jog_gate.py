@@ -1,19 +1,13 @@
 """The gate of motions by hand: the one of a run, with limits and words for whoever jogs."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.door_watch import DoorWatch
-from catseye.app.engine.gate import JointLimits, MotionGate, require_ready
-from catseye.app.service.running import joint_limits
+from catseye.app.engine.gate import MotionGate, require_ready
 from catseye.app.service.watching.bench_facts import BenchFacts
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.motion.clear_way import clear_part, way_check
-
-_HEIGHT_ROUNDING_MM = 0.1
-"""J3 is not moved by hand; a controller reports it in steps of 0.01 mm."""
 
 
 class JogGate:
@@ -27,17 +21,17 @@ class JogGate:
 
     Attributes:
         percent: speed override, at most what the cell allows.
-        limits: ranges of the joints.
+        axes: of the arm, with the ranges within which it is moved by hand.
     """
 
     def __init__(
         self, devices: Devices, facts: BenchFacts, percent: float, door: DoorWatch | None = None
     ) -> None:
         self.percent = min(percent, facts.override_cap_percent)
-        self.limits = hand_limits(facts.bench)
+        self.axes = facts.system.manual_axes
         self._robot = devices.robot
         self._bench = facts.bench
-        self._gate = MotionGate(devices.robot, self.limits, way_check(facts.bench), self.percent, door=door)
+        self._gate = MotionGate(devices.robot, self.axes, way_check(facts.bench), self.percent, door=door)
 
     @property
     def override_percent(self) -> float:
@@ -85,10 +79,3 @@ class JogGate:
             SafetyError: it may not.
         """
         await self._gate.require()
-
-
-def hand_limits(bench: Bench) -> JointLimits:
-    """Return the cell's limits; J3, which is not moved by hand, has to stand at the cell's height."""
-    limits = joint_limits(bench)
-    low, high = limits.j3_mm or (bench.arm.j3_mm, bench.arm.j3_mm)
-    return replace(limits, j3_mm=(low - _HEIGHT_ROUNDING_MM, high + _HEIGHT_ROUNDING_MM))

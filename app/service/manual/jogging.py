@@ -151,7 +151,7 @@ class Jogging:
             if self._reason:
                 # A cancellation that comes together with an answer may be lost on its way through a library.
                 raise InterruptedRunError(self._reason)
-            self._arm = ManualArm(robot, facts.bench, gate, self._bench.clock, self._limits, self)
+            self._arm = ManualArm(robot, facts.system, gate, self._bench.clock, self._limits, self)
             self.begun.set_result(answers.Jogging(override_percent=override_percent, simulated=simulated))
             self._announce(None)
             await self._stand_by(robot, self._arm)

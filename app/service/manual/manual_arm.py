@@ -14,11 +14,10 @@ from catseye.app.service.manual.approach import Approach
 from catseye.app.service.manual.hold import Hold, Sight
 from catseye.app.service.manual.jog_gate import JogGate
 from catseye.app.service.manual.manual_motion import ManualMotion
-from catseye.app.service.manual.steps import step_target
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Robot
-from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.system import System
 
 SILENCE_S: Final = 0.5
 """A step whose client gives no sign of life for so long is stopped, real s."""
@@ -47,7 +46,7 @@ class ManualArm:
 
     Args:
         robot: that is ready.
-        bench: nominal arm, aimed.
+        system: what steps by hand lead to.
         gate: of every motion.
         clock: real time.
         limits: how long a halt may take.
@@ -60,7 +59,7 @@ class ManualArm:
     def __init__(
         self,
         robot: Robot,
-        bench: Bench,
+        system: System,
         gate: JogGate,
         clock: Clock,
         limits: HaltLimits,
@@ -68,7 +67,7 @@ class ManualArm:
     ) -> None:
         self.motion: ManualMotion | None = None
         self._robot = robot
-        self._bench = bench
+        self._system = system
         self._gate = gate
         self._clock = clock
         self._limits = limits
@@ -140,19 +139,16 @@ class ManualArm:
                 "this robot's driver knows no jog that ends by itself when nobody feeds it: move by steps"
             )
         sight = Sight(self._robot.joints, self._gate.require_permission)
-        hold = Hold(self._robot, request.joint, self._approach(request), sight, self._clock)
+        number = self._system.axis_number(request.joint)
+        axis = self._gate.axes[number]
+        way: Literal[-1, 1] = 1 if request.direction > 0 else -1
+        approach = Approach(axis.range, way, axis.speed * self._gate.percent / 100.0)
+        hold = Hold(self._robot, axis, number, approach, sight, self._clock)
         motion = ManualMotion(request.joint, self._robot, self._clock, self._limits, hold)
         answer: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
         task = self._begin(motion, self._hold(motion, hold, answer))
         task.add_done_callback(lambda ended: _settle(answer, ended, hold))
         return answer
-
-    def _approach(self, request: JogHold) -> Approach:
-        arm, limits, share = self._bench.arm, self._gate.limits, self._gate.percent / 100.0
-        ranges = {"j1": limits.j1_deg, "j2": limits.j2_deg, "j4": limits.j4_deg}
-        fastest_deg_s = dict(zip(ranges, arm.speed_deg_s, strict=True))
-        way: Literal[-1, 1] = 1 if request.direction > 0 else -1
-        return Approach(ranges[request.joint], way, share * fastest_deg_s[request.joint])
 
     def _begin(self, motion: ManualMotion, work: Coroutine[Any, Any, Answer]) -> "asyncio.Task[Answer]":
         self.motion = motion
@@ -181,7 +177,7 @@ class ManualArm:
 
         async def gate() -> None:
             here = await self._robot.joints()
-            targets[:] = [step_target(self._bench, here, request.joint, request.by, request.aim)]
+            targets[:] = [self._system.step_target(here, request.joint, request.by, request.aim)]
             await self._gate.require(*targets, here=here)
 
         async def move() -> None:

@@ -6,7 +6,7 @@ from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from functools import partial
 from typing import Final
 
-from catseye.app.cell.bench import may_move_an_arm
+from catseye.app.cell.axes import may_move_an_arm
 from catseye.app.engine.halt import HaltLimits, halt
 from catseye.app.engine.instruments import stop_request
 from catseye.app.errors import InterruptedRunError, SafetyError, UsageError, exit_code_of

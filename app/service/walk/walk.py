@@ -14,13 +14,13 @@ from pydantic import BaseModel
 from catseye.app.engine.gate import WHOLE_PERCENT
 from catseye.app.engine.handle import OnOpen, RunHandle
 from catseye.app.engine.walked.register import WALK, as_row
-from catseye.app.engine.walked.speed import FASTEST_MM_S, MOST_PERCENT, place_text, walking_percent
+from catseye.app.engine.walked.speed import FASTEST_MM_S, MOST_PERCENT, walking_percent
 from catseye.app.engine.walked.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, to_walk
 from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.protocol.procedures import Runnable
 from catseye.app.service.walk.feed import Feed, FeedLostError
 from catseye.drivers.roles.device import Identity
-from catseye.drivers.roles.pose import Pose, is_at
+from catseye.drivers.roles.pose import Axes, Pose, is_at, pose_text
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import ArmMovedError
@@ -29,7 +29,7 @@ from catseye.procedures.kit.motion.body_speed import fastest_mm_s
 from catseye.procedures.kit.motion.motion_time import move_time_s
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.records import Record, Row
-from catseye.procedures.scara.motion.entry import way_in
+from catseye.procedures.kit.system import System
 
 MotionsFrom = Callable[[Pose], Awaitable[Sequence[Leg]]]
 """Returns every motion of a plan that begins where the arm stands."""
@@ -45,7 +45,7 @@ class Walk:
 
     Args:
         procedure: that is walked.
-        bench: nominal arm, limits, reflectors.
+        system: arm, limits, ways.
         motions_from: what the procedure would drive.
         walked: what this walk has driven before it was interrupted.
         before: returns what other walks of an arm have driven.
@@ -61,7 +61,7 @@ class Walk:
     def __init__(
         self,
         procedure: Runnable,
-        bench: Bench,
+        system: System,
         motions_from: MotionsFrom,
         walked: Iterable[Leg],
         before: Callable[[Identity], Sequence[Leg]],
@@ -69,7 +69,9 @@ class Walk:
     ) -> None:
         self.procedure = procedure
         self.feed = feed
-        self._bench = bench
+        self._system = system
+        self._bench = system.bench
+        self._axes = self._bench.arm.axes
         self._motions_from = motions_from
         self._walked = list(walked)
         self._before = before
@@ -149,15 +151,16 @@ class Walk:
             self._walked += await asyncio.to_thread(self._before, self._arm)
         for _ in range(_MOST_ROUNDS):
             motions = await self._motions_from(await ctx.joints())
-            legs = await asyncio.to_thread(to_walk, motions, self._walked)
+            legs = await asyncio.to_thread(to_walk, self._axes, motions, self._walked)
             if not legs:
                 await ctx.event("walked", motions=len(self._walked))
                 return
-            _require_walkable(legs)
+            _require_walkable(self._axes, legs)
             await self._round(ctx, legs)
         raise MeasurementRejectedError(
             f"{self.procedure.name} drives other motions each time it is gone through: after {_MOST_ROUNDS} rounds "
-            f"{len(legs)} of them are not walked, the first to {place_text(legs[0].end)}; what was walked counts"
+            f"{len(legs)} of them are not walked, the first to {pose_text(self._axes, legs[0].end)}; what was walked "
+            "counts"
         )
 
     async def teardown(self, ctx: Context) -> None:
@@ -170,7 +173,7 @@ class Walk:
             )
 
     async def _round(self, ctx: Context, legs: Sequence[Leg]) -> None:
-        tubes = Tubes(self._walked)
+        tubes = Tubes(self._axes, self._walked)
         # One speed for the whole round: the override is never raised again.
         self._slow_down(min(walking_percent(self._bench, leg, self.cap_percent) for leg in legs))
         self._total_s, self._done_s = sum(map(self._time_s, legs)), 0.0
@@ -186,7 +189,7 @@ class Walk:
         here = await ctx.joints()
         if is_at(here, start):
             return
-        for target in way_in(here, start, self._bench):
+        for target in self._system.way_in(here, start):
             await self._go(ctx, Leg(here, target), tubes)
             here = target
 
@@ -196,7 +199,7 @@ class Walk:
         if tubes.covers(leg):
             await self._drive(ctx, leg)
             return
-        await ctx.step(_step_id(leg), f"to {place_text(leg.end)}", partial(self._walk, ctx, leg))
+        await ctx.step(_step_id(leg), f"to {pose_text(self._axes, leg.end)}", partial(self._walk, ctx, leg))
         tubes.add(leg)
         self._walked.append(leg)
 
@@ -217,10 +220,11 @@ class Walk:
 
     async def _require_on_way(self, ctx: Context, leg: Leg) -> None:
         here = await ctx.joints()
-        if not Tubes([leg]).covers(Leg(here, leg.end)):
+        if not Tubes(self._axes, [leg]).covers(Leg(here, leg.end)):
             raise ArmMovedError(
-                f"the arm was moved while the walk was let go: it stands at {place_text(here)}, beside the way to "
-                f"{place_text(leg.end)}; go on with catseye resume, and leave the arm alone meanwhile"
+                f"the arm was moved while the walk was let go: it stands at {pose_text(self._axes, here)}, beside "
+                f"the way to {pose_text(self._axes, leg.end)}; go on with catseye resume, and leave the arm alone "
+                "meanwhile"
             )
 
     def _slow_down(self, percent: float) -> None:
@@ -233,8 +237,8 @@ class Walk:
     def _time_s(self, leg: Leg) -> float:
         arm = replace(self._bench.arm, override_percent=self._percent)
         travel = np.abs(np.subtract(leg.end, leg.start))
-        quill_s = float(travel[2]) / (arm.j3_speed_mm_s * self._percent / 100.0)
-        return max(float(move_time_s(arm, travel[None, [0, 1, 3]])[0]), quill_s)
+        full_speed_s = max(way / axis.speed for way, axis in zip(travel, arm.axes, strict=True))
+        return max(float(move_time_s(arm, travel[None])[0]), float(full_speed_s) * 100.0 / self._percent)
 
     def _show_leg(self, ctx: Context, leg: Leg, text: str) -> None:
         fastest = fastest_mm_s(self._bench, leg.start, leg.end, self._percent)
@@ -242,16 +246,16 @@ class Walk:
         ctx.show(Live("speed, at most", fastest, "mm/s", high=FASTEST_MM_S))
 
 
-def _require_walkable(legs: Sequence[Leg]) -> None:
+def _require_walkable(axes: Axes, legs: Sequence[Leg]) -> None:
     """Refuse corners so wide that no walk along their legs would cover them.
 
     Raises:
         MeasurementRejectedError: names the first one.
     """
-    wide = next((leg for leg in legs if not Tubes([leg]).covers(leg)), None)
+    wide = next((leg for leg in legs if not Tubes(axes, [leg]).covers(leg)), None)
     if wide is not None:
         raise MeasurementRejectedError(
-            f"the arm cuts the corners on its way to {place_text(wide.end)} by more than the {TUBE_DEG:g}° and "
+            f"the arm cuts the corners on its way to {pose_text(axes, wide.end)} by more than the {TUBE_DEG:g}° and "
             f"{TUBE_MM:g} mm within which a motion counts as walked: take a driver that stops at every target, or "
             "smaller steps"
         )

@@ -2,11 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from catseye.app.cell.air import AirRule, air_rule
+from catseye.app.cell.bench import system_of
 from catseye.app.cell.model import Cell
 from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.system import System
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,11 @@ class BenchFacts:
     override_cap_percent: float
     air: AirRule
     material: str | None
+
+    @cached_property
+    def system(self) -> System:
+        """What there is to ask of the bench."""
+        return system_of(self.bench)
 
 
 def facts_of(cell: Cell, bench: Bench) -> BenchFacts:

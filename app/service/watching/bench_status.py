@@ -2,10 +2,8 @@
 
 import math
 
-import numpy as np
-
 from catseye.app.cell.air import AirRule
-from catseye.app.cell.bench import may_move_an_arm
+from catseye.app.cell.axes import may_move_an_arm
 from catseye.app.protocol.bench import (
     AirStatus,
     BeamStatus,
@@ -19,14 +17,10 @@ from catseye.app.protocol.bench import (
 from catseye.app.service.watching.bench_facts import BenchFacts, DeviceFacts
 from catseye.app.service.watching.latest_values import LatestValues, LinkValues, Stamped
 from catseye.calibration.air import refractive_index
-from catseye.calibration.scara.planar import forward
-from catseye.calibration.scara.pointing import beam_miss
 from catseye.drivers.roles import device
 from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.pose import Pose
-
-_AIMED_AT_MM = 25.0
-"""A beam that passes a reflector's place nearer than this is meant for it; rough places are no better known."""
+from catseye.procedures.scara.bench import ScaraBench
 
 
 def bench_status(
@@ -159,15 +153,17 @@ def _index(air: AirSample, rule: AirRule) -> float | None:
         return None
 
 
-def _layout(facts: BenchFacts, joints: Pose | None) -> Layout:
+def _layout(facts: BenchFacts, joints: Pose | None) -> Layout | None:
     bench = facts.bench
-    arm, optics = bench.arm, bench.optics
+    if not isinstance(bench, ScaraBench):
+        return None
+    optics = bench.optics
     return Layout(
-        link1_mm=arm.link1_mm,
-        link2_mm=arm.link2_mm,
+        link1_mm=bench.link1_mm,
+        link2_mm=bench.link2_mm,
         column_radius_mm=optics.column_radius_mm,
         theta40_deg=optics.theta40_deg,
-        limits_deg={"j1": arm.j1_limits_deg, "j2": arm.j2_limits_deg, "j4": arm.j4_limits_deg},
+        limits_deg={"j1": bench.j1_limits_deg, "j2": bench.j2_limits_deg, "j4": bench.j4_limits_deg},
         reflectors=tuple(
             ReflectorPlace(
                 name=reflector.name,
@@ -178,17 +174,5 @@ def _layout(facts: BenchFacts, joints: Pose | None) -> Layout:
             )
             for reflector in bench.reflectors
         ),
-        aim=None if joints is None else _aim(facts, joints),
+        aim=None if joints is None else facts.system.aimed_at(joints),
     )
-
-
-def _aim(facts: BenchFacts, joints: Pose) -> str | None:
-    """Return the reflector that the beam is meant for; None when it passes all of them."""
-    bench = facts.bench
-    theta1, theta2, _, theta4 = np.radians(joints)
-    place_mm = forward(theta1, theta2, bench.arm.link1_mm, bench.arm.link2_mm)
-    places_mm = np.array([[reflector.x_mm, reflector.y_mm] for reflector in bench.reflectors])
-    world_rad = theta1 + theta2 + theta4 + math.radians(bench.optics.theta40_deg)
-    miss_mm = beam_miss(place_mm, world_rad, places_mm)
-    nearest = int(np.argmin(miss_mm))
-    return bench.reflectors[nearest].name if miss_mm[nearest] <= _AIMED_AT_MM else None

@@ -233,7 +233,7 @@ class JogScreen(MainScreen):
         if aim is None:
             self._say("there is nothing to point at: choose a reflector with t")
             return
-        if joints is None or engine.bench is None:
+        if joints is None or engine.bench is None or engine.bench.layout is None:
             self._say("the joints that are known are too old")
             return
         from catseye.app.tui.pointing import pointing_j4_deg, turn_of_j4

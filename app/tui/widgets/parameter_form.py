@@ -8,11 +8,14 @@ from textual.events import DescendantFocus
 from textual.message import Message
 from textual.widgets import Input, Label, Select
 
-from catseye.app.protocol.parameters import default_text, param_text, range_text, typed_fault
+from catseye.app.protocol.parameters import default_text, param_text, range_text, short_text, typed_fault
 from catseye.app.tui.widgets.static_text import StaticText
 
-Schema = dict[str, dict[str, Any]]
-"""JSON schema of each parameter by its name."""
+Facts = dict[str, Any]
+"""JSON schema of a parameter, as pydantic writes it."""
+
+Schema = dict[str, Facts]
+"""The parameters by their names."""
 
 _CHOSEN: Final = "chosen"
 """Stands where the program chooses a value that is left out."""
@@ -44,7 +47,7 @@ class ParameterRow(Horizontal):
     class Changed(Message):
         """A value was typed or chosen."""
 
-    def __init__(self, name: str, facts: dict[str, Any], text: str) -> None:
+    def __init__(self, name: str, facts: Facts, text: str) -> None:
         super().__init__()
         self.parameter = name
         self.facts = facts
@@ -105,7 +108,7 @@ class ParameterRow(Horizontal):
     def _judge(self) -> None:
         shown = self.query_one(StaticText)
         shown.set_class(bool(self.fault), "bad")
-        shown.update(("✗ " if self.fault else "") + _short(range_text(self.facts)) + self.unit)
+        shown.update(("✗ " if self.fault else "") + short_text(self.facts) + self.unit)
 
 
 class ParameterForm(VerticalScroll):
@@ -181,15 +184,7 @@ class ParameterForm(VerticalScroll):
             self.post_message(self.Described(row.description))
 
 
-def _short(text: str) -> str:
-    """Return a range in few characters; the line below the form has it in words."""
-    first = text.split(", or ", maxsplit=1)[0].removeprefix("a whole number, ")
-    if first.startswith("a list of"):
-        return "names, by commas"
-    return first.replace("more than ", "> ").replace(", at most", " …")
-
-
-def _choices(facts: dict[str, Any]) -> list[str]:
+def _choices(facts: Facts) -> list[str]:
     """Return what can be chosen; nothing where something is typed."""
     found = [
         choice

@@ -7,12 +7,13 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from catseye.app.tui.run_state import LiveValue, MapKnowledge, RunState
+from catseye.app.tui.run_state import LiveValue, RunState
 from catseye.app.tui.widgets.inks import Line, painted
 
 if TYPE_CHECKING:
     # numpy and pydantic are not loaded before the first screen is painted.
     from catseye.app.protocol.run_events import LiveData
+    from catseye.app.results.scara.map_known import MapKnown
     from catseye.app.tui.widgets.braille import Canvas, Floats
 
 INNOVATION: Final = "innovation"
@@ -170,7 +171,7 @@ def _scale(seen: Sequence["LiveData"]) -> tuple[float, float]:
     return (low, high) if high > low else (low - 0.5, high + 0.5)
 
 
-def _uncertainties(known: Sequence[MapKnowledge], width: int, rows: int) -> list[Line]:
+def _uncertainties(known: "Sequence[MapKnown]", width: int, rows: int) -> list[Line]:
     """Draw both curves against the rows of J2 that were measured."""
     import numpy as np
 

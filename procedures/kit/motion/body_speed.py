@@ -12,7 +12,7 @@ def top_speed_mm_s(bench: Bench, percent: float) -> float:
     """Return what no point of the arm can exceed, all joints at their full speed in the same direction, mm/s.
 
     Args:
-        bench: bodies, and fastest joints at 100 % override as the cell file states them.
+        bench: bodies, and fastest axes at 100 % override as the cell file states them.
         percent: speed override.
     """
     return float(_full_speeds(bench) @ _levers(bench)) * percent / 100.0
@@ -36,8 +36,7 @@ def fastest_mm_s(bench: Bench, start: Pose, end: Pose, percent: float) -> float:
 
 
 def _full_speeds(bench: Bench) -> NDArray[np.float64]:
-    arm = bench.arm
-    return np.array([*arm.speed_deg_s[:2], arm.j3_speed_mm_s, arm.speed_deg_s[2]])
+    return np.array([axis.speed for axis in bench.arm.axes])
 
 
 def _levers(bench: Bench) -> NDArray[np.float64]:

@@ -10,14 +10,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from catseye.calibration.kinematics.bodies import Box, Capsule, Gaps, Scene, Table
+from catseye.calibration.kinematics.bodies import Box, Gaps, Scene, Table
 from catseye.calibration.kinematics.sweep import Contact, first_contact
-from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench, Reflector, Workspace
+from catseye.drivers.roles.pose import Axes, Pose, between, pose_text
+from catseye.procedures.kit.bench import Bench, Stand, Workspace
 from catseye.procedures.kit.errors import PlanError
 
 _LARGEST = 3600.0
-"""Of a joint, deg or mm: beyond is no place of an arm, and a way from there could not be looked at in time."""
+"""Of an axis, deg or mm: beyond is no place of an arm, and a way from there could not be looked at in time."""
 
 _MOST_REMEMBERED = 100_000
 """Clear legs of one scene: more than any plan has."""
@@ -112,18 +112,17 @@ def clear_part(here: Pose, target: Pose, bench: Bench) -> tuple[Pose, str | None
     contact = _contact(way, bench)
     if contact is None:
         return target, None
-    one, two, three, four = (a + contact.clear_share * (b - a) for a, b in zip(here, target, strict=True))
-    return (one, two, three, four), _refusal(contact, way, bench)
+    return between(here, target, contact.clear_share), _refusal(contact, way, bench)
 
 
 def _contact(
     way: Sequence[Pose], bench: Bench, passed: Sequence[bool] = (), known: "_KnownScene | None" = None
 ) -> Contact | None:
-    _require_places(way)
+    _require_places(way, bench.arm.axes)
     known = known or _known(bench)
     corners = np.array(passed) if passed and bench.arm.following == "blended" else None
     # Where corners are cut, a leg depends on its neighbours.
-    legs = set(pairwise(map(_hashable, way))) if corners is None else set()
+    legs = set(pairwise(map(tuple, way))) if corners is None else set()
     if legs and legs <= known.clear:
         return None
     contact = first_contact(known.gaps, np.array(way), bench.workspace.clearance_mm, corners)
@@ -132,19 +131,13 @@ def _contact(
     return contact
 
 
-def _hashable(place: Pose) -> Pose:
-    """Return joints as a tuple: a driver of somebody else may report them as a list."""
-    one, two, three, four = place
-    return one, two, three, four
-
-
-def _require_places(way: Sequence[Pose]) -> None:
+def _require_places(way: Sequence[Pose], axes: Axes) -> None:
     """Refuse joints that no arm has: distances from there would mean nothing."""
     # Written so that what is not a number is refused too.
     wrong = [place for place in way if not all(abs(joint) <= _LARGEST for joint in place)]
     if wrong:
         raise PlanError(
-            f"{_place(wrong[0])} is no place of an arm, so nothing can be said of a way there: see what the "
+            f"{_place(axes, wrong[0])} is no place of an arm, so nothing can be said of a way there: see what the "
             "controller reports, or correct the target"
         )
 
@@ -163,23 +156,16 @@ class _KnownScene:
 
 
 def _known(bench: Bench) -> _KnownScene:
-    return _known_scene(bench.workspace, bench.reflectors, bench.arm.j3_mm)
+    return _known_scene(bench.workspace, bench.stands)
 
 
 @lru_cache(maxsize=16)
-def _known_scene(workspace: Workspace, reflectors: tuple[Reflector, ...], j3_mm: float) -> _KnownScene:
+def _known_scene(workspace: Workspace, stands: tuple[Stand, ...]) -> _KnownScene:
     boxes = (_named("keep-out box", workspace.keep_out), _named("wall of the keep-in box", workspace.keep_in))
-    stands = tuple(_stand(reflector, workspace, j3_mm) for reflector in reflectors)
     table = Table("table", workspace.table_z_mm)
-    return _KnownScene(Gaps(Scene(workspace.chain, workspace.bodies, stands, table, *boxes)))
-
-
-def _stand(reflector: Reflector, workspace: Workspace, j3_mm: float) -> Capsule:
-    """Return a reflector with its stand: it reaches to the flange, and the beam is below that."""
-    rest = np.array([[0.0, 0.0, j3_mm, 0.0]])
-    top_mm = float(workspace.chain.frames(rest)[-1, 0, 2, 3])
-    foot, top = ((reflector.x_mm, reflector.y_mm, z_mm) for z_mm in (workspace.table_z_mm, top_mm))
-    return Capsule(f"stand of reflector {reflector.name}", 0, foot, top, workspace.stand_radius_mm)
+    return _KnownScene(
+        Gaps(Scene(workspace.chain, workspace.bodies, tuple(stand.body for stand in stands), table, *boxes))
+    )
 
 
 def _named(what: str, boxes: tuple[Box, ...]) -> tuple[Box, ...]:
@@ -188,10 +174,10 @@ def _named(what: str, boxes: tuple[Box, ...]) -> tuple[Box, ...]:
 
 def _refusal(contact: Contact, way: Sequence[Pose], bench: Bench) -> str:
     target = _target(contact, way)
-    remedy = _STUCK if _begins_blocked(contact) else _remedy(contact.pair[1])
+    remedy = _STUCK if _begins_blocked(contact) else _remedy(contact.pair[1], bench)
     return (
         f"{_obstacle(contact, bench)}, on the way to target {target} of "
-        f"{max(len(way) - 1, 1)}, {_place(way[target])}: {remedy}"
+        f"{max(len(way) - 1, 1)}, {_place(bench.arm.axes, way[target])}: {remedy}"
     )
 
 
@@ -200,7 +186,7 @@ def _obstacle(contact: Contact, bench: Bench) -> str:
     near = f"comes within {contact.distance_mm:.1f} mm" if contact.distance_mm > 0.0 else "runs into it"
     return (
         f"the {other} stands in the arm's way: the {moving} {near} ({bench.workspace.clearance_mm:g} mm are kept "
-        f"free) near {_place(contact.pose)}"
+        f"free) near {_place(bench.arm.axes, contact.pose)}"
     )
 
 
@@ -212,12 +198,13 @@ def _target(contact: Contact, way: Sequence[Pose]) -> int:
     return min(contact.leg + 1, len(way) - 1)
 
 
-def _place(pose: Sequence[float]) -> str:
-    one, two, three, four = pose
-    return f"J1 = {one:.1f}°, J2 = {two:.1f}°, J3 = {three:.1f} mm, J4 = {four:.1f}°"
+def _place(axes: Axes, pose: Pose) -> str:
+    return pose_text(axes, pose, digits=1)
 
 
-def _remedy(other: str) -> str:
-    if other.startswith("stand of"):
-        return "put the reflector out of the arm's reach, or take nodes near it out of [measurement]"
-    return "choose targets that keep away from it, or correct its dimensions in the cell file ([[body]], [workspace])"
+def _remedy(other: str, bench: Bench) -> str:
+    ways_out = {stand.body.name: stand.remedy for stand in bench.stands}
+    return ways_out.get(
+        other,
+        "choose targets that keep away from it, or correct its dimensions in the cell file ([[body]], [workspace])",
+    )

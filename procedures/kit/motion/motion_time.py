@@ -1,55 +1,110 @@
-"""How long joint moves take: trapezoidal speed, all joints start and end with the slowest."""
+"""How long joint moves take, and how fast they are: trapezoidal speed, all axes start and end with the slowest.
 
-from dataclasses import replace
+Axes whose acceleration the cell does not state are left out.
+"""
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from catseye.procedures.kit.bench import Arm
 
+Floats = NDArray[np.float64]
 
-def move_time_s(arm: Arm, travel_deg: NDArray[np.float64]) -> NDArray[np.float64]:
+_MOVING = 1e-9
+"""An axis that travels less, deg or mm, stands."""
+
+
+@dataclass(frozen=True)
+class _Pace:
+    """What the axes can do.
+
+    Attributes:
+        axes: numbers of those that count, shape (n,).
+        speed: fastest, deg/s or mm/s, shape (n,).
+        acceleration: largest, deg/s² or mm/s², shape (n,).
+    """
+
+    axes: list[int]
+    speed: Floats
+    acceleration: Floats
+
+
+def move_time_s(arm: Arm, travel: Floats) -> Floats:
     """Return the time of moves, s, shape (n,).
 
     Args:
-        arm: speeds, accelerations and override.
-        travel_deg: travel of J1, J2, J4 of each move, deg, shape (n, 3).
+        arm: axes and override.
+        travel: of each axis in each move, deg or mm, shape (n, axes).
     """
-    travel = np.abs(travel_deg)
-    speed = np.asarray(arm.speed_deg_s) * arm.override_percent / 100.0
-    acceleration = np.asarray(arm.acceleration_deg_s2)
-    ramps = np.where(
-        travel >= speed**2 / acceleration,
-        travel / speed + speed / acceleration,
-        2.0 * np.sqrt(travel / acceleration),
-    )
-    slowest: NDArray[np.float64] = ramps.max(axis=1)
-    return slowest
+    return _time_s(_pace(arm), travel)
 
 
-def way_time_s(arm: Arm, poses_deg: NDArray[np.float64]) -> float:
+def way_time_s(arm: Arm, poses: Floats) -> float:
     """Return the time of a way through poses, s; how it is driven depends on the arm's way of following.
 
     Args:
-        arm: speeds, accelerations, override and way of following.
-        poses_deg: J1, J2, J4 at the start and at each target, deg, shape (n, 3).
+        arm: axes, override and way of following.
+        poses: the start and each target, deg or mm, shape (n, axes).
     """
-    steps = np.abs(np.diff(poses_deg, axis=0))
+    steps = np.abs(np.diff(poses, axis=0))
     if arm.following == "stops":
         return float(move_time_s(arm, steps).sum())
     # Without a stop the whole way is one motion.
     whole = steps.sum(axis=0)[None, :]
-    return float(move_time_s(_streaming(arm) if arm.following == "streamed" else arm, whole)[0])
+    return float(_time_s(_following(arm), whole)[0])
 
 
-def _streaming(arm: Arm) -> Arm:
-    full = np.asarray(arm.speed_deg_s) * arm.override_percent / 100.0
-    one, two, four = (float(speed) for speed in np.minimum(full, arm.follow_speed_deg_s))
+def leg_rates(arm: Arm, travel: Floats) -> Floats:
+    """Return how fast the legs of a way are driven at their fastest, legs in a second, shape (n,).
+
+    Args:
+        arm: axes, override and way of following.
+        travel: of each axis on each leg, deg or mm, shape (n, axes).
+    """
+    pace = _following(arm)
+    travel = np.abs(travel[:, pace.axes])
+    # A robot that passes its targets speeds up once for the whole way.
+    run_up = travel if arm.following == "stops" else np.tile(travel.sum(axis=0), (len(travel), 1))
+    reached = np.minimum(pace.speed, np.sqrt(run_up * pace.acceleration))
+    moving = travel > _MOVING
+    rates = np.where(moving, reached / np.where(moving, travel, 1.0), np.inf).min(axis=1, initial=np.inf)
+    return np.where(np.isfinite(rates), rates, 0.0)
+
+
+def _time_s(pace: _Pace, travel: Floats) -> Floats:
+    travel = np.abs(travel[:, pace.axes])
+    ramps = np.where(
+        travel >= pace.speed**2 / pace.acceleration,
+        travel / pace.speed + pace.speed / pace.acceleration,
+        2.0 * np.sqrt(travel / pace.acceleration),
+    )
+    slowest: Floats = ramps.max(axis=1, initial=0.0)
+    return slowest
+
+
+def _pace(arm: Arm) -> _Pace:
+    """Return what the axes can do in a motion of its own."""
+    known = [
+        (number, axis.speed * arm.override_percent / 100.0, axis.acceleration)
+        for number, axis in enumerate(arm.axes)
+        if axis.acceleration is not None
+    ]
+    numbers, speeds, accelerations = zip(*known, strict=True) if known else ((), (), ())
+    return _Pace(list(numbers), np.array(speeds), np.array(accelerations))
+
+
+def _following(arm: Arm) -> _Pace:
+    """Return what the axes can do while the arm follows a path."""
+    pace = _pace(arm)
+    if arm.following != "streamed":
+        return pace
+    turning = np.array([arm.axes[number].unit == "deg" for number in pace.axes])
     # Set points speed up as a squared sine, whose mean acceleration is 2/pi of its largest.
     acceleration = arm.follow_acceleration_deg_s2 * 2.0 / np.pi
-    return replace(
-        arm,
-        speed_deg_s=(one, two, four),
-        acceleration_deg_s2=(acceleration, acceleration, acceleration),
-        override_percent=100.0,
+    return _Pace(
+        pace.axes,
+        np.where(turning, np.minimum(pace.speed, arm.follow_speed_deg_s), pace.speed),
+        np.where(turning, acceleration, pace.acceleration),
     )

@@ -9,7 +9,6 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.calibration.scara.alignment import PitchFit, fit_pitch
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError, PlanError
 from catseye.procedures.kit.live import Live
@@ -27,6 +26,7 @@ from catseye.procedures.scara.beam.beam_scan import (
     signal_live,
 )
 from catseye.procedures.scara.beam.nests import Nests
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 from catseye.procedures.scara.search.search_plan import SearchPose, looking_poses, measured_distances_mm
@@ -70,7 +70,7 @@ class BeamLevelPlan:
         params: what was chosen.
     """
 
-    bench: Bench
+    bench: ScaraBench
     poses: tuple[SearchPose, ...]
     j3_range_mm: tuple[float, float]
     distances_mm: tuple[float, float]
@@ -89,20 +89,20 @@ class BeamLevel:
     def __init__(self) -> None:
         self._away_from_mm: float | None = None
 
-    def plan(self, bench: Bench, params: BeamLevelParams) -> BeamLevelPlan:
+    def plan(self, bench: ScaraBench, params: BeamLevelParams) -> BeamLevelPlan:
         """Choose poses at different distances to one reflector.
 
         Raises:
             PlanError: J3 has no range, or the reflector is not seen from different enough distances.
         """
-        if bench.arm.j3_range_mm is None:
+        if bench.j3_range_mm is None:
             raise PlanError(
                 "levelling lifts J3 and the cell file gives it no range: set j3_range_mm in [robot] to heights that "
                 "are free at every pose, for instance j3_range_mm = "
-                f"[{bench.arm.j3_mm - 10:g}, {bench.arm.j3_mm + 10:g}]"
+                f"[{bench.j3_mm - 10:g}, {bench.j3_mm + 10:g}]"
             )
         poses = _poses(bench, params)
-        return BeamLevelPlan(bench, poses, bench.arm.j3_range_mm, measured_distances_mm(bench), params)
+        return BeamLevelPlan(bench, poses, bench.j3_range_mm, measured_distances_mm(bench), params)
 
     async def run(self, ctx: Context, plan: BeamLevelPlan) -> None:
         """Measure and instruct until the pitch is within its tolerance.
@@ -115,7 +115,7 @@ class BeamLevel:
             AlignmentError: the pitch did not come within its tolerance, or J3's range is too small.
             BeamLostError: the reflector does not return the beam.
         """
-        self._away_from_mm = plan.bench.arm.j3_mm
+        self._away_from_mm = plan.bench.j3_mm
         rounds = _Rounds(ctx, plan)
         guided = GuidedScrew(
             ctx, level_screw(plan.bench), rounds.measure, rounds.watch, plan.params.max_rounds, rounds.start
@@ -136,11 +136,11 @@ class BeamLevel:
 
 async def _back(ctx: Context, plan: BeamLevelPlan) -> Row:
     one, two, _, four = await ctx.joints()
-    await ctx.move((one, two, plan.bench.arm.j3_mm, four))
-    return {"j3_mm": plan.bench.arm.j3_mm}
+    await ctx.move((one, two, plan.bench.j3_mm, four))
+    return {"j3_mm": plan.bench.j3_mm}
 
 
-def level_screw(bench: Bench) -> Screw:
+def level_screw(bench: ScaraBench) -> Screw:
     """Return the vertical screw as the cell file describes it."""
     alignment = bench.alignment
     sense = 1.0 if alignment.level_clockwise == "up" else -1.0
@@ -159,7 +159,7 @@ def level_screw(bench: Bench) -> Screw:
     )
 
 
-def _poses(bench: Bench, params: BeamLevelParams) -> tuple[SearchPose, ...]:
+def _poses(bench: ScaraBench, params: BeamLevelParams) -> tuple[SearchPose, ...]:
     reflectors = named_reflectors(bench, params.reflector)
     chains = [
         _spaced(
@@ -183,7 +183,7 @@ def _base_mm(poses: Sequence[SearchPose]) -> float:
 
 
 def _spaced(
-    seen: Sequence[SearchPose], half_range_deg: float, bench: Bench, count: int
+    seen: Sequence[SearchPose], half_range_deg: float, bench: ScaraBench, count: int
 ) -> tuple[SearchPose, ...]:
     """Return poses from near to far whose distances are spread evenly and whose ways are free."""
     least = max(_NEAR_MM, bench.optics.beam_min_mm + _ROUGH_MM)
@@ -203,9 +203,9 @@ def _spaced(
     return tuple(chosen)
 
 
-def _free(poses: Sequence[SearchPose], half_range_deg: float, bench: Bench) -> bool:
+def _free(poses: Sequence[SearchPose], half_range_deg: float, bench: ScaraBench) -> bool:
     """Return whether ways between poses are clear, with J4 and J3 anywhere in the ranges that are scanned."""
-    heights = bench.arm.j3_range_mm or (bench.arm.j3_mm,)
+    heights = bench.j3_range_mm or (bench.j3_mm,)
     way: list[Pose] = []
     for pose in poses:
         ends = pose.turned(half_range_deg, bench)
@@ -240,7 +240,7 @@ class _Rounds:
     def start(self) -> Pose:
         """Where each round begins."""
         first = self._plan.poses[0]
-        return (first.theta1_deg, first.theta2_deg, self._plan.bench.arm.j3_mm, first.j4_deg)
+        return (first.theta1_deg, first.theta2_deg, self._plan.bench.j3_mm, first.j4_deg)
 
     async def watch(self) -> Live:
         """Return the signal, for hands that turn a screw."""
@@ -287,7 +287,7 @@ class _Rounds:
                 continue
             start = (pose.theta1_deg, pose.theta2_deg, likely + offset, around_deg)
             half_window = half_window_deg(optics.acceptance_mm, pose.beam_mm)
-            limits = self._plan.bench.arm.j4_limits_deg
+            limits = self._plan.bench.j4_limits_deg
             window = await find_return(
                 self._ctx, start, half_range_deg, half_window, limits, optics.signal_min
             )
@@ -322,7 +322,7 @@ class _Rounds:
             return before.j3_mm - change_mrad * 1e-3 * pose.beam_mm
         if len(nearer) > 1:
             return self._fit(nearer).height_mm(pose.beam_mm)
-        return nearer[0].j3_mm if nearer else self._plan.bench.arm.j3_mm
+        return nearer[0].j3_mm if nearer else self._plan.bench.j3_mm
 
     async def _centred(self, pose: SearchPose, at: Pose) -> _Found:
         optics, (low, high) = self._plan.bench.optics, self._plan.j3_range_mm
@@ -350,10 +350,10 @@ async def _result(ctx: Context, plan: BeamLevelPlan, row: Row) -> Row:
     left_mm = abs(fit.pitch_rad) * 0.5 * (farthest - nearest)
     told = (
         f"set j3_mm = {j3_mm:g} in [robot]: there the beam meets the reflectors' height over beams of {nearest:.0f} "
-        f"to {farthest:.0f} mm within {left_mm:.2f} mm; the cell file has {plan.bench.arm.j3_mm:g}"
+        f"to {farthest:.0f} mm within {left_mm:.2f} mm; the cell file has {plan.bench.j3_mm:g}"
     )
     await ctx.event("height", j3_mm=j3_mm, u_j3_mm=fit.u_height_mm(middle_mm), left_mm=left_mm, text=told)
-    if abs(j3_mm - plan.bench.arm.j3_mm) > 0.1 * plan.bench.optics.acceptance_mm:
+    if abs(j3_mm - plan.bench.j3_mm) > 0.1 * plan.bench.optics.acceptance_mm:
         await ctx.warn(told)
     return {
         "pitch_mrad": row["value"],

@@ -13,7 +13,6 @@ from pydantic import BaseModel, ConfigDict, Field
 from catseye.calibration.scara.alignment import OffsetFit, fit_offset
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.settled import settled_measurement
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import (
     AlignmentError,
@@ -31,6 +30,7 @@ from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.before import LEVELLED
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 from catseye.procedures.scara.search.search_plan import SearchPose, looking_poses
@@ -78,7 +78,7 @@ class BeamToJ4Plan:
         params: what was chosen.
     """
 
-    bench: Bench
+    bench: ScaraBench
     pose: SearchPose
     params: BeamToJ4Params
 
@@ -100,7 +100,7 @@ class BeamToJ4:
     records: ClassVar[tuple[type[Record], ...]] = (AlignmentRound, ScrewTurn)
     params_type = BeamToJ4Params
 
-    def plan(self, bench: Bench, params: BeamToJ4Params) -> BeamToJ4Plan:
+    def plan(self, bench: ScaraBench, params: BeamToJ4Params) -> BeamToJ4Plan:
         """Choose the pose: the nearest one has the widest window of J4 and the steepest slope.
 
         Raises:
@@ -132,7 +132,7 @@ class BeamToJ4:
         """Leave the arm where it stands."""
 
 
-def stage_screw(bench: Bench) -> Screw:
+def stage_screw(bench: ScaraBench) -> Screw:
     """Return the screw of the lateral stage as the cell file describes it."""
     alignment = bench.alignment
     sense = 1.0 if alignment.stage_clockwise == "+y" else -1.0
@@ -151,7 +151,7 @@ def stage_screw(bench: Bench) -> Screw:
     )
 
 
-def named_reflectors(bench: Bench, name: str) -> tuple[Reflector, ...]:
+def named_reflectors(bench: ScaraBench, name: str) -> tuple[Reflector, ...]:
     """Return the reflector of a name, all for an empty one.
 
     Raises:
@@ -164,7 +164,7 @@ def named_reflectors(bench: Bench, name: str) -> tuple[Reflector, ...]:
     return found
 
 
-def _pose(bench: Bench, params: BeamToJ4Params) -> SearchPose:
+def _pose(bench: ScaraBench, params: BeamToJ4Params) -> SearchPose:
     given = (params.theta1_deg, params.theta2_deg)
     if (given[0] is None) != (given[1] is None):
         raise PlanError(
@@ -191,13 +191,13 @@ def _pose(bench: Bench, params: BeamToJ4Params) -> SearchPose:
     return nearest
 
 
-def require_inside(bench: Bench, poses_deg: Sequence[tuple[float, float]]) -> None:
+def require_inside(bench: ScaraBench, poses_deg: Sequence[tuple[float, float]]) -> None:
     """Check poses against the limits of J1 and J2.
 
     Raises:
         PlanLimitError: names joint, angle and limits.
     """
-    named = (("J1", bench.arm.j1_limits_deg), ("J2", bench.arm.j2_limits_deg))
+    named = (("J1", bench.j1_limits_deg), ("J2", bench.j2_limits_deg))
     for pose in poses_deg:
         for value, (name, (low, high)) in zip(pose, named, strict=True):
             if not low <= value <= high:
@@ -266,8 +266,8 @@ class _Rounds:
             near_deg = 3.0 * half_window + 2.5 * abs(shift_deg)
             scans.insert(0, (number_of(last, "j4_deg") + shift_deg, near_deg, half_window))
         for j4_deg, half_range, stride in scans:
-            start = (pose.theta1_deg, pose.theta2_deg, plan.bench.arm.j3_mm, j4_deg)
-            limits = plan.bench.arm.j4_limits_deg
+            start = (pose.theta1_deg, pose.theta2_deg, plan.bench.j3_mm, j4_deg)
+            limits = plan.bench.j4_limits_deg
             window = await find_return(self._ctx, start, half_range, stride, limits, optics.signal_min)
             if window is not None:
                 return window
@@ -302,7 +302,7 @@ class _Rounds:
 
     def _at(self, j4_deg: float) -> Pose:
         pose = self._plan.pose
-        return (pose.theta1_deg, pose.theta2_deg, self._plan.bench.arm.j3_mm, j4_deg)
+        return (pose.theta1_deg, pose.theta2_deg, self._plan.bench.j3_mm, j4_deg)
 
     async def _doubt(self, fit: OffsetFit) -> None:
         beam_mm = self._plan.pose.beam_mm
@@ -335,7 +335,7 @@ def _fit(taken: list[tuple[int, Measurement]], centre_deg: float) -> OffsetFit:
     return fit_offset(turn, length, series, math.sqrt(math.fsum(variances) / max(len(variances), 1)))
 
 
-def _u_radial_mm(bench: Bench) -> float:
+def _u_radial_mm(bench: ScaraBench) -> float:
     """Return the rms slope of J4's radial error motion, mm/rad: it looks like an offset and no turn removes it."""
     orders = np.arange(1, bench.noise.radial_orders + 1)
     return float(bench.noise.radial_mm[2] * np.sqrt(np.mean(orders**2)))

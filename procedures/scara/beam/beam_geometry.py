@@ -6,24 +6,24 @@ from numpy.typing import NDArray
 from catseye.calibration.scara.planar import forward, wrap_rad
 from catseye.calibration.scara.pointing import beam_direction
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.scara.beam.beam_scan import half_window_deg
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 
 LOOK_AROUND_DEG = 0.5
 """How far J4 is turned to either side to find a beam again."""
 
 
-def beam_mm(joints: Pose, bench: Bench, reflector: Reflector) -> float:
+def beam_mm(joints: Pose, bench: ScaraBench, reflector: Reflector) -> float:
     """Return the length of the beam from a pose to a reflector, mm."""
     return float(np.hypot(*(reflector.xy_mm - _position_mm(joints, bench))))
 
 
-def window_deg(joints: Pose, bench: Bench, reflector: Reflector) -> float:
+def window_deg(joints: Pose, bench: ScaraBench, reflector: Reflector) -> float:
     """Return half the width of the return window from a pose, deg."""
     return half_window_deg(bench.optics.acceptance_mm, beam_mm(joints, bench, reflector))
 
 
-def look_around_deg(joints: Pose, bench: Bench, reflector: Reflector) -> float:
+def look_around_deg(joints: Pose, bench: ScaraBench, reflector: Reflector) -> float:
     """Return how far J4 may turn from a pose without meeting another reflector, deg.
 
     The distance to that one would be taken for this one's.
@@ -41,6 +41,6 @@ def look_around_deg(joints: Pose, bench: Bench, reflector: Reflector) -> float:
     return max(0.0, min(LOOK_AROUND_DEG, *off_deg)) if off_deg else LOOK_AROUND_DEG
 
 
-def _position_mm(joints: Pose, bench: Bench) -> NDArray[np.float64]:
+def _position_mm(joints: Pose, bench: ScaraBench) -> NDArray[np.float64]:
     one, two = np.deg2rad(joints[:2])
-    return forward(one, two, bench.arm.link1_mm, bench.arm.link2_mm)
+    return forward(one, two, bench.link1_mm, bench.link2_mm)

@@ -8,7 +8,7 @@ from catseye.calibration.scara.planar import forward
 from catseye.calibration.scara.pointing import column_clearance, field_angle
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.loss import Cause
-from catseye.procedures.kit.bench import Bench, Reflector
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 
 _NEAR_COLUMN_MM = 20.0
 """A beam that passes the column's stated margin by less is suspected to be cut off by the real column."""
@@ -54,7 +54,7 @@ def no_return(half_range_deg: float) -> Cause:
     )
 
 
-def weak(signal: float, bench: Bench) -> Cause:
+def weak(signal: float, bench: ScaraBench) -> Cause:
     """Return the cause of a beam that returns too weak to be measured with."""
     return Cause(
         "weak-signal",
@@ -75,7 +75,7 @@ def off_aim(off_deg: float, beam_mm: float) -> Cause:
     )
 
 
-def hidden(joints: Pose, bench: Bench, reflector: Reflector) -> Cause | None:
+def hidden(joints: Pose, bench: ScaraBench, reflector: Reflector) -> Cause | None:
     """Return the cause that geometry lets suspect where nothing returns: base column or field.
 
     Args:
@@ -85,7 +85,7 @@ def hidden(joints: Pose, bench: Bench, reflector: Reflector) -> Cause | None:
     """
     optics = bench.optics
     one, two = np.deg2rad(joints[:2])
-    here = forward(one, two, bench.arm.link1_mm, bench.arm.link2_mm)
+    here = forward(one, two, bench.link1_mm, bench.link2_mm)
     clearance_mm = float(column_clearance(here, reflector.xy_mm))
     if clearance_mm < optics.column_radius_mm + optics.column_margin_mm + _NEAR_COLUMN_MM:
         return Cause(

@@ -1,10 +1,10 @@
 """One cat's eye for several nests: it is carried from one to the next."""
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import ReflectorNotFoundError
 from catseye.procedures.kit.tasks import PlaceReflector
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 
 
 class Nests:
@@ -15,7 +15,7 @@ class Nests:
         bench: tells whether one reflector serves all.
     """
 
-    def __init__(self, ctx: Context, bench: Bench) -> None:
+    def __init__(self, ctx: Context, bench: ScaraBench) -> None:
         self._ctx = ctx
         self._carried = bench.optics.one_reflector
         self._place: str | None = None

@@ -5,7 +5,6 @@ from itertools import pairwise
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.procedures.kit.beam.loss import Cause, cause_of
 from catseye.procedures.kit.beam.settled import beam_when_ready, settled_measurement
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import ArmMovedError, NoBeamError
 from catseye.procedures.scara.beam.beam_geometry import beam_mm, look_around_deg, window_deg
@@ -21,6 +20,7 @@ from catseye.procedures.scara.beam.diagnosis import (
     weak,
 )
 from catseye.procedures.scara.beam.re_aim import AimCorrection, brighten
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.entry import approach, way_in
 from catseye.procedures.scara.motion.visits import Leg, Visit, driving_time_s, measuring_time_s
 
@@ -41,7 +41,7 @@ class Follower:
         extra_s: expected bench seconds spent beyond the plan.
     """
 
-    def __init__(self, ctx: Context, bench: Bench, reflector: Reflector, segment: int = -1) -> None:
+    def __init__(self, ctx: Context, bench: ScaraBench, reflector: Reflector, segment: int = -1) -> None:
         self.segment = segment
         self.counting = False
         self.at: Visit | None = None
@@ -254,7 +254,7 @@ class Follower:
         """Turn J4 to the strongest signal without losing the count; return whether it was kept."""
         half_window_deg = window_deg(visit.node, self._bench, self._reflector)
         pose = (*visit.node[:3], self.sent[3])
-        best_deg = await brighten(self._ctx, pose, half_window_deg, self._bench.arm.j4_limits_deg)
+        best_deg = await brighten(self._ctx, pose, half_window_deg, self._bench.j4_limits_deg)
         if best_deg is None:
             self._left = await self._ctx.joints()
             return False
@@ -265,7 +265,7 @@ class Follower:
     async def _scan(self, planned: Pose) -> float | None:
         """Turn J4 about the plan's aim; return the offset at which the beam is centred, with J4 there."""
         half_window_deg = window_deg(planned, self._bench, self._reflector)
-        limits_deg = self._bench.arm.j4_limits_deg
+        limits_deg = self._bench.j4_limits_deg
         start = self._corrected(planned)
         half_range_deg = look_around_deg(start, self._bench, self._reflector)
         found = await find_return(self._ctx, start, half_range_deg, half_window_deg, limits_deg)
@@ -290,4 +290,4 @@ class Follower:
         return True
 
     def _corrected(self, target: Pose) -> Pose:
-        return self._aim.applied(target, self._bench.arm.j4_limits_deg)
+        return self._aim.applied(target, self._bench.j4_limits_deg)

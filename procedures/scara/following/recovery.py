@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, LossLog
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.records import row_of
 from catseye.procedures.scara.beam.diagnosis import MOVED_BY_HAND, NOT_SUBDIVIDED, Loss
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.following.follower import Follower
 from catseye.procedures.scara.motion.point_row import distance_of, title_of
 from catseye.procedures.scara.motion.visits import Visit, driving_time_s, measuring_time_s
@@ -69,7 +69,7 @@ class Recovery:
     """
 
     def __init__(
-        self, ctx: Context, bench: Bench, reflector: Reflector, follower: Follower, attempts: int
+        self, ctx: Context, bench: ScaraBench, reflector: Reflector, follower: Follower, attempts: int
     ) -> None:
         self.good: Good | None = None
         self._ctx = ctx

@@ -6,12 +6,12 @@ from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, LossLog, cause_of
 from catseye.procedures.kit.beam.settled import beam_when_ready, settled_measurement
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import NoBeamError
 from catseye.procedures.scara.beam.beam_scan import find_return, half_window_deg
 from catseye.procedures.scara.beam.diagnosis import INTERRUPTED, MOVED_BY_HAND, weak
 from catseye.procedures.scara.beam.nests import Nests
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.entry import way_in
 from catseye.procedures.scara.motion.round_trip import RoundTrip
 from catseye.procedures.scara.motion.visits import Leg
@@ -53,7 +53,9 @@ class Rounds:
         segment: last segment that the run knows of, -1 for none.
     """
 
-    def __init__(self, ctx: Context, bench: Bench, trip: RoundTrip, nests: Nests, segment: int = -1) -> None:
+    def __init__(
+        self, ctx: Context, bench: ScaraBench, trip: RoundTrip, nests: Nests, segment: int = -1
+    ) -> None:
         self._ctx = ctx
         self._bench = bench
         self._nests = nests
@@ -154,7 +156,7 @@ class Rounds:
         """Look for the beam by turning J4 at the first stop; return whether it is there."""
         trip, optics = self.trip, self._bench.optics
         half_window = half_window_deg(optics.acceptance_mm, trip.beam_mm[0])
-        limits = self._bench.arm.j4_limits_deg
+        limits = self._bench.j4_limits_deg
         window = await find_return(
             self._ctx, trip.start, _SCAN_HALF_RANGE_DEG, half_window, limits, optics.signal_min
         )
@@ -174,7 +176,7 @@ class Rounds:
 
     def _shift(self, offset_deg: float) -> None:
         """Aim everywhere as the reflector was found: a wrong zero direction is wrong by the same angle everywhere."""
-        low, high = self._bench.arm.j4_limits_deg
+        low, high = self._bench.j4_limits_deg
         smallest, largest = self.trip.j4_range_deg
         self._offset_deg = (
             offset_deg if low <= smallest + offset_deg and largest + offset_deg <= high else 0.0

@@ -6,8 +6,8 @@ take-up angle and comes back, so that the last real motion has the direction tha
 
 from dataclasses import dataclass
 
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import PlanLimitError
+from catseye.procedures.scara.bench import ScaraBench
 
 
 @dataclass(frozen=True)
@@ -92,13 +92,13 @@ def _come_from(target: float, wanted: int, present: float | None, state: int, ta
     return target - wanted * take_up
 
 
-def require_joint_limits(stops: tuple[Waypoint, ...], bench: Bench) -> None:
+def require_joint_limits(stops: tuple[Waypoint, ...], bench: ScaraBench) -> None:
     """Refuse stops outside the limits of J1 and J2; straight joint moves between them stay inside.
 
     Raises:
         PlanLimitError: names the first stop outside and the remedy.
     """
-    limits = (("J1", bench.arm.j1_limits_deg), ("J2", bench.arm.j2_limits_deg))
+    limits = (("J1", bench.j1_limits_deg), ("J2", bench.j2_limits_deg))
     for stop in stops:
         for (joint, (low, high)), angle in zip(limits, (stop.theta1_deg, stop.theta2_deg), strict=True):
             if not low <= angle <= high:

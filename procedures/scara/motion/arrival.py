@@ -1,8 +1,8 @@
 """The first way of a process: it is planned and checked when it is known where the arm stands."""
 
 from catseye.drivers.roles.pose import Pose, is_at
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.entry import way_in
 
 
@@ -14,7 +14,7 @@ class Arrival:
         bench: nominal arm, limits, reflectors.
     """
 
-    def __init__(self, ctx: Context, bench: Bench) -> None:
+    def __init__(self, ctx: Context, bench: ScaraBench) -> None:
         self._ctx = ctx
         self._bench = bench
         self._over = False

@@ -5,14 +5,14 @@ import math
 import numpy as np
 
 from catseye.drivers.roles.pose import SAME_PLACE, Pose
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import WayBlockedError
 from catseye.procedures.kit.motion.clear_way import way_refusal
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.tracking import aimed_along
 from catseye.procedures.scara.motion.visits import Visit
 
 
-def approach(visit: Visit, bench: Bench, reflector: Reflector) -> tuple[Pose, Pose]:
+def approach(visit: Visit, bench: ScaraBench, reflector: Reflector) -> tuple[Pose, Pose]:
     """Return take-up pose and node: from the one to the other both joints move in the point's directions.
 
     Args:
@@ -25,12 +25,12 @@ def approach(visit: Visit, bench: Bench, reflector: Reflector) -> tuple[Pose, Po
     two = command.theta2_deg - command.direction2 * bench.take_up_deg
     theta = np.deg2rad([[one, two], node[:2]])
     j4 = math.degrees(float(aimed_along(theta, math.radians(node[3]), bench, reflector)[0]))
-    low, high = bench.arm.j4_limits_deg
+    low, high = bench.j4_limits_deg
     # The beam is not needed on the way in, so at a limit of J4 the take-up does without the aim.
-    return (one, two, bench.arm.j3_mm, j4 if low <= j4 <= high else node[3]), node
+    return (one, two, bench.j3_mm, j4 if low <= j4 <= high else node[3]), node
 
 
-def way_in(here: Pose, take_up: Pose, bench: Bench) -> tuple[Pose, ...]:
+def way_in(here: Pose, take_up: Pose, bench: ScaraBench) -> tuple[Pose, ...]:
     """Return the targets that lead from where the arm stands to a take-up pose, that pose included.
 
     J3 goes to its height first, where the arm stands. Then the joints move straight if that way is free; otherwise
@@ -63,13 +63,13 @@ def way_in(here: Pose, take_up: Pose, bench: Bench) -> tuple[Pose, ...]:
     )
 
 
-def _lift(here: Pose, bench: Bench) -> tuple[Pose, ...]:
-    if abs(here[2] - bench.arm.j3_mm) <= SAME_PLACE:
+def _lift(here: Pose, bench: ScaraBench) -> tuple[Pose, ...]:
+    if abs(here[2] - bench.j3_mm) <= SAME_PLACE:
         return ()
-    lifted = (here[0], here[1], bench.arm.j3_mm, here[3])
+    lifted = (here[0], here[1], bench.j3_mm, here[3])
     if not _within_limits((lifted,), bench):
         raise WayBlockedError(
-            f"the arm stands at J3 = {here[2]:.1f} mm, not at j3_mm = {bench.arm.j3_mm:g} mm, and outside the cell's "
+            f"the arm stands at J3 = {here[2]:.1f} mm, not at j3_mm = {bench.j3_mm:g} mm, and outside the cell's "
             f"limits (J1 {here[0]:.1f}°, J2 {here[1]:.1f}°, J4 {here[3]:.1f}°): jog it inside them first"
         )
     return (lifted,)
@@ -80,7 +80,6 @@ def _folded(start: Pose, take_up: Pose, two: float) -> tuple[Pose, ...]:
     return (start[0], two, three, four), (take_up[0], two, three, four), take_up
 
 
-def _within_limits(way: tuple[Pose, ...], bench: Bench) -> bool:
-    arm = bench.arm
-    ranges = ((0, arm.j1_limits_deg), (1, arm.j2_limits_deg), (3, arm.j4_limits_deg))
-    return all(low <= target[n] <= high for target in way for n, (low, high) in ranges)
+def _within_limits(way: tuple[Pose, ...], bench: ScaraBench) -> bool:
+    # J3 has been brought to its height before.
+    return all(bench.arm.axes[n].allows(target[n]) for target in way for n in (0, 1, 3))

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import PlanLimitError
 from catseye.procedures.kit.motion.clear_way import require_clear_legs
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.approach import Waypoint, require_joint_limits
 from catseye.procedures.scara.motion.tracking import Track, plan_track
 from catseye.procedures.scara.motion.visits import Leg, driving_time_s, leg_targets
@@ -43,7 +43,7 @@ class RoundTrip:
     driving_s: float
 
 
-def beam_lasts(stops: Sequence[LinkPose], bench: Bench, reflector: Reflector) -> bool:
+def beam_lasts(stops: Sequence[LinkPose], bench: ScaraBench, reflector: Reflector) -> bool:
     """Return whether limits permit a closed way, nothing stands in it, and the reflector is seen all along.
 
     Args:
@@ -57,7 +57,7 @@ def beam_lasts(stops: Sequence[LinkPose], bench: Bench, reflector: Reflector) ->
         return False
 
 
-def plan_round_trip(stops: Sequence[LinkPose], bench: Bench, reflector: Reflector) -> RoundTrip | None:
+def plan_round_trip(stops: Sequence[LinkPose], bench: ScaraBench, reflector: Reflector) -> RoundTrip | None:
     """Plan a closed way.
 
     Args:

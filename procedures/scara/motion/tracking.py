@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from catseye.calibration.scara.planar import forward
 from catseye.calibration.scara.pointing import beam_direction, unwrap, visible
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import PlanError, PlanLimitError
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.approach import Waypoint
 
 Floats = NDArray[np.float64]
@@ -71,7 +71,9 @@ class Track:
     beam_mm: Floats
 
 
-def plan_track(stops: tuple[Waypoint, ...], bench: Bench, reflector: Reflector, subdivide: bool) -> Track:
+def plan_track(
+    stops: tuple[Waypoint, ...], bench: ScaraBench, reflector: Reflector, subdivide: bool
+) -> Track:
     """Plan how the beam follows a reflector over the stops.
 
     Args:
@@ -107,7 +109,7 @@ def plan_track(stops: tuple[Waypoint, ...], bench: Bench, reflector: Reflector, 
     )
 
 
-def aimed_j4(theta_rad: Floats, bench: Bench, reflector: Reflector) -> Floats:
+def aimed_j4(theta_rad: Floats, bench: ScaraBench, reflector: Reflector) -> Floats:
     """Return the J4 angles that aim at a reflector, rad, on no particular branch, shape (...).
 
     Args:
@@ -120,7 +122,7 @@ def aimed_j4(theta_rad: Floats, bench: Bench, reflector: Reflector) -> Floats:
     return np.asarray(j4, dtype=np.float64)
 
 
-def aimed_along(theta_rad: Floats, j4_last_rad: float, bench: Bench, reflector: Reflector) -> Floats:
+def aimed_along(theta_rad: Floats, j4_last_rad: float, bench: ScaraBench, reflector: Reflector) -> Floats:
     """Return the J4 angles that aim along a way that ends on a known branch, rad, shape (n,).
 
     Args:
@@ -133,7 +135,7 @@ def aimed_along(theta_rad: Floats, j4_last_rad: float, bench: Bench, reflector: 
     return np.asarray(j4 + (j4_last_rad - j4[-1]), dtype=np.float64)
 
 
-def leg_miss_mm(legs: Legs, parts: int, bench: Bench, reflector: Reflector) -> Floats:
+def leg_miss_mm(legs: Legs, parts: int, bench: ScaraBench, reflector: Reflector) -> Floats:
     """Return the largest miss on each leg when it is driven in equal parts, mm, shape (m,).
 
     J1, J2 and J4 are interpolated linearly over each part; the beam is exactly aimed at the ends of the parts.
@@ -157,11 +159,11 @@ def leg_miss_mm(legs: Legs, parts: int, bench: Bench, reflector: Reflector) -> F
     return np.asarray(np.where(off < np.pi / 2, length * np.sin(off), np.inf).max(axis=1), dtype=np.float64)
 
 
-def _positions(theta_rad: Floats, bench: Bench) -> Floats:
-    return forward(theta_rad[..., 0], theta_rad[..., 1], bench.arm.link1_mm, bench.arm.link2_mm)
+def _positions(theta_rad: Floats, bench: ScaraBench) -> Floats:
+    return forward(theta_rad[..., 0], theta_rad[..., 1], bench.link1_mm, bench.link2_mm)
 
 
-def _seen(theta_rad: Floats, bench: Bench, reflector: Reflector) -> Bools:
+def _seen(theta_rad: Floats, bench: ScaraBench, reflector: Reflector) -> Bools:
     optics = bench.optics
     return visible(
         _positions(theta_rad, bench),
@@ -188,7 +190,7 @@ class _Turning:
     highest: Floats
 
 
-def _continuous_j4(theta: Floats, legs: Legs, bench: Bench, reflector: Reflector) -> _Turning:
+def _continuous_j4(theta: Floats, legs: Legs, bench: ScaraBench, reflector: Reflector) -> _Turning:
     along = legs.at(np.linspace(0.0, 1.0, _SIGHT_SAMPLES + 1)[:-1]).reshape(-1, 2)
     turning = unwrap(aimed_j4(np.vstack([along, theta[-1:]]), bench, reflector))
     at_stop = turning[::_SIGHT_SAMPLES]
@@ -198,13 +200,13 @@ def _continuous_j4(theta: Floats, legs: Legs, bench: Bench, reflector: Reflector
     )
 
 
-def _branches(turning: _Turning, bench: Bench) -> tuple[Floats, Bools]:
+def _branches(turning: _Turning, bench: ScaraBench) -> tuple[Floats, Bools]:
     """Bring J4 inside its limits, changing the branch as seldom as possible.
 
     Returns:
         J4 at the stops, rad, and flags of the stops before which J4 rewinds by whole turns.
     """
-    low, high = np.deg2rad(bench.arm.j4_limits_deg)
+    low, high = np.deg2rad(bench.j4_limits_deg)
     j4 = turning.at_stop
     placed, rewound = np.empty_like(j4), np.zeros(j4.size, dtype=np.bool_)
     start = 0
@@ -241,7 +243,7 @@ def _longest_branch(lowest: Floats, highest: Floats, low: float, high: float) ->
     return best, best_shift
 
 
-def _miss_limit_mm(bench: Bench) -> float:
+def _miss_limit_mm(bench: ScaraBench) -> float:
     """Return how far the straight parts of a leg may miss the reflector, mm."""
     limit_mm = bench.optics.max_miss_mm
     match bench.arm.following:
@@ -254,7 +256,7 @@ def _miss_limit_mm(bench: Bench) -> float:
             return min(limit_mm, _STREAMED_MISS_MM)
 
 
-def _subdivide(legs: Legs, kept: Bools, bench: Bench, reflector: Reflector) -> tuple[Ints, Floats]:
+def _subdivide(legs: Legs, kept: Bools, bench: ScaraBench, reflector: Reflector) -> tuple[Ints, Floats]:
     """Return the fewest equal parts that keep the miss of each kept leg within the plan's limit, and that miss."""
     limit_mm = _miss_limit_mm(bench)
     parts = np.ones(kept.size, dtype=np.int64)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.motion.clear_way import require_clear_legs
 from catseye.procedures.kit.motion.motion_time import way_time_s
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.approach import Command, Waypoint
 from catseye.procedures.scara.motion.tracking import Track, aimed_along
 
@@ -47,7 +47,7 @@ class Visit:
         return self.legs[-1][-1]
 
 
-def require_clear_visits(visits: Sequence[Visit], bench: Bench) -> None:
+def require_clear_visits(visits: Sequence[Visit], bench: ScaraBench) -> None:
     """Refuse points, measured one after the other, on whose way bodies come too near to each other.
 
     Raises:
@@ -59,7 +59,7 @@ def require_clear_visits(visits: Sequence[Visit], bench: Bench) -> None:
 
 
 def leg_targets(
-    stops: tuple[Waypoint, ...], track: Track, i: int, parts: int, bench: Bench, reflector: Reflector
+    stops: tuple[Waypoint, ...], track: Track, i: int, parts: int, bench: ScaraBench, reflector: Reflector
 ) -> Leg:
     """Return the joint targets of the leg that ends at stop i, driven in equal parts."""
     end = np.array([stops[i].theta1_deg, stops[i].theta2_deg])
@@ -67,27 +67,26 @@ def leg_targets(
     theta = end - np.arange(parts - 1, -1, -1)[:, None] / parts * (end - start)
     j4 = np.rad2deg(aimed_along(np.deg2rad(theta), float(track.j4_rad[i]), bench, reflector))
     return tuple(
-        (float(one), float(two), bench.arm.j3_mm, float(four))
-        for (one, two), four in zip(theta, j4, strict=True)
+        (float(one), float(two), bench.j3_mm, float(four)) for (one, two), four in zip(theta, j4, strict=True)
     )
 
 
-def driving_time_s(start: Pose, legs: tuple[Leg, ...], bench: Bench) -> float:
+def driving_time_s(start: Pose, legs: tuple[Leg, ...], bench: ScaraBench) -> float:
     """Return the expected time of a way in legs, each of which ends at a standstill, s."""
     motion_s = 0.0
     for leg in legs:
-        motion_s += way_time_s(bench.arm, np.array([start, *leg])[:, [0, 1, 3]])
+        motion_s += way_time_s(bench.arm, np.array([start, *leg]))
         start = leg[-1]
     return motion_s
 
 
-def measuring_time_s(bench: Bench) -> float:
+def measuring_time_s(bench: ScaraBench) -> float:
     """Return the expected time of settling and dwell, s."""
     return bench.timing.settle_time_s + bench.timing.dwell_time_s
 
 
 def plan_visits(
-    stops: tuple[Waypoint, ...], track: Track, bench: Bench, reflector: Reflector
+    stops: tuple[Waypoint, ...], track: Track, bench: ScaraBench, reflector: Reflector
 ) -> tuple[tuple[Visit, ...], tuple[Command, ...]]:
     """Return the points that see the reflector, with the way to each, and the commands that do not.
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import PlanError
 from catseye.procedures.kit.motion.clear_way import legs_refusal
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.approach import Command, Waypoint, require_joint_limits, with_take_up
 from catseye.procedures.scara.motion.tracking import plan_track
 from catseye.procedures.scara.motion.visits import Leg, Visit, driving_time_s, leg_targets, measuring_time_s
@@ -43,7 +43,7 @@ class Closure:
 
 
 def plan_closures(
-    visits: tuple[Visit, ...], count: int, bench: Bench, reflector: Reflector
+    visits: tuple[Visit, ...], count: int, bench: ScaraBench, reflector: Reflector
 ) -> tuple[tuple[Closure, ...], tuple[str, ...]]:
     """Plan trips that are spread evenly over the points of a reflector.
 
@@ -71,7 +71,7 @@ def plan_closures(
 
 
 def trip_within_reach(
-    visits: tuple[Visit, ...], planned: Closure, places: list[int], bench: Bench, reflector: Reflector
+    visits: tuple[Visit, ...], planned: Closure, places: list[int], bench: ScaraBench, reflector: Reflector
 ) -> Closure | None:
     """Plan a trip in place of one whose reference was measured before a gap in the count.
 
@@ -97,7 +97,7 @@ def _places(visits: int, count: int) -> list[int]:
 
 
 def _closure(
-    visits: tuple[Visit, ...], place: int, wanted: int, bench: Bench, reflector: Reflector
+    visits: tuple[Visit, ...], place: int, wanted: int, bench: ScaraBench, reflector: Reflector
 ) -> Closure | None:
     """Return a trip that begins at or before a place: the first one over enough points, or that over the most."""
     best: Closure | None = None
@@ -131,7 +131,7 @@ def _segment_start(visits: tuple[Visit, ...], place: int) -> int:
 
 
 def _trip(
-    visits: tuple[Visit, ...], after: int, reference: int, bench: Bench, reflector: Reflector
+    visits: tuple[Visit, ...], after: int, reference: int, bench: ScaraBench, reflector: Reflector
 ) -> Closure | None:
     here, there = visits[after], visits[reference]
     last = after == len(visits) - 1
@@ -149,7 +149,7 @@ def _trip(
         _turned(leg_targets(stops, track, i, int(track.sub_steps[i]), bench, reflector), turn_deg)
         for i in range(1, len(stops))
     )
-    low, high = bench.arm.j4_limits_deg
+    low, high = bench.j4_limits_deg
     if not all(low <= target[3] <= high for leg in legs for target in leg):
         return None
     if legs_refusal(here.node, legs, bench) is not None:

@@ -7,9 +7,9 @@ import numpy as np
 
 from catseye.calibration.scara.live_map import LiveMap, MapKnowledge
 from catseye.calibration.scara.radial import RadialBudget
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.live import Live
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.approach import Command
 
 _COVERAGE = 3.0
@@ -35,7 +35,7 @@ class Knowledge:
     """
 
     def __init__(
-        self, ctx: Context, bench: Bench, reflectors: tuple[Reflector, ...], stop_at_mdeg: float
+        self, ctx: Context, bench: ScaraBench, reflectors: tuple[Reflector, ...], stop_at_mdeg: float
     ) -> None:
         self._ctx = ctx
         self._stop_at_mdeg = stop_at_mdeg
@@ -45,8 +45,8 @@ class Knowledge:
         self._map = LiveMap(
             np.deg2rad(bench.nodes1_deg),
             np.deg2rad(bench.nodes2_deg),
-            bench.arm.link1_mm,
-            bench.arm.link2_mm,
+            bench.link1_mm,
+            bench.link2_mm,
             {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in reflectors},
             max(noise.white_mm, _LEAST_WHITE_MM),
             RadialBudget(*noise.radial_mm, noise.radial_orders),

@@ -5,12 +5,12 @@ from typing import ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.motion.bench_time import BenchTime
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.records import Record
 from catseye.procedures.scara.before import ALIGNED, WARM
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.open_loop.campaign import ReflectorCampaign
 from catseye.procedures.scara.open_loop.live_knowledge import Knowledge
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, Rules, plan_open_loop
@@ -47,7 +47,7 @@ class OpenLoop:
     records: ClassVar[tuple[type[Record], ...]] = (Distance, Overlap, ClosureVisit)
     params_type = OpenLoopParams
 
-    def plan(self, bench: Bench, params: OpenLoopParams) -> OpenLoopPlan:
+    def plan(self, bench: ScaraBench, params: OpenLoopParams) -> OpenLoopPlan:
         """Plan the measurement; see plan_open_loop."""
         plan = plan_open_loop(
             bench,

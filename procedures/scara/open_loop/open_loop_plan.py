@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import PlanError
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.approach import (
     Command,
     Waypoint,
@@ -72,7 +72,7 @@ class OpenLoopPlan:
         rules: what is decided while measuring.
     """
 
-    bench: Bench
+    bench: ScaraBench
     reflectors: tuple[ReflectorPlan, ...]
     warnings: tuple[str, ...]
     rules: Rules = Rules()
@@ -87,14 +87,9 @@ class OpenLoopPlan:
         """Number of distances."""
         return sum(len(plan.visits) for plan in self.reflectors)
 
-    @property
-    def n_moves(self) -> int:
-        """Number of joint targets of the visits."""
-        return sum(len(visit.moves) for plan in self.reflectors for visit in plan.visits)
-
 
 def plan_open_loop(
-    bench: Bench,
+    bench: ScaraBench,
     *,
     subdivide: bool = True,
     take_up: bool = True,
@@ -131,7 +126,7 @@ def plan_open_loop(
     return OpenLoopPlan(bench, plans, tuple(text for plan in plans for text in _warnings(plan)))
 
 
-def _chosen(bench: Bench, names: tuple[str, ...]) -> tuple[Reflector, ...]:
+def _chosen(bench: ScaraBench, names: tuple[str, ...]) -> tuple[Reflector, ...]:
     known = {reflector.name: reflector for reflector in bench.reflectors}
     for name in names:
         if name not in known:
@@ -140,7 +135,7 @@ def _chosen(bench: Bench, names: tuple[str, ...]) -> tuple[Reflector, ...]:
 
 
 def _reflector_plan(
-    stops: tuple[Waypoint, ...], bench: Bench, reflector: Reflector, subdivide: bool, closures: int
+    stops: tuple[Waypoint, ...], bench: ScaraBench, reflector: Reflector, subdivide: bool, closures: int
 ) -> ReflectorPlan:
     track = plan_track(stops, bench, reflector, subdivide)
     visits, blind = plan_visits(stops, track, bench, reflector)
@@ -150,7 +145,9 @@ def _reflector_plan(
     return ReflectorPlan(reflector, visits, blind, breaks, trips, warnings)
 
 
-def _require_sight(visits: tuple[Visit, ...], reflector: Reflector, n_commands: int, bench: Bench) -> None:
+def _require_sight(
+    visits: tuple[Visit, ...], reflector: Reflector, n_commands: int, bench: ScaraBench
+) -> None:
     if len(visits) >= _FEWEST_SEEN * n_commands:
         return
     optics = bench.optics

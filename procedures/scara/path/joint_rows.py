@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import PlanError
 from catseye.procedures.kit.motion.clear_way import require_clear_way
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.approach import Command, Waypoint, with_take_up
 from catseye.procedures.scara.path.path_plan import (
     Instrument,
@@ -19,7 +19,7 @@ from catseye.procedures.scara.path.tracked_path import PathPoint
 
 
 def plan_joint_rows(
-    bench: Bench,
+    bench: ScaraBench,
     rows: Sequence[Sequence[float]],
     passes: int = 1,
     instrument: Instrument | None = None,
@@ -55,7 +55,7 @@ def plan_joint_rows(
     theta = np.array([[stop.theta1_deg, stop.theta2_deg] for stop in stops])
     require_path_limits(theta, bench)
     # Every pass begins with the take-up of the first row.
-    way = [(stop.theta1_deg, stop.theta2_deg, bench.arm.j3_mm, 0.0) for stop in (*stops, stops[0])]
+    way = [(stop.theta1_deg, stop.theta2_deg, bench.j3_mm, 0.0) for stop in (*stops, stops[0])]
     require_clear_way(way, bench)
     rest_s = hold_time_s if chosen == "file" else bench.timing.settle_time_s
     duration_s = passes * path_duration_s(theta, rest_s, bench)
@@ -63,7 +63,7 @@ def plan_joint_rows(
     assert first is not None  # noqa: S101  # nothing is known of the way to the first row: it always has a take-up
     return PathPlan(
         bench,
-        (*first, bench.arm.j3_mm, 0.0),
+        (*first, bench.j3_mm, 0.0),
         points,
         passes,
         duration_s,

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from catseye.calibration.scara.planar import Hand, inverse
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import PlanError, PlanLimitError
 from catseye.procedures.kit.motion.clear_way import require_clear_way
 from catseye.procedures.kit.motion.motion_time import move_time_s
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.visits import require_clear_visits
 from catseye.procedures.scara.path.tracked_path import PathPoint, TrackedPath, plan_tracked_path
 
@@ -40,7 +40,7 @@ class PathPlan:
         come_from: J1 and J2 of the take-up before each point, None where there is none; empty for a path without any.
     """
 
-    bench: Bench
+    bench: ScaraBench
     run_in: Pose
     points: tuple[PathPoint, ...]
     passes: int
@@ -53,7 +53,7 @@ class PathPlan:
 
 
 def plan_path(
-    bench: Bench,
+    bench: ScaraBench,
     x_mm: float = 200.0,
     y_from_mm: float = -500.0,
     y_to_mm: float = 500.0,
@@ -88,14 +88,14 @@ def plan_path(
     chosen = chosen_instrument(bench, instrument)
     points = path_points(bench, x_mm, (y_from_mm, y_to_mm), step_mm, hand)
     theta = np.array([[point.theta1_deg, point.theta2_deg] for point in points])
-    run_in: Pose = (*_unclipped(points[0], bench), bench.arm.j3_mm, 0.0)
+    run_in: Pose = (*_unclipped(points[0], bench), bench.j3_mm, 0.0)
     require_path_limits(np.vstack([run_in[:2], theta]), bench)
     if chosen == "interferometer":
         require_path_limits(np.array([_unclipped(point, bench) for point in points]), bench)
         tracked = plan_tracked_path(run_in, points, passes, bench, reflector)
         require_clear_visits(tracked.visits, bench)
         return PathPlan(bench, run_in, points, passes, tracked.duration_s, chosen, tracked)
-    way = [run_in, *((p.theta1_deg, p.theta2_deg, bench.arm.j3_mm, 0.0) for p in points)]
+    way = [run_in, *((p.theta1_deg, p.theta2_deg, bench.j3_mm, 0.0) for p in points)]
     # Every pass begins with the run-in.
     require_clear_way([*way, run_in], bench)
     hold_s = hold_time_s if chosen == "file" else bench.timing.settle_time_s
@@ -106,7 +106,7 @@ def plan_path(
 
 
 def path_points(
-    bench: Bench, x_mm: float, ends_mm: tuple[float, float], step_mm: float, hand: Hand
+    bench: ScaraBench, x_mm: float, ends_mm: tuple[float, float], step_mm: float, hand: Hand
 ) -> tuple[PathPoint, ...]:
     """Return the commands of a path along y, there and back.
 
@@ -128,7 +128,7 @@ def path_points(
     there = np.linspace(first_mm, last_mm, count)
     y = np.concatenate([there, there[::-1]])
     xy = np.column_stack([np.full(y.size, x_mm), y])
-    theta = np.column_stack(inverse(xy, bench.arm.link1_mm, bench.arm.link2_mm, hand))
+    theta = np.column_stack(inverse(xy, bench.link1_mm, bench.link2_mm, hand))
     theta[:, 0] = np.unwrap(theta[:, 0])
     directions = np.column_stack(
         [states_of_approach(theta[:, n], _first_sign(theta[:, n])) for n in range(2)]
@@ -139,14 +139,14 @@ def path_points(
     )
 
 
-def take_up_of(point: PathPoint, bench: Bench) -> Pose:
+def take_up_of(point: PathPoint, bench: ScaraBench) -> Pose:
     """Return where a point is approached from with its directions; at a limit of a joint the way is shorter."""
-    limits = (bench.arm.j1_limits_deg, bench.arm.j2_limits_deg)
+    limits = (bench.j1_limits_deg, bench.j2_limits_deg)
     one, two = (
         min(max(start, low), high)
         for start, (low, high) in zip(_unclipped(point, bench), limits, strict=True)
     )
-    return one, two, bench.arm.j3_mm, 0.0
+    return one, two, bench.j3_mm, 0.0
 
 
 def states_of_approach(theta_rad: NDArray[np.float64], first: int) -> NDArray[np.int64]:
@@ -162,7 +162,7 @@ def states_of_approach(theta_rad: NDArray[np.float64], first: int) -> NDArray[np
     return signs[last]
 
 
-def chosen_instrument(bench: Bench, wanted: Instrument | None) -> Instrument:
+def chosen_instrument(bench: ScaraBench, wanted: Instrument | None) -> Instrument:
     """Return who measures.
 
     Args:
@@ -182,7 +182,7 @@ def chosen_instrument(bench: Bench, wanted: Instrument | None) -> Instrument:
     return wanted
 
 
-def _unclipped(point: PathPoint, bench: Bench) -> tuple[float, float]:
+def _unclipped(point: PathPoint, bench: ScaraBench) -> tuple[float, float]:
     return (
         point.theta1_deg - point.direction1 * bench.take_up_deg,
         point.theta2_deg - point.direction2 * bench.take_up_deg,
@@ -194,15 +194,15 @@ def _first_sign(theta_rad: NDArray[np.float64]) -> int:
     return 1 if not moving.size or np.diff(theta_rad)[moving[0]] > 0 else -1
 
 
-def require_path_limits(theta_deg: NDArray[np.float64], bench: Bench) -> None:
+def require_path_limits(theta_deg: NDArray[np.float64], bench: ScaraBench) -> None:
     """Refuse targets of J1 and J2, deg, shape (n, 2), outside their limits.
 
     Raises:
         PlanLimitError: names the joint and the farthest target.
     """
     for joint, angles, (low, high) in (
-        ("J1", theta_deg[:, 0], bench.arm.j1_limits_deg),
-        ("J2", theta_deg[:, 1], bench.arm.j2_limits_deg),
+        ("J1", theta_deg[:, 0], bench.j1_limits_deg),
+        ("J2", theta_deg[:, 1], bench.j2_limits_deg),
     ):
         worst = angles[np.argmax(np.abs(angles - 0.5 * (low + high)))]
         if not low <= worst <= high:
@@ -212,7 +212,7 @@ def require_path_limits(theta_deg: NDArray[np.float64], bench: Bench) -> None:
             )
 
 
-def path_duration_s(theta_deg: NDArray[np.float64], rest_s: float, bench: Bench) -> float:
+def path_duration_s(theta_deg: NDArray[np.float64], rest_s: float, bench: ScaraBench) -> float:
     """Return the expected time of one pass, with a rest at each of n targets, deg, shape (n, 2)."""
-    travel = np.column_stack([np.diff(theta_deg, axis=0), np.zeros(len(theta_deg) - 1)])
+    travel = np.column_stack([np.diff(theta_deg, axis=0), np.zeros((len(theta_deg) - 1, 2))])
     return float(move_time_s(bench.arm, travel).sum()) + rest_s * len(theta_deg)

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import PlanError
 from catseye.procedures.kit.records import Row, row_of, table_of
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.beam.nests import Nests
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.following.follower import Follower
 from catseye.procedures.scara.following.recovery import Recovery
 from catseye.procedures.scara.motion.approach import Command, Waypoint
@@ -110,7 +110,7 @@ class TrackedPath:
 
 
 def plan_tracked_path(
-    run_in: Pose, points: tuple[PathPoint, ...], passes: int, bench: Bench, name: str = ""
+    run_in: Pose, points: tuple[PathPoint, ...], passes: int, bench: ScaraBench, name: str = ""
 ) -> TrackedPath:
     """Plan how the beam follows a reflector over all passes.
 
@@ -154,7 +154,7 @@ class TrackedCampaign:
     """
 
     def __init__(
-        self, ctx: Context, bench: Bench, tracked: TrackedPath, points: tuple[PathPoint, ...]
+        self, ctx: Context, bench: ScaraBench, tracked: TrackedPath, points: tuple[PathPoint, ...]
     ) -> None:
         self._ctx = ctx
         self._tracked = tracked
@@ -220,7 +220,7 @@ def _stops(run_in: Pose, points: tuple[PathPoint, ...], passes: int) -> tuple[Wa
     return tuple(stops)
 
 
-def _followed(stops: tuple[Waypoint, ...], bench: Bench, reflector: Reflector) -> TrackedPath:
+def _followed(stops: tuple[Waypoint, ...], bench: ScaraBench, reflector: Reflector) -> TrackedPath:
     track = plan_track(stops, bench, reflector, subdivide=True)
     visits, blind = plan_visits(stops, track, bench, reflector)
     return TrackedPath(reflector, visits, blind, max(0, sum(not visit.tracked for visit in visits) - 1))

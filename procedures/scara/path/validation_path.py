@@ -8,12 +8,12 @@ from pydantic import BaseModel, ConfigDict, Field
 from catseye.calibration.scara.planar import Hand
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.drivers.roles.tracker import Position
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import ArmMovedError, TableFileError
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.records import Record, Row
 from catseye.procedures.scara.before import ALIGNED
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.entry import way_in
 from catseye.procedures.scara.path.joint_rows import plan_joint_rows
 from catseye.procedures.scara.path.measured_path import commands_as_measured, matched_positions
@@ -73,7 +73,7 @@ class ValidationPath:
     records: ClassVar[tuple[type[Record], ...]] = (PathPosition, Overlap)
     params_type = PathParams
 
-    def plan(self, bench: Bench, params: PathParams) -> PathPlan:
+    def plan(self, bench: ScaraBench, params: PathParams) -> PathPlan:
         """Plan the path; see plan_path, and plan_joint_rows for given commands."""
         if params.joints:
             return plan_joint_rows(
@@ -143,8 +143,8 @@ class _Drive:
                 start = take_up_of(point, self._plan.bench)
                 await self._enter(start[0], start[1])
             elif self._plan.come_from and (beyond := self._plan.come_from[number]) is not None:
-                await self._move((*beyond, self._plan.bench.arm.j3_mm, 0.0))
-            await self._move((point.theta1_deg, point.theta2_deg, self._plan.bench.arm.j3_mm, 0.0))
+                await self._move((*beyond, self._plan.bench.j3_mm, 0.0))
+            await self._move((point.theta1_deg, point.theta2_deg, self._plan.bench.j3_mm, 0.0))
             found = await self._measured(point, f"point/{pass_number}/{number:04d}", attempt)
             if await self._undisturbed():
                 return self._kept(point, pass_number, found)
@@ -169,11 +169,11 @@ class _Drive:
         if number >= len(self._plan.points):
             return None
         point = self._plan.points[number]
-        return (point.theta1_deg, point.theta2_deg, self._plan.bench.arm.j3_mm, 0.0)
+        return (point.theta1_deg, point.theta2_deg, self._plan.bench.j3_mm, 0.0)
 
     async def _enter(self, theta1_deg: float, theta2_deg: float) -> None:
         bench = self._plan.bench
-        target = (theta1_deg, theta2_deg, bench.arm.j3_mm, 0.0)
+        target = (theta1_deg, theta2_deg, bench.j3_mm, 0.0)
         for pose in way_in(await self._ctx.joints(), target, bench):
             await self._move(pose)
 

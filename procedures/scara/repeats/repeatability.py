@@ -6,13 +6,13 @@ from typing import Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.records import Record, Row
 from catseye.procedures.kit.stored import integer
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.before import ALIGNED, WARM
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.motion.point_row import links_of
 from catseye.procedures.scara.records import Repeat
@@ -48,7 +48,7 @@ class Repeatability:
     records: ClassVar[tuple[type[Record], ...]] = (Repeat,)
     params_type = RepeatabilityParams
 
-    def plan(self, bench: Bench, params: RepeatabilityParams) -> RepeatabilityPlan:
+    def plan(self, bench: ScaraBench, params: RepeatabilityParams) -> RepeatabilityPlan:
         """Plan the test; see plan_repeatability."""
         given = params.poses
         poses = given if isinstance(given, int) else tuple((pose[0], pose[1]) for pose in given)

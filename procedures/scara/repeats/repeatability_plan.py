@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from catseye.calibration.scara.planar import forward
 from catseye.calibration.scara.pointing import beam_direction
 from catseye.calibration.standards.repeatability import GOOD_CONDITIONING, conditioning
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import PlanError
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.round_trip import LinkPose, RoundTrip, beam_lasts, plan_round_trip
 from catseye.procedures.scara.motion.visits import measuring_time_s
 
@@ -45,7 +45,7 @@ class RepeatabilityPlan:
         cycle_s: expected time of a cycle for each reflector, s.
     """
 
-    bench: Bench
+    bench: ScaraBench
     poses: tuple[LinkPose, ...]
     cycles: int
     reflectors: tuple[ReflectorCycles, ...]
@@ -58,7 +58,7 @@ class RepeatabilityPlan:
 
 
 def plan_repeatability(
-    bench: Bench, poses: int | tuple[LinkPose, ...], cycles: int, names: tuple[str, ...]
+    bench: ScaraBench, poses: int | tuple[LinkPose, ...], cycles: int, names: tuple[str, ...]
 ) -> RepeatabilityPlan:
     """Plan a repeatability test.
 
@@ -79,7 +79,7 @@ def plan_repeatability(
     return RepeatabilityPlan(bench, chosen, cycles, plans, seconds)
 
 
-def _reflectors(bench: Bench, names: tuple[str, ...]) -> tuple[Reflector, ...]:
+def _reflectors(bench: ScaraBench, names: tuple[str, ...]) -> tuple[Reflector, ...]:
     known = {reflector.name: reflector for reflector in bench.reflectors}
     for name in names:
         if name not in known:
@@ -95,13 +95,13 @@ def _ordered(poses: tuple[LinkPose, ...]) -> tuple[LinkPose, ...]:
     return poses
 
 
-def _stops(poses: tuple[LinkPose, ...], bench: Bench) -> tuple[LinkPose, ...]:
+def _stops(poses: tuple[LinkPose, ...], bench: ScaraBench) -> tuple[LinkPose, ...]:
     """Return run-in and pose in turns: both joints come up to every pose, whatever came before."""
     back = bench.take_up_deg
     return tuple(stop for one, two in poses for stop in ((one - back, two - back), (one, two)))
 
 
-def _cycles(bench: Bench, poses: tuple[LinkPose, ...], reflector: Reflector) -> ReflectorCycles:
+def _cycles(bench: ScaraBench, poses: tuple[LinkPose, ...], reflector: Reflector) -> ReflectorCycles:
     trip = plan_round_trip(_stops(poses, bench), bench, reflector)
     if trip is None:
         listed = ", ".join(f"({one:g}°, {two:g}°)" for one, two in poses)
@@ -113,16 +113,16 @@ def _cycles(bench: Bench, poses: tuple[LinkPose, ...], reflector: Reflector) -> 
     return ReflectorCycles(reflector, trip, tuple(_direction(pose, bench, reflector) for pose in poses))
 
 
-def _direction(pose: LinkPose, bench: Bench, reflector: Reflector) -> float:
+def _direction(pose: LinkPose, bench: ScaraBench, reflector: Reflector) -> float:
     return float(beam_direction(_position(pose, bench), reflector.xy_mm))
 
 
-def _position(pose: LinkPose, bench: Bench) -> Floats:
+def _position(pose: LinkPose, bench: ScaraBench) -> Floats:
     one, two = (np.array(math.radians(angle)) for angle in pose)
-    return forward(one, two, bench.arm.link1_mm, bench.arm.link2_mm)
+    return forward(one, two, bench.link1_mm, bench.link2_mm)
 
 
-def _spread(bench: Bench, count: int, reflectors: tuple[Reflector, ...]) -> tuple[LinkPose, ...]:
+def _spread(bench: ScaraBench, count: int, reflectors: tuple[Reflector, ...]) -> tuple[LinkPose, ...]:
     """Return poses among the nodes, far from one another, over which all beams last.
 
     Each next one is the farthest from those chosen that can be added, first among those whose beams stand
@@ -156,7 +156,7 @@ def _later(
     return not apart[node], -min(math.dist(places[node], places[own]) for own in chosen)
 
 
-def _apart(pose: LinkPose, bench: Bench, reflectors: tuple[Reflector, ...]) -> bool:
+def _apart(pose: LinkPose, bench: ScaraBench, reflectors: tuple[Reflector, ...]) -> bool:
     """Return whether the beams at a pose stand so far apart that they tell the spread of a position."""
     if len(reflectors) < 2:
         return True
@@ -164,8 +164,8 @@ def _apart(pose: LinkPose, bench: Bench, reflectors: tuple[Reflector, ...]) -> b
     return conditioning(directions) >= GOOD_CONDITIONING
 
 
-def _lasts(poses: tuple[LinkPose, ...], bench: Bench, reflectors: tuple[Reflector, ...]) -> bool:
+def _lasts(poses: tuple[LinkPose, ...], bench: ScaraBench, reflectors: tuple[Reflector, ...]) -> bool:
     stops = _stops(poses, bench)
-    ranges = (bench.arm.j1_limits_deg, bench.arm.j2_limits_deg)
+    ranges = (bench.j1_limits_deg, bench.j2_limits_deg)
     inside = all(low <= stop[n] <= high for stop in stops for n, (low, high) in enumerate(ranges))
     return inside and all(beam_lasts(stops, bench, reflector) for reflector in reflectors)

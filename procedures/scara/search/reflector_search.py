@@ -8,12 +8,12 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.calibration.scara.reflector_search import SearchResult
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import ReflectorNotFoundError
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.records import Json, Record, Row
 from catseye.procedures.scara.before import ALIGNED
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.records import SeenReflector
 from catseye.procedures.scara.search.search_plan import Jogging, SearchPlan, SearchPose, plan_search
 from catseye.procedures.scara.search.search_solution import FEWEST_SIGHTINGS, Assessment, assess, weakest
@@ -56,7 +56,7 @@ class ReflectorSearch:
     records: ClassVar[tuple[type[Record], ...]] = (SeenReflector,)
     params_type = SearchParams
 
-    def plan(self, bench: Bench, params: SearchParams) -> SearchPlan:
+    def plan(self, bench: ScaraBench, params: SearchParams) -> SearchPlan:
         """Plan the search; see plan_search."""
         manual = params.mode == "manual"
         return plan_search(

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from catseye.calibration.scara.planar import forward, wrap_rad
 from catseye.calibration.scara.pointing import beam_direction, visible
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import PlanError
 from catseye.procedures.kit.motion.clear_way import require_clear_way, way_refusal
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.tracking import aimed_j4
 
 Floats = NDArray[np.float64]
@@ -40,11 +40,11 @@ class SearchPose:
     j4_deg: float
     beam_mm: float
 
-    def turned(self, half_range_deg: float, bench: Bench) -> tuple[Pose, Pose]:
+    def turned(self, half_range_deg: float, bench: ScaraBench) -> tuple[Pose, Pose]:
         """Return the joints at both ends of a scan of J4, at the height of the cell file."""
-        low, high = bench.arm.j4_limits_deg
+        low, high = bench.j4_limits_deg
         first, last = max(low, self.j4_deg - half_range_deg), min(high, self.j4_deg + half_range_deg)
-        j3_mm = bench.arm.j3_mm
+        j3_mm = bench.j3_mm
         return (self.theta1_deg, self.theta2_deg, j3_mm, first), (
             self.theta1_deg,
             self.theta2_deg,
@@ -81,7 +81,7 @@ class SearchPlan:
         command_positions_mm: for each reflector, where the arm stands at the commands that see it, shape (n, 2).
     """
 
-    bench: Bench
+    bench: ScaraBench
     reflectors: tuple[Reflector, ...]
     poses: tuple[SearchPose, ...]
     further: tuple[SearchPose, ...]
@@ -92,7 +92,7 @@ class SearchPlan:
 
 
 def plan_search(
-    bench: Bench,
+    bench: ScaraBench,
     poses: int = 8,
     half_range_deg: float = 6.0,
     rough_place_mm: float = 20.0,
@@ -134,7 +134,7 @@ def plan_search(
             )
         order = usable[_spread(_positions(usable, bench), min(most, len(usable)))]
         chosen += [_aimed_pose(pose, bench, reflector) for pose in order[:poses]]
-        spare = [_pose(pose, bench, reflector, bench.arm.j4_limits_deg) for pose in order[poses:]]
+        spare = [_pose(pose, bench, reflector, bench.j4_limits_deg) for pose in order[poses:]]
         further += [pose for pose in spare if pose is not None]
     require_clear_way([end for pose in chosen for end in pose.turned(half_range_deg, bench)], bench)
     nearest = min(pose.beam_mm for pose in chosen)
@@ -152,7 +152,7 @@ def plan_search(
 
 
 def _freely_reached(
-    further: list[SearchPose], chosen: list[SearchPose], half_range_deg: float, bench: Bench
+    further: list[SearchPose], chosen: list[SearchPose], half_range_deg: float, bench: ScaraBench
 ) -> tuple[SearchPose, ...]:
     """Return the poses that have a free way to and from all others: nobody knows yet in which order they come."""
     kept: list[SearchPose] = []
@@ -165,7 +165,7 @@ def _freely_reached(
 
 
 def looking_poses(
-    bench: Bench,
+    bench: ScaraBench,
     reflector: Reflector,
     half_range_deg: float,
     at_deg: tuple[float, float] | None = None,
@@ -180,14 +180,14 @@ def looking_poses(
     """
     candidates = _grid(bench) if at_deg is None else np.deg2rad([at_deg])
     seen = _seen(candidates, bench, reflector)
-    low, high = bench.arm.j4_limits_deg
+    low, high = bench.j4_limits_deg
     within = (low + half_range_deg, high - half_range_deg)
     usable = seen[_apart(seen, bench, reflector, half_range_deg)]
     poses = [_pose(pose, bench, reflector, within) for pose in usable]
     return tuple(pose for pose in poses if pose is not None)
 
 
-def measured_distances_mm(bench: Bench) -> tuple[float, float]:
+def measured_distances_mm(bench: ScaraBench) -> tuple[float, float]:
     """Return the shortest and the longest beam at the nodes of a measurement, mm.
 
     Raises:
@@ -205,7 +205,7 @@ def measured_distances_mm(bench: Bench) -> tuple[float, float]:
     return float(lengths.min()), float(lengths.max())
 
 
-def _grid(bench: Bench) -> Floats:
+def _grid(bench: ScaraBench) -> Floats:
     """Return poses all over the range of the nodes, rad, shape (n, 2)."""
     first, second = (
         np.linspace(nodes[0], nodes[-1], _GRID) for nodes in (bench.nodes1_deg, bench.nodes2_deg)
@@ -213,11 +213,11 @@ def _grid(bench: Bench) -> Floats:
     return np.deg2rad(np.stack(np.meshgrid(first, second, indexing="ij"), axis=-1).reshape(-1, 2))
 
 
-def _positions(theta_rad: Floats, bench: Bench) -> Floats:
-    return forward(theta_rad[:, 0], theta_rad[:, 1], bench.arm.link1_mm, bench.arm.link2_mm)
+def _positions(theta_rad: Floats, bench: ScaraBench) -> Floats:
+    return forward(theta_rad[:, 0], theta_rad[:, 1], bench.link1_mm, bench.link2_mm)
 
 
-def _seen(nodes: Floats, bench: Bench, reflector: Reflector) -> Floats:
+def _seen(nodes: Floats, bench: ScaraBench, reflector: Reflector) -> Floats:
     optics = bench.optics
     flags = visible(
         _positions(nodes, bench),
@@ -230,7 +230,9 @@ def _seen(nodes: Floats, bench: Bench, reflector: Reflector) -> Floats:
     return nodes[flags]
 
 
-def _apart(theta_rad: Floats, bench: Bench, reflector: Reflector, half_range_deg: float) -> NDArray[np.bool_]:
+def _apart(
+    theta_rad: Floats, bench: ScaraBench, reflector: Reflector, half_range_deg: float
+) -> NDArray[np.bool_]:
     """Return from which poses no other reflector stands inside the scan."""
     positions = _positions(theta_rad, bench)
     own = beam_direction(positions, reflector.xy_mm)
@@ -254,7 +256,7 @@ def _spread(positions_mm: Floats, count: int) -> list[int]:
 
 
 def _pose(
-    theta_rad: Floats, bench: Bench, reflector: Reflector, j4_limits_deg: tuple[float, float]
+    theta_rad: Floats, bench: ScaraBench, reflector: Reflector, j4_limits_deg: tuple[float, float]
 ) -> SearchPose | None:
     j4_deg = _inside(float(np.rad2deg(wrap_rad(aimed_j4(theta_rad, bench, reflector)))), j4_limits_deg)
     if j4_deg is None:
@@ -264,10 +266,10 @@ def _pose(
     return SearchPose(reflector, theta1_deg, theta2_deg, j4_deg, float(np.hypot(*beam)))
 
 
-def _aimed_pose(theta_rad: Floats, bench: Bench, reflector: Reflector) -> SearchPose:
-    pose = _pose(theta_rad, bench, reflector, bench.arm.j4_limits_deg)
+def _aimed_pose(theta_rad: Floats, bench: ScaraBench, reflector: Reflector) -> SearchPose:
+    pose = _pose(theta_rad, bench, reflector, bench.j4_limits_deg)
     if pose is None:
-        low, high = bench.arm.j4_limits_deg
+        low, high = bench.j4_limits_deg
         j4_deg = float(np.rad2deg(wrap_rad(aimed_j4(theta_rad, bench, reflector))))
         raise PlanError(
             f"J4 = {j4_deg:.1f}° plus any whole turn is outside its limits {low:g}°…{high:g}°: widen "

@@ -12,7 +12,7 @@ from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.planar import forward
 from catseye.calibration.scara.reflector_search import SearchResult, Sightings, locate_reflectors
 from catseye.calibration.scara.search_outlier import Outlier, find_outlier
-from catseye.procedures.kit.bench import Reflector
+from catseye.procedures.scara.bench import Reflector
 from catseye.procedures.scara.search.search_plan import SearchPlan, SearchPose
 from catseye.procedures.scara.search.sighting import Sighting
 
@@ -81,8 +81,8 @@ def assess(plan: SearchPlan, sightings: Sequence[Sighting]) -> Assessment:
         outlier = find_outlier(
             _table(plan, kept),
             found,
-            plan.bench.arm.link1_mm,
-            plan.bench.arm.link2_mm,
+            plan.bench.link1_mm,
+            plan.bench.link2_mm,
             _OUTLIER_SHARE * optics.acceptance_mm,
         )
         if outlier is None:
@@ -129,9 +129,9 @@ def weakest(
 
 def _aim_after(plan: SearchPlan, found: SearchResult, index: int, pose: SearchPose) -> float:
     """Return the worst aim at a reflector after one more look at it from a pose, mm."""
-    arm = plan.bench.arm
+    bench = plan.bench
     one, two = np.deg2rad([pose.theta1_deg, pose.theta2_deg])
-    xy_mm = forward(np.asarray(one), np.asarray(two), arm.link1_mm, arm.link2_mm)
+    xy_mm = forward(np.asarray(one), np.asarray(two), bench.link1_mm, bench.link2_mm)
     return _worst_aim_mm(plan, found.with_sighting(xy_mm, index), index)
 
 
@@ -146,10 +146,10 @@ def _left_out(gone: Sighting, outlier: Outlier) -> LeftOut:
 
 
 def _solved(plan: SearchPlan, sightings: Sequence[Sighting]) -> SearchResult:
-    arm = plan.bench.arm
+    bench = plan.bench
     rough = np.array([reflector.xy_mm for reflector in plan.reflectors])
     start = math.radians(plan.bench.optics.theta40_deg)
-    return locate_reflectors(_table(plan, sightings), arm.link1_mm, arm.link2_mm, rough, start)
+    return locate_reflectors(_table(plan, sightings), bench.link1_mm, bench.link2_mm, rough, start)
 
 
 def _table(plan: SearchPlan, sightings: Sequence[Sighting]) -> Sightings:

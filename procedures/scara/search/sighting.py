@@ -89,7 +89,7 @@ class Lookout:
 
     async def _find(self, pose: SearchPose, number: int) -> Row:
         start, half_range = self._aim(pose)
-        await self._arrival.at(_within(start, self._plan.bench.arm.j4_limits_deg))
+        await self._arrival.at(_within(start, self._plan.bench.j4_limits_deg))
         name, where = pose.reflector.name, f"θ1 = {pose.theta1_deg:g}°, θ2 = {pose.theta2_deg:g}°"
         if self._plan.jogging is None:
             window = await self._scan(start, pose, half_range)
@@ -122,13 +122,13 @@ class Lookout:
         """Return where the scan begins, as well as is known by now, and its half range."""
         same = [seen.offset_deg for seen in self.sightings if seen.pose.reflector == pose.reflector]
         expected = same or [seen.offset_deg for seen in self.sightings] or [0.0]
-        plan, arm = self._plan, self._plan.bench.arm
+        plan, bench = self._plan, self._plan.bench
         half_range = plan.later_half_range_deg if self.sightings else plan.half_range_deg
-        aim_deg = _on_a_branch(pose.j4_deg + median(expected), arm.j4_limits_deg)
-        return (pose.theta1_deg, pose.theta2_deg, arm.j3_mm, aim_deg), half_range
+        aim_deg = _on_a_branch(pose.j4_deg + median(expected), bench.j4_limits_deg)
+        return (pose.theta1_deg, pose.theta2_deg, bench.j3_mm, aim_deg), half_range
 
     async def _scan(self, start: Pose, pose: SearchPose, half_range_deg: float) -> ReturnWindow | None:
-        optics, limits = self._plan.bench.optics, self._plan.bench.arm.j4_limits_deg
+        optics, limits = self._plan.bench.optics, self._plan.bench.j4_limits_deg
         half_window = half_window_deg(optics.acceptance_mm, pose.beam_mm)
         return await find_return(self._ctx, start, half_range_deg, half_window, limits, optics.signal_min)
 
@@ -191,7 +191,7 @@ class _Jog:
 
     async def window(self, start: Pose) -> ReturnWindow | None:
         """Ask and turn until the beam is back and centred; None when the pose is left out."""
-        at = _within(start, self._plan.bench.arm.j4_limits_deg)
+        at = _within(start, self._plan.bench.j4_limits_deg)
         await self._ctx.move(at)
         complaint = ""
         for question in range(1, _MOST_QUESTIONS + 1):
@@ -231,7 +231,7 @@ class _Jog:
 
     def _turn(self, answer: str, j4_deg: float) -> tuple[float | None, str]:
         """Return the turn that an answer asks for, or what is wrong with it."""
-        largest, (low, high) = self._jogging.largest_deg, self._plan.bench.arm.j4_limits_deg
+        largest, (low, high) = self._jogging.largest_deg, self._plan.bench.j4_limits_deg
         try:
             turn = float(answer.replace("−", "-").replace(",", "."))
         except ValueError:
@@ -252,7 +252,7 @@ class _Jog:
         return None, f"The beam does not return here (signal {beam.signal:.2f}, {least:g} is needed). "
 
     async def _centred(self, at: Pose) -> ReturnWindow | None:
-        optics, limits = self._plan.bench.optics, self._plan.bench.arm.j4_limits_deg
+        optics, limits = self._plan.bench.optics, self._plan.bench.j4_limits_deg
         half_window = half_window_deg(optics.acceptance_mm, self._pose.beam_mm)
         return await find_return(self._ctx, at, 0.5 * half_window, half_window, limits, optics.signal_min)
 

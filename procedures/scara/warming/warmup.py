@@ -6,7 +6,6 @@ from typing import Annotated, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import NotWarmError
 from catseye.procedures.kit.live import Live
@@ -15,6 +14,7 @@ from catseye.procedures.kit.records import Json, Record, Row
 from catseye.procedures.kit.stored import integer
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.before import ALIGNED
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.motion.point_row import links_of
 from catseye.procedures.scara.records import Drift
@@ -60,7 +60,7 @@ class Warmup:
     records: ClassVar[tuple[type[Record], ...]] = (Drift,)
     params_type = WarmupParams
 
-    def plan(self, bench: Bench, params: WarmupParams) -> WarmupPlan:
+    def plan(self, bench: ScaraBench, params: WarmupParams) -> WarmupPlan:
         """Plan the warm-up; see plan_warmup."""
         given = params.reference_deg
         reference = None if given is None else (given[0], given[1])

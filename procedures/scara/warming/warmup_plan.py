@@ -3,8 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import PlanError
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.round_trip import LinkPose, RoundTrip, beam_lasts, plan_round_trip
 from catseye.procedures.scara.motion.visits import measuring_time_s
 
@@ -36,7 +36,7 @@ class WarmupPlan:
         warnings: what the operator should know before it starts.
     """
 
-    bench: Bench
+    bench: ScaraBench
     trip: RoundTrip
     rounds: int
     visit_s: float
@@ -65,7 +65,7 @@ class Exercise:
 
 
 def plan_warmup(
-    bench: Bench,
+    bench: ScaraBench,
     exercise: Exercise,
     window_s: float,
     limit_um_per_10min: float,
@@ -106,7 +106,7 @@ def plan_warmup(
     )
 
 
-def _chosen_trip(bench: Bench, exercise: Exercise) -> tuple[RoundTrip, float]:
+def _chosen_trip(bench: ScaraBench, exercise: Exercise) -> tuple[RoundTrip, float]:
     """Return the largest exercise on which the beam lasts, and its share of the amplitude that was asked for."""
     reflectors = _reflectors(bench, exercise.reflector)
     for share in _SHARES:
@@ -125,7 +125,7 @@ def _chosen_trip(bench: Bench, exercise: Exercise) -> tuple[RoundTrip, float]:
     )
 
 
-def _reflectors(bench: Bench, name: str) -> tuple[Reflector, ...]:
+def _reflectors(bench: ScaraBench, name: str) -> tuple[Reflector, ...]:
     if not name:
         return bench.reflectors
     found = tuple(reflector for reflector in bench.reflectors if reflector.name == name)
@@ -135,7 +135,7 @@ def _reflectors(bench: Bench, name: str) -> tuple[Reflector, ...]:
     return found
 
 
-def _references(bench: Bench, exercise: Exercise) -> list[LinkPose]:
+def _references(bench: ScaraBench, exercise: Exercise) -> list[LinkPose]:
     if exercise.reference_deg is not None:
         return [exercise.reference_deg]
     (middle1, half1), (middle2, half2) = _middle(bench.nodes1_deg), _middle(bench.nodes2_deg)
@@ -143,7 +143,7 @@ def _references(bench: Bench, exercise: Exercise) -> list[LinkPose]:
     return [(middle1 + a * half1, middle2 + b * half2) for a, b in places]
 
 
-def _stops(bench: Bench, reference: LinkPose, share: float) -> list[LinkPose]:
+def _stops(bench: ScaraBench, reference: LinkPose, share: float) -> list[LinkPose]:
     """Return reference pose, the corners of the exercise, and the run-in that ends it from the same side always."""
     one, two = reference
     half1, half2 = share * _middle(bench.nodes1_deg)[1], share * _middle(bench.nodes2_deg)[1]
@@ -155,8 +155,8 @@ def _middle(nodes_deg: tuple[float, ...]) -> tuple[float, float]:
     return 0.5 * (nodes_deg[0] + nodes_deg[-1]), 0.5 * (nodes_deg[-1] - nodes_deg[0])
 
 
-def _inside(stops: list[LinkPose], bench: Bench) -> bool:
-    ranges = (bench.arm.j1_limits_deg, bench.arm.j2_limits_deg)
+def _inside(stops: list[LinkPose], bench: ScaraBench) -> bool:
+    ranges = (bench.j1_limits_deg, bench.j2_limits_deg)
     return all(low <= stop[n] <= high for stop in stops for n, (low, high) in enumerate(ranges))
 
 

@@ -25,13 +25,13 @@ class Golden(NamedTuple):
 
 
 GOLDEN = {
-    "beam-level": Golden("5033766d9cdae053", "1a9d856a3f389f37", 2.763),
-    "beam-to-j4": Golden("f99e2bba93d5503f", "a8ea83207aa7f648", 42.399),
-    "open-loop": Golden("3e3da2aa0faba12e", "7ac5a0a84b0554ab", 1396.366),
-    "reflector-search": Golden("a3297a49e9064bff", "680c66752c16bd1f", 37.828),
-    "repeatability": Golden("bb891e02c4da1b23", "79da6b2642ec1fd0", 1342.062),
-    "validation-path": Golden("24c5f90a054127e7", "4dc01925e2387970", 114.38),
-    "warmup": Golden("63927e2eeb26293e", "17ca490e37ab2bf7", 1928.261),
+    "beam-level": Golden("b34c68fcd06633bf", "08b6ced7e1a9bda3", 2.763),
+    "beam-to-j4": Golden("56f226d65b68a819", "25e583da856fa109", 42.399),
+    "open-loop": Golden("28c77d2dd94c856a", "f7fe15700225e806", 1396.366),
+    "reflector-search": Golden("956c7c353097831f", "23702c26fbedcfc4", 37.828),
+    "repeatability": Golden("2bd74117f992327a", "869bc51461a52682", 1342.062),
+    "validation-path": Golden("9291f1287a5096e4", "18b8ab050fe23bc8", 114.38),
+    "warmup": Golden("52a1f0addf793ccd", "b5dc20a7cf12bfd8", 1928.261),
 }
 
 
@@ -54,6 +54,8 @@ def rehearsed(dry: DryRunContext) -> str:
             step.measurements,
             round(step.duration_s, 4),
             *(round(value, 4) + 0.0 for value in step.end),
+            *(round(value, 4) for value in (step.speeds.joint_deg_s, step.speeds.tool_mm_s)),
+            *(None if value is None else round(value, 6) + 0.0 for value in (step.beam_mm, step.miss_mm)),
         ]
         for step in dry.steps
     ]

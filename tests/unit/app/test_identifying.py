@@ -14,7 +14,7 @@ from catseye.app.results.scara.truth import compare_with_truth, gauge_turn_rad, 
 from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
 from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.identification import Identification
-from catseye.procedures.kit.bench import Bench
+from catseye.procedures.scara.bench import ScaraBench
 from tests.unit.calibration.scara.paper import (
     MDEG,
     NAMES,
@@ -41,7 +41,7 @@ def rows_of(truth: Truth, noise_mm: float = 0.0) -> list[dict[str, object]]:
     return rows
 
 
-def identified(rows: list[dict[str, object]], on: Bench | None = None) -> Identification:
+def identified(rows: list[dict[str, object]], on: ScaraBench | None = None) -> Identification:
     points = with_sigma(point_columns(rows), 0.0156)
     return identify_points(points, on or bench(), "error-map", None)
 

@@ -12,14 +12,15 @@ from catseye.calibration.kinematics.bodies import Capsule
 from catseye.calibration.kinematics.chain import Chain, Joint
 from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.interferometer import BeamStatus
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Axes, Axis, Pose
 from catseye.drivers.roles.tracker import Position
-from catseye.procedures.kit.bench import Arm, Bench, Optics, Reflector, Timing, Workspace
+from catseye.procedures.kit.bench import Arm, Timing, Workspace
 from catseye.procedures.kit.columns import Columns, TableRule
 from catseye.procedures.kit.context import Measurement, Prompt
 from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Json, Record, Row, row_of
+from catseye.procedures.scara.bench import Optics, Reflector, ScaraBench
 
 LINK1_MM, LINK2_MM = 325.0, 225.0
 NODES1_DEG = tuple(-140.0 + 20.0 * i for i in range(11))
@@ -52,30 +53,53 @@ WORKSPACE = Workspace(
 )
 
 
+Range = tuple[float, float]
+
+
+def scara_axes(
+    j1_deg: Range = (-170.0, 170.0),
+    j2_deg: Range = (-145.0, 145.0),
+    j3_mm: Range = (12.5, 12.5),
+    j4_deg: Range = (-360.0, 360.0),
+    speeds: tuple[float, float, float] = (420.0, 720.0, 3000.0),
+    accelerations: tuple[float, float, float] = (2000.0, 4000.0, 15000.0),
+) -> Axes:
+    """Return the paper's axes; speeds and accelerations are those of J1, J2, J4."""
+    one, two, four = zip(speeds, accelerations, strict=True)
+    return (
+        Axis("J1", "deg", *j1_deg, *one),
+        Axis("J2", "deg", *j2_deg, *two),
+        Axis("J3", "mm", *j3_mm, 1100.0),
+        Axis("J4", "deg", *j4_deg, *four),
+    )
+
+
+def with_axes(base: ScaraBench, **changes: Any) -> ScaraBench:
+    """Return a bench with other axes; see `scara_axes`."""
+    return replace(base, arm=replace(base.arm, axes=scara_axes(**changes)))
+
+
 def bench(
     nodes1_deg: tuple[float, ...] = NODES1_DEG,
     nodes2_deg: tuple[float, ...] = NODES2_DEG,
     places: dict[str, tuple[float, float]] | None = None,
     j4_limits_deg: tuple[float, float] = (-360.0, 360.0),
-) -> Bench:
+) -> ScaraBench:
     """Return the paper's bench."""
     reflectors = tuple(
         Reflector(name, x, y, math.degrees(math.atan2(-y, -x)))
         for name, (x, y) in (PLACES if places is None else places).items()
     )
-    return Bench(
+    return ScaraBench(
         name="lab-1",
         arm=Arm(
-            link1_mm=LINK1_MM,
-            link2_mm=LINK2_MM,
-            j1_limits_deg=(-170.0, 170.0),
-            j2_limits_deg=(-145.0, 145.0),
-            j4_limits_deg=j4_limits_deg,
-            j3_mm=12.5,
-            speed_deg_s=(420.0, 720.0, 3000.0),
-            acceleration_deg_s2=(2000.0, 4000.0, 15000.0),
+            axes=scara_axes(j4_deg=j4_limits_deg),
+            range_keys=("limits_deg.j1", "limits_deg.j2", "j3_mm or j3_range_mm", "limits_deg.j4"),
             override_percent=20.0,
         ),
+        link1_mm=LINK1_MM,
+        link2_mm=LINK2_MM,
+        j3_mm=12.5,
         workspace=WORKSPACE,
         optics=Optics(
             acceptance_mm=1.0,
@@ -95,7 +119,7 @@ def bench(
     )
 
 
-def with_optics(base: Bench, **values: Any) -> Bench:
+def with_optics(base: ScaraBench, **values: Any) -> ScaraBench:
     """Return a bench with other optics."""
     return replace(base, optics=replace(base.optics, **values))
 

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from catseye.calibration.kinematics.bodies import Box, Capsule
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Following
-from catseye.procedures.kit.bench import Bench, Reflector, Workspace
+from catseye.procedures.kit.bench import Workspace
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from tests.unit.procedures.benches import LINK1_MM, LINK2_MM, WORKSPACE, bench
 
 Floats = NDArray[np.float64]
@@ -59,7 +60,7 @@ class Verdict:
     pair: tuple[str, str]
 
 
-def judged(stations: Floats, scene: Bench) -> Verdict:
+def judged(stations: Floats, scene: ScaraBench) -> Verdict:
     """Return the least distance over a motion.
 
     Args:
@@ -72,7 +73,7 @@ def judged(stations: Floats, scene: Bench) -> Verdict:
     return Verdict(found[pair], (pair[0].name, pair[1].name))
 
 
-def refined(way: list[Pose], scene: Bench) -> Verdict:
+def refined(way: list[Pose], scene: ScaraBench) -> Verdict:
     """Return the least distance over a way; pairs that come near are looked at closely."""
     coarse, fine = _places(sampled(way, _COARSE_MM)), _places(sampled(way, _FINE_MM))
     worst = judged(sampled(way, _COARSE_MM), scene)
@@ -115,7 +116,7 @@ def with_cut_corners(way: list[Pose], share: float) -> Floats:
     return np.vstack(stations)
 
 
-def generated(seed: int, count: int) -> Iterator[tuple[Bench, list[Pose]]]:
+def generated(seed: int, count: int) -> Iterator[tuple[ScaraBench, list[Pose]]]:
     """Yield benches with ways, about half of them with something in the way."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
@@ -123,7 +124,7 @@ def generated(seed: int, count: int) -> Iterator[tuple[Bench, list[Pose]]]:
         yield scene, _way(rng, scene)
 
 
-def _scene(rng: np.random.Generator) -> Bench:
+def _scene(rng: np.random.Generator) -> ScaraBench:
     places = {}
     for number in range(rng.integers(1, 4)):
         radius, angle = rng.uniform(450.0, 800.0), rng.uniform(-math.pi, math.pi)
@@ -142,8 +143,8 @@ def _scene(rng: np.random.Generator) -> Bench:
     )
     base = bench(places=places)
     following: Following = "blended" if rng.random() < 0.3 else "stops"
-    arm = replace(base.arm, j3_mm=float(rng.uniform(0.0, 150.0)), following=following)
-    return replace(base, arm=arm, workspace=workspace)
+    arm = replace(base.arm, following=following)
+    return replace(base, arm=arm, workspace=workspace, j3_mm=float(rng.uniform(0.0, 150.0)))
 
 
 def _box(rng: np.random.Generator, name: str) -> Box:
@@ -153,13 +154,13 @@ def _box(rng: np.random.Generator, name: str) -> Box:
     return Box(name, tuple(middle - half), tuple(middle + half))
 
 
-def _way(rng: np.random.Generator, scene: Bench) -> list[Pose]:
+def _way(rng: np.random.Generator, scene: ScaraBench) -> list[Pose]:
     wide = rng.random() < 0.2
     j2_deg = _WIDE_J2_DEG if wide else 145.0
     reach = rng.uniform(10.0, 120.0)
-    heights = (0.0, 150.0) if rng.random() < 0.3 else (scene.arm.j3_mm, scene.arm.j3_mm)
+    heights = (0.0, 150.0) if rng.random() < 0.3 else (scene.j3_mm, scene.j3_mm)
     start = np.array(
-        [rng.uniform(-170, 170), rng.uniform(-j2_deg, j2_deg), scene.arm.j3_mm, rng.uniform(-180, 180)]
+        [rng.uniform(-170, 170), rng.uniform(-j2_deg, j2_deg), scene.j3_mm, rng.uniform(-180, 180)]
     )
     way = [start]
     for _ in range(rng.integers(1, 6)):
@@ -175,12 +176,12 @@ def _joints(row: Floats) -> Pose:
     return one, two, three, four
 
 
-def pairs(scene: Bench) -> list[tuple[Capsule, Obstacle]]:
+def pairs(scene: ScaraBench) -> list[tuple[Capsule, Obstacle]]:
     """Return the pairs of bodies that may meet, a moving one first."""
     workspace = scene.workspace
     arm = workspace.bodies
     moving = [body for body in arm if body.frame > 0]
-    top = FLANGE_MM + scene.arm.j3_mm
+    top = FLANGE_MM + scene.j3_mm
     around: list[Obstacle] = [_stand(one, workspace, top) for one in scene.reflectors]
     around += [Box(f"keep-out box {box.name}", box.low_mm, box.high_mm) for box in workspace.keep_out]
     around += [Fence(f"wall of the keep-in box {box.name}", box) for box in workspace.keep_in]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench
+from catseye.procedures.scara.bench import ScaraBench
 from tests.unit.procedures.collision_oracle import (
     generated,
     judged,
@@ -17,7 +17,7 @@ from tests.unit.procedures.collision_oracle import (
     with_cut_corners,
 )
 
-Check = Callable[[Pose, Sequence[Sequence[Pose]], Bench], str | None]
+Check = Callable[[Pose, Sequence[Sequence[Pose]], ScaraBench], str | None]
 
 ORACLE_MM = 1.0
 """What the oracle may see too large, with the resolution of the check."""
@@ -79,7 +79,7 @@ def tried(seed: int, count: int, check: Check) -> Outcome:
     return outcome
 
 
-def _names_near_bodies(refusal: str, way: list[Pose], scene: Bench, clearance_mm: float) -> bool:
+def _names_near_bodies(refusal: str, way: list[Pose], scene: ScaraBench, clearance_mm: float) -> bool:
     """Return whether the bodies that a refusal names come too near on the leg that it names."""
     leg = int(refusal.split("on the way to target ")[1].split(" ")[0])
     named = [

@@ -7,19 +7,21 @@ from typing import Any
 
 import numpy as np
 
-from catseye.procedures.kit.bench import Alignment, Bench
 from catseye.procedures.kit.context import Measurement, Prompt
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.tasks import TurnScrew
-from tests.unit.procedures.benches import STILL_AIR, IdealContext, arm_xy, bench
+from catseye.procedures.scara.bench import Alignment, ScaraBench
+from tests.unit.procedures.benches import STILL_AIR, IdealContext, arm_xy, bench, with_axes
 
 
-def mounted_bench(**alignment: Any) -> Bench:
+def mounted_bench(**alignment: Any) -> ScaraBench:
     """Return the paper's bench with a range of J3 and screws."""
     base = bench()
     optics = replace(base.optics, signal_min=0.1)
-    arm = replace(base.arm, j3_mm=50.0, j3_range_mm=(40.0, 60.0))
-    return replace(base, arm=arm, optics=optics, alignment=Alignment(**alignment))
+    lifted = with_axes(base, j3_mm=(40.0, 60.0))
+    return replace(
+        lifted, j3_mm=50.0, j3_range_mm=(40.0, 60.0), optics=optics, alignment=Alignment(**alignment)
+    )
 
 
 @dataclass

@@ -1,6 +1,5 @@
 """The measuring sequence and take-up, against a play operator of its own."""
 
-from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -15,7 +14,7 @@ from catseye.procedures.scara.motion.approach import (
     require_joint_limits,
     with_take_up,
 )
-from tests.unit.procedures.benches import NODES1_DEG, NODES2_DEG, bench
+from tests.unit.procedures.benches import NODES1_DEG, NODES2_DEG, bench, with_axes
 
 TAKE_UP_DEG = 1.0
 nodes = st.lists(st.integers(-4000, 4000), min_size=2, max_size=6, unique=True).map(
@@ -161,6 +160,6 @@ def test_a_stop_outside_the_limits_is_named(
 def test_stops_on_the_limits_are_allowed() -> None:
     stops = with_take_up(bidirectional_sequence((-169.0, 169.0), (-144.0, 144.0)), TAKE_UP_DEG)
     require_joint_limits(stops, bench())
-    narrow = replace(bench(), arm=replace(bench().arm, j1_limits_deg=(-169.9, 170.0)))
+    narrow = with_axes(bench(), j1_deg=(-169.9, 170.0))
     with pytest.raises(PlanLimitError, match=r"-170°, outside its limits -169\.9°"):
         require_joint_limits(stops, narrow)

@@ -6,19 +6,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError, PlanError
 from catseye.procedures.kit.tasks import TurnScrew
 from catseye.procedures.scara.alignment.beam_level import BeamLevel, BeamLevelParams, BeamLevelPlan
+from catseye.procedures.scara.bench import ScaraBench
 from tests.unit.procedures.benches import NODES1_DEG, NODES2_DEG, PLACES, arm_xy, bench
 from tests.unit.procedures.mounts import MountContext, mounted_bench
 
 
-def planned(base: Bench | None = None, **params: object) -> BeamLevelPlan:
+def planned(base: ScaraBench | None = None, **params: object) -> BeamLevelPlan:
     return BeamLevel().plan(base or mounted_bench(), BeamLevelParams.model_validate(params))
 
 
-async def levelled(context: MountContext, base: Bench | None = None, **params: object) -> MountContext:
+async def levelled(context: MountContext, base: ScaraBench | None = None, **params: object) -> MountContext:
     procedure = BeamLevel()
     await procedure.run(context, planned(base, **params))
     await procedure.teardown(context)
@@ -51,15 +51,15 @@ async def test_the_pitch_is_taken_away_in_one_turn(pitch: float) -> None:
 async def test_j3_is_brought_back_or_its_height_is_told() -> None:
     base = mounted_bench()
     context = await levelled(MountContext(pitch_mrad=1.3, height_mm=50.4))
-    assert context.moves[-1][2] == context.pose[2] == base.arm.j3_mm
-    assert {move[2] for move in context.moves} - {base.arm.j3_mm}
+    assert context.moves[-1][2] == context.pose[2] == base.j3_mm
+    assert {move[2] for move in context.moves} - {base.j3_mm}
     assert not any("J3 stands" in text for text in context.warnings)
     # A run that ends early cannot move any more: it says where J3 belongs.
     procedure, dark = BeamLevel(), MountContext(pitch_mrad=1.3, blocked=lambda _pose: True)
     with pytest.raises(BeamLostError, match="turn the level screw back"):
         await procedure.run(dark, planned())
     await procedure.teardown(dark)
-    assert any(f"not at j3_mm = {base.arm.j3_mm:g}" in text for text in dark.warnings)
+    assert any(f"not at j3_mm = {base.j3_mm:g}" in text for text in dark.warnings)
 
 
 async def test_hands_are_told_up_or_down_and_turns() -> None:

@@ -7,7 +7,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import (
     AlignmentError,
     BeamLostError,
@@ -19,15 +18,16 @@ from catseye.procedures.kit.errors import (
 from catseye.procedures.kit.tasks import ClearBeam, PlaceReflector, TurnScrew
 from catseye.procedures.scara.alignment.beam_to_j4 import BeamToJ4, BeamToJ4Params, BeamToJ4Plan
 from catseye.procedures.scara.alignment.screws import Observed, Screw, respond
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from tests.unit.procedures.benches import PLACES, arm_xy, bench, with_optics
 from tests.unit.procedures.mounts import MountContext, mounted_bench
 
 
-def planned(base: Bench | None = None, **params: object) -> BeamToJ4Plan:
+def planned(base: ScaraBench | None = None, **params: object) -> BeamToJ4Plan:
     return BeamToJ4().plan(base or mounted_bench(), BeamToJ4Params.model_validate(params))
 
 
-async def aligned(context: MountContext, base: Bench | None = None, **params: object) -> MountContext:
+async def aligned(context: MountContext, base: ScaraBench | None = None, **params: object) -> MountContext:
     procedure = BeamToJ4()
     await procedure.run(context, planned(base, **params))
     await procedure.teardown(context)

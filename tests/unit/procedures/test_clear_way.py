@@ -9,20 +9,20 @@ import pytest
 
 from catseye.calibration.kinematics.bodies import Box
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import PlanError
 from catseye.procedures.kit.motion.clear_way import clear_part, legs_refusal, require_clear_way, way_refusal
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.open_loop.open_loop_plan import plan_open_loop
 from catseye.procedures.scara.path.path_plan import plan_path
-from tests.unit.procedures.benches import arm_xy, bench
+from tests.unit.procedures.benches import arm_xy, bench, with_axes
 from tests.unit.procedures.collision_trial import tried
 
 HOME: Pose = (0.0, 0.0, 12.5, 0.0)
 
 
-def wide_j2() -> Bench:
+def wide_j2() -> ScaraBench:
     """Return a bench whose J2 may turn far beyond that of the paper's arm."""
-    return replace(bench(), arm=replace(bench().arm, j2_limits_deg=(-178.0, 178.0)))
+    return with_axes(bench(), j2_deg=(-178.0, 178.0))
 
 
 @pytest.mark.parametrize("j2_deg", [175.0, -175.0])
@@ -31,7 +31,7 @@ def test_an_arm_folded_onto_its_column_is_refused(j2_deg: float) -> None:
     with pytest.raises(PlanError) as caught:
         require_clear_way([HOME, (0.0, j2_deg, 12.5, 0.0)], wide_j2())
     assert "the base column stands in the arm's way: the link 2 runs into it" in str(caught.value)
-    assert f"target 1 of 1, J1 = 0.0°, J2 = {j2_deg:.1f}°" in str(caught.value)
+    assert f"target 1 of 1, J1 0.0°, J2 {j2_deg:.1f}°" in str(caught.value)
 
 
 def test_a_plan_with_such_a_node_is_refused() -> None:
@@ -94,7 +94,7 @@ def test_generated_ways_are_judged_as_the_oracle_does() -> None:
 
 
 def test_a_check_of_the_targets_alone_would_be_found_out() -> None:
-    def at_targets(start: Pose, legs: Sequence[Sequence[Pose]], scene: Bench) -> str | None:
+    def at_targets(start: Pose, legs: Sequence[Sequence[Pose]], scene: ScaraBench) -> str | None:
         for number, target in enumerate([start, *(target for leg in legs for target in leg)]):
             if (text := way_refusal([target], scene)) is not None:
                 return text.replace("to target 0 of", f"to target {max(number, 1)} of")

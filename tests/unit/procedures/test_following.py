@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from catseye.drivers.roles.robot import Following
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.motion.motion_time import way_time_s
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.visits import Visit
 from catseye.procedures.scara.open_loop.open_loop_plan import plan_open_loop
-from tests.unit.procedures.benches import PLACES, bench, miss_along
+from tests.unit.procedures.benches import PLACES, bench, miss_along, scara_axes
 
 
-def following(way: Following) -> Bench:
+def following(way: Following) -> ScaraBench:
     """Return a slice of the paper's bench with an arm that follows in one of the ways."""
     base = bench(nodes1_deg=(-60.0, -40.0, -20.0), nodes2_deg=(20.0, 40.0), places={"P2": PLACES["P2"]})
     return replace(base, arm=replace(base.arm, following=way))
@@ -60,13 +60,12 @@ def test_all_ways_visit_the_same_nodes_in_the_same_poses() -> None:
 def test_the_time_of_a_way_depends_on_how_it_is_driven() -> None:
     arm = replace(
         bench().arm,
-        speed_deg_s=(100.0, 100.0, 100.0),
-        acceleration_deg_s2=(100.0, 100.0, 100.0),
+        axes=scara_axes(speeds=(100.0,) * 3, accelerations=(100.0,) * 3),
         override_percent=10.0,
         follow_speed_deg_s=5.0,
         follow_acceleration_deg_s2=50.0,
     )
-    poses = np.array([[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [20.0, 0.0, 0.0]])
+    poses = np.array([[0.0] * 4, [10.0, 0.0, 0.0, 0.0], [20.0, 0.0, 0.0, 0.0]])
     # Trapezoids of 10 deg/s and 100 deg/s²: twice 10/10 + 10/100 s, and once 20/10 + 10/100 s.
     assert way_time_s(replace(arm, following="stops"), poses) == pytest.approx(2.2)
     assert way_time_s(replace(arm, following="blended"), poses) == pytest.approx(2.1)

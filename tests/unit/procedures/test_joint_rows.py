@@ -7,7 +7,7 @@ import pytest
 
 from catseye.procedures.kit.errors import PlanError, PlanLimitError
 from catseye.procedures.scara.path.validation_path import PathParams, ValidationPath
-from tests.unit.procedures.benches import IdealContext, bench
+from tests.unit.procedures.benches import IdealContext, bench, with_axes
 
 ROWS = [
     # x, y, J1, J2 and where they come from; J1 reverses by little, then goes on, J2 stands still.
@@ -62,7 +62,7 @@ def test_the_beam_cannot_follow_it() -> None:
 
 
 def test_the_limits_hold_for_take_ups_too() -> None:
-    tight = replace(bench(), arm=replace(bench().arm, j1_limits_deg=(-170.0, -14.5)))
+    tight = with_axes(bench(), j1_deg=(-170.0, -14.5))
     with pytest.raises(PlanLimitError, match=r"the path needs J1 = -14\.30°, outside its limits"):
         ValidationPath().plan(tight, PathParams.model_validate({"joints": ROWS[:4]}))
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench, Reflector
 from catseye.procedures.kit.errors import PlanError, PlanLimitError
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.open_loop.open_loop import OpenLoop, OpenLoopParams
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, ReflectorPlan, plan_open_loop
 from tests.unit.procedures.benches import (
@@ -49,6 +49,10 @@ def can_be_seen(one_deg: float, two_deg: float, reflector: Reflector, column_mm:
     return clearance_mm(here, there) > column_mm and off <= 80.0 and 50.0 <= math.dist(here, there) <= 5000.0
 
 
+def targets_a_point(plan: OpenLoopPlan) -> float:
+    return sum(len(visit.moves) for part in plan.reflectors for visit in part.visits) / plan.n_points
+
+
 def test_the_papers_layout_in_figures() -> None:
     plan = papers_plan()
     assert [part.reflector.name for part in plan.reflectors] == ["P1", "P2", "P3"]
@@ -56,10 +60,10 @@ def test_the_papers_layout_in_figures() -> None:
         assert len(part.visits) + len(part.blind) == 352
         assert 0.0 <= len(part.blind) / 352 <= 0.035
     assert plan.n_points == sum(len(part.visits) for part in plan.reflectors)
-    assert 3.0 <= plan.n_moves / plan.n_points <= 4.5
+    assert 3.0 <= targets_a_point(plan) <= 4.5
     # Half a millimetre of miss takes about 2.4 targets a move, and each of 44 sweeps takes up once more.
     coarse = plan_open_loop(with_optics(bench(), max_miss_mm=0.5))
-    assert 2.2 <= coarse.n_moves / coarse.n_points <= 3.2
+    assert 2.2 <= targets_a_point(coarse) <= 3.2
 
 
 @pytest.mark.parametrize("index", range(3))
@@ -187,7 +191,7 @@ def test_the_zero_direction_of_the_beam_turns_j4_against_it() -> None:
         assert b.moves[-1][3] == pytest.approx(a.moves[-1][3] - 7.5, abs=1e-9)
 
 
-def narrow() -> Bench:
+def narrow() -> ScaraBench:
     return bench(j4_limits_deg=(-180.0, 180.0))
 
 
@@ -264,14 +268,11 @@ def test_a_take_up_beyond_the_limits_is_refused_before_anything_is_planned() -> 
 def test_the_expected_time_is_motion_settling_and_dwell() -> None:
     plan = plan_open_loop(bench((0.0, 20.0), (40.0, 60.0)), reflectors=("P1",), subdivide=False)
     assert plan.duration_s == pytest.approx(sum(v.duration_s for v in plan.reflectors[0].visits))
-    arm = bench().arm
     for before, visit in pairwise(plan.reflectors[0].visits):
         motion = 0.0
         for start, end in pairwise([before.moves[-1], *visit.moves]):
             times = []
-            for n, (top, ramp) in zip(
-                (0, 1, 3), zip(arm.speed_deg_s, arm.acceleration_deg_s2, strict=True), strict=True
-            ):
+            for n, top, ramp in ((0, 420.0, 2000.0), (1, 720.0, 4000.0), (3, 3000.0, 15000.0)):
                 way, speed = abs(end[n] - start[n]), 0.2 * top
                 peak = min(speed, math.sqrt(way * ramp))
                 # Ramp up to the peak, cruise over what is left, ramp down.

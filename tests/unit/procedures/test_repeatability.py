@@ -11,10 +11,10 @@ import pytest
 
 from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Measurement, Prompt
 from catseye.procedures.kit.errors import BeamLostError, PlanError, ReflectorNotFoundError
 from catseye.procedures.kit.tasks import PlaceReflector
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.repeats.repeatability import Repeatability, RepeatabilityParams
 from catseye.procedures.scara.repeats.repeatability_plan import RepeatabilityPlan
 from tests.unit.procedures.benches import PLACES, IdealContext, arm_xy, bench, miss_along, with_optics
@@ -42,7 +42,7 @@ class ScatteringContext(IdealContext):
         return replace(ideal, displacement_mm=ideal.displacement_mm + scatter, spread_mm=spread)
 
 
-def planned(base: Bench | None = None, **params: object) -> RepeatabilityPlan:
+def planned(base: ScaraBench | None = None, **params: object) -> RepeatabilityPlan:
     given = {"poses": POSES, "cycles": 10, "reflectors": ["P2"], **params}
     return Repeatability().plan(base or bench(), RepeatabilityParams.model_validate(given))
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import PlanError, ReflectorNotFoundError
 from catseye.procedures.scara.beam.beam_scan import find_return, half_window_deg, scan_offsets_deg
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.search.reflector_search import ReflectorSearch, SearchParams
 from catseye.procedures.scara.search.search_plan import SearchPlan, plan_search
 from tests.unit.procedures.benches import IdealContext, arm_xy, bench, clearance_mm, with_optics
@@ -178,7 +178,7 @@ def number(value: object) -> float:
     return value
 
 
-async def searched(context: IdealContext, base: Bench | None = None, **params: float) -> IdealContext:
+async def searched(context: IdealContext, base: ScaraBench | None = None, **params: float) -> IdealContext:
     procedure = ReflectorSearch()
     plan = procedure.plan(base or bench(), SearchParams.model_validate(params))
     await procedure.run(context, plan)

@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import ReflectorNotFoundError
 from catseye.procedures.kit.live import Live
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.search.reflector_search import ReflectorSearch, SearchParams
 from tests.unit.procedures.benches import IdealContext, arm_xy, bench, with_optics
 
@@ -51,7 +51,7 @@ def technician(**values: Any) -> Technician:
     return Technician(places=dict(TRUE_PLACES), theta40_deg=THETA40, **values)
 
 
-async def searched(context: Technician, base: Bench | None = None, **params: object) -> Technician:
+async def searched(context: Technician, base: ScaraBench | None = None, **params: object) -> Technician:
     procedure = ReflectorSearch()
     chosen = SearchParams.model_validate({"mode": "manual", "poses": 4, **params})
     await procedure.run(context, procedure.plan(base or bench(), chosen))

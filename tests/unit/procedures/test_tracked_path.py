@@ -1,7 +1,6 @@
 """A path measured by distances: which reflector, the beam kept on the way, and what a lost beam costs."""
 
 import math
-from dataclasses import replace
 from functools import partial
 
 import pytest
@@ -19,6 +18,7 @@ from tests.unit.procedures.benches import (
     bench,
     clearance_mm,
     miss_along,
+    with_axes,
     with_optics,
 )
 from tests.unit.procedures.troubles import TroubledContext
@@ -117,7 +117,7 @@ def test_a_reflector_that_is_unknown_or_hidden_is_refused() -> None:
 def test_a_recovery_needs_room_for_the_take_up_at_every_point() -> None:
     short = partial(plan_path, y_from_mm=-410.0, y_to_mm=-400.0, step_mm=1.0)
     highest = max(point.theta2_deg for point in short(bench()).points)
-    tight = replace(bench(), arm=replace(bench().arm, j2_limits_deg=(-145.0, highest + 0.1)))
+    tight = with_axes(bench(), j2_deg=(-145.0, highest + 0.1))
     # One step behind the turn the arm would come back from beyond it.
     with pytest.raises(PlanLimitError, match="the path needs J2"):
         short(tight, instrument="interferometer")

@@ -11,15 +11,15 @@ import pytest
 
 from catseye.calibration.scara.errors import OutOfReachError
 from catseye.drivers.roles.tracker import Position
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.columns import Columns
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import ArmMovedError, PlanError, PlanLimitError, TableFileError
 from catseye.procedures.kit.motion.motion_time import move_time_s
 from catseye.procedures.kit.records import Record
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.path.path_plan import PathPlan, plan_path, states_of_approach
 from catseye.procedures.scara.path.validation_path import PathParams, ValidationPath
-from tests.unit.procedures.benches import IdealContext, arm_xy, bench
+from tests.unit.procedures.benches import IdealContext, arm_xy, bench, scara_axes, with_axes
 
 
 def test_the_papers_path_runs_there_and_back() -> None:
@@ -82,7 +82,7 @@ def test_the_first_direction_is_that_of_the_first_motion() -> None:
 
 
 def test_a_path_behind_the_arm_does_not_jump_by_a_turn() -> None:
-    wide = replace(bench(), arm=replace(bench().arm, j1_limits_deg=(-400.0, 400.0)))
+    wide = with_axes(bench(), j1_deg=(-400.0, 400.0))
     plan = plan_path(wide, x_mm=-300.0, y_from_mm=-300.0, y_to_mm=300.0)
     steps = np.diff([point.theta1_deg for point in plan.points])
     assert float(np.abs(steps).max()) < 10.0
@@ -101,10 +101,10 @@ def test_limits_violated_by_the_path_or_its_run_in_are_named() -> None:
     # Beyond the first point the limit leaves room for the path but not for the run-in.
     assert plan.points[0].direction1 == -1
     assert max(angles) == angles[0]
-    tight = replace(bench(), arm=replace(bench().arm, j1_limits_deg=(-170.0, angles[0] + 0.5)))
+    tight = with_axes(bench(), j1_deg=(-170.0, angles[0] + 0.5))
     with pytest.raises(PlanLimitError, match=r"the path needs J1 = .*outside its limits.*the other hand"):
         plan_path(tight, y_to_mm=-400.0)
-    folded = replace(bench(), arm=replace(bench().arm, j2_limits_deg=(-100.0, 100.0)))
+    folded = with_axes(bench(), j2_deg=(-100.0, 100.0))
     with pytest.raises(PlanLimitError, match="the path needs J2"):
         plan_path(folded)
 
@@ -151,13 +151,9 @@ async def test_points_that_are_stored_are_not_measured_again() -> None:
 
 
 def test_moves_last_as_long_as_their_slowest_joint() -> None:
-    arm = replace(
-        bench().arm,
-        speed_deg_s=(100.0, 200.0, 400.0),
-        acceleration_deg_s2=(200.0,) * 3,
-        override_percent=50.0,
-    )
-    travel = np.array([[100.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, 0.0], [12.5, 0.0, -400.0]])
+    axes = scara_axes(speeds=(100.0, 200.0, 400.0), accelerations=(200.0,) * 3)
+    arm = replace(bench().arm, axes=axes, override_percent=50.0)
+    travel = np.array([[100.0, 0.0, 9.0, 0.0], [0.0, -2.0, 0.0, 0.0], [0.0] * 4, [12.5, 0.0, 0.0, -400.0]])
     # 50 deg/s: 0.25 s up, 0.25 s down, 87.5 deg between; below full speed 2·sqrt(2/200); 200 deg/s: 1 s up and down.
     assert move_time_s(arm, travel) == pytest.approx([2.25, 0.2, 0.0, 3.0])
 
@@ -165,7 +161,7 @@ def test_moves_last_as_long_as_their_slowest_joint() -> None:
 Answers = dict[str, str | Callable[[Prompt], str]]
 
 
-def without_tracker() -> Bench:
+def without_tracker() -> ScaraBench:
     return replace(bench(), tracker=False)
 
 

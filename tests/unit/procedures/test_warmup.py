@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Measurement
 from catseye.procedures.kit.errors import BeamLostError, NotWarmError, PlanError
 from catseye.procedures.kit.tasks import PlaceReflector
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.warming.warmup import Warmup, WarmupParams
 from catseye.procedures.scara.warming.warmup_plan import WarmupPlan
 from tests.unit.procedures.benches import PLACES, IdealContext, bench, miss_along, with_optics
@@ -61,7 +61,7 @@ def growth(now_s: float) -> float:
     return -0.060 * math.exp(-(now_s - 1000.0) / TAU_S)
 
 
-def planned(base: Bench | None = None, **params: object) -> WarmupPlan:
+def planned(base: ScaraBench | None = None, **params: object) -> WarmupPlan:
     return Warmup().plan(base or bench(), WarmupParams.model_validate({"amplitude_share": 0.3, **params}))
 
 

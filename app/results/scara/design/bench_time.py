@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.calibration.core.types import Bools
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import PlanError, PlanLimitError
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.approach import Command, require_joint_limits, with_take_up
 from catseye.procedures.scara.motion.tracking import plan_track
 from catseye.procedures.scara.motion.visits import plan_visits, require_clear_visits
@@ -31,7 +31,7 @@ class BenchCost:
     refused: str = ""
 
 
-def bench_cost(bench: Bench, sequence: tuple[Command, ...], kept: Bools | None = None) -> BenchCost:
+def bench_cost(bench: ScaraBench, sequence: tuple[Command, ...], kept: Bools | None = None) -> BenchCost:
     """Plan the measurement of a bench's reflectors, as open-loop does, and say what it costs.
 
     Args:

@@ -19,7 +19,7 @@ from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.planar import forward
 from catseye.calibration.scara.points import Commands
 from catseye.calibration.scara.prediction import inside_range
-from catseye.procedures.kit.bench import Bench, Reflector
+from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.approach import Command, Waypoint, bidirectional_sequence, with_take_up
 from catseye.procedures.scara.path.path_plan import path_points
 
@@ -81,7 +81,7 @@ class Problem:
         systematic: the criterion includes what does not average out.
     """
 
-    bench: Bench
+    bench: ScaraBench
     sequence: tuple[Command, ...]
     study: Study
     way: Way
@@ -101,7 +101,7 @@ class Problem:
         return replace(self.criterion, name=name)
 
 
-def problem_of(bench: Bench, budget: Budget, wish: Wish) -> Problem:
+def problem_of(bench: ScaraBench, budget: Budget, wish: Wish) -> Problem:
     """Return the problem that a cell and a wish make.
 
     Raises:
@@ -122,7 +122,7 @@ def problem_of(bench: Bench, budget: Budget, wish: Wish) -> Problem:
         )
     sequence = bidirectional_sequence(bench.nodes1_deg, bench.nodes2_deg)
     layout = Layout("error-map", np.deg2rad(bench.nodes1_deg), np.deg2rad(bench.nodes2_deg), (), ())
-    study = Study(layout, bench.arm.link1_mm, bench.arm.link2_mm, commands_of(sequence), budget)
+    study = Study(layout, bench.link1_mm, bench.link2_mm, commands_of(sequence), budget)
     rules = _rules(bench, wish)
     path, text = _path(bench, study, wish.path)
     gradient = study.gradient(arm_design(layout, path))
@@ -139,7 +139,7 @@ def commands_of(sequence: tuple[Command, ...]) -> Commands:
     return Commands(theta[:, 0], theta[:, 1], directions[:, 0], directions[:, 1])
 
 
-def with_reflectors(bench: Bench, sights: tuple[Sight, ...]) -> Bench:
+def with_reflectors(bench: ScaraBench, sights: tuple[Sight, ...]) -> ScaraBench:
     """Return the bench with other reflectors, P1, P2 … in the order given."""
     return replace(
         bench,
@@ -155,10 +155,10 @@ def with_reflectors(bench: Bench, sights: tuple[Sight, ...]) -> Bench:
     )
 
 
-def _rules(bench: Bench, wish: Wish) -> Rules:
-    arm, optics = bench.arm, bench.optics
-    low, high = np.deg2rad(arm.j4_limits_deg)
-    free_mm = arm.link1_mm + arm.link2_mm + max(optics.beam_min_mm, _beside_the_axis_mm(bench))
+def _rules(bench: ScaraBench, wish: Wish) -> Rules:
+    optics = bench.optics
+    low, high = np.deg2rad(bench.j4_limits_deg)
+    free_mm = bench.link1_mm + bench.link2_mm + max(optics.beam_min_mm, _beside_the_axis_mm(bench))
     return Rules(
         column_radius_mm=optics.column_radius_mm + optics.column_margin_mm,
         field_half_angle_rad=float(np.deg2rad(optics.field_half_angle_deg)),
@@ -172,7 +172,7 @@ def _rules(bench: Bench, wish: Wish) -> Rules:
     )
 
 
-def _beside_the_axis_mm(bench: Bench) -> float:
+def _beside_the_axis_mm(bench: ScaraBench) -> float:
     """Return how near to the J4 axis a reflector can stand whichever way the interferometer is turned."""
     workspace = bench.workspace
     turning = [body for body in workspace.bodies if body.frame == len(workspace.chain.joints)]
@@ -183,9 +183,9 @@ def _beside_the_axis_mm(bench: Bench) -> float:
     return farthest + workspace.stand_radius_mm + workspace.clearance_mm
 
 
-def _floor(bench: Bench, wish: Wish) -> Floor:
+def _floor(bench: ScaraBench, wish: Wish) -> Floor:
     if wish.floor_mm is None:
-        radius = _RING * (bench.arm.link1_mm + bench.arm.link2_mm)
+        radius = _RING * (bench.link1_mm + bench.link2_mm)
         return Floor((-radius, radius), (-radius, radius), radius)
     x0, x1, y0, y1 = wish.floor_mm
     if x0 > x1 or y0 > y1:
@@ -193,7 +193,7 @@ def _floor(bench: Bench, wish: Wish) -> Floor:
     return Floor((x0, x1), (y0, y1))
 
 
-def _way(stops: tuple[Waypoint, ...], bench: Bench) -> Way:
+def _way(stops: tuple[Waypoint, ...], bench: ScaraBench) -> Way:
     theta = np.deg2rad([[stop.theta1_deg, stop.theta2_deg] for stop in stops])
     travel = np.abs(np.diff(theta, axis=0)).max(axis=1)
     parts = np.maximum(1, np.ceil(travel / np.deg2rad(_SAMPLE_DEG))).astype(int)
@@ -204,10 +204,10 @@ def _way(stops: tuple[Waypoint, ...], bench: Bench) -> Way:
     dense = np.vstack([theta[:1], *legs])
     at = np.concatenate([[0], np.cumsum(parts)])
     measured = np.array([stop.command is not None for stop in stops])
-    return Way(dense, forward(dense[:, 0], dense[:, 1], bench.arm.link1_mm, bench.arm.link2_mm), at[measured])
+    return Way(dense, forward(dense[:, 0], dense[:, 1], bench.link1_mm, bench.link2_mm), at[measured])
 
 
-def _path(bench: Bench, study: Study, given: Commands | None) -> tuple[Commands, str]:
+def _path(bench: ScaraBench, study: Study, given: Commands | None) -> tuple[Commands, str]:
     """Return the commands of the path inside the nodes, and what it is."""
     arm = study.arm(np.zeros((study.basis.shape[1], study.basis.shape[1])))
     if given is not None:
@@ -231,7 +231,7 @@ def _path(bench: Bench, study: Study, given: Commands | None) -> tuple[Commands,
     return workspace(bench, 2), "the whole workspace, all directions of approach"
 
 
-def _paper_path(bench: Bench) -> Commands | None:
+def _paper_path(bench: ScaraBench) -> Commands | None:
     try:
         points = path_points(bench, 200.0, (-500.0, 500.0), 25.0, "right")
     except OutOfReachError:
@@ -241,7 +241,7 @@ def _paper_path(bench: Bench) -> Commands | None:
     return Commands(theta[:, 0], theta[:, 1], directions[:, 0], directions[:, 1])
 
 
-def workspace(bench: Bench, parts: int) -> Commands:
+def workspace(bench: ScaraBench, parts: int) -> Commands:
     """Return a grid over the nodes, each interval in equal parts, with all four directions of approach."""
     one, two = (_finer(np.deg2rad(nodes), parts) for nodes in (bench.nodes1_deg, bench.nodes2_deg))
     theta1, theta2, direction1, direction2 = (

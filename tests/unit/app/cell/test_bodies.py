@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from catseye.app.cell.arm import shipped_arm, shipped_arms
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.plausible import implausible
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.errors import ConfigError
 from catseye.app.results.scara.identify import cell_of_run
@@ -41,7 +41,7 @@ def written(folder: Path, text: str) -> Path:
 
 def test_the_shipped_arm_has_the_bodies_that_its_cell_file_tells(tmp_path: Path) -> None:
     assert shipped_arms() == ["rh-3frh5515"]
-    bench = bench_of(load_cell(written(tmp_path, TEMPLATE)).cell)
+    bench = scara_bench_of(load_cell(written(tmp_path, TEMPLATE)).cell)
     assert bench.workspace.bodies == WORKSPACE.bodies
     assert bench.workspace.chain == WORKSPACE.chain
 
@@ -86,7 +86,7 @@ def test_a_high_cap_with_a_reason_is_taken(tmp_path: Path) -> None:
 def test_own_bodies_replace_and_add_and_end_the_doubt(tmp_path: Path) -> None:
     text = TEMPLATE.replace("[measurement]", BODY + "[measurement]")
     text = text.replace("z_mm = 0.0\nconfirmed = false", "z_mm = 0.0\nconfirmed = true")
-    workspace = bench_of(load_cell(written(tmp_path, text)).cell).workspace
+    workspace = scara_bench_of(load_cell(written(tmp_path, text)).cell).workspace
     by_name = {body.name: body for body in workspace.bodies}
     assert by_name["interferometer head"].radius_mm == 35.0
     assert by_name["cable carrier"].frame == 2

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.errors import ConfigError
 
@@ -25,12 +25,12 @@ def fault(folder: Path, old: str, new: str) -> str:
 
 def test_template_is_the_papers_layout(tmp_path: Path) -> None:
     loaded = load_cell(written(tmp_path, TEMPLATE))
-    bench = bench_of(loaded.cell)
+    bench = scara_bench_of(loaded.cell)
     assert len(bench.nodes1_deg) * 2 * len(bench.nodes2_deg) * 2 == 352
     places = [(r.name, r.x_mm, r.y_mm) for r in bench.reflectors]
     assert places == [("P1", 650.0, -400.0), ("P2", 680.0, 0.0), ("P3", 640.0, 380.0)]
     assert bench.reflectors[1].facing_deg == pytest.approx(180.0)
-    assert (bench.arm.link1_mm, bench.arm.link2_mm) == (325.0, 225.0)
+    assert (bench.link1_mm, bench.link2_mm) == (325.0, 225.0)
 
 
 def test_origin_of_every_value(tmp_path: Path) -> None:

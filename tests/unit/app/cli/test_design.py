@@ -17,7 +17,7 @@ from catseye.app.results.scara.design import commands as design_commands
 from catseye.app.results.scara.design.bench_time import BenchCost, bench_cost
 from catseye.calibration.core.errors import UnidentifiableError
 from catseye.calibration.core.types import Bools
-from catseye.procedures.kit.bench import Bench
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.approach import Command
 
 NODES1 = "theta1_deg = [-140.0, -120.0, -100.0, -80.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0]"
@@ -103,7 +103,7 @@ def test_more_of_everything_costs_time_and_lowers_what_averages_out(
 def test_a_layout_that_the_plan_refuses_is_no_compromise(
     cell: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refusing(bench: Bench, sequence: tuple[Command, ...], kept: Bools | None = None) -> BenchCost:
+    def refusing(bench: ScaraBench, sequence: tuple[Command, ...], kept: Bools | None = None) -> BenchCost:
         if len(bench.reflectors) == 4:
             return BenchCost(float("nan"), 0, 0, 0, "the plan says no")
         return bench_cost(bench, sequence, kept)

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from catseye.app.engine.devices import Devices, WireRecorder
-from catseye.app.engine.gate import JointLimits
 from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.request import RunRequest
 from catseye.app.protocol.run_events import RunEvent
@@ -19,11 +18,17 @@ from catseye.drivers.roles.errors import DeviceError
 from catseye.drivers.roles.interferometer import BeamStatus, Compensated, Interferometer, LengthReading
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Robot, RobotAbilities, RobotStatus
+from catseye.procedures.kit.bench import Arm
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.records import Json, Record, Row
 from catseye.procedures.scara.records import Distance
+from tests.unit.procedures.benches import scara_axes
 
-LIMITS = JointLimits(j1_deg=(-170.0, 170.0), j2_deg=(-145.0, 145.0), j4_deg=(-360.0, 360.0))
+ARM = Arm(
+    scara_axes(j3_mm=(0.0, 150.0)),
+    ("limits_deg.j1", "limits_deg.j2", "j3_mm or j3_range_mm", "limits_deg.j4"),
+    20.0,
+)
 HOME: Pose = (0.0, 0.0, 0.0, 0.0)
 AWAY: Pose = (10.0, 20.0, 0.0, 30.0)
 
@@ -264,7 +269,7 @@ class FakeBench:
             plan=None,
             root=self.root,
             cell="lab-1",
-            limits=LIMITS,
+            driven=ARM,
             blocked=free_way,
             override_cap_percent=20.0,
             reserve_bytes=0,

@@ -15,9 +15,10 @@ from catseye.app.exitcode import ExitCode
 from catseye.drivers.roles.errors import RefusedError
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.motion.clear_way import way_check
-from tests.unit.app.engine.fakes import HOME, LIMITS, FakeBench, FakeRobot, ManualClock
+from catseye.procedures.scara.system import ScaraSystem
+from tests.unit.app.engine.fakes import ARM, HOME, FakeBench, FakeRobot, ManualClock
 from tests.unit.app.engine.runs import measuring, run
-from tests.unit.procedures.benches import arm_xy, bench
+from tests.unit.procedures.benches import arm_xy, bench, scara_axes, with_axes
 
 PAPER = bench()
 STANDING: Pose = (0.0, 0.0, 12.5, 0.0)
@@ -38,7 +39,7 @@ def robot() -> FakeRobot:
 
 async def test_the_gate_refuses_what_lies_between_two_targets(robot: FakeRobot) -> None:
     x, y = arm_xy(20.0, 0.0)
-    gate = MotionGate(robot, LIMITS, way_check(bench(places={"P1": (x, y)})), 20.0)
+    gate = MotionGate(robot, ARM.axes, way_check(bench(places={"P1": (x, y)})), 20.0)
     with pytest.raises(
         LimitError, match=r"stand of reflector P1 stands in the arm's way.*robot was not moved"
     ):
@@ -52,7 +53,7 @@ async def test_the_gate_asks_where_the_arm_stands_unless_it_is_told(robot: FakeR
     def note(way: Sequence[Pose]) -> None:
         seen.append(way)
 
-    gate = MotionGate(robot, LIMITS, note, 20.0)
+    gate = MotionGate(robot, ARM.axes, note, 20.0)
     await gate.require((1.0, 0.0, 12.5, 0.0))
     await gate.require((2.0, 0.0, 12.5, 0.0), here=HOME)
     await gate.require()
@@ -60,7 +61,7 @@ async def test_the_gate_asks_where_the_arm_stands_unless_it_is_told(robot: FakeR
 
 
 async def test_the_rehearsal_refuses_what_the_plan_would() -> None:
-    dry = DryRunContext(LIMITS, PAPER, pose=STANDING)
+    dry = DryRunContext(ScaraSystem(with_axes(PAPER, j3_mm=(-200.0, 150.0))), STANDING)
     await dry.move((90.0, 0.0, 12.5, 0.0))
     dry.require_clear_ways()
     await dry.follow([(90.0, 100.0, 12.5, 0.0), (90.0, 100.0, -180.0, 0.0)])
@@ -110,10 +111,10 @@ async def test_a_controller_that_keeps_its_limits_to_itself_is_told(bench_of_fak
 
 def test_every_joint_is_compared_with_the_controller() -> None:
     narrow = ((-90.0, 90.0), (-90.0, 90.0), (10.0, 20.0), (-90.0, 90.0))
-    assert beyond(LIMITS, OWN) == []
-    assert len(beyond(replace(LIMITS, j3_mm=(0.0, 50.0)), narrow)) == 4
+    assert beyond(ARM, OWN) == []
+    assert len(beyond(replace(ARM, axes=scara_axes(j3_mm=(0.0, 50.0))), narrow)) == 4
 
 
 def test_a_limit_that_is_no_number_permits_nothing() -> None:
     unknown = ((math.nan, math.nan), *OWN[1:])
-    assert len(beyond(LIMITS, unknown)) == 1
+    assert len(beyond(ARM, unknown)) == 1

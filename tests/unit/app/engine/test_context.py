@@ -14,7 +14,7 @@ from catseye.app.engine.announcer import Announcer
 from catseye.app.engine.context import RunContext
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.devices import Devices
-from catseye.app.engine.gate import JointLimits, MotionGate
+from catseye.app.engine.gate import MotionGate, require_in_range
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answer, Operator
 from catseye.app.engine.simulated_operator import SimulatedOperator
@@ -42,7 +42,8 @@ from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.kit.tasks import ClearBeam, Task, TurnScrew
 from catseye.procedures.scara.path.tables import MEASURED
 from catseye.procedures.scara.records import Distance, SeenReflector
-from tests.unit.app.engine.fakes import AWAY, HOME, LIMITS, FakeBench, FakeRobot, Script, distance, free_way
+from tests.unit.app.engine.fakes import ARM, AWAY, HOME, FakeBench, FakeRobot, Script, distance, free_way
+from tests.unit.procedures.benches import scara_axes
 
 READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
 
@@ -74,18 +75,17 @@ async def parts(tmp_path: Path) -> AsyncIterator[Parts]:
     bench.robot.state = READY
     announcer = Announcer(store.path.name, bench.clock, bench.publish, lambda: None)
     devices = Devices(bench.robot, bench.counter, bench.air)
-    gate = MotionGate(bench.robot, LIMITS, free_way, 20.0)
+    gate = MotionGate(bench.robot, ARM.axes, free_way, 20.0)
     operator = Operator(bench.clock, {}, None, simulated=True, hands=Willing("tcp://127.0.0.1:1"))
-    speeds = (420.0, 720.0, 3000.0)
     ctx = RunContext(
         devices,
         store,
         control,
         bench.clock,
+        ARM.axes,
         gate,
         operator,
         announcer,
-        speed_deg_s=speeds,
         records=[Distance],
     )
     yield Parts(bench, ctx, control, RunReader(store.path))
@@ -220,10 +220,9 @@ async def test_limits_hold_at_the_gate(parts: Parts, target: Pose, text: str) ->
     assert "move" not in parts.bench.robot.calls
 
 
-def test_limits_of_j3_are_optional() -> None:
-    limits = JointLimits((-1.0, 1.0), (-1.0, 1.0), (-1.0, 1.0), j3_mm=(-10.0, 0.0))
-    with pytest.raises(LimitError, match="J3 = 1 mm"):
-        limits.require((0.0, 0.0, 1.0, 0.0))
+def test_prismatic_axes_are_checked_in_millimetres() -> None:
+    with pytest.raises(LimitError, match="J3 = 1 mm is outside -10 … 0 mm"):
+        require_in_range(scara_axes(j3_mm=(-10.0, 0.0)), (0.0, 0.0, 1.0, 0.0))
 
 
 @pytest.mark.parametrize(
@@ -275,7 +274,7 @@ class WayFakeRobot(FakeRobot):
 async def test_a_way_is_one_motion_where_the_robot_can_pass_targets(parts: Parts) -> None:
     robot = WayFakeRobot(parts.bench.clock, state=READY)
     parts.control.attach(robot)
-    gate = MotionGate(robot, LIMITS, free_way, 20.0)
+    gate = MotionGate(robot, ARM.axes, free_way, 20.0)
     parts.ctx._gate = gate  # noqa: SLF001  # the fixture's own context, with another robot
     parts.ctx._mover._robot, parts.ctx._mover._gate = robot, gate  # noqa: SLF001  # as above
     parts.ctx._devices = replace(parts.ctx._devices, robot=robot)  # noqa: SLF001  # as above
@@ -347,7 +346,7 @@ async def test_software_time_is_what_is_neither_motion_nor_waiting(parts: Parts)
     (time,) = parts.ctx.step_times
     assert [time.motion_s, time.idle_s] == pytest.approx([1.0, 1.0])
     assert time.points == 1
-    assert parts.ctx.software_time_s == [pytest.approx(0.007)]
+    assert time.software_s == pytest.approx(0.007)
 
 
 async def test_a_zero_is_stored(parts: Parts) -> None:

@@ -10,7 +10,7 @@ from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.waiting import cancel
 from catseye.app.errors import InterruptionError
 from catseye.drivers.roles.errors import LinkError
-from tests.unit.app.engine.fakes import HOME, LIMITS, FakeRobot, ManualClock, free_way
+from tests.unit.app.engine.fakes import ARM, HOME, FakeRobot, ManualClock, free_way
 from tests.unit.app.engine.test_interlock import Block
 
 
@@ -116,7 +116,7 @@ async def test_the_gate_refuses_an_open_a_silent_and_an_unseen_door() -> None:
     watched, robot = Watched(), FakeRobot(ManualClock())
     await robot.servo(on=True)
     await robot.set_override(20.0)
-    gate = MotionGate(robot, LIMITS, free_way, 20.0, door=watched.watch)
+    gate = MotionGate(robot, ARM.axes, free_way, 20.0, door=watched.watch)
     with pytest.raises(InterruptionError, match="has not been looked at"):
         await gate.require(HOME)
     await watched.watch.look()

@@ -6,47 +6,48 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from catseye.app.engine.arm_model import ArmModel
+from catseye.app.engine.driven import sampled, speeds_of
 from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.errors import LimitError, MeasurementRejectedError
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Following
-from catseye.procedures.kit.bench import Arm, Bench
+from catseye.procedures.kit.bench import Arm
 from catseye.procedures.kit.columns import Columns
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.records import Row
+from catseye.procedures.scara.bench import ScaraBench
+from catseye.procedures.scara.ideal import ScaraBeam
 from catseye.procedures.scara.path.tables import MEASURED
 from catseye.procedures.scara.records import Distance
-from tests.unit.app.engine.fakes import HOME, LIMITS, distance
-from tests.unit.procedures.benches import bench
+from catseye.procedures.scara.system import ScaraSystem
+from tests.unit.app.engine.fakes import HOME, distance
+from tests.unit.procedures.benches import bench, scara_axes
 
 ARM = Arm(
-    link1_mm=325.0,
-    link2_mm=225.0,
-    j1_limits_deg=(-170.0, 170.0),
-    j2_limits_deg=(-145.0, 145.0),
-    j4_limits_deg=(-360.0, 360.0),
-    j3_mm=0.0,
-    speed_deg_s=(100.0, 100.0, 100.0),
-    acceleration_deg_s2=(200.0, 200.0, 200.0),
+    scara_axes(j3_mm=(-10.0, 10.0), speeds=(100.0,) * 3, accelerations=(200.0,) * 3),
+    ("", "", "", ""),
     override_percent=50.0,
     follow_speed_deg_s=10.0,
     follow_acceleration_deg_s2=math.pi * 50.0,
 )
-BENCH = replace(bench(places={"P1": (650.0, 0.0), "P2": (0.0, 900.0)}), arm=ARM)
+BENCH = replace(bench(places={"P1": (650.0, 0.0), "P2": (0.0, 900.0)}), arm=ARM, j3_mm=0.0)
+
+
+def dry_run(of: ScaraBench = BENCH) -> DryRunContext:
+    return DryRunContext(ScaraSystem(of), HOME, declared=[Distance])
 
 
 @pytest.fixture
 def dry() -> DryRunContext:
-    return DryRunContext(LIMITS, BENCH, declared=[Distance])
+    return dry_run()
 
 
-def following(way: Following) -> Bench:
+def following(way: Following) -> ScaraBench:
     return replace(BENCH, arm=replace(ARM, following=way))
 
 
 def length_mm(pose: Pose) -> float | None:
-    hit = ArmModel(BENCH).hit(pose)
+    hit = ScaraBeam(BENCH).hit(pose)
     return None if hit is None else hit.length_mm
 
 
@@ -58,7 +59,7 @@ def length_mm(pose: Pose) -> float | None:
 async def test_the_time_of_a_way_is_that_of_the_arms_way_of_following(
     way: Following, duration_s: float
 ) -> None:
-    dry = DryRunContext(LIMITS, following(way))
+    dry = dry_run(following(way))
     await dry.follow(((50.0, 0.0, 0.0, 0.0), (100.0, 0.0, 0.0, 0.0)))
     assert dry.total_s == pytest.approx(duration_s)
     assert dry.pose == (100.0, 0.0, 0.0, 0.0)
@@ -66,11 +67,13 @@ async def test_the_time_of_a_way_is_that_of_the_arms_way_of_following(
         await dry.follow(((50.0, 0.0, 0.0, 0.0), (50.0, 150.0, 0.0, 0.0)))
 
 
-@pytest.mark.parametrize(("way", "cut_deg"), [("stops", 0.0), ("blended", 25.0), ("streamed", 0.0)])
-async def test_motions_say_where_corners_are_cut(way: Following, cut_deg: float) -> None:
-    dry = DryRunContext(LIMITS, following(way))
+@pytest.mark.parametrize(
+    ("way", "cut"), [("stops", ()), ("blended", (25.0, 25.0, 0.0, 0.0)), ("streamed", ())]
+)
+async def test_motions_say_where_corners_are_cut(way: Following, cut: Pose) -> None:
+    dry = dry_run(following(way))
     await dry.follow(((50.0, 0.0, 0.0, 0.0), (50.0, 50.0, 0.0, 0.0)))
-    assert [leg.cut for leg in dry.motions] == [(cut_deg, cut_deg, 0.0, 0.0)] * 2
+    assert [leg.cut for leg in dry.motions] == [cut] * 2
 
 
 def test_the_ideal_beam_returns_from_the_reflector_that_it_hits() -> None:
@@ -93,13 +96,13 @@ def test_the_column_and_the_reflectors_field_hide_it() -> None:
     # From (-550, 0) the beam to P1 passes through the J1 axis.
     assert length_mm((180.0, 0.0, 0.0, 180.0)) is None
     turned = replace(BENCH, reflectors=(replace(BENCH.reflectors[0], facing_deg=95.0),))
-    assert ArmModel(turned).hit(HOME) is None
+    assert ScaraBeam(turned).hit(HOME) is None
     turned = replace(BENCH, reflectors=(replace(BENCH.reflectors[0], facing_deg=105.0),))
-    assert ArmModel(turned).hit(HOME) is not None
+    assert ScaraBeam(turned).hit(HOME) is not None
 
 
 def test_poses_on_the_way_lie_close_together_and_end_at_each_target() -> None:
-    poses = ArmModel(BENCH).sampled(HOME, [(2.5, -1.0, 0.0, 0.0), (2.5, -1.0, 10.0, 0.0)])
+    poses = sampled(HOME, [(2.5, -1.0, 0.0, 0.0), (2.5, -1.0, 10.0, 0.0)])
     assert float(np.abs(np.diff(poses, axis=0)).max()) <= 0.25 + 1e-9
     assert poses[0].tolist() == list(HOME)
     assert poses[(len(poses) - 1) // 2] == pytest.approx([2.5, -1.0, 0.0, 0.0])
@@ -119,12 +122,12 @@ def test_poses_on_the_way_lie_close_together_and_end_at_each_target() -> None:
 async def test_speeds_are_those_of_the_fastest_joint_and_of_the_tool(
     way: Following, joint_deg_s: float, tool_mm_s: float
 ) -> None:
-    speeds = ArmModel(following(way)).speeds(HOME, [(2.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 0.0)])
+    speeds = speeds_of(ScaraSystem(following(way)), HOME, [(2.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 0.0)])
     assert speeds.joint_deg_s == pytest.approx(joint_deg_s)
     assert speeds.tool_mm_s == pytest.approx(tool_mm_s, rel=1e-4)
     # A long move runs at the override's share of the full speed.
-    assert ArmModel(BENCH).speeds(HOME, [(100.0, 5.0, 0.0, 0.0)]).joint_deg_s == pytest.approx(50.0)
-    assert ArmModel(BENCH).speeds(HOME, [HOME]).joint_deg_s == 0.0
+    assert speeds_of(ScaraSystem(BENCH), HOME, [(100.0, 5.0, 0.0, 0.0)]).joint_deg_s == pytest.approx(50.0)
+    assert speeds_of(ScaraSystem(BENCH), HOME, [HOME]).joint_deg_s == 0.0
 
 
 async def test_the_miss_of_a_way_counts_only_when_a_distance_is_measured_over_it(dry: DryRunContext) -> None:
@@ -166,7 +169,7 @@ async def test_a_turn_of_j4_alone_is_no_miss_but_can_lose_the_beam(dry: DryRunCo
 
 
 async def test_heights_are_checked_too() -> None:
-    low = DryRunContext(replace(LIMITS, j3_mm=(-1.0, 1.0)), BENCH)
+    low = dry_run(replace(BENCH, arm=replace(ARM, axes=scara_axes(j3_mm=(-1.0, 1.0)))))
     with pytest.raises(LimitError, match=r"J3 = 5 mm is outside -1 … 1 mm"):
         await low.move((0.0, 0.0, 5.0, 0.0))
 

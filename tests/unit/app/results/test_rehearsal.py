@@ -8,21 +8,20 @@ import pytest
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.engine.dry_run import DryRunContext
-from catseye.app.engine.gate import JointLimits
 from catseye.app.protocol.procedures import load_procedure
 from catseye.app.protocol.rehearsal import Rehearsal
 from catseye.app.render.text import statement_lines, tables_text
 from catseye.app.results.rehearsal import first_target_text, rehearsal_report
 from catseye.app.service.rehearsal import rehearsal_of
 from catseye.app.service.running import PlannedRun
-from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.records import Row
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
+from catseye.procedures.scara.system import ScaraSystem
 from tests.unit.procedures.benches import bench
 
-LIMITS = JointLimits((-170.0, 170.0), (-145.0, 145.0), (-360.0, 360.0))
-BENCH: Bench = bench(places={"P1": (650.0, 0.0)})
+BENCH: ScaraBench = bench(places={"P1": (650.0, 0.0)})
 
 
 def planned(folder: Path) -> PlannedRun:
@@ -41,7 +40,7 @@ def planned(folder: Path) -> PlannedRun:
 
 async def rehearsed(turn_deg: float = 0.02) -> DryRunContext:
     """Zero at 100 mm from the reflector, turn J1, measure there; then fold the arm away and ask."""
-    dry = DryRunContext(LIMITS, BENCH, pose=(0.0, 0.0, 12.5, 0.0))
+    dry = DryRunContext(ScaraSystem(BENCH), (0.0, 0.0, 12.5, 0.0))
 
     async def tracked() -> Row:
         await dry.zero(100.0)

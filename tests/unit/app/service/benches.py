@@ -22,7 +22,7 @@ from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.server import Server
 from catseye.procedures.kit.records import Json
 from tests.patience import HANG_S
-from tests.unit.app.engine.fakes import LIMITS, FakeRobot, ManualClock, free_way
+from tests.unit.app.engine.fakes import ARM, FakeRobot, ManualClock, free_way
 
 Streams = tuple[asyncio.StreamReader, asyncio.StreamWriter]
 
@@ -73,7 +73,7 @@ class ServiceBench:
         self.robot.state = replace(self.robot.state, servo_on=True, override_percent=20.0)
         self.control = RunControl(self.clock, self._state_changed, HaltLimits(standstill_s=0.5))
         self.control.attach(self.robot)
-        self.gate = MotionGate(self.robot, LIMITS, free_way, 20.0)
+        self.gate = MotionGate(self.robot, ARM.axes, free_way, 20.0)
         self.handle = RunHandle(
             Path("run-1"),
             "script",

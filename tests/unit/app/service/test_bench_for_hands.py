@@ -53,7 +53,7 @@ def known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Known:
 
 async def test_limits_are_those_of_the_cell_file_now(known: Known) -> None:
     known.write(**{"j1 = [-170.0, 170.0]": "j1 = [-20.0, 30.0]"})
-    assert (await known.hands.facts()).bench.arm.j1_limits_deg == (-20.0, 30.0)
+    assert (await known.hands.facts()).bench.arm.axes[0].range == (-20.0, 30.0)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 from catseye.app.service.examination import look_at_limits
 from catseye.drivers.roles.errors import ProtocolError, RefusedError
 from catseye.drivers.roles.pose import Range
-from tests.unit.app.engine.fakes import LIMITS, FakeRobot, ManualClock
+from tests.unit.app.engine.fakes import ARM, FakeRobot, ManualClock
 
 WIDE: tuple[Range, ...] = ((-170.0, 170.0), (-145.0, 145.0), (0.0, 150.0), (-360.0, 360.0))
 
@@ -28,23 +28,23 @@ def robot(answer: tuple[Range, ...] | Exception) -> LimitedRobot:
 
 
 async def test_limits_that_hold_the_cells_need_nothing() -> None:
-    facts, advice = await look_at_limits(robot(WIDE), LIMITS)
+    facts, advice = await look_at_limits(robot(WIDE), ARM)
     assert facts == ["controller's limits (MEJAR): J1 -170…170, J2 -145…145, J3 0…150, J4 -360…360"]
     assert advice == []
 
 
 async def test_limits_narrower_than_the_cells_call_for_something() -> None:
-    _, (advice,) = await look_at_limits(robot(((-120.0, 170.0), *WIDE[1:])), LIMITS)
+    _, (advice,) = await look_at_limits(robot(((-120.0, 170.0), *WIDE[1:])), ARM)
     assert "limits_deg.j1 = [-170, 170]" in advice
     assert "-120…170" in advice
 
 
 @pytest.mark.parametrize("error", [RefusedError("no MEJAR", 0), ProtocolError("garbage")])
 async def test_a_robot_that_does_not_say_its_limits_can_be_used(error: Exception) -> None:
-    facts, advice = await look_at_limits(robot(error), LIMITS)
+    facts, advice = await look_at_limits(robot(error), ARM)
     assert "not answered by this controller" in facts[0]
     assert advice == []
 
 
 async def test_a_robot_without_limits_of_its_own_is_passed_over() -> None:
-    assert await look_at_limits(FakeRobot(ManualClock()), LIMITS) == ([], [])
+    assert await look_at_limits(FakeRobot(ManualClock()), ARM) == ([], [])

@@ -19,6 +19,7 @@ from catseye.app.service.running import PlannedRun, plan_run, run_meta
 from catseye.app.store.resumable import MOVED
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.records import Json
+from catseye.procedures.scara.bench import ScaraBench
 from tests.unit.app.engine.fakes import ManualClock
 
 SMALL = re.sub(
@@ -102,6 +103,7 @@ async def test_neither_cell_file_nor_search_have_to_be_there(cell: Path, root: P
     lose(cell, search)
     rest = plan_resume(root, run.name)
     assert rest.bench == whole.bench
+    assert isinstance(rest.bench, ScaraBench)
     assert (rest.bench.reflectors[0].x_mm, rest.bench.optics.theta40_deg) == (651.25, 0.75)
     assert rest.params == whole.params
     assert plan_digest(rest.plan) == plan_digest(whole.plan)

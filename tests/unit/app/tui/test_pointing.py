@@ -2,15 +2,17 @@
 
 import cmath
 import math
+from typing import cast
 
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from catseye.app.protocol.bench import Layout
 from catseye.app.tui.pointing import pointing_j4_deg, turn_of_j4
 from tests.unit.app.tui.scripted_bench import bench_status
 
-LAYOUT = bench_status().layout
+LAYOUT = cast(Layout, bench_status().layout)
 PLACES = {"P1": 650.0 - 400.0j, "P2": 680.0 + 0.0j, "P3": 640.0 + 380.0j}
 
 

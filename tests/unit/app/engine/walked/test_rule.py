@@ -13,7 +13,7 @@ from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.records import Json
-from tests.unit.app.engine.walked.test_tube import CORNER, WALKED
+from tests.unit.app.engine.walked.test_tube import AXES, CORNER, WALKED
 from tests.unit.app.store.fakes import TickingClock
 
 
@@ -31,7 +31,7 @@ async def rule(root: Path, *, blended: bool) -> WalkRule:
     async def motions(_here: Pose) -> Sequence[Leg]:
         return []
 
-    made = WalkRule(motions, lambda _arm: WALKED, blended)
+    made = WalkRule(AXES, motions, lambda _arm: WALKED, blended)
     store = await RunStore.create(root, "open-loop", {}, TickingClock(), reserve_bytes=0)
     await made.begin(Identity("fake", "1.0", "7", False), CORNER[0], SilentDesk(), store)
     await store.abandon()

@@ -1,7 +1,6 @@
 """The speed of a walk, against a sampled arm."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from catseye.app.engine.walked.tube import Leg
 from catseye.app.errors import SafetyError
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.motion.body_speed import fastest_mm_s, top_speed_mm_s
-from tests.unit.procedures.benches import LINK1_MM, LINK2_MM, bench
+from tests.unit.procedures.benches import LINK1_MM, LINK2_MM, bench, with_axes
 
 BENCH = bench()
 RIM_MM = 60.0
@@ -73,7 +72,7 @@ def test_an_override_is_whole() -> None:
 
 
 def test_too_fast_an_arm_is_refused_with_its_speed() -> None:
-    fast = replace(BENCH, arm=replace(BENCH.arm, speed_deg_s=(4200.0, 7200.0, 30000.0)))
+    fast = with_axes(BENCH, speeds=(4200.0, 7200.0, 30000.0))
     with pytest.raises(SafetyError, match="cannot be walked, no override is lower"):
         walking_percent(fast, Leg((0.0, 0.0, 0.0, 0.0), (90.0, 150.0, 0.0, 300.0)), 20.0)
 

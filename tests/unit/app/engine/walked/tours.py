@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 
 from pydantic import BaseModel
 
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.engine.operator import Answer
 from catseye.app.engine.request import RunOutcome
@@ -97,7 +97,7 @@ class TourBench:
         file = self.folder / "cell.toml"
         file.write_text(self.cell_text, encoding="utf-8")
         loaded = load_cell(file)
-        bench, params = bench_of(loaded.cell), NoParams()
+        bench, params = scara_bench_of(loaded.cell), NoParams()
         return PlannedRun(loaded, self.tour, params, bench, self.tour.plan(bench, params), "cell file", None)
 
     async def run(self, **options: Any) -> RunOutcome:

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cli.init import init
 from catseye.app.cli.procedures import procedures as list_procedures
 from catseye.app.protocol.bench import DeviceStatus, LinkState
@@ -33,7 +33,7 @@ class History:
         self.cell, self.root = folder / "cell.toml", folder / "runs"
         init(self.cell)
         self.clock = ManualClock()
-        self.bench = bench_of(load_cell(self.cell).cell)
+        self.bench = scara_bench_of(load_cell(self.cell).cell)
 
     async def put(self, procedure: str, status: str = "complete", cell: str = "lab-1") -> str:
         places: list[Json] = [{"name": r.name, "x_mm": r.x_mm, "y_mm": r.y_mm} for r in self.bench.reflectors]

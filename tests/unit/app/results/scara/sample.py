@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.render.page import page_html
 from catseye.app.results.model import Origin, Report
@@ -300,7 +300,7 @@ def whole(systematic_um: float = 0.0) -> Sheet:
     return Sheet(
         "Open-loop measurement lab-1",
         replace(MADE, simulated=True),
-        Findings(results(systematic_um), bench_of(the_cell), truth_tables(), validation()),
+        Findings(results(systematic_um), scara_bench_of(the_cell), truth_tables(), validation()),
         measurement,
     )
 

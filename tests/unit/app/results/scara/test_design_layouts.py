@@ -8,8 +8,8 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.results.scara.design.layouts import Places, candidate_places
 from catseye.app.results.scara.design.problem import Problem, Wish, problem_of
@@ -36,7 +36,7 @@ def criteria_of(name: CriterionName, covariances: Floats, gradient: Floats) -> F
 def every_three(*, systematic: bool) -> tuple[Problem, Places, Floats]:
     """Return the template's problem, its places, and the covariance of every layout of three of them."""
     cell = Cell.model_validate(tomllib.loads(TEMPLATE))
-    problem = problem_of(bench_of(cell), cell.uncertainty.budget, Wish("path", systematic=systematic))
+    problem = problem_of(scara_bench_of(cell), cell.uncertainty.budget, Wish("path", systematic=systematic))
     places = candidate_places(problem, 50)
     brought = [problem.study.rows(sight).information() for sight in places.allowed]
     xy = np.array([sight.xy_mm for sight in places.allowed])

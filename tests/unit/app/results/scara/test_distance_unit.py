@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.distances import load_distances
@@ -17,7 +17,7 @@ from catseye.app.results.scara.scan import identify_scan_file
 def written(folder: Path, factor: float) -> Path:
     """Write distances of the paper's arm to reflectors 15 mm from their rough places, times a factor."""
     (folder / "cell.toml").write_text(TEMPLATE, encoding="utf-8")
-    bench = bench_of(load_cell(folder / "cell.toml").cell)
+    bench = scara_bench_of(load_cell(folder / "cell.toml").cell)
     lines = [",".join(COLUMNS)]
     for reflector in bench.reflectors:
         for theta1 in bench.nodes1_deg:
@@ -56,4 +56,4 @@ def test_millimetres_are_taken(tmp_path: Path) -> None:
 def test_a_streamed_file_is_looked_at_as_well(tmp_path: Path) -> None:
     path = written(tmp_path, 1e3)
     with pytest.raises(UsageError, match="seem to be in µm"):
-        identify_scan_file(path, bench_of(load_cell(tmp_path / "cell.toml").cell), "error-map")
+        identify_scan_file(path, scara_bench_of(load_cell(tmp_path / "cell.toml").cell), "error-map")

@@ -2,14 +2,14 @@
 
 import tomllib
 
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.protocol.engine_events import BenchSeen, Client
 from catseye.app.service.watching.bench_facts import facts_of
 from catseye.app.service.watching.bench_status import bench_status
 from catseye.app.service.watching.latest_values import LatestValues
-from catseye.procedures.kit.bench import Bench
+from catseye.procedures.scara.bench import ScaraBench
 from tests.unit.app.engine.fakes import ManualClock
 
 
@@ -17,8 +17,8 @@ def cell_from_template() -> Cell:
     return Cell.model_validate(tomllib.loads(TEMPLATE))
 
 
-def bench_from_template() -> Bench:
-    return bench_of(cell_from_template())
+def bench_from_template() -> ScaraBench:
+    return scara_bench_of(cell_from_template())
 
 
 def bench_seen(*, disk_free_bytes: int | None = None) -> BenchSeen:

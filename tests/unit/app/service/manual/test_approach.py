@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.app.service.manual.approach import MARGIN_DEG, STOP_S, Approach
+from catseye.app.service.manual.approach import MARGIN, STOP_S, Approach
 
 FASTEST_DEG_S = 40.0
 LIMITS = (-170.0, 170.0)
@@ -45,7 +45,7 @@ def test_a_joint_that_is_stopped_in_time_keeps_its_distance(
     stopped_deg = angle_deg(time_s + max(0.0, free_s) + STOP_S)
     assert LIMITS[0] <= stopped_deg <= LIMITS[1]
     if free_s > 0.0:
-        assert approach.left_deg(stopped_deg) >= MARGIN_DEG - 0.02
+        assert approach.left(stopped_deg) >= MARGIN - 0.02
 
 
 def test_before_its_speed_is_seen_the_fastest_counts() -> None:

@@ -8,25 +8,25 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from catseye.app.errors import UsageError
-from catseye.app.service.manual.steps import step_target
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.bench import Bench, Reflector
+from catseye.procedures.kit.errors import ManualStepError
+from catseye.procedures.scara.bench import Reflector, ScaraBench
+from catseye.procedures.scara.manual_steps import step_target
 from tests.unit.app.service.manual.benches import bench_from_template
 
-BENCH: Bench = bench_from_template()
+BENCH: ScaraBench = bench_from_template()
 REFLECTORS = {reflector.name: reflector for reflector in BENCH.reflectors}
 NAMES = st.sampled_from(sorted(REFLECTORS))
 ANGLES = st.tuples(st.floats(-90.0, 40.0), st.floats(5.0, 140.0))
 
 
-def axis_mm(bench: Bench, joints: Pose) -> complex:
+def axis_mm(bench: ScaraBench, joints: Pose) -> complex:
     """Return the place of the J4 axis."""
     one, two = math.radians(joints[0]), math.radians(joints[1])
-    return bench.arm.link1_mm * cmath.exp(1j * one) + bench.arm.link2_mm * cmath.exp(1j * (one + two))
+    return bench.link1_mm * cmath.exp(1j * one) + bench.link2_mm * cmath.exp(1j * (one + two))
 
 
-def beside_mm(bench: Bench, joints: Pose, reflector: Reflector) -> float:
+def beside_mm(bench: ScaraBench, joints: Pose, reflector: Reflector) -> float:
     """Return where the beam crosses the line through the reflector across the line of sight; to the left positive."""
     place = complex(reflector.x_mm, reflector.y_mm) - axis_mm(bench, joints)
     world = math.radians(joints[0] + joints[1] + joints[3] + bench.optics.theta40_deg)
@@ -35,7 +35,7 @@ def beside_mm(bench: Bench, joints: Pose, reflector: Reflector) -> float:
     return abs(place) * beam.imag / beam.real
 
 
-def pointing(bench: Bench, angles: tuple[float, float], reflector: Reflector, off_deg: float) -> Pose:
+def pointing(bench: ScaraBench, angles: tuple[float, float], reflector: Reflector, off_deg: float) -> Pose:
     """Return a pose whose beam points to the left of a reflector by an angle."""
     place = complex(reflector.x_mm, reflector.y_mm) - axis_mm(bench, (*angles, 50.0, 0.0))
     world_deg = math.degrees(cmath.phase(place)) + off_deg
@@ -81,13 +81,13 @@ def test_a_joint_without_an_aim_moves_alone() -> None:
 
 
 def test_what_cannot_be_stepped_says_so() -> None:
-    with pytest.raises(UsageError, match="say at which; there are P1, P2, P3"):
+    with pytest.raises(ManualStepError, match="say at which; there are P1, P2, P3"):
         step_target(BENCH, (0.0, 0.0, 50.0, 0.0), "beam", 1.0)
-    with pytest.raises(UsageError, match="no reflector 'P9'; there are P1"):
+    with pytest.raises(ManualStepError, match="no reflector 'P9'; there are P1"):
         step_target(BENCH, (0.0, 0.0, 50.0, 0.0), "j1", 1.0, "P9")
     # At the stretched arm the beam looks along +X, where P2 stands at y = 0: 90 deg to the left is past it.
-    with pytest.raises(UsageError, match=r"points 90\.0° past P2: turn J4 by -90\.0 deg first"):
+    with pytest.raises(ManualStepError, match=r"points 90\.0° past P2: turn J4 by -90\.0 deg first"):
         step_target(BENCH, (0.0, 0.0, 50.0, 90.0), "beam", 1.0, "P2")
     near = replace(BENCH, reflectors=(Reflector("P2", 560.0, 0.0, 180.0),))
-    with pytest.raises(UsageError, match="10 mm from P2"):
+    with pytest.raises(ManualStepError, match="10 mm from P2"):
         step_target(near, (0.0, 0.0, 50.0, 0.0), "beam", 1.0, "P2")

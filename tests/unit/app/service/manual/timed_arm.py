@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal, cast
 
 from catseye.app.cell.air import air_rule
-from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Cell
+from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.engine.devices import Devices
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.message import JsonObject
@@ -211,7 +211,7 @@ class ManualFixture:
                 DeviceFacts("robot", "memory://robot", "melfa-r3"),
                 DeviceFacts("interferometer", "memory://counter", "line-counter"),
             ),
-            bench_of(cell),
+            scara_bench_of(cell),
             cell.robot.override_cap_percent,
             air_rule(cell),
             None,

@@ -19,6 +19,7 @@ from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import RobotStatus
+from catseye.procedures.scara.bench import ScaraBench
 from tests.unit.app.engine.fakes import ManualClock
 from tests.unit.app.service.manual.benches import bench_from_template, cell_from_template
 
@@ -172,6 +173,7 @@ def test_the_aim_is_the_reflector_that_the_beam_is_turned_to(
     theta1_deg: float, theta2_deg: float, number: int
 ) -> None:
     layout = facts().bench
+    assert isinstance(layout, ScaraBench)
     one, both = math.radians(theta1_deg), math.radians(theta1_deg + theta2_deg)
     x_mm = 325.0 * math.cos(one) + 225.0 * math.cos(both)
     y_mm = 325.0 * math.sin(one) + 225.0 * math.sin(both)

@@ -2,7 +2,7 @@
 
 import cmath
 import math
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from hypothesis import given
@@ -14,7 +14,7 @@ from catseye.app.tui.widgets.plan_drawing import BEAM_LOST, BEAM_OK, draw_plan, 
 from tests.unit.app.tui.scripted_bench import BENCH, bench_status
 from tests.unit.app.tui.widgets.dots import dots_of
 
-LAYOUT = bench_status().layout
+LAYOUT = cast(Layout, bench_status().layout)
 JOINTS = BENCH["robot"]["joints"]
 angles = st.floats(-170.0, 170.0)
 

@@ -1,0 +1,65 @@
+"""The arm of a cell: axes from its description, ranges as the cell narrows them."""
+
+from collections.abc import Sequence
+from typing import cast
+
+from catseye.app.cell.arm import Joint, shipped_arm
+from catseye.app.cell.model import Cell
+from catseye.app.errors import ConfigError
+from catseye.drivers.roles.pose import Axes, Axis
+from catseye.drivers.roles.registry import driver_names, load_driver
+from catseye.drivers.roles.robot import RobotClass
+from catseye.procedures.kit.bench import Arm
+
+
+def axes_of(cell: Cell) -> Axes:
+    """Return the axes of a cell's arm; [robot.limits_deg] narrows their ranges."""
+    limits = cell.robot.limits_deg.model_dump()
+    return tuple(
+        _axis(joint, limits.get(joint.name.lower(), joint.range))
+        for joint in shipped_arm(cell.robot.arm).joint
+    )
+
+
+def _axis(joint: Joint, limits: Sequence[float]) -> Axis:
+    low, high = limits
+    return Axis(joint.name, joint.unit, low, high, joint.speed, joint.acceleration)
+
+
+def arm_of(cell: Cell, axes: Axes, range_keys: tuple[str, ...]) -> Arm:
+    """Return the arm of a cell.
+
+    Args:
+        cell: how it is driven.
+        axes: of the arm.
+        range_keys: key of [robot] that sets the range of each.
+
+    Raises:
+        ConfigError: its driver is not installed, or is none of a robot.
+    """
+    robot = cell.robot
+    return Arm(
+        axes=axes,
+        range_keys=range_keys,
+        override_percent=robot.override_cap_percent,
+        following=robot_driver(robot.driver).abilities.following,
+        follow_speed_deg_s=robot.follow_speed_deg_s,
+        follow_acceleration_deg_s2=robot.follow_acceleration_deg_s2,
+    )
+
+
+def robot_driver(driver: str) -> type[RobotClass]:
+    """Return the class of a robot's driver.
+
+    Raises:
+        ConfigError: no such driver is installed, or it is none of a robot.
+    """
+    try:
+        return cast("type[RobotClass]", load_driver(driver, "robot"))
+    except LookupError as error:
+        raise ConfigError(f"[robot] driver: {error.args[0]}") from error
+
+
+def may_move_an_arm(device: str, driver: str) -> bool:
+    """Return whether bytes that are sent to a device of a cell file may move an arm."""
+    return device == "robot" or (driver in driver_names() and load_driver(driver).role == "robot")

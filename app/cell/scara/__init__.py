@@ -1,0 +1,1 @@
+"""What only a cell with a SCARA and its interferometer has."""
