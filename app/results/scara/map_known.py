@@ -21,3 +21,8 @@ class MapKnown(Document):
     u_theta1_mdeg: float | None = None
     u_theta2_mdeg: float | None = None
     text: str = ""
+
+    @property
+    def u_mdeg(self) -> dict[str, float | None]:
+        """Largest standard uncertainty of each map, by its name."""
+        return {"Δθ1": self.u_theta1_mdeg, "Δθ2": self.u_theta2_mdeg}
