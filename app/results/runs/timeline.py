@@ -10,6 +10,9 @@ from catseye.app.results.runs.event_text import between_s, device_text, event_te
 from catseye.app.results.runs.record_text import record_text
 from catseye.app.store.reader import RunReader, StoredEvent, StoredStep
 
+_INCIDENTS = frozenset({"beam-lost", "step-dropped", "run-reopened", "walk-waived"})
+"""Events that disturbed a run, or whose reason a reader of its result has to know."""
+
 
 @dataclass(frozen=True)
 class Moment:
@@ -38,6 +41,7 @@ class _Entry:
         order: what comes before what; no clock counts where the record itself knows.
         step: the step.
         passing: only the last one of its kind counts.
+        kind: of the event; empty for what is none.
     """
 
     time_utc: str
@@ -45,6 +49,7 @@ class _Entry:
     order: _Order
     step: StoredStep | None = None
     passing: bool = False
+    kind: str = ""
 
     @property
     def group(self) -> str:
@@ -76,6 +81,13 @@ def timeline(reader: RunReader) -> list[Moment]:
         else:
             moments += [Moment(entry.time_utc, entry.text) for entry in together]
     return moments
+
+
+def incidents(reader: RunReader) -> list[Moment]:
+    """Return what disturbed a run, in the order in which it was stored."""
+    return [
+        Moment(entry.time_utc, entry.text) for entry in _event_entries(reader) if entry.kind in _INCIDENTS
+    ]
 
 
 def _orders(stored: Sequence[tuple[int | None, str]]) -> list[_Order]:
@@ -137,8 +149,9 @@ def _event_entries(reader: RunReader) -> list[_Entry]:
                 devices = event.data.get("devices")
             case _:
                 texts = [event_text(event, known)]
-        passing = event.kind in known and known[event.kind].passing
-        entries += [_Entry(event.time_utc, text, order, passing=passing) for text in texts if text]
+        kind = event.kind
+        passing = kind in known and known[kind].passing
+        entries += [_Entry(event.time_utc, text, order, passing=passing, kind=kind) for text in texts if text]
     return entries
 
 
