@@ -94,7 +94,7 @@ class ManualArm:
         """Keep a joint moving, or stop; the result is there when it has been set going.
 
         Raises:
-            RefusedError: a step is under way, the arm has no such axis to move, or the robot stops by itself only after
+            RefusedError: a step is under way, there is no such axis to move, or the robot stops by itself only after
                 a whole motion.
         """
         motion = self.motion
