@@ -4,6 +4,7 @@ import shutil
 import sys
 
 from catseye.app.protocol.run_events import LiveData
+from catseye.app.results.numbers import fixed, number
 from catseye.app.service.questions import hint
 from catseye.procedures.kit.context import Prompt
 
@@ -73,8 +74,7 @@ class QuestionLine:
 def _value_text(value: float, unit: str) -> str:
     if unit not in _DECIMALS:
         return _limit(value)
-    text = f"{value:.{_DECIMALS[unit]}f}"
-    return text.removeprefix("-") if float(text) == 0.0 else text
+    return number(value, fixed(_DECIMALS[unit]), minus="-")
 
 
 def _limit(value: float | None) -> str:

@@ -3,6 +3,7 @@
 import asyncio
 import json
 from collections.abc import Mapping
+from urllib.parse import urlsplit
 
 from catseye.app.errors import LinkFailedError
 from catseye.procedures.kit.records import Json
@@ -54,10 +55,12 @@ class SimulatedOperator:
                 return {"op": "clear_beam"}
 
     async def _ask(self, request: Mapping[str, Json]) -> dict[str, Json]:
-        host, _, port = self._endpoint.removeprefix("tcp://").rpartition(":")
         try:
+            where = urlsplit(self._endpoint)
             async with asyncio.timeout(_LIMIT_S):
-                reader, writer = await asyncio.open_connection(host, int(port), limit=_LONGEST_ANSWER_BYTES)
+                reader, writer = await asyncio.open_connection(
+                    where.hostname, where.port, limit=_LONGEST_ANSWER_BYTES
+                )
                 try:
                     writer.write(json.dumps(request).encode() + b"\n")
                     answer = json.loads(await reader.readline())

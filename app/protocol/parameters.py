@@ -36,6 +36,21 @@ def range_text(facts: dict[str, Any]) -> str:
     return f"{whole}{low:g} … {high:g}"
 
 
+def short_text(facts: dict[str, Any]) -> str:
+    """Return what a parameter may be in few characters, for one line of a form.
+
+    Args:
+        facts: the parameter's JSON schema.
+    """
+    facts = next((one for one in facts.get("anyOf", [facts]) if one.get("type") != "null"), facts)
+    low, high, above = facts.get("minimum"), facts.get("maximum"), facts.get("exclusiveMinimum")
+    if _names(facts):
+        return "names, by commas"
+    if above is not None:
+        return f"> {above:g} … {high:g}"
+    return range_text(facts) if low is None else f"{low:g} … {high:g}"
+
+
 def _list_text(facts: dict[str, Any]) -> str:
     items, fewest, most = facts.get("items", {}), facts.get("minItems"), facts.get("maxItems")
     if items.get("type") == "string":

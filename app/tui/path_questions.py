@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from catseye.app.tui.dialogs.form_dialog import Answers
 from catseye.app.tui.screens.working import is_file, typed_path
@@ -11,15 +11,12 @@ if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
     from catseye.app.results.scara.result_files import ResultFile
 
-_PATH_RUN: Final = "_validation-path_"
-
 
 def newest_path_run(root: Path) -> str:
     """Return the name of the newest run of a validation path, empty when there is none."""
-    if not root.is_dir():
-        return ""
-    names = (path.name for path in root.iterdir() if _PATH_RUN in path.name)
-    return max(names, default="")
+    from catseye.app.store.catalog import paths_of
+
+    return max((path.name for path in paths_of(root, "validation-path")), default="")
 
 
 def reference_of(file: "ResultFile", files: "Iterable[ResultFile]") -> Path | None:

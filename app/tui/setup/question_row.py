@@ -39,13 +39,13 @@ class Answered(Message):
     """An answer was typed or chosen.
 
     Attributes:
-        key: of the question.
+        question: that was answered.
         text: the answer.
     """
 
-    def __init__(self, key: str, text: str) -> None:
+    def __init__(self, question: Question, text: str) -> None:
         super().__init__()
-        self.key = key
+        self.question = question
         self.text = text
 
 
@@ -103,7 +103,7 @@ class QuestionRow(Vertical):
         # Fields tell their first value too, which nobody has typed.
         if text != self._answer:
             self._answer = text
-            self.post_message(Answered(self.question.key, text))
+            self.post_message(Answered(self.question, text))
 
     def _input(self) -> Input:
         hint = f"default {self._default}" if self._default else "not answered yet"

@@ -19,6 +19,22 @@ HELP: Final = (
 )
 
 
+class ReflectorField(Input):
+    """One value of a reflector.
+
+    Args:
+        number: of the reflector, from 0.
+        key: of the value.
+        text: as it is typed.
+        hint: what is taken where nothing is typed.
+    """
+
+    def __init__(self, number: int, key: str, text: str, hint: str) -> None:
+        super().__init__(text, placeholder=hint, compact=True, select_on_focus=False, id=f"r{number}-{key}")
+        self.number = number
+        self.key = key
+
+
 class ReflectorRows(Vertical):
     """Name, place and direction of each cat's eye.
 
@@ -51,13 +67,7 @@ class ReflectorRows(Vertical):
             with Horizontal():
                 for key, _ in COLUMNS:
                     hint = "to J1" if key == "facing_deg" else ""
-                    yield Input(
-                        reflector.get(key, ""),
-                        placeholder=hint,
-                        compact=True,
-                        select_on_focus=False,
-                        id=f"r{number}-{key}",
-                    )
+                    yield ReflectorField(number, key, reflector.get(key, ""), hint)
             yield Fault(id=f"fault{number}")
 
     async def add(self) -> None:
@@ -85,15 +95,18 @@ class ReflectorRows(Vertical):
 
     def on_descendant_focus(self, event: DescendantFocus) -> None:
         """Note which reflector is meant."""
-        if event.widget.id:
-            self._current = int(event.widget.id[1:].partition("-")[0])
+        if isinstance(event.widget, ReflectorField):
+            self._current = event.widget.number
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Take what is typed."""
         event.stop()
-        number, _, key = (event.input.id or "").removeprefix("r").partition("-")
-        if self._reflectors[int(number)].get(key, "") != event.value:
-            self._reflectors[int(number)][key] = event.value.strip()
+        field = event.input
+        if (
+            isinstance(field, ReflectorField)
+            and self._reflectors[field.number].get(field.key, "") != event.value
+        ):
+            self._reflectors[field.number][field.key] = event.value.strip()
             self.post_message(self.Changed())
 
     async def _again(self, number: int) -> None:

@@ -22,9 +22,6 @@ from catseye.app.tui.widgets.static_text import StaticText, lines
 _PAUSE_S: Final = 0.15
 """After the last key, before the answers are judged."""
 
-_REBUILDING: Final = (".driver", "io", "tracker", "material")
-"""Answers that other questions depend on."""
-
 FILE: Final = "file"
 
 
@@ -148,11 +145,12 @@ class Wizard(Horizontal):
             self._show_faults()
 
     async def on_answered(self, event: Answered) -> None:
-        """Take an answer; other questions may follow from it."""
+        """Take an answer; other questions may follow from a choice."""
         event.stop()
-        self.draft.give(event.key, event.text)
-        if event.key.endswith(_REBUILDING):
-            await self._fill(self.page, event.key)
+        key = event.question.key
+        self.draft.give(key, event.text)
+        if event.question.kind == "choice":
+            await self._fill(self.page, key)
         self._judge_soon()
 
     def on_reflector_rows_changed(self) -> None:

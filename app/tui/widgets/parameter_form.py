@@ -8,7 +8,7 @@ from textual.events import DescendantFocus
 from textual.message import Message
 from textual.widgets import Input, Label, Select
 
-from catseye.app.protocol.parameters import default_text, param_text, range_text, typed_fault
+from catseye.app.protocol.parameters import default_text, param_text, range_text, short_text, typed_fault
 from catseye.app.tui.widgets.static_text import StaticText
 
 Schema = dict[str, dict[str, Any]]
@@ -105,7 +105,7 @@ class ParameterRow(Horizontal):
     def _judge(self) -> None:
         shown = self.query_one(StaticText)
         shown.set_class(bool(self.fault), "bad")
-        shown.update(("✗ " if self.fault else "") + _short(range_text(self.facts)) + self.unit)
+        shown.update(("✗ " if self.fault else "") + short_text(self.facts) + self.unit)
 
 
 class ParameterForm(VerticalScroll):
@@ -179,14 +179,6 @@ class ParameterForm(VerticalScroll):
         row = next((each for each in event.widget.ancestors if isinstance(each, ParameterRow)), None)
         if row is not None:
             self.post_message(self.Described(row.description))
-
-
-def _short(text: str) -> str:
-    """Return a range in few characters; the line below the form has it in words."""
-    first = text.split(", or ", maxsplit=1)[0].removeprefix("a whole number, ")
-    if first.startswith("a list of"):
-        return "names, by commas"
-    return first.replace("more than ", "> ").replace(", at most", " …")
 
 
 def _choices(facts: dict[str, Any]) -> list[str]:

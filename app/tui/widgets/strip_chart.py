@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from catseye.app.results.numbers import fixed, number
 from catseye.app.tui.widgets.braille import DOTS_ACROSS, DOTS_DOWN, Canvas, Floats
 from catseye.app.tui.widgets.inks import Line
 
@@ -199,5 +200,4 @@ def _decimals(step: float) -> int:
 
 
 def _number(value: float, step: float) -> str:
-    text = f"{value:.{_decimals(step)}f}"
-    return text.removeprefix("-") if float(text) == 0.0 else text
+    return number(value, fixed(_decimals(step)), minus="-")
