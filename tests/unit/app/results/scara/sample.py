@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
+from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.model import Cell
-from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.render.page import page_html
 from catseye.app.results.runs.records import DeviceRecord, EnvironmentSummary, RunRecord, Spread
