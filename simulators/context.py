@@ -77,5 +77,5 @@ class EmulationContext:
     def instrument(self, device: str) -> Instrument:
         """Return the length counter of a device; all its endpoints and clients lead to the same one."""
         if device not in self.instruments:
-            self.instruments[device] = self.bench.new_instrument()
+            self.instruments[device] = Instrument(self.bench)
         return self.instruments[device]

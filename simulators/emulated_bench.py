@@ -11,7 +11,7 @@ from catseye.simulators.emulator import DeviceOptions
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.ports.port import Port
-from catseye.simulators.registry import new_emulator
+from catseye.simulators.registry import sessions_of
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.journal import Journal
 from catseye.simulators.world.scara.bench import scara_bench
@@ -104,13 +104,11 @@ class EmulatedBench:
             await port.close()
 
     def _port(self, device: EmulatedDevice) -> Port:
-        emulator = new_emulator(
+        sessions = sessions_of(
             self.context, device, lambda text: self.journal.add(device.name, "request", text)
         )
         most = DeviceOptions.of(device).clients or None
-        return Port(
-            device.name, device.protocol, device.endpoint, self.keeper, emulator.session, most_clients=most
-        )
+        return Port(device.name, device.protocol, device.endpoint, self.keeper, sessions, most_clients=most)
 
 
 def _check(config: EmulationConfig) -> None:

@@ -14,6 +14,9 @@ from catseye.simulators.ports.session import Session
 Note = Callable[[str], None]
 """Called with each request of a client."""
 
+NewSession = Callable[[], Session]
+"""Makes the session of a new client."""
+
 Role = Literal["robot", "interferometer", "environment", "io"]
 
 
@@ -46,15 +49,7 @@ class DeviceOptions(BaseModel):
 
 
 class Emulator(ABC):
-    """One endpoint of one device; what all its clients share is made here, once.
-
-    Args:
-        context: what the emulators of the bench share.
-        device: the endpoint and its options.
-        note: called with each request.
-
-    Raises:
-        EmulatorError: an option is wrong.
+    """One endpoint of one device.
 
     Attributes:
         role: what kind of device it emulates.
@@ -66,9 +61,19 @@ class Emulator(ABC):
     Options: ClassVar[type[DeviceOptions]] = DeviceOptions
     link: ClassVar[Literal["tcp", "udp"]] = "tcp"
 
+    @classmethod
     @abstractmethod
-    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None: ...
+    def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
+        """Make what all clients of the endpoint share.
 
-    @abstractmethod
-    def session(self) -> Session:
-        """Return the session of a new client."""
+        Args:
+            context: what the emulators of the bench share.
+            device: the endpoint and its options.
+            note: called with each request.
+
+        Returns:
+            What makes the session of a new client.
+
+        Raises:
+            EmulatorError: an option is wrong.
+        """

@@ -4,7 +4,7 @@ from importlib import metadata
 
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.context import EmulationContext
-from catseye.simulators.emulator import Emulator, Note
+from catseye.simulators.emulator import Emulator, NewSession, Note
 from catseye.simulators.errors import EmulatorError
 
 GROUP = "catseye.simulators"
@@ -31,8 +31,8 @@ def load_emulator(protocol: str) -> type[Emulator]:
     raise EmulatorError(f"there is no emulator of {protocol!r}; there are {names}")
 
 
-def new_emulator(context: EmulationContext, device: EmulatedDevice, note: Note) -> Emulator:
-    """Return the emulator of a device's endpoint.
+def sessions_of(context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
+    """Return what makes the sessions of a device's endpoint.
 
     Raises:
         EmulatorError: there is no such protocol, or an option is wrong.
@@ -41,4 +41,4 @@ def new_emulator(context: EmulationContext, device: EmulatedDevice, note: Note) 
         kind = load_emulator(device.protocol)
     except EmulatorError as error:
         raise EmulatorError(f"{device.name}: {error}") from None
-    return kind(context, device, note)
+    return kind.sessions(context, device, note)

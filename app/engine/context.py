@@ -138,11 +138,6 @@ class RunContext:
         """The run goes on after an interruption."""
         return self._store.resumed
 
-    @property
-    def software_time_s(self) -> list[float]:
-        """Time that program and links added, one for each step that ran, s of the run's clock."""
-        return [time.software_s for time in self.step_times]
-
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step once; one that is done returns its stored result.
 

@@ -9,14 +9,13 @@ from typing import Any
 
 from catseye.app.engine.waiting import cancel
 from catseye.app.exitcode import ExitCode
-from catseye.app.protocol.answers import Found, Stepped, Welcome, answer_as
+from catseye.app.protocol.answers import Found, Welcome, answer_as
 from catseye.app.protocol.events import AnyEvent, event_of
 from catseye.app.protocol.message import JsonObject, MessageError, decode_object, require_version
 from catseye.app.protocol.requests import (
     AnyRequest,
     Control,
     Hello,
-    JogStep,
     Plain,
     Reply,
     encode_request,
@@ -31,9 +30,6 @@ _LONGEST_BYTES = 16 * 1024 * 1024
 
 PING_S = 2.0
 """Real s between two signs of life."""
-
-STEP_PING_S = 0.1
-"""The same during a step by hand, which is stopped when its client falls silent for 0.5 s."""
 
 
 _READING_TURNS = 10
@@ -138,19 +134,6 @@ class EngineClient:
         """
         await self.request(Reply(prompt=prompt, text=text))
 
-    async def jog_step(self, step: JogStep) -> Stepped:
-        """Move by a step, with signs of life until the arm stands.
-
-        Raises:
-            RefusedError: the step is not made, or was stopped; the text says why.
-            ServiceError: the connection is closed.
-        """
-        alive = asyncio.create_task(self.keep_alive(STEP_PING_S))
-        try:
-            return await self.ask(step, Stepped)
-        finally:
-            await cancel(alive)
-
     async def listen(self) -> None:
         """Take in what the engine sends, until the connection is closed."""
         try:
@@ -165,14 +148,10 @@ class EngineClient:
         """By which the engine knows this client."""
         return self.snapshot.you or ""
 
-    async def keep_alive(self, period_s: float = PING_S) -> None:
-        """Give signs of life.
-
-        Args:
-            period_s: between two of them, real s.
-        """
+    async def keep_alive(self) -> None:
+        """Give signs of life until the connection is closed."""
         while self.closed is None:
-            await self._clock.sleep(period_s)
+            await self._clock.sleep(PING_S)
             for _ in range(_READING_TURNS):
                 await asyncio.sleep(0)
             try:

@@ -19,7 +19,8 @@ from catseye.app.protocol.run_events import (
     StepDone,
     StepStarted,
 )
-from catseye.app.service.merging import merged
+from catseye.app.service.watching.columns import MOST_COLUMNS
+from catseye.app.service.watching.traffic import MOST_LINES
 
 CAPACITY = 512
 """Messages that wait for a slow client."""
@@ -64,7 +65,7 @@ class Mailbox:
             slot, droppable = _slot(message), _droppable(message)
             for waiting in self._waiting if slot is not None else ():
                 if waiting.slot == slot and not isinstance(waiting.message, bytes):
-                    waiting.message = merged(waiting.message, message)
+                    waiting.message = _merged(waiting.message, message)
                     return
         if len(self._waiting) >= self._capacity and not self._make_room(droppable):
             return
@@ -121,3 +122,24 @@ def _droppable(event: AnyEvent) -> bool:
     if isinstance(event, ClientsChanged):
         return False
     return _slot(event) is not None or isinstance(event, PointMeasured | StepStarted | StepDone)
+
+
+def _merged(older: AnyEvent, newer: AnyEvent) -> AnyEvent:
+    """Return the event that is sent in place of two of the same kind; what is left out is counted."""
+    match older, newer:
+        case BenchSeen(), BenchSeen():
+            return newer.model_copy(update={"missed": older.missed + 1 + newer.missed})
+        case SamplesTaken(), SamplesTaken():
+            surplus = max(0, len(older.count) + len(newer.count) - MOST_COLUMNS)
+            columns = {
+                "low": (older.low + newer.low)[surplus:],
+                "high": (older.high + newer.high)[surplus:],
+                "count": (older.count + newer.count)[surplus:],
+            }
+            return newer.model_copy(update={**columns, "missed": older.missed + newer.missed + surplus})
+        case WirePassed(), WirePassed():
+            lines = older.lines + newer.lines
+            surplus = max(0, len(lines) - MOST_LINES)
+            missed = older.missed + newer.missed + surplus
+            return newer.model_copy(update={"lines": lines[surplus:], "missed": missed})
+    return newer

@@ -40,15 +40,6 @@ class Contributions:
         """Variance that each contributor gives each parameter, shape (contributors, p)."""
         return np.asarray(np.maximum(np.einsum("kii->ki", self.covariances), 0.0))
 
-    def of_combinations(self, combinations: Floats) -> Floats:
-        """Return the variance that each contributor gives to results, shape (contributors, m).
-
-        Args:
-            combinations: derivatives of the results by the parameters, shape (m, p).
-        """
-        variances = np.einsum("kmp,mp->km", combinations @ self.covariances, combinations)
-        return np.asarray(np.maximum(variances, 0.0))
-
     def effective_dof(self, variances: Floats) -> Floats:
         """Return the effective degrees of freedom of results (Welch–Satterthwaite), shape (m,).
 

@@ -4,11 +4,14 @@ Both losses are convex, so the minimum is one and the start does not matter; wha
 protect against wrong rows, not against a wrong command of high leverage.
 """
 
+import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from scipy import linalg
 
+from catseye.calibration.core.budget import RowErrors, White
 from catseye.calibration.core.contributions import Contributions
 from catseye.calibration.core.errors import ConvergenceError
 from catseye.calibration.core.estimation import Estimate
@@ -16,7 +19,6 @@ from catseye.calibration.core.fit_statistics import FitStatistics, RobustLoss
 from catseye.calibration.core.least_squares import minimise
 from catseye.calibration.core.model import Model
 from catseye.calibration.core.residuals import NORMAL_MAD
-from catseye.calibration.core.sandwich import sandwich
 from catseye.calibration.core.types import Floats
 
 Loss = Literal["huber", "soft-l1"]
@@ -124,7 +126,9 @@ def _judged(
     (scale, rounds), weights = settled, model.weights
     standardised = found.residuals_mm * weights / scale
     share = loss_weight(standardised, loss)
-    parts = sandwich(model, found, scale, standardised * share, _influence_slope(standardised, loss), scatter)
+    parts = _sandwich(
+        model, found, scale, standardised * share, _influence_slope(standardised, loss), scatter
+    )
     sigma_um = 1e3 * scale / float(np.sqrt(np.mean(weights**2)))
     counted = RobustLoss(loss, sigma_um, _half(loss), int(np.sum(share < 0.5)))
     fit = replace(_statistics(found.fit, found.residuals_mm, scale, rounds), sigma0_um=sigma_um, loss=counted)
@@ -147,3 +151,35 @@ def _statistics(fit: FitStatistics, residuals_mm: Floats, scale: float, rounds: 
         variance_factor=scale**2,
         iterations=rounds,
     )
+
+
+def _sandwich(
+    model: Model, found: Estimate, scale: float, influence: Floats, slope: Floats, scatter: str
+) -> Contributions:
+    """Return A⁻¹ B A⁻¹ with A from the influence's slope and B from its square, shifts by shared errors beside it.
+
+    The scatter that the rows show stands for all white contributors; each stated shared error shifts the estimate by
+    what the loss lets it.
+
+    Args:
+        model: rows and parameters.
+        found: the robust estimate.
+        scale: robust standard deviation of a weighted row.
+        influence: of each row, in units of the scale, shape (n,).
+        slope: derivative of the influence by the standardised residual, shape (n,).
+        scatter: name of what stands for the stated white contributors.
+    """
+    basis, weights = model.parameters.basis, model.weights
+    jacobian = (model.jacobian(found.values) * weights[:, None]) @ basis
+    size = np.linalg.norm(jacobian, axis=0)
+    jacobian = jacobian / size
+    bread = linalg.inv(jacobian.T @ (jacobian * slope[:, None]))
+    moved = (basis / size) @ bread @ jacobian.T
+    widened = math.sqrt(influence.size / (influence.size - basis.shape[1]))
+    columns = [moved * (widened * scale * influence)]
+    shared = model.shared(found.values)
+    columns += [(moved * (slope * weights)) @ one.effects_mm for one in shared]
+    white = White(scatter, scale / weights, dof=found.fit.dof)
+    # A product with its own transpose is symmetric to the last digit.
+    squares = np.stack([one @ one.T for one in columns])
+    return Contributions(RowErrors((white,), shared, factor=1.0, factor_dof=math.inf), squares)

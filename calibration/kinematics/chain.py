@@ -13,8 +13,6 @@ import numpy as np
 
 from catseye.calibration.kinematics.types import Floats
 
-Range = tuple[float, float]
-
 
 @dataclass(frozen=True)
 class Joint:

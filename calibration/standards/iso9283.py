@@ -1,9 +1,8 @@
-"""Performance of robots after ISO 9283: pose and distance accuracy and repeatability, variation, drift.
+"""Performance of robots after ISO 9283: pose and distance accuracy and repeatability.
 
 Values come in the unit of the positions.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,20 +61,6 @@ def pose_repeatability(attained: Floats) -> float:
     return float(distance.mean() + 3.0 * distance.std(ddof=1))
 
 
-def multi_directional_variation(attained: Sequence[Floats]) -> float:
-    """Return vAP, the largest distance between the barycentres of one pose reached from several directions.
-
-    Args:
-        attained: positions for each direction, shape (n, k) each.
-
-    Raises:
-        InsufficientPointsError: fewer than two directions.
-    """
-    _require_two(len(attained))
-    means = np.array([positions.mean(axis=0) for positions in attained])
-    return float(np.linalg.norm(means[:, None] - means[None, :], axis=-1).max())
-
-
 @dataclass(frozen=True)
 class DistanceQuantities:
     """A distance that was attained n times.
@@ -109,38 +94,6 @@ def distance(attained: Floats, command: float) -> DistanceQuantities:
 def distance_repeatability(s: float) -> float:
     """Return RD, the half width ±3 S that belongs to a standard deviation of distances."""
     return 3.0 * s
-
-
-@dataclass(frozen=True)
-class Drift:
-    """How pose accuracy and repeatability change from the first to later tests.
-
-    Attributes:
-        accuracy: dAP, largest change of pose accuracy.
-        repeatability: dRP, largest change of pose repeatability.
-    """
-
-    accuracy: float
-    repeatability: float
-
-
-def drift(attained: Sequence[Floats], command: Floats) -> Drift:
-    """Return the drift over tests of one pose.
-
-    Args:
-        attained: positions of each test in order of time, shape (n, k) each.
-        command: commanded position, shape (k,).
-
-    Raises:
-        InsufficientPointsError: fewer than two tests, or fewer than two positions in one.
-    """
-    _require_two(len(attained))
-    found = [pose(positions, command) for positions in attained]
-    first = found[0]
-    return Drift(
-        max(abs(one.accuracy - first.accuracy) for one in found),
-        max(abs(one.repeatability - first.repeatability) for one in found),
-    )
 
 
 def _require_two(count: int) -> None:

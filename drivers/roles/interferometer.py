@@ -21,14 +21,12 @@ class LengthReading(DeviceText):
         raw: the instrument's own text or number, as it came.
         time_s: arrival, on the driver's clock, s.
         zero_id: number of the zero that it counts from; 0 before the first one.
-        device_time_s: the instrument's own time of the value, s; None when it gives none.
     """
 
     displacement_mm: float
     raw: str
     time_s: float
     zero_id: int = 0
-    device_time_s: float | None = None
 
 
 @dataclass(frozen=True)

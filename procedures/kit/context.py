@@ -65,11 +65,6 @@ class Measurement:
     clock_s: float = 0.0
 
 
-def in_band(value: float, low: float | None, high: float | None) -> bool:
-    """Return whether a value is accepted; None is no limit on that side."""
-    return (low is None or value >= low) and (high is None or value <= high)
-
-
 @dataclass(frozen=True)
 class Prompt:
     """A question to the operator, as data.

@@ -12,10 +12,9 @@ from typing import Literal
 from pydantic import Field
 
 from catseye.simulators.attocube.device import Ids, IdsError, IdsOptions
-from catseye.simulators.attocube.json_stream import JsonCutter
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.context import EmulationContext
-from catseye.simulators.emulator import Emulator, Note
+from catseye.simulators.emulator import Emulator, NewSession, Note
 from catseye.simulators.lengths import LengthOptions
 from catseye.simulators.ports.session import Answer, Session
 
@@ -23,6 +22,61 @@ _NOT_JSON = (-32700, "Parse error")
 _NO_REQUEST = (-32600, "Invalid Request")
 _NO_METHOD = (-32601, "Method not found")
 _BAD_PARAMS = (-32602, "Invalid params")
+
+
+LONGEST_BYTES = 65_536
+DEEPEST = 32
+
+_OPEN, _CLOSE = b"{[", b"}]"
+
+
+class JsonCutter:
+    """Finds where each object ends by its braces; what stands between objects is passed over.
+
+    An object that is too long or too deep is given out as empty bytes, once, and nothing of it is kept.
+    """
+
+    def __init__(self) -> None:
+        self._object = bytearray()
+        self._depth = 0
+        self._in_text = False
+        self._escaped = False
+
+    def feed(self, data: bytes) -> list[bytes]:
+        """Take bytes, cut anywhere; return the objects that are complete."""
+        objects: list[bytes] = []
+        for byte in data:
+            if not self._depth and byte != ord("{"):
+                continue
+            self._object.append(byte)
+            self._step(byte)
+            if not self._depth:
+                objects.append(bytes(self._object))
+                self._forget()
+            elif len(self._object) > LONGEST_BYTES or self._depth > DEEPEST:
+                objects.append(b"")
+                self._forget()
+        return objects
+
+    def _step(self, byte: int) -> None:
+        if self._in_text:
+            if self._escaped:
+                self._escaped = False
+            elif byte == ord("\\"):
+                self._escaped = True
+            elif byte == ord('"'):
+                self._in_text = False
+        elif byte == ord('"'):
+            self._in_text = True
+        elif byte in _OPEN:
+            self._depth += 1
+        elif byte in _CLOSE:
+            self._depth -= 1
+
+    def _forget(self) -> None:
+        self._object.clear()
+        self._depth = 0
+        self._in_text = self._escaped = False
 
 
 class IdsSession(Session):
@@ -82,13 +136,7 @@ def _line(number: int | str | None, said: dict[str, object]) -> bytes:
 
 
 class AttocubeIds(Emulator):
-    """An instrument that all its clients share.
-
-    Args:
-        context: what the emulators of the bench share.
-        device: the endpoint and its options.
-        note: called with each request.
-    """
+    """An instrument that all its clients share."""
 
     role = "interferometer"
 
@@ -101,14 +149,12 @@ class AttocubeIds(Emulator):
         start_time_s: float = 3.0
         ecu_enabled: bool = False
 
-    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
-        given = self.Options.of(device)
+    @classmethod
+    def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
+        """Make the instrument that all clients share."""
+        given = cls.Options.of(device)
         options = IdsOptions(
             given.dialect, given.axis, given.sign, given.bare_mode, given.start_time_s, given.ecu_enabled
         )
-        self._ids = Ids(context.instrument(device.name), context.probe, options)
-        self._note = note
-
-    def session(self) -> Session:
-        """Return the session of a new client."""
-        return IdsSession(self._ids, self._note)
+        ids = Ids(context.instrument(device.name), context.probe, options)
+        return lambda: IdsSession(ids, note)

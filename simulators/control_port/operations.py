@@ -85,8 +85,8 @@ def _state(request: messages.ReadState, reach: Reach) -> Answer:
         beam=_beam(context),
         coils=context.coils,
         mount=_mount(context),
-        in_place=bench.in_place,
-        laser_ready=bench.laser_ready,
+        in_place=bench.beam.in_place,
+        laser_ready=bench.beam.laser_ready,
     )
 
 
@@ -96,18 +96,18 @@ def _beam(context: EmulationContext) -> messages.BeamState:
     return messages.BeamState(
         reflector=true.reflector,
         returns=true.reflector is not None,
-        lost=latches.get("interferometer", bench.beam_lost),
+        lost=latches.get("interferometer", bench.beam.lost),
         lost_of=latches,
         nearest=true.nearest,
         miss_mm=true.miss_mm,
-        largest_miss_mm=bench.largest_miss_mm,
+        largest_miss_mm=bench.beam.largest_miss_mm,
         length_mm=true.length_mm,
         direction_deg=true.beam_deg,
     )
 
 
 def _mount(context: EmulationContext) -> messages.MountState:
-    mount = context.bench.mount
+    mount = context.bench.beam.mount
     return messages.MountState(
         offset_mm=mount.offset_mm,
         pitch_mrad=1e3 * mount.pitch_rad,
@@ -138,26 +138,26 @@ def _speed(request: messages.SetSpeed, reach: Reach) -> Answer:
 
 @carry_out.register
 def _turn_screw(request: messages.TurnScrew, reach: Reach) -> Answer:
-    reach.context.bench.turn_screw(request.screw, request.turns)
+    reach.context.bench.beam.turn_screw(request.screw, request.turns)
     return _DONE
 
 
 @carry_out.register
 def _place_reflector(request: messages.PlaceReflector, reach: Reach) -> Answer:
-    reach.context.bench.place_reflector(request.reflector)
-    return messages.Nests(in_place=reach.context.bench.in_place)
+    reach.context.bench.beam.place_reflector(request.reflector)
+    return messages.Nests(in_place=reach.context.bench.beam.in_place)
 
 
 @carry_out.register
 def _clear_beam(request: messages.ClearBeam, reach: Reach) -> Answer:
     del request
-    reach.context.bench.unblock_beam()
+    reach.context.bench.beam.unblock()
     return _DONE
 
 
 @carry_out.register
 def _block_beam(request: messages.BlockBeam, reach: Reach) -> Answer:
-    reach.context.bench.block_beam(request.duration_s)
+    reach.context.bench.beam.block(request.duration_s)
     return _DONE
 
 
@@ -204,7 +204,7 @@ def _servo_off(request: messages.ServoOff, reach: Reach) -> Answer:
 
 @carry_out.register
 def _move_reflector(request: messages.MoveReflector, reach: Reach) -> Answer:
-    reach.context.bench.move_reflector(request.reflector, request.dx_mm, request.dy_mm)
+    reach.context.bench.beam.move_reflector(request.reflector, request.dx_mm, request.dy_mm)
     return _DONE
 
 
@@ -252,7 +252,7 @@ def _spoil_answers(request: messages.SpoilAnswers, reach: Reach) -> Answer:
 @carry_out.register
 def _overspeed(request: messages.Overspeed, reach: Reach) -> Answer:
     del request
-    reach.context.bench.outrun_counters()
+    reach.context.bench.beam.outrun_counters()
     return _DONE
 
 
@@ -264,13 +264,13 @@ def _vibrate(request: messages.Vibrate, reach: Reach) -> Answer:
 
 @carry_out.register
 def _laser(request: messages.LoseLaser, reach: Reach) -> Answer:
-    reach.context.bench.set_laser(ready=request.ready)
+    reach.context.bench.beam.set_laser(ready=request.ready)
     return _DONE
 
 
 @carry_out.register
 def _weaken(request: messages.Weaken, reach: Reach) -> Answer:
-    reach.context.bench.weaken(request.factor)
+    reach.context.bench.beam.weaken(request.factor)
     return _DONE
 
 

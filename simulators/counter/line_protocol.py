@@ -37,7 +37,7 @@ from typing import Literal
 
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.context import EmulationContext
-from catseye.simulators.emulator import DeviceOptions, Emulator, Note
+from catseye.simulators.emulator import DeviceOptions, Emulator, NewSession, Note
 from catseye.simulators.lengths import Lengths
 from catseye.simulators.ports.session import Answer, Session
 from catseye.simulators.world.bench import Instrument
@@ -167,13 +167,7 @@ class CounterSession(Session):
 
 
 class LineCounter(Emulator):
-    """A length counter that speaks the catseye default profile.
-
-    Args:
-        context: what the emulators of the bench share.
-        device: the endpoint and its options.
-        note: called with each request.
-    """
+    """A length counter that speaks the catseye default profile."""
 
     role = "interferometer"
 
@@ -186,11 +180,9 @@ class LineCounter(Emulator):
 
         compensated: Literal["instrument", "none"] = "instrument"
 
-    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
-        self._lengths = Lengths(self.Options.of(device).compensated == "instrument")
-        self._instrument = context.instrument(device.name)
-        self._note = note
-
-    def session(self) -> Session:
-        """Return the session of a new client."""
-        return CounterSession(self._instrument, self._note, self._lengths)
+    @classmethod
+    def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
+        """Make the instrument that all clients share."""
+        lengths = Lengths(cls.Options.of(device).compensated == "instrument")
+        instrument = context.instrument(device.name)
+        return lambda: CounterSession(instrument, note, lengths)

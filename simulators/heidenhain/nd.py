@@ -13,7 +13,7 @@ from pydantic import Field
 
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.context import EmulationContext
-from catseye.simulators.emulator import Emulator, Note
+from catseye.simulators.emulator import Emulator, NewSession, Note
 from catseye.simulators.lengths import LengthOptions, Lengths
 from catseye.simulators.ports.session import Answer, Session
 from catseye.simulators.world.bench import Instrument
@@ -175,13 +175,7 @@ def _lines(*texts: str, width: int = 0) -> bytes:
 
 
 class HeidenhainNd(Emulator):
-    """A display that all its clients share.
-
-    Args:
-        context: what the emulators of the bench share.
-        device: the endpoint and its options.
-        note: called with each request.
-    """
+    """A display that all its clients share."""
 
     role = "interferometer"
 
@@ -194,11 +188,9 @@ class HeidenhainNd(Emulator):
 
         decimals: int = Field(default=4, ge=0, le=7)
 
-    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
-        options = self.Options.of(device)
-        self._display = Display(context.instrument(device.name), options.lengths, options.decimals)
-        self._note = note
-
-    def session(self) -> Session:
-        """Return the session of a new client."""
-        return NdSession(self._display, self._note)
+    @classmethod
+    def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
+        """Make the display that all clients share."""
+        options = cls.Options.of(device)
+        display = Display(context.instrument(device.name), options.lengths, options.decimals)
+        return lambda: NdSession(display, note)

@@ -13,7 +13,7 @@ from pydantic import Field
 
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.context import EmulationContext
-from catseye.simulators.emulator import Emulator, Note
+from catseye.simulators.emulator import Emulator, NewSession, Note
 from catseye.simulators.lasertex import frames
 from catseye.simulators.lengths import LengthOptions, Lengths
 from catseye.simulators.ports.session import Answer, Session
@@ -168,13 +168,7 @@ class HpiSession(Session):
 
 
 class LasertexHpi(Emulator):
-    """An instrument that all its clients share.
-
-    Args:
-        context: what the emulators of the bench share.
-        device: the endpoint and its options.
-        note: called with each request.
-    """
+    """An instrument that all its clients share."""
 
     role = "interferometer"
 
@@ -187,13 +181,9 @@ class LasertexHpi(Emulator):
 
         signal_full_scale: int = Field(default=100, ge=1, le=255)
 
-    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
-        options = self.Options.of(device)
-        self._hpi = Hpi(
-            context.instrument(device.name), context.probe, options.lengths, options.signal_full_scale
-        )
-        self._note = note
-
-    def session(self) -> Session:
-        """Return the session of a new client."""
-        return HpiSession(self._hpi, self._note)
+    @classmethod
+    def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
+        """Make the instrument that all clients share."""
+        options = cls.Options.of(device)
+        hpi = Hpi(context.instrument(device.name), context.probe, options.lengths, options.signal_full_scale)
+        return lambda: HpiSession(hpi, note)

@@ -6,14 +6,13 @@ from pydantic import AfterValidator, Field
 
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.context import EmulationContext
-from catseye.simulators.emulator import DeviceOptions, Emulator, Note
+from catseye.simulators.emulator import DeviceOptions, Emulator, NewSession, Note
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.melfa.choices import Choices
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.melfa.datalink import Datalink, DatalinkSession, NumberFormat
 from catseye.simulators.melfa.mxt import Mode, Mxt, MxtOptions, MxtSession
 from catseye.simulators.melfa.r_protocol import MelfaSession
-from catseye.simulators.ports.session import Session
 
 
 def _program_name(name: str) -> str:
@@ -32,39 +31,25 @@ def _controller(context: EmulationContext, device: EmulatedDevice) -> Controller
 
 
 class MelfaR3(Emulator):
-    """R-protocol over TCP or a serial line.
-
-    Args:
-        context: what the emulators of the bench share.
-        device: the endpoint and its options.
-        note: called with each request.
-    """
+    """R-protocol over TCP or a serial line."""
 
     role = "robot"
     Options = Choices
 
-    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
-        self._controller = _controller(context, device)
+    @classmethod
+    def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
+        """Make the controller's choices; all endpoints lead to one controller."""
+        controller = _controller(context, device)
         if device.options:
-            self._controller.choices = Choices.of(device)
-        self._note = note
+            controller.choices = Choices.of(device)
         # On RS-232 requests have a terminator, and answers end with CR (sheet `melfa`, section 1.2).
-        self._segments = not device.endpoint.startswith("serial:")
-        self._suffix = context.config.answer_suffix if self._segments else "\r"
-
-    def session(self) -> Session:
-        """Return the session of a new client."""
-        return MelfaSession(self._controller, self._suffix, self._note, segments=self._segments)
+        segments = not device.endpoint.startswith("serial:")
+        suffix = context.config.answer_suffix if segments else "\r"
+        return lambda: MelfaSession(controller, suffix, note, segments=segments)
 
 
 class MelfaDatalink(Emulator):
-    """The program that serves the data link.
-
-    Args:
-        context: what the emulators of the bench share.
-        device: the endpoint and its options.
-        note: called with each request.
-    """
+    """The program that serves the data link."""
 
     role = "robot"
 
@@ -79,26 +64,18 @@ class MelfaDatalink(Emulator):
         program: ProgramName = "CATSDL"
         number_format: NumberFormat = "plain"
 
-    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
-        options = self.Options.of(device)
+    @classmethod
+    def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
+        """Install the program in the controller."""
+        options = cls.Options.of(device)
         controller = _controller(context, device)
-        self._program = Datalink(controller, options.program, options.number_format)
-        controller.install(self._program)
-        self._note = note
-
-    def session(self) -> Session:
-        """Return the session of a new client."""
-        return DatalinkSession(self._program, self._note)
+        program = Datalink(controller, options.program, options.number_format)
+        controller.install(program)
+        return lambda: DatalinkSession(program, note)
 
 
 class MelfaMxt(Emulator):
-    """The program that obeys set points in real time.
-
-    Args:
-        context: what the emulators of the bench share.
-        device: the endpoint and its options.
-        note: called with each command but set points.
-    """
+    """The program that obeys set points in real time."""
 
     role = "robot"
     link = "udp"
@@ -114,8 +91,10 @@ class MelfaMxt(Emulator):
         mxt_lag_ms: float = 8.0
         mxt_lag_spread_ms: float = 0.2
 
-    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
-        given = self.Options.of(device)
+    @classmethod
+    def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
+        """Install the program in the controller."""
+        given = cls.Options.of(device)
         options = MxtOptions(
             program=given.program,
             mode=given.mxt_mode,
@@ -126,11 +105,7 @@ class MelfaMxt(Emulator):
             lag_spread_s=given.mxt_lag_spread_ms / 1e3,
         )
         controller = _controller(context, device)
-        self._program = Mxt(controller, options, context.keeper.sync)
-        controller.install(self._program)
+        program = Mxt(controller, options, context.keeper.sync)
+        controller.install(program)
         controller.parameters.preset("MXTTOUT", [str(options.timeout_cycles)])
-        self._note = note
-
-    def session(self) -> Session:
-        """Return the session of a new client."""
-        return MxtSession(self._program, self._note)
+        return lambda: MxtSession(program, note)

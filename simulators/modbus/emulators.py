@@ -6,7 +6,7 @@ from pydantic import Field
 
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.context import EmulationContext
-from catseye.simulators.emulator import DeviceOptions, Emulator, Note
+from catseye.simulators.emulator import DeviceOptions, Emulator, NewSession, Note
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.modbus.air_sensor import AirSensor
 from catseye.simulators.modbus.point_sensor import PointSensor, comet_points, read_points
@@ -14,7 +14,6 @@ from catseye.simulators.modbus.remote_io import COUNT, RemoteIo
 from catseye.simulators.modbus.rtu import SHORTEST_SILENCE_S, RtuSession
 from catseye.simulators.modbus.tcp import ModbusSession, Registers
 from catseye.simulators.ports.address import LineAddress, parse_address
-from catseye.simulators.ports.session import Session
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.door import Door
 
@@ -108,51 +107,36 @@ def io_block(door: Door, device: EmulatedDevice, coils: list[bool]) -> RemoteIo:
     )
 
 
-class _ModbusEmulator(Emulator):
-    """Speaks RTU on a serial line, TCP elsewhere."""
-
-    def _serve(self, registers: Registers, device: EmulatedDevice, note: Note) -> None:
-        self._registers = registers
-        self._note = note
-        self._unit = ModbusOptions.of(device).device_id
-        self._address = parse_address(device.name, device.endpoint)
-
-    def session(self) -> Session:
-        """Return the session of a new client."""
-        if not isinstance(self._address, LineAddress):
-            return ModbusSession(self._registers, self._note)
-        silence_s = max(SHORTEST_SILENCE_S, _SILENT_CHARACTERS * self._address.byte_s)
-        return RtuSession(self._registers, self._unit, self._note, silence_s)
-
-
-class ModbusAir(_ModbusEmulator):
-    """An air sensor.
-
-    Args:
-        context: what the emulators of the bench share.
-        device: the endpoint and its options.
-        note: called with each request.
-    """
+class ModbusAir(Emulator):
+    """An air sensor."""
 
     role = "environment"
     Options = AirOptions
 
-    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
-        self._serve(air_registers(context.probe, device), device, note)
+    @classmethod
+    def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
+        """Make the registers of the sensor."""
+        return _served(air_registers(context.probe, device), device, note)
 
 
-class ModbusIo(_ModbusEmulator):
-    """A block of inputs and outputs with the contact of the door.
-
-    Args:
-        context: what the emulators of the bench share.
-        device: the endpoint and its options.
-        note: called with each request.
-    """
+class ModbusIo(Emulator):
+    """A block of inputs and outputs with the contact of the door."""
 
     role = "io"
     Options = IoOptions
 
-    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
+    @classmethod
+    def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
+        """Make the registers of the block."""
         coils = context.coils.setdefault(device.name, [False] * COUNT)
-        self._serve(io_block(context.door, device, coils), device, note)
+        return _served(io_block(context.door, device, coils), device, note)
+
+
+def _served(registers: Registers, device: EmulatedDevice, note: Note) -> NewSession:
+    """Speak RTU on a serial line, TCP elsewhere."""
+    address = parse_address(device.name, device.endpoint)
+    if not isinstance(address, LineAddress):
+        return lambda: ModbusSession(registers, note)
+    unit = ModbusOptions.of(device).device_id
+    silence_s = max(SHORTEST_SILENCE_S, _SILENT_CHARACTERS * address.byte_s)
+    return lambda: RtuSession(registers, unit, note, silence_s)

@@ -19,7 +19,7 @@ from pydantic import Field
 
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.context import EmulationContext
-from catseye.simulators.emulator import Emulator, Note
+from catseye.simulators.emulator import Emulator, NewSession, Note
 from catseye.simulators.lengths import LengthOptions, Lengths
 from catseye.simulators.ports.session import Answer, Session
 from catseye.simulators.world.air_probe import AirProbe
@@ -183,13 +183,7 @@ class UmdSession(Session):
 
 
 class UmdDisplay(Emulator):
-    """A display that all its clients share.
-
-    Args:
-        context: what the emulators of the bench share.
-        device: the endpoint and its options.
-        note: called with each request.
-    """
+    """A display that all its clients share."""
 
     role = "interferometer"
 
@@ -208,14 +202,13 @@ class UmdDisplay(Emulator):
         multiplier: Literal[1, 2, 4] = 1
         axes: Literal[1, 3] = 1
 
-    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
+    @classmethod
+    def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
+        """Make the display that all clients share."""
         del note
-        given = self.Options.of(device)
+        given = cls.Options.of(device)
         options = UmdOptions(
             given.rate_hz, given.vacuum_wavelength_nm, given.multiplier, given.sign, given.axes
         )
-        self._umd = Umd(context.instrument(device.name), context.probe, context.keeper, options)
-
-    def session(self) -> Session:
-        """Return the session of a new client."""
-        return UmdSession(self._umd)
+        umd = Umd(context.instrument(device.name), context.probe, context.keeper, options)
+        return lambda: UmdSession(umd)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.context import EmulationContext
-from catseye.simulators.emulator import DeviceOptions, Emulator, Note
+from catseye.simulators.emulator import DeviceOptions, Emulator, NewSession, Note
 from catseye.simulators.ports.session import Answer, Session
 from catseye.simulators.vaisala.output_format import DEFAULT, Format, Value
 from catseye.simulators.world.air import AirSample, dew_point_c
@@ -231,13 +231,7 @@ def _ended(text: str) -> str:
 
 
 class VaisalaAscii(Emulator):
-    """An instrument that all its clients share.
-
-    Args:
-        context: what the emulators of the bench share.
-        device: the endpoint and its options.
-        note: called with each request.
-    """
+    """An instrument that all its clients share."""
 
     role = "environment"
 
@@ -250,10 +244,8 @@ class VaisalaAscii(Emulator):
 
         address: int = 0
 
-    def __init__(self, context: EmulationContext, device: EmulatedDevice, note: Note) -> None:
-        self._device = Ptu300(context.probe, context.bench, address=self.Options.of(device).address)
-        self._note = note
-
-    def session(self) -> Session:
-        """Return the session of a new client."""
-        return Ptu300Session(self._device, self._note)
+    @classmethod
+    def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
+        """Make the instrument that all clients share."""
+        ptu300 = Ptu300(context.probe, context.bench, address=cls.Options.of(device).address)
+        return lambda: Ptu300Session(ptu300, note)

@@ -1,4 +1,4 @@
-"""The bench as one thing: arm, beam, counter and air on one bench time."""
+"""The bench as one thing: arm, beam and air on one bench time."""
 
 from collections.abc import Callable
 
@@ -8,13 +8,11 @@ from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.errors import BenchError
 from catseye.simulators.world.air import Air, AirSample
 from catseye.simulators.world.arm import Arm
-from catseye.simulators.world.counter import Counter, Gap, Reading, gaps_between
+from catseye.simulators.world.beam import Beam
+from catseye.simulators.world.counter import Reading
 from catseye.simulators.world.motion import SHORTEST
-from catseye.simulators.world.mount import Mount
-from catseye.simulators.world.optics import NOBODY, Optics, Reflectors, Sight
-from catseye.simulators.world.sampling import BeamSampling
-from catseye.simulators.world.true_state import TrueState
-from catseye.simulators.world.types import Floats
+from catseye.simulators.world.optics import NOBODY, Reflectors
+from catseye.simulators.world.types import Floats, TrueState
 
 _MOMENT_S = 1e-3
 """Speeds are taken over this time."""
@@ -26,14 +24,17 @@ OnEvent = Callable[[str], None]
 class Bench:
     """The physical truth. Commands act at the present bench time; `advance` lets time pass.
 
-    Results depend on the sequence of commands and their bench times, never on the steps of `advance`: the beam is
-    looked at on times fixed by each motion, and whenever somebody asks.
+    Results depend on the sequence of commands and their bench times, never on the steps of `advance`.
 
     Args:
         arm: that carries the beam.
         reflectors: where their centres are.
         config: everything else.
         on_event: called with motions, stops and arrivals.
+
+    Attributes:
+        time_s: bench time, s.
+        beam: that the arm carries.
     """
 
     def __init__(
@@ -43,14 +44,9 @@ class Bench:
             raise BenchError("a bench needs at least one reflector")
         self.time_s = 0.0
         self._arm = arm
-        self._optics = Optics(reflectors, config, float(arm.poses(np.zeros(1)).height_mm[0]))
         self._air = Air(config.air, config.seed)
-        self._config = config
-        self._counter = Counter(config, self._look(np.zeros(1)), self._air.index_at)
-        self._instruments: list[Counter] = []
-        self._largest_miss_mm = 0.0
+        self.beam = Beam(arm, reflectors, config, self._air.index_at, lambda: self.time_s)
         self._on_event = on_event or (lambda _text: None)
-        self._sampling = BeamSampling(self._arm.sample_times())
         self._arrived = True
         self._scheduled: list[tuple[float, Callable[[], None]]] = []
         self._slip: Floats = np.zeros(len(arm.motion.end))
@@ -106,9 +102,7 @@ class Bench:
     def _pass_to(self, time_s: float) -> None:
         if time_s <= self.time_s:
             return
-        due = self._sampling.due(self.time_s, time_s)
-        if due.size:
-            self._follow(self._look(due))
+        self.beam.observe_until(time_s)
         if time_s > self.standstill_s + SHORTEST:
             self._note_arrival()
         self.time_s = time_s
@@ -133,7 +127,7 @@ class Bench:
             BenchError: the arm moves already.
         """
         self._require_rest()
-        self._observe()
+        self.beam.observe()
         target = self._slipped(np.array(target))
         self._arm.move_to(target, self.time_s, override_percent / 100.0, accel_percent / 100.0)
         self._on_event(f"motion to {_listed(target)} at {override_percent:g} %")
@@ -158,7 +152,7 @@ class Bench:
             raise BenchError(
                 f"a way needs knots of {self._slip.size} joints, and times above 0 that increase"
             )
-        self._observe()
+        self.beam.observe()
         joints = np.concatenate([joints[:-1], [self._slipped(joints[-1])]])
         self._arm.follow(times_s, joints, self.time_s)
         self._on_event(f"way through {times_s.size} knots to {_listed(self.destination)}")
@@ -174,7 +168,7 @@ class Bench:
         """
         if self.moving and not self._arm.gliding:
             raise BenchError("the arm moves already")
-        self._observe()
+        self.beam.observe()
         rested = self._arrived
         if self._arm.glide(target, self.time_s, duration_s):
             if rested:
@@ -190,43 +184,14 @@ class Bench:
         """Decelerate to standstill; without a motion nothing happens."""
         if not self.moving:
             return
-        self._observe()
+        self.beam.observe()
         self._arm.stop(self.time_s)
         self._on_event(f"stop towards {_listed(self.destination)}")
         self._restart_looks()
 
-    def new_instrument(self) -> "Instrument":
-        """Return a further length counter on the beam, with zero, latches and noise of its own."""
-        counter = Counter(
-            self._config, self._observe().last(), self._air.index_at, number=len(self._instruments)
-        )
-        counter.set_laser(ready=self._counter.laser_ready)
-        self._instruments.append(counter)
-        return Instrument(self, counter)
-
-    def read(self, counter: Counter | None = None) -> Reading:
-        """Return one reading at this moment.
-
-        Args:
-            counter: which one; by default the bench's own, which no emulated instrument wears.
-        """
-        sight = self._observe()
-        level = self._optics.level(float(sight.miss_mm[0]))
-        return (counter or self._counter).read(self.time_s, level)
-
-    def zero(self, counter: Counter | None = None) -> bool:
-        """Zero a counter, by default the bench's own; False when it refuses because no beam returns."""
-        self._observe()
-        self._largest_miss_mm = 0.0
-        return (counter or self._counter).zero(self.time_s)
-
     def velocity_mm_s(self) -> float:
         """Return the displacement rate at this moment, mm/s; 0 without a beam."""
-        since_s, until_s = self._moment()
-        before, after = (self._look(np.array([t])) for t in (since_s, until_s))
-        if after.index[0] == NOBODY or before.index[0] != after.index[0] or since_s == until_s:
-            return 0.0
-        return float(after.length_mm[0] - before.length_mm[0]) / (until_s - since_s)
+        return self.beam.rate_mm_s(*self._moment())
 
     def tool_speed_mm_s(self) -> float:
         """Return the speed of the axis that turns the beam at this moment, mm/s."""
@@ -255,9 +220,9 @@ class Bench:
         """Return the truth of this moment; nothing on the bench notices."""
         now = np.array([self.time_s])
         poses = self._arm.poses(now)
-        sight = self._optics.look(poses)
+        sight = self.beam.look(now)
         axis = complex(poses.axis_mm[0])
-        nearest = self._nearest(sight)
+        nearest = self.beam.name_of(int(sight.nearest[0]))
         return TrueState(
             axis_mm=(axis.real, axis.imag),
             joints=self._arm.true_joints(self.time_s),
@@ -269,116 +234,11 @@ class Bench:
             length_mm=float(sight.length_mm[0]),
         )
 
-    @property
-    def largest_miss_mm(self) -> float:
-        """Largest distance between beam and reflector since a counter was zeroed last, mm."""
-        return self._largest_miss_mm
-
-    @property
-    def beam_lost(self) -> bool:
-        """The counter's latch."""
-        return self._counter.beam_lost
-
-    def block_beam(self, duration_s: float | None) -> None:
-        """Hold something into the beam, for a time in s or until it is taken away."""
-        until_s = np.inf if duration_s is None else self.time_s + duration_s
-        self._optics.block(self.time_s, until_s)
-        self._observe()
-
-    def unblock_beam(self) -> None:
-        """Take away what stands in the beam."""
-        self._observe()
-        self._optics.block(np.inf, np.inf)
-        self._observe()
-
-    def move_reflector(self, name: str, dx_mm: float, dy_mm: float) -> None:
-        """Shift a reflector; the counter counts what it sees of it.
-
-        Raises:
-            BenchError: there is no such reflector.
-        """
-        self._require_nest(name)
-        self._observe()
-        self._optics.move_reflector(name, complex(dx_mm, dy_mm))
-        self._shift_target()
-
-    def place_reflector(self, name: str) -> None:
-        """Put the reflector into a nest and leave all others empty, or fill them all.
-
-        Args:
-            name: of the nest, or "all".
-
-        Raises:
-            BenchError: there is no such nest.
-        """
-        names = self._optics.names if name == "all" else [name]
-        if name != "all":
-            self._require_nest(name)
-        self._observe()
-        self._optics.remove_all_but(names)
-        self._observe()
-        self._optics.put(names)
-        self._observe()
-
-    @property
-    def in_place(self) -> list[str]:
-        """Names of the nests with a reflector in them."""
-        return self._optics.in_place
-
-    @property
-    def mount(self) -> Mount:
-        """How the beam lies on the arm."""
-        return self._optics.mount
-
-    def turn_screw(self, screw: str, turns: float) -> None:
-        """Turn a screw of the mount; the counter counts what the beam's length changes by.
-
-        Args:
-            screw: "stage" or "level".
-            turns: clockwise positive.
-
-        Raises:
-            BenchError: there is no such screw.
-        """
-        if screw not in self.mount.screws:
-            raise BenchError(f"there is no screw {screw!r}; there are {', '.join(self.mount.screws)}")
-        self._observe()
-        self.mount.turn(screw, turns)
-        self._shift_target()
-
-    def weaken(self, factor: float) -> None:
-        """Let dirt leave a part of the signal, 0...1 of the clean one."""
-        self._observe()
-        self._optics.clearness = factor
-        self._observe()
-
     def shake(self, amplitude_mm: float, duration_s: float) -> None:
         """Keep the arm ringing from now on for a time, s."""
-        self._observe()
+        self.beam.observe()
         self._arm.shake(amplitude_mm, self.time_s, self.time_s + duration_s)
-        self._sampling.plan(self._arm.sample_times(), self.time_s)
-
-    def outrun_counters(self) -> None:
-        """Let all counters lose count as after too fast a motion.
-
-        Raises:
-            BenchError: no beam returns, so nothing is counted.
-        """
-        if self._observe().index[0] == NOBODY:
-            raise BenchError("no beam returns: there is no count to lose; aim at a reflector first")
-        for counter in self._counters():
-            counter.outrun()
-
-    def set_laser(self, *, ready: bool) -> None:
-        """Let the laser of all counters hold its frequency, or lose it."""
-        self._observe()
-        for counter in self._counters():
-            counter.set_laser(ready=ready)
-
-    @property
-    def laser_ready(self) -> bool:
-        """The laser holds its frequency."""
-        return self._counter.laser_ready
+        self.beam.plan_looks()
 
     def slip(self, joint: int, by: float) -> None:
         """Let the next motion end beside its target, as after a collision; the encoders show where.
@@ -393,10 +253,10 @@ class Bench:
 
     def clear_faults(self) -> None:
         """Take away what stands in the beam, shakes, dims, unlocks the laser or waits to let a joint slip."""
-        self.unblock_beam()
-        self.weaken(1.0)
+        self.beam.unblock()
+        self.beam.weaken(1.0)
         self.shake(0.0, 0.0)
-        self.set_laser(ready=True)
+        self.beam.set_laser(ready=True)
         self._slip[:] = 0.0
 
     def _slipped(self, target: Floats) -> Joints:
@@ -404,46 +264,8 @@ class Bench:
         self._slip[:] = 0.0
         return slipped
 
-    def _require_nest(self, name: str) -> None:
-        if name not in self._optics.names:
-            known = ", ".join(self._optics.names)
-            raise BenchError(f"there is no reflector {name!r}; there are {known}")
-
-    def _counters(self) -> tuple[Counter, ...]:
-        return (self._counter, *self._instruments)
-
-    def _shift_target(self) -> None:
-        """Go on counting after a hand changed the beam or its target."""
-        sight = self._look(np.array([self.time_s]))
-        # A push by hand is counted, for it takes time; a jump to another reflector or to none is not.
-        jumped = int(sight.index[0]) != int(self._counter.last.index[0])
-        gaps = self._gaps(sight) if jumped else []
-        for counter in self._counters():
-            counter.follow(gaps, sight)
-
-    def _look(self, time_s: Floats) -> Sight:
-        return self._optics.look(self._arm.poses(time_s))
-
-    def _observe(self) -> Sight:
-        sight = self._look(np.array([self.time_s]))
-        self._follow(sight)
-        return sight
-
-    def _follow(self, sight: Sight) -> None:
-        self._largest_miss_mm = max(self._largest_miss_mm, float(sight.miss_mm.max()))
-        gaps, last = self._gaps(sight), sight.last()
-        for counter in self._counters():
-            counter.follow(gaps, last)
-
-    def _gaps(self, sight: Sight) -> list[Gap]:
-        """Return what no counter counts from the last look to some looks: all of them have seen the same."""
-        return gaps_between(self._counter.last, sight, self._config.speed_limit_mm_s, self._air.index_at)
-
-    def _nearest(self, sight: Sight) -> str:
-        return self._optics.names[int(sight.nearest[0])]
-
     def _restart_looks(self) -> None:
-        self._sampling.plan(self._arm.sample_times(), self.time_s)
+        self.beam.plan_looks()
         self._arrived = not self.moving
 
 
@@ -452,12 +274,11 @@ class Instrument:
 
     Args:
         bench: where it stands.
-        counter: its count.
     """
 
-    def __init__(self, bench: Bench, counter: Counter) -> None:
+    def __init__(self, bench: Bench) -> None:
         self.bench = bench
-        self._counter = counter
+        self._counter = bench.beam.new_counter()
 
     @property
     def beam_lost(self) -> bool:
@@ -476,11 +297,11 @@ class Instrument:
 
     def read(self) -> Reading:
         """Return one reading at this moment."""
-        return self.bench.read(self._counter)
+        return self.bench.beam.read(self._counter)
 
     def zero(self) -> bool:
         """Zero the count; False when it refuses because no beam returns."""
-        return self.bench.zero(self._counter)
+        return self.bench.beam.zero(self._counter)
 
 
 def _listed(joints: Joints) -> str:

@@ -20,7 +20,7 @@ from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.distance_model import distance_model
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.points import Points
-from catseye.calibration.scara.scans.distance_rows import sparse_rows
+from catseye.calibration.scara.scans.passes import sparse_rows
 from catseye.calibration.scara.scans.scan_identification import ScanIdentification, identify_scan
 from catseye.calibration.scara.scans.source import SlicedPoints
 from tests.unit.calibration.scara.scans.scan import NAMES, NOMINAL_REFLECTORS, Arm, arm, scan

@@ -36,10 +36,10 @@ async def test_an_interferometer_over_a_serial_line(protocol: str, tmp_path: Pat
         assert identity.simulated
         assert await driver.zero() == 1
         assert abs((await driver.read()).displacement_mm) < 1e-3
-        bench.bench.block_beam(None)
+        bench.bench.beam.block(None)
         await driver.read()
         assert not (await driver.status()).beam_ok
-        bench.bench.unblock_beam()
+        bench.bench.beam.unblock()
         await driver.read()
         status = await driver.status()
         assert (status.beam_ok, status.beam_lost) == (True, True)

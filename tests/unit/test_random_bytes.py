@@ -29,7 +29,7 @@ from catseye.drivers.umd.codec import SampleDecoder
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.emulated_bench import EmulatedBench
 from catseye.simulators.ports.session import Pending, Session
-from catseye.simulators.registry import emulator_names, new_emulator
+from catseye.simulators.registry import emulator_names, sessions_of
 from catseye.simulators.world.bench import Bench
 from tests.unit.simulators.benches import QUIET
 
@@ -250,7 +250,7 @@ OTHER_ON_A_LINE = ("melfa-r3", "modbus-air")
 def test_no_bytes_break_an_emulator(protocol: str, endpoint: str) -> None:
     emulation = EmulatedBench(QUIET)
     device = EmulatedDevice("device", protocol, endpoint)
-    session = new_emulator(emulation.context, device, lambda _text: None).session()
+    session = sessions_of(emulation.context, device, lambda _text: None)()
     # Programs of the controller serve their clients with the servo on.
     emulation.controller.switch_servo_on()
     emulation.bench.advance(2.0)

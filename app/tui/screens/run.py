@@ -185,7 +185,7 @@ class RunScreen(MainScreen):
         ended = run is not None and not run.active
         self.set_class(asked, "asked")
         self.set_class(ended, "ended")
-        skipped = engine.missed.get("points and steps", 0)
+        skipped = engine.missed["points and steps"]
         # Until its record has told, a run is taken for one that began here.
         speed = self.session.speed if run is None or run.speed is None else run.speed
         self.query_one(ProgressLine).show(

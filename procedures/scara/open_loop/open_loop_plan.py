@@ -87,11 +87,6 @@ class OpenLoopPlan:
         """Number of distances."""
         return sum(len(plan.visits) for plan in self.reflectors)
 
-    @property
-    def n_moves(self) -> int:
-        """Number of joint targets of the visits."""
-        return sum(len(visit.moves) for plan in self.reflectors for visit in plan.visits)
-
 
 def plan_open_loop(
     bench: ScaraBench,

@@ -6,7 +6,7 @@ from catseye.app.testing.candidate import candidate_of
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.emulated_bench import EmulatedBench
 from catseye.simulators.errors import EmulatorError
-from catseye.simulators.registry import emulator_names, load_emulator, new_emulator
+from catseye.simulators.registry import emulator_names, load_emulator, sessions_of
 from tests.unit.simulators.benches import QUIET
 
 
@@ -18,4 +18,4 @@ def test_an_emulator_has_the_role_of_its_driver(name: str) -> None:
 def test_an_unknown_protocol_is_refused_with_those_that_exist() -> None:
     context = EmulatedBench(QUIET).context
     with pytest.raises(EmulatorError, match=r"gauge: there is no emulator of 'nonsense'; there are .*umd"):
-        new_emulator(context, EmulatedDevice("gauge", "nonsense"), lambda _text: None)
+        sessions_of(context, EmulatedDevice("gauge", "nonsense"), lambda _text: None)

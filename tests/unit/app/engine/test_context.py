@@ -346,7 +346,7 @@ async def test_software_time_is_what_is_neither_motion_nor_waiting(parts: Parts)
     (time,) = parts.ctx.step_times
     assert [time.motion_s, time.idle_s] == pytest.approx([1.0, 1.0])
     assert time.points == 1
-    assert parts.ctx.software_time_s == [pytest.approx(0.007)]
+    assert time.software_s == pytest.approx(0.007)
 
 
 async def test_a_zero_is_stored(parts: Parts) -> None:

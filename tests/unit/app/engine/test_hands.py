@@ -36,24 +36,24 @@ def endpoint(bench: EmulatedBench) -> str:
 async def test_hands_turn_a_screw_clockwise(bench: EmulatedBench) -> None:
     done = await SimulatedOperator(endpoint(bench)).do(TURN)
     # Half a turn of a screw with 0.5 mm a turn.
-    assert bench.bench.mount.offset_mm == pytest.approx(0.25)
+    assert bench.bench.beam.mount.offset_mm == pytest.approx(0.25)
     assert done == {"op": "turn_screw", "screw": "stage", "turns": 0.5}
 
 
 async def test_clumsy_hands_turn_it_the_wrong_way(bench: EmulatedBench) -> None:
     await SimulatedOperator(endpoint(bench), clumsy=True).do(TurnScrew(screw="level", turns=1))
-    assert 1e3 * bench.bench.mount.pitch_rad == pytest.approx(-2.0)
+    assert 1e3 * bench.bench.beam.mount.pitch_rad == pytest.approx(-2.0)
 
 
 async def test_hands_carry_the_reflector_and_clear_the_beam(bench: EmulatedBench) -> None:
     hands = SimulatedOperator(endpoint(bench))
-    assert bench.bench.in_place == ["P1"]
+    assert bench.bench.beam.in_place == ["P1"]
     await hands.do(PlaceReflector(reflector="P2"))
-    assert bench.bench.in_place == ["P2"]
-    bench.bench.block_beam(None)
-    assert not bench.bench.read().returns
+    assert bench.bench.beam.in_place == ["P2"]
+    bench.bench.beam.block(None)
+    assert not bench.bench.beam.read().returns
     await hands.do(ClearBeam())
-    assert bench.bench.read().returns
+    assert bench.bench.beam.read().returns
 
 
 async def test_what_the_bench_refuses_is_said(bench: EmulatedBench) -> None:
@@ -96,7 +96,7 @@ async def test_unattended_the_task_is_done_and_the_safe_answer_is_not_taken(benc
     answer = await operator.answer(STAGE)
     assert (answer.text, answer.who) == ("done", "emulated operator")
     assert answer.done == {"op": "turn_screw", "screw": "stage", "turns": 0.5}
-    assert bench.bench.mount.offset_mm == pytest.approx(0.25)
+    assert bench.bench.beam.mount.offset_mm == pytest.approx(0.25)
 
 
 async def test_the_hands_obey_a_person_and_the_answers_file_too(bench: EmulatedBench) -> None:
@@ -105,12 +105,12 @@ async def test_the_hands_obey_a_person_and_the_answers_file_too(bench: EmulatedB
 
     hands = SimulatedOperator(endpoint(bench))
     await Operator(ManualClock(), {}, person, simulated=True, hands=hands).answer(STAGE)
-    assert bench.bench.mount.offset_mm == pytest.approx(0.25)
+    assert bench.bench.beam.mount.offset_mm == pytest.approx(0.25)
     stopped = await Operator(ManualClock(), {"stage/1": "stop"}, None, simulated=True, hands=hands).answer(
         STAGE
     )
     assert stopped == Answer("stop", "answers file")
-    assert bench.bench.mount.offset_mm == pytest.approx(0.25)
+    assert bench.bench.beam.mount.offset_mm == pytest.approx(0.25)
 
 
 async def test_on_real_hardware_no_hands_move(bench: EmulatedBench) -> None:
@@ -119,7 +119,7 @@ async def test_on_real_hardware_no_hands_move(bench: EmulatedBench) -> None:
 
     operator = Operator(ManualClock(), {}, person, simulated=False, hands=SimulatedOperator(endpoint(bench)))
     assert await operator.answer(STAGE) == Answer("done", "Ada")
-    assert bench.bench.mount.offset_mm == 0.0
+    assert bench.bench.beam.mount.offset_mm == 0.0
 
 
 async def test_without_a_way_to_the_bench_the_remedy_is_told() -> None:

@@ -8,8 +8,6 @@ import pytest
 from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.calibration.standards.iso9283 import (
     distance,
-    drift,
-    multi_directional_variation,
     pose,
     pose_repeatability,
 )
@@ -43,24 +41,10 @@ def test_distances() -> None:
     assert found.repeatability == pytest.approx(0.0474342, abs=1e-7)
 
 
-def test_directions_of_approach_spread_the_barycentre() -> None:
-    three = [ATTAINED[:, :2] + np.array(shift) for shift in ([0.0, 0.0], [0.3, 0.4], [0.0, -1.0])]
-    assert multi_directional_variation(three) == pytest.approx(math.hypot(0.3, 1.4))
-
-
-def test_drift_is_the_largest_change_from_the_first_test() -> None:
-    grown = 2.0 * (ATTAINED - ATTAINED.mean(axis=0)) + ATTAINED.mean(axis=0)
-    found = drift([ATTAINED, ATTAINED + np.array([3.0, 4.0, 0.0]), grown], np.zeros(3))
-    assert found.accuracy == pytest.approx(5.0)
-    assert found.repeatability == pytest.approx(pose_repeatability(ATTAINED))
-
-
 def test_one_value_has_no_spread() -> None:
     for call in (
         lambda: pose_repeatability(ATTAINED[:1]),
         lambda: distance(np.array([500.0]), 500.0),
-        lambda: multi_directional_variation([ATTAINED]),
-        lambda: drift([ATTAINED], np.zeros(3)),
     ):
         with pytest.raises(InsufficientPointsError, match="30 cycles"):
             call()

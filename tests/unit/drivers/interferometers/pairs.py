@@ -13,7 +13,7 @@ from catseye.simulators.config import EmulatedDevice, Option
 from catseye.simulators.context import EmulationContext
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.ports.session import Pending, Session
-from catseye.simulators.registry import new_emulator
+from catseye.simulators.registry import sessions_of
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.journal import Journal
@@ -37,7 +37,7 @@ def maker(
 ) -> Callable[[], Session]:
     """Return what makes the sessions of one emulated instrument."""
     device = EmulatedDevice("interferometer", protocol, options=options or {})
-    return new_emulator(world, device, lambda _text: None).session
+    return sessions_of(world, device, lambda _text: None)
 
 
 def new_session(

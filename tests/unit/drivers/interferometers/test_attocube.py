@@ -13,7 +13,7 @@ from catseye.app.testing.memory import MemoryTransport
 from catseye.drivers.attocube import codec
 from catseye.drivers.attocube.ids import AttocubeIds, IdsSettings
 from catseye.drivers.roles.errors import ProtocolError, RefusedError, WrongDeviceError
-from catseye.simulators.attocube.json_stream import JsonCutter
+from catseye.simulators.attocube.json_rpc import JsonCutter
 from catseye.simulators.context import EmulationContext
 from catseye.simulators.ports.session import Session
 from tests.transcripts import attocube_ids as transcript
@@ -176,7 +176,7 @@ def test_an_interrupted_axis_keeps_its_error_and_its_place_until_it_is_reset(
     world: EmulationContext, session: Session
 ) -> None:
     space = "com.attocube.ids."
-    world.bench.block_beam(0.5)
+    world.bench.beam.block(0.5)
     error, value = ask(session, space + "displacement.getAxisDisplacement", 0)
     assert error != 0
     assert isinstance(value, int)
@@ -233,7 +233,7 @@ async def test_both_name_spaces_and_the_environment_unit(dialect: str) -> None:
 
 async def test_no_zero_without_a_beam_in_the_instruments_words() -> None:
     async with paired("attocube-ids", make, {"start_time_s": 0}) as pair:
-        pair.bench.block_beam(None)
+        pair.bench.beam.block(None)
         with pytest.raises(RefusedError, match=r"resetAxis gave error 4: EMULATOR: no signal"):
             await pair.driver.zero()
 

@@ -14,6 +14,7 @@ from catseye.drivers.lasertex.hpi import HpiSettings, LasertexHpi
 from catseye.drivers.umd.display import UmdDisplay, UmdSettings
 from catseye.simulators.config import Option
 from catseye.simulators.errors import EmulatorError
+from catseye.simulators.world.bench import Instrument
 from tests.unit.drivers.interferometers.pairs import Make, Pair, new_session, paired, quiet_world
 from tests.unit.drivers.virtual_time import run
 from tests.unit.simulators.benches import aimed, driven_mm, go
@@ -55,9 +56,9 @@ async def test_a_returning_beam_does_not_revive_the_count(protocol: str) -> None
         assert (status.beam_ok, status.beam_lost, status.overspeed) == (True, False, False)
         assert status.zero_id == 1
         assert 0.0 < status.signal <= 1.0
-        pair.bench.block_beam(None)
+        pair.bench.beam.block(None)
         assert not (await seen(pair)).beam_ok
-        pair.bench.unblock_beam()
+        pair.bench.beam.unblock()
         status = await seen(pair)
         assert (status.beam_ok, status.beam_lost) == (True, True)
         assert await pair.driver.zero() == 2
@@ -94,9 +95,9 @@ def spoilt(place: int, mishap: str) -> Callable[[bytes], bytes]:
 def test_any_one_spoilt_answer_leaves_a_zero_whole(protocol: str, make: Make, mishap: str) -> None:
     async def zeroed(place: int) -> None:
         async with paired(protocol, make, OPTIONS.get(protocol)) as pair:
-            pair.bench.block_beam(None)
+            pair.bench.beam.block(None)
             await seen(pair)
-            pair.bench.unblock_beam()
+            pair.bench.beam.unblock()
             pair.far.passed = spoilt(place, mishap)
             await pair.driver.status()
             assert await pair.driver.zero() == 1
@@ -123,13 +124,13 @@ async def test_a_count_before_a_new_link_is_not_trusted(protocol: str) -> None:
 async def test_the_instruments_on_one_beam_have_their_own_zeros(protocol: str) -> None:
     async with paired(protocol, DRIVERS[protocol], OPTIONS.get(protocol)) as pair:
         await pair.driver.zero()
-        other = pair.bench.new_instrument()
+        other = Instrument(pair.bench)
         go(pair.bench, aimed(20.01, 30.01))
         pair.bench.advance(0.01)
         shown_mm = (await pair.driver.read()).displacement_mm
         assert other.zero()
         assert (await pair.driver.read()).displacement_mm == pytest.approx(shown_mm, abs=1e-6)
-        assert pair.bench.read().zero_id == 0
+        assert pair.bench.beam.read().zero_id == 0
 
 
 @pytest.mark.parametrize(

@@ -113,12 +113,12 @@ def test_locked_keys_and_unknown_commands_are_refused(session: Session) -> None:
 
 
 def test_an_error_stays_on_the_display_until_c_is_pressed(world: EmulationContext, session: Session) -> None:
-    world.bench.block_beam(0.5)
+    world.bench.beam.block(0.5)
     assert b"SIGNAL" in talk(session, b"\x1bA0301\r")
     assert talk(session, b"\x1bT0100\r\x1bA0100\r") == b"\x06\x15"
     world.bench.advance(1.0)
     assert b"SIGNAL" not in talk(session, b"\x1bT0100\r\x1bA0301\r")
-    world.bench.block_beam(0.5)
+    world.bench.beam.block(0.5)
     world.bench.advance(1.0)
     assert b"SIGNAL" in talk(session, b"\x1bA0301\r")
 
@@ -163,7 +163,7 @@ async def test_zero_by_offset_or_keys(zero: str, decimals: int) -> None:
 
 async def test_no_zero_without_a_beam() -> None:
     async with paired("heidenhain-nd", make) as pair:
-        pair.bench.block_beam(None)
+        pair.bench.beam.block(None)
         with pytest.raises(RefusedError, match="the display shows 'SIGNAL'"):
             await pair.driver.zero()
 
@@ -176,16 +176,16 @@ async def test_wrong_decimals_are_told_with_the_right_ones() -> None:
 
 async def test_a_display_without_signal_can_be_connected() -> None:
     async with paired("heidenhain-nd", make, connect=False) as pair:
-        pair.bench.block_beam(None)
+        pair.bench.beam.block(None)
         await pair.driver.connect()
         assert not (await pair.driver.status()).beam_ok
 
 
 async def test_wrong_decimals_of_a_display_connected_without_signal_are_told_at_the_zero() -> None:
     async with paired("heidenhain-nd", make, {"decimals": 3}, connect=False) as pair:
-        pair.bench.block_beam(None)
+        pair.bench.beam.block(None)
         await pair.driver.connect()
-        pair.bench.unblock_beam()
+        pair.bench.beam.unblock()
         with pytest.raises(WrongDeviceError, match="set decimals = 3"):
             await pair.driver.zero()
 

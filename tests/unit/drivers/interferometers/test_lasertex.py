@@ -186,7 +186,7 @@ async def test_an_instrument_that_compensates_shows_the_length_itself() -> None:
 
 async def test_no_zero_without_a_beam() -> None:
     async with paired("lasertex-hpi", make) as pair:
-        pair.bench.block_beam(None)
+        pair.bench.beam.block(None)
         with pytest.raises(RefusedError, match="signal is too small"):
             await pair.driver.zero()
 

@@ -17,6 +17,7 @@ from catseye.drivers.umd.display import UmdDisplay, UmdSettings
 from catseye.simulators.umd import display as umd_session
 from catseye.simulators.umd.display import Umd, UmdOptions, UmdSession
 from catseye.simulators.world.air_probe import AirProbe
+from catseye.simulators.world.bench import Instrument
 from catseye.simulators.world.timekeeper import TimeKeeper
 from tests.transcripts import umd as transcript
 from tests.unit.drivers.interferometers.pairs import new_session, paired, quiet_world
@@ -128,7 +129,7 @@ def test_a_new_client_hears_nothing_of_the_time_before_it_came() -> None:
     now_s = 0.0
     bench = quiet_bench()
     keeper = TimeKeeper(bench, clock=lambda: now_s)
-    umd = Umd(bench.new_instrument(), AirProbe(bench), keeper, UmdOptions(rate_hz=1000))
+    umd = Umd(Instrument(bench), AirProbe(bench), keeper, UmdOptions(rate_hz=1000))
     now_s = 30.0
     session = UmdSession(umd)
     now_s = 30.5

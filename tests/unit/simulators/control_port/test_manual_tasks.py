@@ -71,9 +71,9 @@ def test_the_reflector_is_carried_and_the_beam_cleared(panel: Panel) -> None:
 
 
 def test_mishaps_happen_and_are_ended_together(panel: Panel) -> None:
-    assert panel.bench.zero()
+    assert panel.bench.beam.zero()
     panel.fault("overspeed")
-    assert panel.bench.read().overspeed
+    assert panel.bench.beam.read().overspeed
     panel.fault("laser", ready=False)
     assert state(panel)["laser_ready"] is False
     panel.fault("weaken", factor=0.13)
@@ -88,7 +88,7 @@ def test_mishaps_happen_and_are_ended_together(panel: Panel) -> None:
     said = state(panel)
     assert (said["laser_ready"], said["beam"]["returns"]) == (True, True)
     assert abs(complex(*said["xy_mm"]) - 550.0) < 1e-9
-    assert panel.bench.zero()
+    assert panel.bench.beam.zero()
 
 
 def test_a_slipped_joint_is_where_the_controller_says(panel: Panel) -> None:

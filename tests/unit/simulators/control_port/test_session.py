@@ -95,19 +95,19 @@ def test_the_tracker_answers_on_the_port(panel: Panel) -> None:
 
 def test_beam_faults_come_and_go(panel: Panel) -> None:
     # The drawn arm stands a little beside the rough place: bring the reflector to the beam.
-    panel.bench.move_reflector("P2", *_way_to_beam(panel))
-    assert panel.bench.read().returns
+    panel.bench.beam.move_reflector("P2", *_way_to_beam(panel))
+    assert panel.bench.beam.read().returns
     panel.fault("block_beam", duration_s=1.0)
-    assert not panel.bench.read().returns
+    assert not panel.bench.beam.read().returns
     panel.bench.advance(1.0)
-    assert panel.bench.read().returns
+    assert panel.bench.beam.read().returns
     panel.fault("block_beam")
     panel.bench.advance(1e5)
-    assert not panel.bench.read().returns
+    assert not panel.bench.beam.read().returns
     panel.fault("clear_faults")
-    assert panel.bench.read().returns
+    assert panel.bench.beam.read().returns
     panel.fault("move_reflector", reflector="P2", dx_mm=0.0, dy_mm=50.0)
-    assert not panel.bench.read().returns
+    assert not panel.bench.beam.read().returns
     said = panel.ask(op="fault", name="move_reflector", reflector="P9")
     assert said == {"ok": False, "error": "there is no reflector 'P9'; there are P1, P2, P3"}
 

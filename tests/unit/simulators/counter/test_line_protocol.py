@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from catseye.simulators.counter.line_protocol import CounterSession
-from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.bench import Bench, Instrument
 from catseye.simulators.world.scara.bench import scara_bench
 from tests.unit.simulators.benches import QUIET, aimed, go, perfect_arm, quiet_bench, without_j4_play
 
@@ -33,7 +33,7 @@ def bench() -> Bench:
 
 @pytest.fixture
 def counter(bench: Bench) -> CounterSession:
-    return CounterSession(bench.new_instrument(), lambda _line: None)
+    return CounterSession(Instrument(bench), lambda _line: None)
 
 
 def test_it_says_that_it_is_an_emulator(counter: CounterSession) -> None:
@@ -58,7 +58,7 @@ def test_status_bits(bench: Bench, counter: CounterSession) -> None:
     talk(counter, b"Z\r\n")
     # Bit 4: laser ready.
     assert talk(counter, b"S\r\n") == ["10"]
-    bench.block_beam(1.0)
+    bench.beam.block(1.0)
     assert talk(counter, b"S\r\n") == ["15"]
     assert talk(counter, b"L\r\nZ\r\n") == ["000", "E03"]
     bench.advance(1.1)
@@ -123,8 +123,8 @@ STREAM = b"I\r\nE1\r\nC\nX\r\n\r\nE0\rH\r\n" + b"Q" * 80 + b"\r\nC\r\n"
 def test_any_cut_of_a_stream_gives_the_same_answers(cuts: list[int]) -> None:
     config = without_j4_play(QUIET)
     bench = scara_bench(perfect_arm(), config)
-    whole = talk(CounterSession(bench.new_instrument(), lambda _line: None), STREAM)
-    session = CounterSession(bench.new_instrument(), lambda _line: None)
+    whole = talk(CounterSession(Instrument(bench), lambda _line: None), STREAM)
+    session = CounterSession(Instrument(bench), lambda _line: None)
     places = [0, *sorted(cuts), len(STREAM)]
     parts = [STREAM[a:b] for a, b in pairwise(places)]
     assert [line for part in parts for line in talk(session, part)] == whole
@@ -134,7 +134,7 @@ def test_any_cut_of_a_stream_gives_the_same_answers(cuts: list[int]) -> None:
 @given(st.binary(max_size=300))
 def test_random_bytes_never_raise(data: bytes) -> None:
     session = CounterSession(
-        scara_bench(perfect_arm(), without_j4_play(QUIET)).new_instrument(), lambda _line: None
+        Instrument(scara_bench(perfect_arm(), without_j4_play(QUIET))), lambda _line: None
     )
     talk(session, data)
     assert talk(session, b"\r\nH\r\n")[-1] == "OK"

@@ -34,7 +34,7 @@ def on_target(config: EmulationConfig = QUIET) -> Bench:
     """Return a bench that stands at (20, 30) deg, aimed at P2 and zeroed."""
     bench = quiet_bench(config)
     go(bench, aimed(20.0, 30.0))
-    assert bench.zero()
+    assert bench.beam.zero()
     return bench
 
 
@@ -75,7 +75,7 @@ def test_the_signal_falls_with_the_miss() -> None:
     levels = []
     for miss_mm in (0.0, 0.5, 0.9, 1.1):
         go(bench, (j1, j2, j3, j4 + math.degrees(math.asin(miss_mm / length))))
-        levels.append(bench.read().level)
+        levels.append(bench.beam.read().level)
     expected = [1.0, math.exp(-0.5), math.exp(-2.0 * 0.81), 0.0]
     assert levels == pytest.approx(expected, abs=0.02)
 
@@ -99,7 +99,7 @@ def test_a_reflector_behind_the_beam_does_not_return_it() -> None:
     j1, j2, j3, j4 = aimed(20.0, 30.0)
     go(bench, (j1, j2, j3, j4 + 180.0))
     assert bench.true_state().reflector is None
-    assert not bench.read().returns
+    assert not bench.beam.read().returns
 
 
 def test_the_column_hides_the_reflector() -> None:
@@ -140,7 +140,7 @@ def test_a_lifted_beam_misses() -> None:
 def test_one_straight_move_between_aimed_poses_breaks_the_beam() -> None:
     bench = on_target()
     go(bench, aimed(40.0, 50.0))
-    reading = bench.read()
+    reading = bench.beam.read()
     assert reading.returns
     assert reading.beam_lost
 
@@ -149,7 +149,7 @@ def test_the_same_way_in_small_steps_keeps_the_beam_and_the_count() -> None:
     bench = on_target()
     start_mm = bench.true_state().length_mm
     follow(bench, (40.0, 50.0), 20)
-    reading = bench.read()
+    reading = bench.beam.read()
     assert not reading.beam_lost
     assert reading.displacement_mm == pytest.approx(bench.true_state().length_mm - start_mm, abs=1e-9)
     assert abs(reading.displacement_mm) > 10.0
@@ -160,7 +160,7 @@ def test_the_displacement_grows_with_the_beam() -> None:
     before_mm = bench.true_state().length_mm
     follow(bench, (25.0, 35.0), 10)
     assert bench.true_state().length_mm > before_mm
-    assert bench.read().displacement_mm > 0.0
+    assert bench.beam.read().displacement_mm > 0.0
 
 
 def test_the_vacuum_count_has_the_index_of_the_air_and_its_change_along_the_dead_path() -> None:
@@ -173,13 +173,13 @@ def test_the_vacuum_count_has_the_index_of_the_air_and_its_change_along_the_dead
 
     n_zero, dead_mm = index(), bench.true_state().length_mm
     bench.advance(1800.0)
-    still = bench.read()
+    still = bench.beam.read()
     assert still.displacement_mm == pytest.approx(0.0, abs=1e-9)
     assert still.vacuum_mm == pytest.approx((index() - n_zero) * dead_mm, abs=2e-5)
     assert abs(still.vacuum_mm) > 1e-4
     follow(bench, (25.0, 35.0), 10)
     length_mm = bench.true_state().length_mm
-    assert bench.read().vacuum_mm == pytest.approx(index() * length_mm - n_zero * dead_mm, abs=2e-5)
+    assert bench.beam.read().vacuum_mm == pytest.approx(index() * length_mm - n_zero * dead_mm, abs=2e-5)
 
 
 def test_a_lost_count_stays_lost_and_wrong_until_zero() -> None:
@@ -187,13 +187,13 @@ def test_a_lost_count_stays_lost_and_wrong_until_zero() -> None:
     true_mm = bench.true_state().length_mm
     go(bench, aimed(40.0, 50.0))
     go(bench, aimed(20.0, 30.0))
-    reading = bench.read()
+    reading = bench.beam.read()
     assert reading.returns
     assert reading.beam_lost
     assert abs(reading.displacement_mm) > 3e-4
     assert bench.true_state().length_mm == pytest.approx(true_mm)
-    assert bench.zero()
-    again = bench.read()
+    assert bench.beam.zero()
+    again = bench.beam.read()
     assert not again.beam_lost
     assert again.displacement_mm == 0.0
     assert again.zero_id == reading.zero_id + 1
@@ -204,11 +204,11 @@ def test_without_a_beam_zero_is_refused_and_the_count_stands_still() -> None:
     follow(bench, (25.0, 35.0), 10)
     j1, j2, j3, j4 = bench.joints
     go(bench, (j1, j2, j3, j4 + 10.0))
-    held = bench.read()
+    held = bench.beam.read()
     assert not held.returns
-    assert not bench.zero()
+    assert not bench.beam.zero()
     bench.advance(5.0)
-    after = bench.read()
+    after = bench.beam.read()
     assert after.displacement_mm == held.displacement_mm
     assert after.vacuum_mm == held.vacuum_mm
     assert after.beam_lost
@@ -222,18 +222,18 @@ def test_a_break_shorter_than_a_step_of_time_is_seen() -> None:
     go(bench, (j1, j2, j3, j4 + 3.0), 100.0)
     bench.move_to((j1, j2, j3, j4), 100.0)
     bench.advance(10.0)
-    assert bench.read().returns
-    assert bench.read().beam_lost
+    assert bench.beam.read().returns
+    assert bench.beam.read().beam_lost
 
 
 def test_changing_the_reflector_is_a_break() -> None:
     far = replace(P2, name="far", x_mm=690.0, y_mm=1.5)
     bench = quiet_bench(replace(QUIET, reflectors=(P2, far), acceptance_mm=1.0))
-    assert bench.zero()
+    assert bench.beam.zero()
     assert bench.true_state().reflector == "P2"
     # 0.7 mm to the left of P2 is 0.8 mm to the right of the other one: no gap between the two.
     go(bench, (0.0, 0.0, 0.0, math.degrees(math.atan2(1.3, 140.0))), 1.0)
-    reading = bench.read()
+    reading = bench.beam.read()
     assert bench.true_state().reflector == "far"
     assert reading.returns
     assert reading.beam_lost
@@ -241,46 +241,46 @@ def test_changing_the_reflector_is_a_break() -> None:
 
 def test_a_blocked_beam_breaks_at_once_and_returns_after_its_time() -> None:
     bench = on_target()
-    bench.block_beam(2.0)
-    assert not bench.read().returns
+    bench.beam.block(2.0)
+    assert not bench.beam.read().returns
     bench.advance(1.9)
-    assert not bench.read().returns
+    assert not bench.beam.read().returns
     bench.advance(0.2)
-    assert bench.read().returns
-    assert bench.read().beam_lost
+    assert bench.beam.read().returns
+    assert bench.beam.read().beam_lost
 
 
 def test_a_beam_blocked_for_ever_is_freed_by_hand() -> None:
     bench = on_target()
-    bench.block_beam(None)
+    bench.beam.block(None)
     bench.advance(1e6)
-    assert not bench.read().returns
-    bench.unblock_beam()
-    assert bench.read().returns
+    assert not bench.beam.read().returns
+    bench.beam.unblock()
+    assert bench.beam.read().returns
 
 
 def test_a_moved_reflector_is_counted_and_not_forgiven() -> None:
     bench = on_target()
     way = complex(680.0, 0.0) - axis_mm(20.0, 30.0)
     step = 0.5 * way / abs(way)
-    bench.move_reflector("P2", step.real, step.imag)
-    assert bench.read().displacement_mm == pytest.approx(0.5)
-    assert not bench.read().beam_lost
-    bench.move_reflector("P2", 0.0, 300.0)
-    assert bench.read().beam_lost
+    bench.beam.move_reflector("P2", step.real, step.imag)
+    assert bench.beam.read().displacement_mm == pytest.approx(0.5)
+    assert not bench.beam.read().beam_lost
+    bench.beam.move_reflector("P2", 0.0, 300.0)
+    assert bench.beam.read().beam_lost
     with pytest.raises(BenchError, match="P1, P2, P3"):
-        bench.move_reflector("P9", 1.0, 0.0)
+        bench.beam.move_reflector("P9", 1.0, 0.0)
 
 
 def test_too_fast_a_move_latches_the_overspeed_and_spoils_the_count() -> None:
     place = replace(P2, x_mm=680.0)
     config = replace(QUIET, reflectors=(place,), acceptance_mm=500.0, speed_limit_mm_s=100.0)
     bench = quiet_bench(config)
-    assert bench.zero()
+    assert bench.beam.zero()
     go(bench, (0.0, 0.0, 0.0, 0.0))
     before_mm = bench.true_state().length_mm
     go(bench, (30.0, 0.0, 0.0, -30.0), 100.0)
-    reading = bench.read()
+    reading = bench.beam.read()
     assert reading.overspeed
     assert not reading.beam_lost
     assert abs(reading.displacement_mm - (bench.true_state().length_mm - before_mm)) > 1.0
@@ -301,7 +301,7 @@ def test_the_counter_measures_its_velocity() -> None:
 def test_scale_noise_drift_and_resolution_follow_the_budget() -> None:
     budget = replace(ErrorBudget.none(), counter_noise_um=0.1, counter_resolution_um=0.01)
     bench = on_target(replace(QUIET, budget=budget))
-    values = np.array([bench.read().displacement_mm for _ in range(2000)])
+    values = np.array([bench.beam.read().displacement_mm for _ in range(2000)])
     assert np.std(values) == pytest.approx(1e-4, rel=0.1)
     assert values * 1e5 == pytest.approx(np.round(values * 1e5), abs=1e-6)
 
@@ -312,12 +312,12 @@ def test_the_scale_error_is_that_of_the_wavelength() -> None:
     start_mm = bench.true_state().length_mm
     follow(bench, (40.0, 50.0), 20)
     way_mm = bench.true_state().length_mm - start_mm
-    error_mm = bench.read().displacement_mm - way_mm
+    error_mm = bench.beam.read().displacement_mm - way_mm
     again = on_target(replace(QUIET, budget=budget))
     follow(again, (30.0, 40.0), 20)
     half_mm = again.true_state().length_mm - start_mm
     assert 0.0 < abs(error_mm) < 3.0 * 0.040 * abs(way_mm) / 700.0
-    assert (again.read().displacement_mm - half_mm) / half_mm == pytest.approx(error_mm / way_mm)
+    assert (again.beam.read().displacement_mm - half_mm) / half_mm == pytest.approx(error_mm / way_mm)
 
 
 def test_white_noise_is_drawn_once_an_arrival() -> None:
@@ -327,7 +327,7 @@ def test_white_noise_is_drawn_once_an_arrival() -> None:
     for _ in range(300):
         go(bench, aimed(20.5, 30.5))
         go(bench, aimed(20.0, 30.0))
-        values = {bench.read().displacement_mm for _ in range(3)}
+        values = {bench.beam.read().displacement_mm for _ in range(3)}
         assert len(values) == 1
         draws.append(bench.true_state().length_mm - abs(680.0 - axis_mm(20.0, 30.0)))
     assert np.std(draws) == pytest.approx(0.015, rel=0.12)
@@ -402,17 +402,17 @@ def play_script(script: list[tuple[tuple[str, Joints | None], float]], cuts: int
         elif what == "stop":
             bench.stop()
         elif what == "zero":
-            seen.append(bench.zero())
+            seen.append(bench.beam.zero())
         elif what == "block":
-            bench.block_beam(0.05)
+            bench.beam.block(0.05)
         else:
-            seen.append(_rounded(bench.read()))
+            seen.append(_rounded(bench.beam.read()))
         until_s = bench.time_s + wait_s
         for part in range(1, cuts):
             bench.advance_to(until_s - wait_s * (1.0 - part / cuts))
         bench.advance_to(until_s)
     insight = bench.true_state()
-    return [*seen, _rounded(bench.read()), insight.reflector, *(round(q, 9) for q in insight.play)]
+    return [*seen, _rounded(bench.beam.read()), insight.reflector, *(round(q, 9) for q in insight.play)]
 
 
 def _rounded(reading: Reading) -> tuple[object, ...]:

@@ -23,16 +23,16 @@ _FLAGS = 3 + 10
 def zeroed() -> tuple[Bench, Instrument]:
     """Return the straight arm that looks at P2, 130 mm away, and an instrument that is zeroed there."""
     bench = quiet_bench()
-    instrument = bench.new_instrument()
+    instrument = Instrument(bench)
     assert instrument.zero()
     return bench, instrument
 
 
 def test_an_overspeed_is_latched_by_every_counter_and_costs_fringes() -> None:
     bench, instrument = zeroed()
-    assert bench.zero()
-    bench.outrun_counters()
-    for reading in (bench.read(), instrument.read()):
+    assert bench.beam.zero()
+    bench.beam.outrun_counters()
+    for reading in (bench.beam.read(), instrument.read()):
         assert reading.overspeed
         assert reading.returns
         assert not reading.beam_lost
@@ -48,9 +48,9 @@ def test_an_overspeed_is_latched_by_every_counter_and_costs_fringes() -> None:
 
 def test_without_a_beam_there_is_no_count_to_lose() -> None:
     bench, instrument = zeroed()
-    bench.block_beam(None)
+    bench.beam.block(None)
     with pytest.raises(BenchError, match="aim at a reflector"):
-        bench.outrun_counters()
+        bench.beam.outrun_counters()
     assert not instrument.read().overspeed
 
 
@@ -87,18 +87,18 @@ def test_shaking_breaks_a_beam_at_the_edge_even_if_nobody_looks(steps: int) -> N
     # 0.95 mm of a miss and 0.1 mm of shaking are more than the acceptance; 0.04 mm are not.
     for amplitude_mm, breaks in ((0.1, True), (0.04, False)):
         bench = quiet_bench(replace(QUIET, beam_offset_mm=0.95))
-        assert bench.zero()
+        assert bench.beam.zero()
         bench.advance(100.0)
         bench.shake(amplitude_mm, 1.0)
         for _ in range(steps):
             bench.advance(30.0 / steps)
-        assert bench.read().returns
-        assert bench.read().beam_lost is breaks
+        assert bench.beam.read().returns
+        assert bench.beam.read().beam_lost is breaks
 
 
 def test_a_laser_without_lock_makes_the_count_worthless_and_cannot_be_zeroed() -> None:
     bench, instrument = zeroed()
-    bench.set_laser(ready=False)
+    bench.beam.set_laser(ready=False)
     reading = instrument.read()
     assert (reading.returns, reading.laser_ready, reading.beam_lost, reading.counts) == (
         True,
@@ -107,9 +107,9 @@ def test_a_laser_without_lock_makes_the_count_worthless_and_cannot_be_zeroed() -
         False,
     )
     assert not instrument.zero()
-    late = bench.new_instrument()
+    late = Instrument(bench)
     assert not late.read().laser_ready
-    bench.set_laser(ready=True)
+    bench.beam.set_laser(ready=True)
     assert instrument.read().laser_ready
     assert instrument.read().beam_lost
     assert abs(instrument.read().displacement_mm) >= 0.99 * HALF_WAVE_MM
@@ -119,7 +119,7 @@ def test_a_laser_without_lock_makes_the_count_worthless_and_cannot_be_zeroed() -
 
 def test_a_laser_that_is_ready_already_loses_nothing() -> None:
     bench, instrument = zeroed()
-    bench.set_laser(ready=True)
+    bench.beam.set_laser(ready=True)
     assert not instrument.read().beam_lost
     assert instrument.read().displacement_mm == 0.0
 
@@ -137,18 +137,18 @@ def test_the_instruments_that_can_tell_the_laser_tell_it() -> None:
         return int(answer, 16), bool(hpi.distance()[_FLAGS] & 0x01)
 
     assert told() == (0x10, True)
-    bench.set_laser(ready=False)
+    bench.beam.set_laser(ready=False)
     assert told() == (0x01, False)
-    bench.set_laser(ready=True)
+    bench.beam.set_laser(ready=True)
     assert told() == (0x11, True)
 
 
 def test_a_flag_cleared_while_the_laser_drifts_comes_back_when_it_locks() -> None:
     bench, instrument = zeroed()
     hpi = Hpi(instrument, AirProbe(bench), Lengths(compensated=True))
-    bench.set_laser(ready=False)
+    bench.beam.set_laser(ready=False)
     hpi.zero()
-    bench.set_laser(ready=True)
+    bench.beam.set_laser(ready=True)
     assert not hpi.distance()[_FLAGS] & 0x08
     hpi.zero()
     assert hpi.distance()[_FLAGS] & 0x08
@@ -158,17 +158,17 @@ def test_dirt_weakens_the_signal_and_narrows_what_returns() -> None:
     # exp(-2 m²) · 0.5 = exp(-2) at m = sqrt(1 - ln 2 / 2) = 0.8084 mm.
     for miss_mm, returns in ((0.80, True), (0.82, False)):
         bench = quiet_bench(replace(QUIET, beam_offset_mm=miss_mm))
-        assert bench.zero()
-        bench.weaken(0.5)
-        assert bench.read().returns is returns
-        assert bench.read().beam_lost is not returns
+        assert bench.beam.zero()
+        bench.beam.weaken(0.5)
+        assert bench.beam.read().returns is returns
+        assert bench.beam.read().beam_lost is not returns
     bench, _ = zeroed()
-    bench.weaken(0.5)
-    assert bench.read().level == pytest.approx(0.5, abs=0.02)
-    bench.weaken(0.13)
-    assert not bench.read().returns
-    bench.weaken(1.0)
-    assert bench.read().level == pytest.approx(1.0, abs=0.02)
+    bench.beam.weaken(0.5)
+    assert bench.beam.read().level == pytest.approx(0.5, abs=0.02)
+    bench.beam.weaken(0.13)
+    assert not bench.beam.read().returns
+    bench.beam.weaken(1.0)
+    assert bench.beam.read().level == pytest.approx(1.0, abs=0.02)
 
 
 def test_a_joint_that_slips_ends_beside_its_target_once_and_the_encoder_tells_it() -> None:
@@ -193,11 +193,11 @@ def test_a_way_slips_at_its_end() -> None:
 
 def test_everything_that_goes_on_ends_together() -> None:
     bench, instrument = zeroed()
-    bench.block_beam(None)
-    bench.weaken(0.2)
+    bench.beam.block(None)
+    bench.beam.weaken(0.2)
     bench.shake(0.05, 1000.0)
     bench.slip(1, 1.0)
-    bench.set_laser(ready=False)
+    bench.beam.set_laser(ready=False)
     bench.advance(1.0)
     bench.clear_faults()
     bench.advance(2.0)

@@ -64,43 +64,43 @@ def test_a_hand_sets_a_turn_to_a_fiftieth_and_leaves_alone_what_it_does_not_turn
 
 def test_the_stage_moves_the_beam_to_its_side_without_a_change_of_length() -> None:
     bench = quiet_bench(EXACT)
-    assert bench.zero()
-    bench.turn_screw("stage", 1.5)
-    assert bench.mount.offset_mm == pytest.approx(0.75)
+    assert bench.beam.zero()
+    bench.beam.turn_screw("stage", 1.5)
+    assert bench.beam.mount.offset_mm == pytest.approx(0.75)
     assert bench.true_state().miss_mm == pytest.approx(0.75)
-    assert bench.read().displacement_mm == pytest.approx(0.0, abs=1e-9)
-    assert not bench.read().beam_lost
-    bench.turn_screw("stage", 0.6)
+    assert bench.beam.read().displacement_mm == pytest.approx(0.0, abs=1e-9)
+    assert not bench.beam.read().beam_lost
+    bench.beam.turn_screw("stage", 0.6)
     assert bench.true_state().miss_mm == pytest.approx(1.05)
-    assert bench.read().beam_lost
+    assert bench.beam.read().beam_lost
 
 
 def test_the_level_screw_tilts_about_its_pivot_and_the_counter_sees_it_until_the_beam_is_gone() -> None:
     bench = quiet_bench(EXACT)
-    assert bench.zero()
-    bench.turn_screw("level", 2.5)
+    assert bench.beam.zero()
+    bench.beam.turn_screw("level", 2.5)
     # 5 mrad up, and 40 mm in front of the pivot the beam is 0.2 mm higher.
-    assert 1e3 * bench.mount.pitch_rad == pytest.approx(5.0)
+    assert 1e3 * bench.beam.mount.pitch_rad == pytest.approx(5.0)
     assert bench.true_state().miss_mm == pytest.approx(0.85, abs=1e-5)
-    assert bench.read().displacement_mm == pytest.approx(-130.0 * 0.005**2 / 2.0 - 0.2 * 0.005, abs=1e-7)
-    assert not bench.read().beam_lost
+    assert bench.beam.read().displacement_mm == pytest.approx(-130.0 * 0.005**2 / 2.0 - 0.2 * 0.005, abs=1e-7)
+    assert not bench.beam.read().beam_lost
     # 7 mrad · 130 mm + 0.28 mm = 1.19 mm.
-    bench.turn_screw("level", 1.0)
-    assert not bench.read().returns
-    assert bench.read().beam_lost
+    bench.beam.turn_screw("level", 1.0)
+    assert not bench.beam.read().returns
+    assert bench.beam.read().beam_lost
 
 
 def test_a_mount_turned_round_acts_the_other_way() -> None:
     bench = quiet_bench(replace(EXACT, screws=EXACT.screws.reversed()))
-    bench.turn_screw("stage", 1.0)
-    bench.turn_screw("level", 0.1)
-    assert bench.mount.offset_mm == pytest.approx(-0.5)
-    assert 1e3 * bench.mount.pitch_rad == pytest.approx(-0.2)
+    bench.beam.turn_screw("stage", 1.0)
+    bench.beam.turn_screw("level", 0.1)
+    assert bench.beam.mount.offset_mm == pytest.approx(-0.5)
+    assert 1e3 * bench.beam.mount.pitch_rad == pytest.approx(-0.2)
 
 
 def test_there_are_two_screws() -> None:
     with pytest.raises(BenchError, match="'knob'; there are stage, level"):
-        quiet_bench().turn_screw("knob", 1.0)
+        quiet_bench().beam.turn_screw("knob", 1.0)
 
 
 def test_a_good_alignment_leaves_little() -> None:

@@ -15,14 +15,14 @@ CARRIED = replace(QUIET, reflectors=(P2, P1), one_reflector=True)
 def at_p2() -> Bench:
     bench = quiet_bench(CARRIED)
     go(bench, aimed(20.0, 30.0))
-    assert bench.zero()
+    assert bench.beam.zero()
     return bench
 
 
 def test_at_the_start_the_first_nest_is_occupied() -> None:
     bench = quiet_bench(CARRIED)
-    assert bench.in_place == ["P2"]
-    assert quiet_bench().in_place == ["P1", "P2", "P3"]
+    assert bench.beam.in_place == ["P2"]
+    assert quiet_bench().beam.in_place == ["P1", "P2", "P3"]
 
 
 def test_an_empty_nest_returns_no_beam_and_is_not_the_nearest() -> None:
@@ -30,36 +30,36 @@ def test_an_empty_nest_returns_no_beam_and_is_not_the_nearest() -> None:
     go(bench, aimed(20.0, 30.0, P1))
     insight = bench.true_state()
     assert (insight.reflector, insight.nearest) == (None, "P2")
-    bench.place_reflector("P1")
+    bench.beam.place_reflector("P1")
     assert bench.true_state().reflector == "P1"
 
 
 def test_the_beam_is_lost_when_the_reflector_is_taken_out_and_when_it_comes_back() -> None:
     bench = at_p2()
-    bench.place_reflector("P1")
-    assert not bench.read().returns
-    assert not bench.zero()
-    bench.place_reflector("P2")
-    assert bench.read().returns
-    assert bench.read().beam_lost
+    bench.beam.place_reflector("P1")
+    assert not bench.beam.read().returns
+    assert not bench.beam.zero()
+    bench.beam.place_reflector("P2")
+    assert bench.beam.read().returns
+    assert bench.beam.read().beam_lost
 
 
 def test_a_reflector_that_is_in_place_is_left_alone() -> None:
     bench = at_p2()
-    bench.place_reflector("P2")
-    assert not bench.read().beam_lost
-    bench.place_reflector("all")
-    assert bench.in_place == ["P2", "P1"]
-    assert not bench.read().beam_lost
-    assert bench.read().displacement_mm == 0.0
+    bench.beam.place_reflector("P2")
+    assert not bench.beam.read().beam_lost
+    bench.beam.place_reflector("all")
+    assert bench.beam.in_place == ["P2", "P1"]
+    assert not bench.beam.read().beam_lost
+    assert bench.beam.read().displacement_mm == 0.0
 
 
 def test_a_nest_holds_the_reflector_to_some_micrometres() -> None:
     bench = quiet_bench(CARRIED)
     lengths = []
     for _ in range(600):
-        bench.place_reflector("P1")
-        bench.place_reflector("P2")
+        bench.beam.place_reflector("P1")
+        bench.beam.place_reflector("P2")
         # The straight arm looks along +X: 680 mm - 550 mm, and the scatter along x.
         lengths.append(bench.true_state().length_mm - 130.0)
     # 600 draws: the standard deviation is known to 2.9 %.
@@ -69,15 +69,15 @@ def test_a_nest_holds_the_reflector_to_some_micrometres() -> None:
 
 def test_a_moved_nest_stays_where_it_was_moved_to() -> None:
     bench = quiet_bench(replace(CARRIED, nest_um=0.0))
-    bench.move_reflector("P2", 3.0, 0.0)
-    bench.place_reflector("P1")
-    bench.place_reflector("P2")
+    bench.beam.move_reflector("P2", 3.0, 0.0)
+    bench.beam.place_reflector("P1")
+    bench.beam.place_reflector("P2")
     assert bench.true_state().length_mm == pytest.approx(133.0)
 
 
 def test_an_unknown_nest_is_refused_and_nothing_is_carried() -> None:
     bench = at_p2()
     with pytest.raises(BenchError, match="no reflector 'P9'; there are P2, P1"):
-        bench.place_reflector("P9")
-    assert bench.in_place == ["P2"]
-    assert not bench.read().beam_lost
+        bench.beam.place_reflector("P9")
+    assert bench.beam.in_place == ["P2"]
+    assert not bench.beam.read().beam_lost

@@ -177,19 +177,19 @@ def test_a_beam_that_misses_on_the_way_only_is_lost() -> None:
     bench = quiet_bench()
     go(bench, aimed(20.0, 30.0))
     j1, j2, j3, j4 = bench.joints
-    assert bench.zero()
+    assert bench.beam.zero()
     # 0.3 deg beside the aim at 280 mm are 1.5 mm, for a few milliseconds.
     bench.follow(np.array([0.1, 0.2]), np.array([[j1, j2, j3, j4 + 0.3], [j1, j2, j3, j4]]))
     bench.advance(1.0)
-    assert bench.read().returns
-    assert bench.read().beam_lost
+    assert bench.beam.read().returns
+    assert bench.beam.read().beam_lost
 
 
 def test_an_aimed_way_and_an_aimed_stream_keep_the_count() -> None:
     for streamed in (False, True):
         bench = quiet_bench()
         go(bench, aimed(20.0, 30.0))
-        assert bench.zero()
+        assert bench.beam.zero()
         start_mm = bench.true_state().length_mm
         knots = [aimed(20.0 + 0.1 * k, 30.0) for k in range(1, 101)]
         if streamed:
@@ -197,7 +197,7 @@ def test_an_aimed_way_and_an_aimed_stream_keep_the_count() -> None:
         else:
             bench.follow(np.linspace(0.01, 1.0, 100), np.array(knots))
         bench.advance(2.0)
-        reading = bench.read()
+        reading = bench.beam.read()
         assert not reading.beam_lost
         way_mm = abs(680.0 - axis_mm(30.0, 30.0)) - start_mm
         assert reading.displacement_mm == pytest.approx(way_mm, abs=1e-6)
@@ -287,7 +287,7 @@ def play_script(script: Script, cuts: int) -> list[object]:
             bench.follow(np.array([0.05, 0.1, 0.15, 0.2]), _zigzag(bench.joints, size_deg))
         elif what == "stop":
             bench.stop()
-        reading = bench.read()
+        reading = bench.beam.read()
         seen.append((round(reading.displacement_mm, 8), reading.beam_lost, reading.overspeed))
         for part in range(1, cuts):
             bench.advance_to(start_s + wait_s * part / cuts)
