@@ -79,9 +79,10 @@ def analysed_by(command: str) -> list[Procedure]:
     return [each for each in procedures() if any(one.command == command for one in each.analyses)]
 
 
-def bases() -> list[Basis]:
-    """Return what plans are made from, each once."""
-    return list(dict.fromkeys(each.needs.basis for each in procedures() if each.needs.basis is not None))
+def bases(bench: Bench) -> list[Basis]:
+    """Return what plans on a bench are made from, each once."""
+    declared = (each.needs for each in procedures() if isinstance(bench, each.needs.bench))
+    return list(dict.fromkeys(needs.basis for needs in declared if needs.basis is not None))
 
 
 def declared_by(name: str) -> Procedure | None:

@@ -172,6 +172,6 @@ class EngineBench:
         # Where the beam was moved after the search, or its record was changed, the cell file's places are as good
         # as any.
         with suppress(UsageError, StorageError):
-            for basis in bases():
+            for basis in bases(bench):
                 bench = find_basis(basis, bench, self._root).bench
         return facts_of(cell, bench)

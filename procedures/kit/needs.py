@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.records import Row
 
 
@@ -93,11 +94,13 @@ class Needs:
     """What a procedure needs.
 
     Attributes:
+        bench: kind of bench that it is planned on.
         equipment: of the bench.
         after: procedures that should have been run.
         basis: earlier run that the plan is made from; None for none.
     """
 
+    bench: type[Bench] = Bench
     equipment: tuple[Equipment, ...] = ()
     after: tuple[After, ...] = ()
     basis: Basis | None = None

@@ -6,7 +6,9 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from catseye.app.errors import StorageError, UsageError
+from catseye.app.cell.bench import bench_for
+from catseye.app.cell.model import Cell
+from catseye.app.errors import ConfigError, StorageError, UsageError
 from catseye.app.results.numbers import age_text
 from catseye.app.results.readiness.cell_runs import CellRun, CellRuns
 from catseye.app.results.readiness.need import Need
@@ -33,17 +35,22 @@ class CellBasis:
 
 
 def needs_of(
-    procedure: Procedure, bench: Bench, bases: Mapping[Basis, CellBasis], runs: CellRuns
+    procedure: Procedure, cell: Cell, bench: Bench, bases: Mapping[Basis, CellBasis], runs: CellRuns
 ) -> list[Need]:
     """Return what a procedure needs on a cell.
 
     Args:
         procedure: which.
+        cell: which.
         bench: as the cell file describes it.
         bases: what it would be planned from.
         runs: of this cell.
     """
     declared = procedure.needs
+    try:
+        bench_for(cell, declared.bench, procedure.name)
+    except ConfigError as error:
+        return [Need("cell file", "missing", str(error))]
     basis = None if declared.basis is None else bases[declared.basis]
     needs = [_equipment(each, bench) for each in declared.equipment]
     needs += [_earlier(after, runs) for after in declared.after]

@@ -184,7 +184,9 @@ def _plain(text: str) -> str:
 
 def _cannot(needs: list[Need]) -> str:
     """Return why a procedure cannot be planned on this cell at all; empty when it can."""
-    return next((need.text for need in needs if need.what == "plan" and need.met == "missing"), "")
+    return next(
+        (need.text for need in needs if need.what in {"plan", "cell file"} and need.met == "missing"), ""
+    )
 
 
 def _by(run: CellRun | None) -> str:

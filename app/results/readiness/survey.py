@@ -54,8 +54,8 @@ def survey_cell(path: Path, root: Path, now: datetime) -> Survey:
     cell = load_cell(path).cell
     bench, runs = bench_of(cell), runs_of_cell(root, cell.name, now)
     installed = procedures()
-    found = {basis: cell_basis(basis, bench, root, runs) for basis in bases()}
-    needs = {each.name: needs_of(each, bench, found, runs) for each in installed}
+    found = {basis: cell_basis(basis, bench, root, runs) for basis in bases(bench)}
+    needs = {each.name: needs_of(each, cell, bench, found, runs) for each in installed}
     results = results_in((path.parent, root.absolute().parent, root))
     made = {basis.procedure: each.run for basis, each in found.items()}
     stages = stages_of(installed, runs, needs, made, results, path)

@@ -84,7 +84,7 @@ class BeamLevel(Procedure):
 
     name = "beam-level"
     title = "Levelling of the beam"
-    needs = Needs(equipment=(REFLECTORS,))
+    needs = Needs(ScaraBench, equipment=(REFLECTORS,))
     stage = LEVELLING
     records = (AlignmentRound, ScrewTurn)
     event_texts = texts.HEIGHT

@@ -96,7 +96,7 @@ class BeamToJ4(Procedure):
 
     name = "beam-to-j4"
     title = "Alignment of the beam to the J4 axis"
-    needs = Needs(equipment=(REFLECTORS,), after=(LEVELLED,))
+    needs = Needs(ScaraBench, equipment=(REFLECTORS,), after=(LEVELLED,))
     stage = ALIGNING
     records = (AlignmentRound, ScrewTurn)
     params_type = BeamToJ4Params

@@ -42,7 +42,7 @@ class OpenLoop(Procedure):
 
     name = "open-loop"
     title = "Automated open-loop tracking measurement"
-    needs = Needs(equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
+    needs = Needs(ScaraBench, equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
     stage = MEASURING
     records = (Distance, Overlap, ClosureVisit)
     analyses = (IDENTIFY,)

@@ -72,7 +72,7 @@ class ValidationPath(Procedure):
 
     name = "validation-path"
     title = "Validation path"
-    needs = Needs(equipment=(REFLECTORS, TRACKER), after=(ALIGNED,), basis=SEARCHED)
+    needs = Needs(ScaraBench, equipment=(REFLECTORS, TRACKER), after=(ALIGNED,), basis=SEARCHED)
     stage = DRIVING_A_PATH
     records = (PathPosition, Overlap)
     analyses = (VALIDATE,)

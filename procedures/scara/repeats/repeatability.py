@@ -47,7 +47,7 @@ class Repeatability(Procedure):
 
     name = "repeatability"
     title = "Pose repeatability"
-    needs = Needs(equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
+    needs = Needs(ScaraBench, equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
     records = (Repeat,)
     event_texts = texts.REPEATABILITY
     params_type = RepeatabilityParams

@@ -44,7 +44,7 @@ class ReflectorSearch(Procedure):
 
     name = "reflector-search"
     title = "Reflector search"
-    needs = Needs(equipment=(REFLECTORS,), after=(ALIGNED,))
+    needs = Needs(ScaraBench, equipment=(REFLECTORS,), after=(ALIGNED,))
     stage = SEARCHING
     records = (SeenReflector,)
     event_texts = texts.AIM

@@ -59,7 +59,7 @@ class Warmup(Procedure):
 
     name = "warmup"
     title = "Warm-up"
-    needs = Needs(equipment=(REFLECTORS,), after=(ALIGNED,), basis=SEARCHED)
+    needs = Needs(ScaraBench, equipment=(REFLECTORS,), after=(ALIGNED,), basis=SEARCHED)
     stage = WARMING
     records = (Drift,)
     event_texts = texts.WARMUP

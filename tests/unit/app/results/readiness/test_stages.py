@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cli.init import init
 from catseye.app.cli.procedures import procedures as list_procedures
 from catseye.app.protocol.bench import DeviceStatus, LinkState
@@ -54,7 +54,9 @@ class History:
         """Return the stages by name, without the plans of all procedures: those take their time."""
         runs = runs_of_cell(self.root, "lab-1", self.clock.now_utc() + timedelta(seconds=later_s))
         needs: dict[str, list[Need]] = {name: [] for name in procedure_names()}
-        made = {each.procedure: cell_basis(each, self.bench, self.root, runs).run for each in bases()}
+        made = {
+            each.procedure: cell_basis(each, self.bench, self.root, runs).run for each in bases(self.bench)
+        }
         found = stages_of(procedures(), runs, needs, made, results_in([self.cell.parent]), self.cell)
         return {stage.name: stage for stage in found}
 
