@@ -27,7 +27,6 @@ class Folds:
 
     Attributes:
         way: what is left out at a time.
-        names: of the folds.
         group: number of each row's fold, shape (n,).
         own: parameters of each fold that no row outside of it depends on, shape (folds,).
     """

@@ -43,7 +43,6 @@ class Settling:
     """A distance that approaches its end exponentially.
 
     Attributes:
-        time_constant_s: of the approach.
         amplitude_mm: what is still to come at time 0.
     """
 

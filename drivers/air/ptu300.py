@@ -40,7 +40,6 @@ class VaisalaAscii(AirSensor):
     Args:
         transport: the connection.
         clock: time of the samples.
-        settings: of this sensor.
     """
 
     Settings: ClassVar[type[PtuSettings]] = PtuSettings

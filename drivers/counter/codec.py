@@ -22,7 +22,6 @@ class LineDecoder:
     line end, are answers named "ACK" and "NAK".
 
     Args:
-        profile: of the counter.
         echo: the command that comes back first, empty when none does.
     """
 
@@ -93,9 +92,6 @@ class QuietDecoder:
 
 class StreamDecoder:
     """Cuts the lines of a stream; what is no text is left out.
-
-    Args:
-        profile: of the counter.
 
     Attributes:
         discarded_lines: lines that were no text.

@@ -84,7 +84,6 @@ class GuardedTransport(WrappedTransport):
 
     Args:
         inner: the transport that does the work.
-        guard: of the arm.
         name: of the connection, without blanks.
         stop: bytes that stop the arm on it.
     """

@@ -67,7 +67,6 @@ class Datalink(Resident):
 
     Args:
         controller: where it runs.
-        name: of the program.
         number_format: how it prints numbers.
     """
 

@@ -192,8 +192,6 @@ class UmdDisplay(Emulator):
 
         Attributes:
             rate_hz: samples a second.
-            vacuum_wavelength_nm: of the laser.
-            multiplier: of the optics.
             axes: in a line.
         """
 
