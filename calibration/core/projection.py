@@ -132,7 +132,7 @@ def addition(projection: Projection, columns: Floats) -> Addition | None:
     """Return what functions would add to a fit.
 
     Args:
-        projection: of the fit.
+        projection: the fit, on the space that its model cannot reach.
         columns: derivatives of the residuals by the functions' coefficients, mm per unit, shape (n, k).
 
     Returns:

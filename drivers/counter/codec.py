@@ -86,7 +86,7 @@ class QuietDecoder:
         """Leave a chunk aside."""
 
     def end(self) -> bool:
-        """Tell that it is quiet."""
+        """Return True: a chunk that is left aside ends nothing."""
         return True
 
 

@@ -125,7 +125,7 @@ class Session:
 
         Args:
             command: the command word with its argument.
-            layout: of the answer.
+            layout: how the answer is to be read.
             timeout_s: real s; the setting `answer_timeout_s` by default.
             repeat: what may be done when the answer is lost.
             permit: is asked when the request's turn has come; what it raises keeps it from being sent.
@@ -210,7 +210,7 @@ class Session:
         return answer
 
     async def state(self) -> State:
-        """Ask STATE."""
+        """Ask for run state, stop sources and program line (STATE)."""
         return await self.question("STATE", codec.state_text, codec.parse_state)
 
     async def status(self) -> RobotStatus:

@@ -63,7 +63,7 @@ Record = tuple[float, ...]
 
 
 class Datalink(Resident):
-    """The program.
+    """The program that serves the data link while it runs.
 
     Args:
         controller: where it runs.

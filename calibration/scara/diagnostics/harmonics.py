@@ -85,7 +85,7 @@ def harmonic_series(
     """Return orders 1 … `orders` of every series; of orders that are one at the commands the lowest stands for all.
 
     Args:
-        projection: of the fit.
+        projection: the fit, on the space that its model cannot reach.
         nominal_mm: nominal links, mm.
         reflectors_mm: places that the beam was aimed at, mm, shape (reflectors, 2).
         orders: highest order.

@@ -57,7 +57,7 @@ def angle_patterns(
     """Return the residuals against θ1, θ2 and θ4.
 
     Args:
-        projection: of the fit.
+        projection: the fit, on the space that its model cannot reach.
         nominal_mm: nominal links, mm.
         reflectors_mm: places that the beam was aimed at, mm, shape (reflectors, 2).
     """

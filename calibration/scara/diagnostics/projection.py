@@ -20,7 +20,7 @@ class DistanceProjection(Projection):
 
     @property
     def points(self) -> Points:
-        """The distances."""
+        """That the identification was made from, in their order."""
         return self.geometry.points
 
 
