@@ -13,7 +13,8 @@ from catseye.app.cell.model import RECORD, Cell
 from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.points import point_columns, to_points
-from catseye.app.results.scara.result import Result, result_of
+from catseye.app.results.scara.result import Result
+from catseye.app.results.scara.result_of import result_of
 from catseye.app.store.basis import find_aim
 from catseye.app.store.reader import RunReader
 from catseye.app.store.software import SOFTWARE
