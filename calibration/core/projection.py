@@ -13,7 +13,7 @@ from scipy import linalg
 
 from catseye.calibration.core.budget import stacked
 from catseye.calibration.core.model import Model
-from catseye.calibration.core.significance import SIGNIFICANCE, Expected, FTest, f_test
+from catseye.calibration.core.significance import Expected, FTest, Judged, f_test
 from catseye.calibration.core.types import Floats
 
 _ABSORBED = 1e-5
@@ -99,7 +99,7 @@ def project(model: Model, values: Floats, residuals_mm: Floats) -> Projection:
 
 
 @dataclass(frozen=True)
-class Addition:
+class Addition(Judged):
     """What functions that the model lacks would explain.
 
     Attributes:
@@ -121,11 +121,6 @@ class Addition:
     ratio: float
     probability: float
     probability_stated: float
-
-    @property
-    def significant(self) -> bool:
-        """White errors alone do not look like this."""
-        return self.probability < SIGNIFICANCE
 
 
 def addition(projection: Projection, columns: Floats) -> Addition | None:

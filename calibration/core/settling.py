@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
+from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Floats
 
 TEN_MINUTES_S = 600.0
@@ -13,7 +14,6 @@ TEN_MINUTES_S = 600.0
 _FEWEST = 4
 """Fewer visits leave no degrees of freedom worth the name to a straight line."""
 
-_SIGNIFICANCE = 0.01
 
 _TIME_CONSTANTS = 60
 
@@ -96,7 +96,7 @@ def settling(time_s: Floats, length_mm: Floats) -> Settling | None:
     dof = time_s.size - 3
     scatter = float(squares[best]) / dof
     gain = max(float(np.ravel(straight)[0]) - float(squares[best]), 0.0)
-    if special.fdtrc(1, dof, gain / max(scatter, 1e-30)) > _SIGNIFICANCE:
+    if special.fdtrc(1, dof, gain / max(scatter, 1e-30)) > SIGNIFICANCE:
         return None
     tau = float(trials[best])
     # The amplitude belongs to the first visit; time 0 may lie before it.
