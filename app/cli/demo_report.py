@@ -7,8 +7,8 @@ from catseye.app.files.documents import read_truth
 from catseye.app.render.page import write_page
 from catseye.app.results.scara.identify import MODELS
 from catseye.app.results.scara.job_document import IdentifiedValue, JobDocument, JobValidation, ModelLeaves
-from catseye.app.results.scara.run_content import job_content, truth_tables
-from catseye.app.results.scara.run_report import run_report
+from catseye.app.results.scara.run_report import job_report
+from catseye.app.results.scara.truth_tables import truth_tables
 from catseye.app.results.scara.validation import PathValidation
 from catseye.app.store.reader import RunReader
 
@@ -16,7 +16,7 @@ from catseye.app.store.reader import RunReader
 def write_demo_report(result: DemoResult) -> Path:
     """Write the page of a demo; return its path."""
     path = result.folder / "report.html"
-    content = job_content(
+    report = job_report(
         "catseye demo: error map of an emulated SCARA arm",
         [RunReader(run) for run in result.runs.values()],
         RunReader(result.runs["open-loop"]),
@@ -24,7 +24,7 @@ def write_demo_report(result: DemoResult) -> Path:
         truth_tables(result.identified["error-map"], read_truth(result.folder / "truth.json")),
         result.validation,
     )
-    write_page(run_report(content), path)
+    write_page(report, path)
     return path
 
 

@@ -87,6 +87,11 @@ class StoredEvent:
     data: dict[str, Json]
     place: int | None = None
 
+    @property
+    def text(self) -> str:
+        """The sentence that it carries; empty without one."""
+        return str(self.data.get("text") or "")
+
 
 class Accept(Enum):
     """Which runs a reader takes."""
@@ -161,6 +166,12 @@ class RunReader:
         rows = self._rows("meta")
         with self._decoding():
             return {row["key"]: json.loads(row["value"]) for row in rows}
+
+    @property
+    def clock_speed(self) -> float | None:
+        """Bench seconds in one real second; None in a run that does not say."""
+        speed = self.meta.get("clock_speed")
+        return float(speed) if isinstance(speed, int | float) else None
 
     @property
     def status(self) -> Status:

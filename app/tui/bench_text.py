@@ -180,7 +180,7 @@ def engine_lines(engine: EngineState, most: int) -> list[Content]:
         Content.styled(f"{line.t[11:19]} {line.text}", styles.get(line.level, "dim"))
         for line in list(engine.log)[-most:]
     ]
-    skipped = engine.missed.get("bench", 0) + engine.missed.get("samples", 0)
+    skipped = engine.missed["bench"] + engine.missed["samples"]
     if skipped:
         log = [Content.styled(f"skipped    {skipped} older values; the newest are shown", "dim"), *log]
     return [Content(f"connected  {people}"), Content(f"control    {control}"), *log]

@@ -1,6 +1,6 @@
 """What the engine has sent so far: the only thing that screens show."""
 
-from collections import deque
+from collections import Counter, deque
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Final
@@ -88,7 +88,7 @@ class EngineState:
     wire: "deque[WireLine]" = field(default_factory=lambda: deque(maxlen=WIRE_LINES))
     wire_seen: int = 0
     raw: "dict[str, RawChanged]" = field(default_factory=dict)
-    missed: dict[str, int] = field(default_factory=dict)
+    missed: Counter[str] = field(default_factory=Counter)
     log: deque[LogLine] = field(default_factory=lambda: deque(maxlen=500))
     revision: int = 0
 
@@ -189,7 +189,7 @@ class EngineState:
             case engine_events.WirePassed():
                 self.wire.extend(event.lines)
                 self.wire_seen += len(event.lines)
-                self._count("wire", event.missed)
+                self.missed["wire"] += event.missed
             case engine_events.JogChanged():
                 self.jog = event
             case engine_events.DrivesChanged():
@@ -204,7 +204,7 @@ class EngineState:
             case engine_events.ClientsChanged():
                 self.clients = event.clients
             case engine_events.Dropped():
-                self._count("points and steps", event.count)
+                self.missed["points and steps"] += event.count
             case engine_events.EngineIdle():
                 self.state, self.reason = event.state, ""
             case engine_events.ClientLost():
@@ -220,7 +220,7 @@ class EngineState:
             now_s: monotonic time of its arrival, s.
         """
         self.bench, self.bench_at_s = bench, now_s
-        self._count("bench", bench.missed)
+        self.missed["bench"] += bench.missed
 
     def _of_run(self, event: "AnyEvent", now_s: float) -> None:
         from catseye.app.protocol import run_events
@@ -248,7 +248,7 @@ class EngineState:
         self.strip.extend(Column(low, high) for low, high in zip(samples.low, samples.high, strict=True))
         self.strip_seen += samples.missed + len(samples.low)
         self.strip_period_s, self.strip_at_s = samples.period_s, now_s
-        self._count("samples", samples.missed)
+        self.missed["samples"] += samples.missed
 
     def _raw(self, event: "RawChanged") -> None:
         if event.on:
@@ -267,7 +267,3 @@ class EngineState:
     def _note(self, event: "Event", level: str, text: str) -> None:
         line = LogLine(event.t, level, text)
         (self.run.log if self.run is not None and self.run.active else self.log).append(line)
-
-    def _count(self, kind: str, more: int) -> None:
-        if more:
-            self.missed[kind] = self.missed.get(kind, 0) + more

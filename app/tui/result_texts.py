@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from catseye.app.protocol.banners import SIMULATION
 from catseye.app.render.cells import cell_text
 from catseye.app.render.text import table_text
 from catseye.app.results.model import Sign, Statement
@@ -41,7 +42,7 @@ def heading(file: ResultFile) -> str:
     result = file.result
     if result is None:
         return f"{file.path.name}: cannot be read"
-    simulated = {True: "SIMULATED", False: "", None: "simulated or not: not known"}[
+    simulated = {True: SIMULATION, False: "", None: "simulated or not: not known"}[
         result.provenance.simulated
     ]
     parts = [

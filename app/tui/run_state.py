@@ -1,7 +1,6 @@
 """A run as far as the engine's events and its record have shown it."""
 
 from collections import deque
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
         RunEnded,
     )
     from catseye.app.protocol.snapshot import Snapshot
+    from catseye.app.results.scara.map_known import MapKnown
 
 LOG_LINES: Final = 2000
 VALUES_KEPT: Final = 600
@@ -70,37 +70,6 @@ class Step:
 
 
 @dataclass(frozen=True)
-class MapKnowledge:
-    """How well the maps were known when a row of J2 was done.
-
-    Attributes:
-        row: which row it was.
-        u_theta1_mdeg: largest standard uncertainty of the map of J1; None where it is not known yet.
-        u_theta2_mdeg: the same of J2.
-        text: why nothing is known.
-    """
-
-    row: tuple[object, ...]
-    u_theta1_mdeg: float | None
-    u_theta2_mdeg: float | None
-    text: str
-
-    @classmethod
-    def of(cls, data: Mapping[str, object]) -> "MapKnowledge":
-        """Return what an event of the kind "map-known" holds, as it is sent and stored."""
-        return cls(
-            tuple(data.get(name) for name in ("reflector", "theta1_deg", "direction1")),
-            _number(data.get("u_theta1_mdeg")),
-            _number(data.get("u_theta2_mdeg")),
-            str(data.get("text") or ""),
-        )
-
-
-def _number(value: object) -> float | None:
-    return float(value) if isinstance(value, int | float) else None
-
-
-@dataclass(frozen=True)
 class SoFar:
     """What the record of a run holds that began before this client came.
 
@@ -115,7 +84,7 @@ class SoFar:
 
     steps: list[tuple[str, str]]
     points: int
-    map_known: list[MapKnowledge]
+    map_known: "list[MapKnown]"
     log: list[LogLine]
     command: tuple[str, ...] = ()
     speed: float | None = None
@@ -181,7 +150,7 @@ class RunState:
     prompt: "PromptAsked | None" = None
     prompt_at_s: float = 0.0
     points_seen: int = 0
-    map_known: deque[MapKnowledge] = field(default_factory=lambda: deque(maxlen=2000))
+    map_known: "deque[MapKnown]" = field(default_factory=lambda: deque(maxlen=2000))
     log: deque[LogLine] = field(default_factory=lambda: deque(maxlen=LOG_LINES))
     ended: "RunEnded | None" = None
     recorded: bool = False
@@ -288,7 +257,9 @@ class RunState:
         if not isinstance(data, dict):
             return
         if event.kind == MAP_KNOWN:
-            self.map_known.append(MapKnowledge.of(data))
+            from catseye.app.results.scara.map_known import MapKnown
+
+            self.map_known.append(MapKnown.model_validate(data))
         if event.kind in NOT_LOGGED:
             return
         # The first screen is painted before this is imported.

@@ -1,6 +1,8 @@
 """What may be chosen at the start of a procedure, and how stages are marked."""
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
+
+from catseye.app.tui.widgets.parameter_form import Schema
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
@@ -9,7 +11,7 @@ if TYPE_CHECKING:
 STAGE_SIGNS: Final = {"done": "✓", "next": "→", "later": "·", "left out": "–"}
 
 
-def with_run_fields(procedure: "ProcedureEntry", speed: float, *, real: bool) -> dict[str, Any]:
+def with_run_fields(procedure: "ProcedureEntry", speed: float, *, real: bool) -> Schema:
     """Return the parameters of a procedure and what else a start may choose.
 
     Args:

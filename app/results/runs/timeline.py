@@ -12,6 +12,9 @@ from catseye.app.store.reader import RunReader, StoredEvent, StoredStep
 _PASSING = frozenset({"map-known"})
 """Events that tell how far a quantity has got: what counts is the last one."""
 
+_INCIDENTS = frozenset({"beam-lost", "step-dropped", "run-reopened", "walk-waived"})
+"""Events that disturbed a run, or whose reason a reader of its result has to know."""
+
 
 @dataclass(frozen=True)
 class Moment:
@@ -40,6 +43,7 @@ class _Entry:
         order: what comes before what; no clock counts where the record itself knows.
         step: the step.
         passing: only the last one of its kind counts.
+        kind: of the event; empty for what is none.
     """
 
     time_utc: str
@@ -47,6 +51,7 @@ class _Entry:
     order: _Order
     step: StoredStep | None = None
     passing: bool = False
+    kind: str = ""
 
     @property
     def group(self) -> str:
@@ -73,6 +78,13 @@ def timeline(reader: RunReader) -> list[Moment]:
         else:
             moments += [Moment(entry.time_utc, entry.text) for entry in together]
     return moments
+
+
+def incidents(reader: RunReader) -> list[Moment]:
+    """Return what disturbed a run, in the order in which it was stored."""
+    return [
+        Moment(entry.time_utc, entry.text) for entry in _event_entries(reader) if entry.kind in _INCIDENTS
+    ]
 
 
 def _orders(stored: Sequence[tuple[int | None, str]]) -> list[_Order]:
@@ -133,8 +145,8 @@ def _event_entries(reader: RunReader) -> list[_Entry]:
                 devices = event.data.get("devices")
             case _:
                 texts = [event_text(event)]
-        passing = event.kind in _PASSING
-        entries += [_Entry(event.time_utc, text, order, passing=passing) for text in texts if text]
+        passing, kind = event.kind in _PASSING, event.kind
+        entries += [_Entry(event.time_utc, text, order, passing=passing, kind=kind) for text in texts if text]
     return entries
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
@@ -22,7 +22,7 @@ from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.start_fields import STAGE_SIGNS, with_run_fields
-from catseye.app.tui.widgets.parameter_form import ParameterForm
+from catseye.app.tui.widgets.parameter_form import ParameterForm, Schema
 from catseye.app.tui.widgets.report_content import sign_content, statement_content
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.status_bar import override_text
@@ -136,7 +136,7 @@ class ProceduresScreen(MainScreen):
         self._ended: object = None
         self._cell: Path | None = None
         self._looking = False
-        self._fields: dict[str, Any] = {}
+        self._fields: Schema = {}
 
     def body(self) -> ComposeResult:
         """Put the parts together."""

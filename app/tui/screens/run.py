@@ -185,8 +185,8 @@ class RunScreen(MainScreen):
         ended = run is not None and not run.active
         self.set_class(asked, "asked")
         self.set_class(ended, "ended")
-        skipped = engine.missed.get("points and steps", 0)
-        # Until its record has told, a run is taken for one that began here.
+        skipped = engine.missed["points and steps"]
+        # Until its record is read, a run is taken for one that began here.
         speed = self.session.speed if run is None or run.speed is None else run.speed
         self.query_one(ProgressLine).show(
             run, len(self._planned), skipped, fast=engine.simulated and speed != 1.0
@@ -392,7 +392,7 @@ class RunScreen(MainScreen):
             return
         if self._planned_for is None or run.name != self._planned_for.name:
             self._planned, self._doing = [], ""
-        # The record tells what was chosen for it, a moment after its beginning.
+        # The record says what was chosen for it, a moment after its beginning.
         if run.recorded or not run.active:
             self._planned_for = run
         if run.active and run.command and not self._planned:

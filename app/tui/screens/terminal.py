@@ -278,7 +278,7 @@ class TerminalScreen(MainScreen):
         return f"{taken.by} has the link of {self._device}"
 
     def _facts(self, engine: EngineState, view: WireView) -> Content:
-        missed = engine.missed.get("wire", 0)
+        missed = engine.missed["wire"]
         state = "following" if view.following else f"PAUSED, {view.waiting} new"
         return Content.assemble(
             (f"{self._device or 'all devices'}  ", "bold"),

@@ -11,8 +11,11 @@ from textual.widgets import Input, Label, Select
 from catseye.app.protocol.parameters import default_text, param_text, range_text, short_text, typed_fault
 from catseye.app.tui.widgets.static_text import StaticText
 
-Schema = dict[str, dict[str, Any]]
-"""JSON schema of each parameter by its name."""
+Facts = dict[str, Any]
+"""JSON schema of a parameter, as pydantic writes it."""
+
+Schema = dict[str, Facts]
+"""The parameters by their names."""
 
 _CHOSEN: Final = "chosen"
 """Stands where the program chooses a value that is left out."""
@@ -44,7 +47,7 @@ class ParameterRow(Horizontal):
     class Changed(Message):
         """A value was typed or chosen."""
 
-    def __init__(self, name: str, facts: dict[str, Any], text: str) -> None:
+    def __init__(self, name: str, facts: Facts, text: str) -> None:
         super().__init__()
         self.parameter = name
         self.facts = facts
@@ -181,7 +184,7 @@ class ParameterForm(VerticalScroll):
             self.post_message(self.Described(row.description))
 
 
-def _choices(facts: dict[str, Any]) -> list[str]:
+def _choices(facts: Facts) -> list[str]:
     """Return what can be chosen; nothing where something is typed."""
     found = [
         choice

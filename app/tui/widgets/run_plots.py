@@ -7,12 +7,13 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
-from catseye.app.tui.run_state import LiveValue, MapKnowledge, RunState
+from catseye.app.tui.run_state import LiveValue, RunState
 from catseye.app.tui.widgets.inks import Line, painted
 
 if TYPE_CHECKING:
     # numpy and pydantic are not loaded before the first screen is painted.
     from catseye.app.protocol.run_events import LiveData
+    from catseye.app.results.scara.map_known import MapKnown
     from catseye.app.tui.widgets.braille import Canvas, Floats
 
 INNOVATION: Final = "innovation"
@@ -24,7 +25,12 @@ _STYLES: Final = {
     "band": "$text-muted",
     "one": "$primary",
     "two": "$accent",
+    "three": "$secondary",
+    "four": "$success",
 }
+_CURVES: Final = (("one", "●"), ("two", "○"), ("three", "■"), ("four", "□"))
+"""Ink and sign of each map's curve."""
+
 _AXIS: Final = 8
 """Cells for the numbers at the left."""
 
@@ -94,23 +100,23 @@ class ResidualPlot(RunPlot):
 
 
 class MapPlot(RunPlot):
-    """Largest standard uncertainty of both maps, on a logarithmic scale."""
+    """Largest standard uncertainty of each map, on a logarithmic scale."""
 
     def __init__(self) -> None:
         super().__init__("Largest u of the maps / mdeg", id="maps")
 
     def key_of(self, run: RunState | None) -> object:
-        """Return how often it was told, and the last."""
+        """Return how often it was said, and the last."""
         return None if run is None or not run.map_known else (len(run.map_known), run.map_known[-1])
 
     def drawn(self, run: RunState | None) -> Content:
-        """Return both curves."""
+        """Return the curve of each map."""
         known = [] if run is None else list(run.map_known)
         if not known:
-            return Content.styled("none yet: it is told after each row of J2", "dim")
+            return Content.styled("none yet: it comes with the first row", "dim")
         last = known[-1]
-        self.border_subtitle = (
-            f"{_u_text('Δθ1', last.u_theta1_mdeg)} ●  {_u_text('Δθ2', last.u_theta2_mdeg)} ○"
+        self.border_subtitle = "  ".join(
+            f"{_u_text(*one)} {sign}" for one, (_, sign) in zip(last.u_mdeg.items(), _CURVES, strict=False)
         )
         drawn = _uncertainties(known, max(self.size.width - _AXIS, 1), max(self.size.height, 1))
         return painted(drawn, _STYLES) if drawn else Content(last.text)
@@ -170,17 +176,15 @@ def _scale(seen: Sequence["LiveData"]) -> tuple[float, float]:
     return (low, high) if high > low else (low - 0.5, high + 0.5)
 
 
-def _uncertainties(known: Sequence[MapKnowledge], width: int, rows: int) -> list[Line]:
-    """Draw both curves against the rows of J2 that were measured."""
+def _uncertainties(known: "Sequence[MapKnown]", width: int, rows: int) -> list[Line]:
+    """Draw the curve of each map, a point each time it was known better."""
     import numpy as np
 
     from catseye.app.tui.widgets.braille import DOTS_DOWN, Canvas
 
-    curves = [
-        np.array([np.nan if u_mdeg is None else u_mdeg for u_mdeg in curve])
-        for curve in ([each.u_theta1_mdeg for each in known], [each.u_theta2_mdeg for each in known])
-    ]
-    values = np.concatenate(curves)
+    stated = [each.u_mdeg for each in known]
+    curves = [np.array([one.get(name) for one in stated], dtype=np.float64) for name in stated[-1]]
+    values = np.concatenate([np.zeros(0), *curves])
     values = values[np.isfinite(values) & (values > 0.0)]
     if values.size == 0:
         return []
@@ -188,14 +192,14 @@ def _uncertainties(known: Sequence[MapKnowledge], width: int, rows: int) -> list
     if high - low < 0.3:
         low, high = low - 0.15, high + 0.15
     canvas = Canvas(width, rows)
-    for curve, ink, sign in zip(curves, ("one", "two"), ("●", "○"), strict=True):
+    for curve, (ink, sign) in zip(curves, _CURVES, strict=False):
         with np.errstate(invalid="ignore", divide="ignore"):
             y = (high - np.log10(curve)) / (high - low) * (canvas.height - 1)
         finite = np.flatnonzero(np.isfinite(y))
         if finite.size == 0:
             continue
-        rows_of_j2 = np.linspace(0.0, len(known) - 1.0, canvas.width)
-        drawn = np.interp(rows_of_j2, finite, y[finite], left=np.nan, right=np.nan)
+        places = np.linspace(0.0, len(known) - 1.0, canvas.width)
+        drawn = np.interp(places, finite, y[finite], left=np.nan, right=np.nan)
         before = np.concatenate((drawn[:1], drawn[:-1]))
         canvas.bars(np.fmin(drawn, before), np.fmax(drawn, before), ink)
         at = int(finite[-1] / max(len(known) - 1, 1) * (width - 1))

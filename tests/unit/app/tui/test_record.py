@@ -5,9 +5,11 @@ from typing import Any
 
 from catseye.app.protocol.events import event_of
 from catseye.app.protocol.run_events import LiveData, StepStarted
+from catseye.app.results.runs.rehearsal_command import rehearsal_command
+from catseye.app.results.scara.map_known import MapKnown
 from catseye.app.store.run_store import RunStore
-from catseye.app.tui.record import read_record, rehearsal_of
-from catseye.app.tui.run_state import LogLine, MapKnowledge, RunState, SoFar
+from catseye.app.tui.record import read_record
+from catseye.app.tui.run_state import LogLine, RunState, SoFar
 from catseye.procedures.kit.live import Live
 from tests.unit.app.engine.fakes import ManualClock, point
 from tests.unit.app.store.fakes import RECORDS
@@ -24,8 +26,8 @@ def publish(run: RunState, event: str, **fields: Any) -> None:
     run.take(event_of({"event": event, "t": "2026-11-21T09:30:00+00:00", "run": RUN, **fields}), 1.0)
 
 
-def known(u_theta1_mdeg: float) -> MapKnowledge:
-    return MapKnowledge.of({"u_theta1_mdeg": u_theta1_mdeg})
+def known(u_theta1_mdeg: float) -> MapKnown:
+    return MapKnown(u_theta1_mdeg=u_theta1_mdeg)
 
 
 def so_far(**fields: Any) -> SoFar:
@@ -75,7 +77,7 @@ def test_a_run_without_a_search_is_rehearsed_without_one() -> None:
         "params": {"reflector": None},
         "aim": "cell file",
     }
-    words = rehearsal_of(meta, Path("/runs"))
+    words = rehearsal_command(meta, Path("/runs"))
     assert words[words.index("--search") + 1] == "none"
     assert "--param" not in words
 
@@ -87,7 +89,7 @@ def test_a_parameter_too_long_for_a_command_is_not_rehearsed() -> None:
         "params": {"joints": "x" * 200_000},
         "aim": "cell file",
     }
-    assert rehearsal_of(meta, Path("/runs")) == ()
+    assert rehearsal_command(meta, Path("/runs")) == ()
 
 
 def test_what_has_come_meanwhile_stands_behind_the_record() -> None:

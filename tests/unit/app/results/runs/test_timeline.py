@@ -7,7 +7,7 @@ import pytest
 from catseye.app.results.runs.event_text import event_text
 from catseye.app.results.runs.reports import story_report
 from catseye.app.results.runs.summary import summary
-from catseye.app.results.runs.timeline import timeline
+from catseye.app.results.runs.timeline import incidents, timeline
 from catseye.app.store.reader import RunReader, StoredEvent
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.records import Json, Row
@@ -279,4 +279,15 @@ async def test_a_clock_that_jumps_back_disorders_nothing(author: Author) -> None
     found = [next(i for i, line in enumerate(lines) if text in line) for text in wanted]
     assert found == sorted(found)
     assert "an unknown time (the clock was set back)" in lines[found[-1]]
+    await author.die()
+
+
+async def test_incidents_have_the_words_of_the_timeline(author: Author) -> None:
+    await author.event("beam-lost", reflector="P1", point=3, segment=0)
+    await author.event("warning", text="the signal is weak")
+    await author.die()
+    await author.reopen(3.0)
+    texts = [moment.text for moment in incidents(author.reader)]
+    assert texts == [text for text in told(author) if text.startswith(("BEAM LOST", "RESUMED"))]
+    assert len(texts) == 2
     await author.die()
