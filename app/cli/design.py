@@ -85,8 +85,8 @@ def design(
 
     Example: catseye design --cell cell.toml --reflectors 3 -o design.html
     """
+    from catseye.app.cell.bench import scara_bench_of
     from catseye.app.cell.load import load_cell
-    from catseye.app.cell.scara.bench import scara_bench_of
     from catseye.app.cli.report_output import note_statements, write_tables
     from catseye.app.cluster.sharing import sharing
     from catseye.app.files.atomic import require_output
@@ -161,10 +161,11 @@ def _rectangle(text: str | None) -> tuple[float, float, float, float] | None:
 
 
 def _commands_of(path: Path, loaded: "LoadedCell") -> "Commands":
+    from catseye.app.cell.bench import scara_sections
     from catseye.app.results.scara.path_csv import read_path_csv
 
-    robot = loaded.cell.robot
-    return read_path_csv(path, (robot.link1_mm, robot.link2_mm)).commands
+    links_mm = scara_sections(loaded.cell, "catseye design").robot.links_mm
+    return read_path_csv(path, links_mm).commands
 
 
 def _write_cell(design: "Design", loaded: "LoadedCell", file: Path) -> None:

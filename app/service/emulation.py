@@ -10,7 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from catseye.app.cell.model import Alignment, Cell, Interferometer
+from catseye.app.cell.bench import scara_sections
+from catseye.app.cell.model import Cell, Interferometer
+from catseye.app.cell.scara.sections import Alignment
 from catseye.app.errors import ConfigError, LinkFailedError
 from catseye.app.files.documents import read_document
 from catseye.drivers.counter.profile import load_profile
@@ -50,7 +52,7 @@ def emulation_config(cell: Cell, speed: float, seed: int, truth: Path | None) ->
     limits = cell.robot.limits_deg
     return EmulationConfig(
         reflectors=tuple(ReflectorPlace(r.name, r.x_mm, r.y_mm, r.facing_deg) for r in cell.reflector),
-        scara=Scara(cell.robot.link1_mm, cell.robot.link2_mm),
+        scara=Scara(*scara_sections(cell, "the emulated bench").robot.links_mm),
         limits=(
             (limits.j1[0], limits.j1[1]),
             (limits.j2[0], limits.j2[1]),

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from catseye.procedures.kit.bench import Bench
+
 
 @dataclass(frozen=True)
 class After:
@@ -23,11 +25,13 @@ class Needs:
     """What a procedure needs.
 
     Attributes:
+        bench: kind of bench that it is planned on.
         after: procedures that should have been run.
         aim: it is planned with the places that a search found.
         tracker: its result is better with an independent instrument.
     """
 
+    bench: type[Bench] = Bench
     after: tuple[After, ...] = ()
     aim: bool = False
     tracker: bool = False

@@ -6,12 +6,15 @@ from typing import Final
 
 from pydantic import ValidationError
 
-from catseye.app.errors import StorageError, UsageError
+from catseye.app.cell.bench import bench_for
+from catseye.app.cell.model import Cell
+from catseye.app.errors import ConfigError, StorageError, UsageError
 from catseye.app.protocol.procedures import Runnable
 from catseye.app.results.numbers import age_text
 from catseye.app.results.readiness.cell_runs import CellRun, CellRuns
 from catseye.app.results.readiness.need import Need
 from catseye.app.store.basis import find_aim
+from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import ProcedureError
 from catseye.procedures.kit.needs import After
 from catseye.procedures.scara.bench import ScaraBench
@@ -29,22 +32,27 @@ class FoundAim:
         search: the run that found it; None without one.
     """
 
-    bench: ScaraBench
+    bench: Bench
     need: Need
     search: CellRun | None
 
 
-def needs_of(procedure: Runnable, bench: ScaraBench, aim: FoundAim, runs: CellRuns) -> list[Need]:
+def needs_of(procedure: Runnable, cell: Cell, bench: Bench, aim: FoundAim, runs: CellRuns) -> list[Need]:
     """Return what a procedure needs on a cell.
 
     Args:
         procedure: which.
+        cell: which.
         bench: as the cell file describes it.
         aim: what it would be aimed with.
         runs: of this cell.
     """
     declared = procedure.needs
-    needs = [_reflectors(bench), *(_earlier(after, runs) for after in declared.after)]
+    try:
+        bench_for(cell, declared.bench, procedure.name)
+    except ConfigError as error:
+        return [Need("cell file", "missing", str(error))]
+    needs = [*_reflectors(bench), *(_earlier(after, runs) for after in declared.after)]
     if declared.aim:
         needs.append(aim.need)
     if declared.tracker:
@@ -53,7 +61,7 @@ def needs_of(procedure: Runnable, bench: ScaraBench, aim: FoundAim, runs: CellRu
     return needs
 
 
-def aim_of(bench: ScaraBench, root: Path, runs: CellRuns) -> FoundAim:
+def aim_of(bench: Bench, root: Path, runs: CellRuns) -> FoundAim:
     """Return the aim that a run would be planned with, and what is to be said about it."""
     try:
         aim = find_aim(bench, root)
@@ -65,10 +73,12 @@ def aim_of(bench: ScaraBench, root: Path, runs: CellRuns) -> FoundAim:
     return FoundAim(aim.bench, Need("search", "met", f"run {run.id}, {age_text(run.age_s)}"), run)
 
 
-def _reflectors(bench: ScaraBench) -> Need:
+def _reflectors(bench: Bench) -> list[Need]:
+    if not isinstance(bench, ScaraBench):
+        return []
     names = [reflector.name for reflector in bench.reflectors]
     one = ", one cat's eye that is carried from nest to nest" if bench.optics.one_reflector else ""
-    return Need("reflectors", "met", f"{', '.join(names)}{one}")
+    return [Need("reflectors", "met", f"{', '.join(names)}{one}")]
 
 
 def _earlier(after: After, runs: CellRuns) -> Need:
@@ -80,13 +90,13 @@ def _earlier(after: After, runs: CellRuns) -> Need:
     return Need(after.what, "advised", f"none {lately}; run {after.procedure}")
 
 
-def _tracker(bench: ScaraBench) -> Need:
+def _tracker(bench: Bench) -> Need:
     if bench.tracker:
         return Need("tracker", "met", "in the cell file")
     return Need("tracker", "advised", "none: the interferometer measures, or instrument = file")
 
 
-def _plan(procedure: Runnable, bench: ScaraBench) -> Need:
+def _plan(procedure: Runnable, bench: Bench) -> Need:
     try:
         procedure.plan(bench, procedure.params_type())
     except ProcedureError as error:

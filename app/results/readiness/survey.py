@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
+from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.protocol.procedures import Runnable, load_procedure, procedure_names
 from catseye.app.results.readiness.cell_runs import CellRuns, runs_of_cell
 from catseye.app.results.readiness.need import Need
@@ -51,10 +51,10 @@ def survey_cell(path: Path, root: Path, now: datetime) -> Survey:
         ConfigError: the cell file cannot be used.
     """
     cell = load_cell(path).cell
-    bench, runs = scara_bench_of(cell), runs_of_cell(root, cell.name, now)
+    bench, runs = bench_of(cell), runs_of_cell(root, cell.name, now)
     procedures = [load_procedure(name) for name in procedure_names()]
     aim = aim_of(bench, root, runs)
-    needs = {each.name: needs_of(each, bench, aim, runs) for each in procedures}
+    needs = {each.name: needs_of(each, cell, bench, aim, runs) for each in procedures}
     results = results_in((path.parent, root.absolute().parent, root))
     after = [one for each in procedures for one in each.needs.after]
     stages = stages_of(runs, needs, aim.search, results, path, after)

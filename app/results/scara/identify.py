@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from catseye.app.cell.model import RECORD, Cell
-from catseye.app.cell.scara.bench import scara_bench_of
+from catseye.app.cell.bench import scara_bench_of
+from catseye.app.cell.model import Cell
+from catseye.app.cell.section import RECORD
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.points import point_columns, to_points
 from catseye.app.results.scara.result import Result

@@ -82,7 +82,7 @@ class BeamLevel:
 
     name = "beam-level"
     title = "Levelling of the beam"
-    needs: ClassVar[Needs] = Needs()
+    needs: ClassVar[Needs] = Needs(ScaraBench)
     records: ClassVar[tuple[type[Record], ...]] = (AlignmentRound, ScrewTurn)
     params_type = BeamLevelParams
 

@@ -96,7 +96,7 @@ class BeamToJ4:
 
     name = "beam-to-j4"
     title = "Alignment of the beam to the J4 axis"
-    needs: ClassVar[Needs] = Needs(after=(LEVELLED,))
+    needs: ClassVar[Needs] = Needs(ScaraBench, after=(LEVELLED,))
     records: ClassVar[tuple[type[Record], ...]] = (AlignmentRound, ScrewTurn)
     params_type = BeamToJ4Params
 

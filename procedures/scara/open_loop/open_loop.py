@@ -43,7 +43,7 @@ class OpenLoop:
 
     name = "open-loop"
     title = "Automated open-loop tracking measurement"
-    needs: ClassVar[Needs] = Needs(after=(ALIGNED, WARM), aim=True)
+    needs: ClassVar[Needs] = Needs(ScaraBench, after=(ALIGNED, WARM), aim=True)
     records: ClassVar[tuple[type[Record], ...]] = (Distance, Overlap, ClosureVisit)
     params_type = OpenLoopParams
 

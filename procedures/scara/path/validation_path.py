@@ -69,7 +69,7 @@ class ValidationPath:
 
     name = "validation-path"
     title = "Validation path"
-    needs: ClassVar[Needs] = Needs(after=(ALIGNED,), aim=True, tracker=True)
+    needs: ClassVar[Needs] = Needs(ScaraBench, after=(ALIGNED,), aim=True, tracker=True)
     records: ClassVar[tuple[type[Record], ...]] = (PathPosition, Overlap)
     params_type = PathParams
 

@@ -44,7 +44,7 @@ class Repeatability:
 
     name = "repeatability"
     title = "Pose repeatability"
-    needs: ClassVar[Needs] = Needs(after=(ALIGNED, WARM), aim=True)
+    needs: ClassVar[Needs] = Needs(ScaraBench, after=(ALIGNED, WARM), aim=True)
     records: ClassVar[tuple[type[Record], ...]] = (Repeat,)
     params_type = RepeatabilityParams
 

@@ -52,7 +52,7 @@ class ReflectorSearch:
 
     name = "reflector-search"
     title = "Reflector search"
-    needs: ClassVar[Needs] = Needs(after=(ALIGNED,))
+    needs: ClassVar[Needs] = Needs(ScaraBench, after=(ALIGNED,))
     records: ClassVar[tuple[type[Record], ...]] = (SeenReflector,)
     params_type = SearchParams
 

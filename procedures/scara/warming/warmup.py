@@ -56,7 +56,7 @@ class Warmup:
 
     name = "warmup"
     title = "Warm-up"
-    needs: ClassVar[Needs] = Needs(after=(ALIGNED,), aim=True)
+    needs: ClassVar[Needs] = Needs(ScaraBench, after=(ALIGNED,), aim=True)
     records: ClassVar[tuple[type[Record], ...]] = (Drift,)
     params_type = WarmupParams
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cli.init import init
 from catseye.app.cli.procedures import procedures as list_procedures
 from catseye.app.protocol.bench import DeviceStatus, LinkState
