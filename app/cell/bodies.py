@@ -69,11 +69,11 @@ def _unconfirmed(cell: Cell, bodies: list[Body], chain: Chain) -> list[str]:
         for body in bodies
         if not body.confirmed
     ]
-    flange = next((joint.d_mm for joint in chain.joints if joint.kind == "prismatic"), 0.0)
+    sliding = [joint for joint in chain.joints if joint.kind == "prismatic"]
     stated = (
         (given.table.confirmed, f"table (z {given.table.z_mm:g} mm)"),
         (given.stands.confirmed, f"stands of the reflectors (radius {given.stands.radius_mm:g} mm)"),
-        (given.flange.confirmed, f"flange at J3 = 0 (z {flange:g} mm)"),
+        *((given.flange.confirmed, f"flange at {joint.name} = 0 (z {joint.d_mm:g} mm)") for joint in sliding),
     )
     return found + [text for confirmed, text in stated if not confirmed]
 
