@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.model import Cell
-from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.render.page import page_html
 from catseye.app.results.model import Origin, Report
@@ -34,8 +34,8 @@ from catseye.app.results.scara.result import (
     Provenance,
     Residuals,
     Result,
-    result_of,
 )
+from catseye.app.results.scara.result_of import result_of
 from catseye.app.results.scara.truth_tables import TruthMap, TruthTables
 from catseye.app.results.scara.validation import PathMeasurement, PathValidation, validate_on_path
 from catseye.calibration.core.types import Floats
