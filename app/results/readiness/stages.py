@@ -64,7 +64,7 @@ def stages_of(
     measured = None if search is None else runs.last_complete(MEASUREMENT, after=search)
     result = None if measured is None else results.get(measured.name)
     path = None if measured is None else runs.last_complete(_PATH, after=measured)
-    warm = next((runs.last_counting(one) for one in after if one.procedure == WARM_UP), None)
+    warm = next((runs.last_counting(earlier) for earlier in after if earlier.procedure == WARM_UP), None)
     done: list[tuple[str, str, bool, str]] = [
         (LEVEL, "the beam in the plane of the arm", level is not None, _by(level)),
         (ALIGNMENT, "the beam through the J4 axis", aligned is not None, _by(aligned)),

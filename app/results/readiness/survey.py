@@ -54,8 +54,8 @@ def survey_cell(path: Path, root: Path, now: datetime) -> Survey:
     bench, runs = scara_bench_of(cell), runs_of_cell(root, cell.name, now)
     procedures = [load_procedure(name) for name in procedure_names()]
     aim = aim_of(bench, root, runs)
-    needs = {each.name: needs_of(each, bench, aim, runs) for each in procedures}
+    needs = {procedure.name: needs_of(procedure, bench, aim, runs) for procedure in procedures}
     results = results_in((path.parent, root.absolute().parent, root))
-    after = [one for each in procedures for one in each.needs.after]
+    after = [earlier for procedure in procedures for earlier in procedure.needs.after]
     stages = stages_of(runs, needs, aim.search, results, path, after)
     return Survey(cell.name, procedures, needs, runs, stages)

@@ -26,9 +26,9 @@ def between_s(first_utc: str, last_utc: str) -> float:
 
 
 def event_text(event: StoredEvent) -> str:
-    """Return what happened, as a sentence; empty when another line of the story tells it."""
-    tell = _WORDS.get(event.kind)
-    return tell(event.data) if tell else plain(event.kind, event.data)
+    """Return what happened, as a sentence; empty when another line of the timeline says it."""
+    phrase = _WORDS.get(event.kind)
+    return phrase(event.data) if phrase else plain(event.kind, event.data)
 
 
 def plain(kind: str, data: Data) -> str:
@@ -51,12 +51,12 @@ def _pose_text(pose: list[float]) -> str:
 
 def device_text(facts: Data) -> str:
     """Return who answered."""
-    told = (
+    parts = (
         facts.get("model"),
         facts.get("firmware"),
         f"no. {facts['serial']}" if facts.get("serial") else "",
     )
-    return " ".join(str(part) for part in told if part)
+    return " ".join(str(part) for part in parts if part)
 
 
 def _value(value: Any) -> str:
@@ -109,7 +109,7 @@ def _control(data: Data) -> str:
 
 def _client_lost(data: Data) -> str:
     client, who = data.get("client"), data.get("who")
-    return f"front end {client} ({who}) lost: {data.get('reason')}; the run is told to {data.get('policy')}"
+    return f"front end {client} ({who}) lost: {data.get('reason')}; the run is to {data.get('policy')}"
 
 
 def _ended(data: Data) -> str:
@@ -139,8 +139,8 @@ def _hands(data: Data) -> str:
 def _aim(data: Data) -> str:
     verdict = "the aim holds over the whole plan" if data.get("holds") else "the aim does not hold yet"
     worst, room = data.get("worst_uncertainty_mm"), data.get("room_mm")
-    told = f": {worst:.2f} mm at worst (k = 1), {room:.2f} mm allowed (k = 2)" if worst and room else ""
-    return f"{verdict}{told}, {data.get('poses')} poses"
+    reserve = f": {worst:.2f} mm at worst (k = 1), {room:.2f} mm allowed (k = 2)" if worst and room else ""
+    return f"{verdict}{reserve}, {data.get('poses')} poses"
 
 
 def _warmup(data: Data) -> str:
@@ -201,6 +201,6 @@ _WORDS: Mapping[str, Callable[[Data], str]] = {
     "reflectors-moved": _moved,
     "hands": _hands,
     "close-failed": lambda data: plain("NOT CLOSED", data),
-    # These are told with what belongs to them.
+    # These are shown with what belongs to them.
     "asked": lambda _data: "",
 }

@@ -14,8 +14,8 @@ def record_text(row: Row) -> str:
     """Return an observation in words."""
     own = {key: value for key, value in row.items() if key not in _KEYS}
     kind = str(row["kind"])
-    tell = _WORDS.get(kind)
-    return tell(own) if tell else plain(kind, own)
+    phrase = _WORDS.get(kind)
+    return phrase(own) if phrase else plain(kind, own)
 
 
 def _alignment(row: Row) -> str:
