@@ -5,9 +5,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal
 
+from catseye.app.cell.bench import scara_bench_of, scara_sections
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
-from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.errors import LimitError, MeasurementRejectedError, UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.results.scara.compensated_path import Origin, write_compensated_csv, write_compensated_json
@@ -50,7 +50,7 @@ def origin_of(path: Path, result: Result) -> Origin:
 def cell_of(file: Path, origin: Origin) -> Cell:
     """Return the cell of the arm that was identified."""
     cell = load_cell(file).cell
-    links = (cell.robot.link1_mm, cell.robot.link2_mm)
+    links = scara_sections(cell, "catseye compensate").robot.links_mm
     if links != origin.nominal_mm:
         raise UsageError(
             f"{file}: its arm has the nominal links {links[0]:g} and {links[1]:g} mm, that of {origin.result} "

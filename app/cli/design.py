@@ -85,8 +85,8 @@ def design(
 
     Example: catseye design --cell cell.toml --reflectors 3 -o design.html
     """
+    from catseye.app.cell.bench import scara_bench_of
     from catseye.app.cell.load import load_cell
-    from catseye.app.cell.scara.bench import scara_bench_of
     from catseye.app.cli.report_output import note_statements, write_tables
     from catseye.app.cluster.sharing import sharing
     from catseye.app.files.atomic import require_output
@@ -161,10 +161,11 @@ def _rectangle(text: str | None) -> tuple[float, float, float, float] | None:
 
 
 def _commands_of(path: Path, loaded: "LoadedCell") -> "Commands":
+    from catseye.app.cell.bench import scara_sections
     from catseye.app.results.scara.path_csv import read_path_csv
 
-    robot = loaded.cell.robot
-    return read_path_csv(path, (robot.link1_mm, robot.link2_mm)).commands
+    links_mm = scara_sections(loaded.cell, "catseye design").robot.links_mm
+    return read_path_csv(path, links_mm).commands
 
 
 def _write_cell(design: "Design", loaded: "LoadedCell", file: Path) -> None:
@@ -173,6 +174,7 @@ def _write_cell(design: "Design", loaded: "LoadedCell", file: Path) -> None:
     from catseye.app.cell.load import load_cell
     from catseye.app.cell.reflectors import with_reflector_tables
     from catseye.app.files.atomic import write_atomically
+    from catseye.app.protocol.procedures import analysed_by
 
     reflectors = [
         (f"P{k}", float(s.xy_mm[0]), float(s.xy_mm[1]), round(float(np.rad2deg(s.facing_rad)), 1))
@@ -180,7 +182,8 @@ def _write_cell(design: "Design", loaded: "LoadedCell", file: Path) -> None:
     ]
     write_atomically(file, with_reflector_tables(loaded.path, reflectors))
     load_cell(file)
-    note(f"{file} written. Next: catseye run open-loop --cell {file} --dry-run")
+    next_run = analysed_by("identify")[0].name
+    note(f"{file} written. Next: catseye run {next_run} --cell {file} --dry-run")
 
 
 def _write_commands(design: "Design", file: Path) -> None:

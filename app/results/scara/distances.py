@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.errors import UsageError
 from catseye.app.protocol.banners import unverified_text
 from catseye.app.results.scara.distance_unit import require_millimetres

@@ -52,7 +52,7 @@ def run_export(reader: RunReader) -> Export:
     if not rows:
         raise UsageError(
             f"{reader.path.name} holds nothing to export: it is {reader.status} and has measured nothing; "
-            f"catseye show {reader.path.name} tells what happened"
+            f"catseye show {reader.path.name} shows what happened"
         )
     about = {"run": reader.path.name, "meta": reader.meta}
     return Export(reader.path.name, about, content, rows, _run_csv(reader, content, rows), reader.unverified)

@@ -213,7 +213,7 @@ class SetupScreen(WorkScreen):
             if left is not None:
                 self.notify("the file is another now: its questions begin anew", severity="warning")
         self._drafts[source], self._source = draft, source
-        # Drivers tell their settings; they are loaded beside the screen.
+        # Drivers declare their settings; they are loaded beside the screen.
         await asyncio.to_thread(lambda: [draft.questions(page) for page in PAGES])
         await self._show_wizard(draft)
 
