@@ -40,7 +40,6 @@ NOT_YET = {
     "app/service/emulation.py": "configuration of the emulated SCARA",
     "app/service/watching/bench_status.py": "layout from above, as it is on the socket",
     "app/store/basis.py": "aim of a SCARA",
-    "app/testing/checks/robot.py": "the conformance suite drives the shipped arm",
     "app/tui/bench_text.py": "joints in two lines",
     "app/tui/jog_client.py": "keys of the jog",
     "app/tui/jog_text.py": "keys of the jog",
