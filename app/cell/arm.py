@@ -109,10 +109,6 @@ class ArmDescription(Section):
     joint: Annotated[list[Joint], Field(min_length=1)]
     body: list[Body] = Field(default_factory=list)
 
-    def range_of(self, joint: str) -> Range:
-        """Return lowest and highest place of a joint, deg or mm."""
-        return next(one.range for one in self.joint if one.name == joint)
-
 
 def shipped_arms() -> list[str]:
     """Return the names of the arms that are described."""

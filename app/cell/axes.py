@@ -1,10 +1,10 @@
 """The arm of a cell: axes from its description, ranges as the cell narrows them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import cast
 
-from catseye.app.cell.arm import Joint, shipped_arm
-from catseye.app.cell.model import Cell
+from catseye.app.cell.arm import ArmDescription, Joint, shipped_arm
+from catseye.app.cell.model import Robot
 from catseye.app.errors import ConfigError
 from catseye.drivers.roles.pose import Axes, Axis
 from catseye.drivers.roles.registry import driver_names, load_driver
@@ -12,13 +12,14 @@ from catseye.drivers.roles.robot import RobotClass
 from catseye.procedures.kit.bench import Arm
 
 
-def axes_of(cell: Cell) -> Axes:
-    """Return the axes of a cell's arm; [robot.limits_deg] narrows their ranges."""
-    limits = cell.robot.limits_deg.model_dump()
-    return tuple(
-        _axis(joint, limits.get(joint.name.lower(), joint.range))
-        for joint in shipped_arm(cell.robot.arm).joint
-    )
+def axes_of(description: ArmDescription, limits: Mapping[str, Sequence[float]]) -> Axes:
+    """Return the axes of an arm.
+
+    Args:
+        description: of the arm.
+        limits: narrower ranges by name of the joint in lower case, deg or mm.
+    """
+    return tuple(_axis(joint, limits.get(joint.name.lower(), joint.range)) for joint in description.joint)
 
 
 def _axis(joint: Joint, limits: Sequence[float]) -> Axis:
@@ -26,21 +27,16 @@ def _axis(joint: Joint, limits: Sequence[float]) -> Axis:
     return Axis(joint.name, joint.unit, low, high, joint.speed, joint.acceleration)
 
 
-def arm_of(cell: Cell, axes: Axes, range_keys: tuple[str, ...]) -> Arm:
-    """Return the arm of a cell.
-
-    Args:
-        cell: how it is driven.
-        axes: of the arm.
-        range_keys: key of [robot] that sets the range of each.
+def arm_of(robot: Robot) -> Arm:
+    """Return the arm of a cell as its description and [robot.limits_deg] have it.
 
     Raises:
         ConfigError: its driver is not installed, or is none of a robot.
     """
-    robot = cell.robot
+    axes = axes_of(shipped_arm(robot.arm), robot.limits_deg.model_dump(exclude_unset=True))
     return Arm(
         axes=axes,
-        range_keys=range_keys,
+        range_keys=tuple(f"limits_deg.{axis.name.lower()}" for axis in axes),
         override_percent=robot.override_cap_percent,
         following=robot_driver(robot.driver).abilities.following,
         follow_speed_deg_s=robot.follow_speed_deg_s,

@@ -1,18 +1,80 @@
 """The bench and the system that a cell file describes."""
 
+from catseye.app.cell.axes import arm_of
+from catseye.app.cell.bodies import workspace_of
 from catseye.app.cell.model import Cell
-from catseye.app.cell.scara.bench import scara_bench_of
-from catseye.procedures.kit.bench import Bench
+from catseye.app.cell.scara.bench import scara_bench
+from catseye.app.cell.scara.sections import ScaraSections
+from catseye.app.errors import ConfigError
+from catseye.procedures.kit.bench import Bench, Timing
 from catseye.procedures.kit.system import System
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.system import ScaraSystem
 
 
 def bench_of(cell: Cell) -> Bench:
-    """Return the bench that a cell file describes."""
-    return scara_bench_of(cell)
+    """Return the bench that a cell file describes, as far as it does."""
+    bench, scara = _bench(cell), stated_scara_sections(cell)
+    return bench if scara.missing else scara_bench(bench, scara)
+
+
+def scara_bench_of(cell: Cell, wanted_by: str = "open-loop tracking") -> ScaraBench:
+    """Return the bench of a SCARA with its interferometer.
+
+    Args:
+        cell: that describes it.
+        wanted_by: procedure or analysis that needs it.
+
+    Raises:
+        ConfigError: names what the cell file does not have.
+    """
+    return scara_bench(_bench(cell), scara_sections(cell, wanted_by))
+
+
+def scara_sections(cell: Cell, wanted_by: str) -> ScaraSections:
+    """Return what open-loop tracking takes from a cell file; see `scara_bench_of`."""
+    found = stated_scara_sections(cell)
+    if found.missing:
+        raise ConfigError(
+            f"{wanted_by} needs {', '.join(found.missing)}: add them to the cell file {cell.name}"
+        )
+    return found
+
+
+def stated_scara_sections(cell: Cell) -> ScaraSections:
+    """Return what open-loop tracking takes from a cell file; it says what is missing."""
+    return ScaraSections(
+        cell.robot, cell.optics, cell.alignment, cell.reflector, cell.measurement, cell.uncertainty
+    )
+
+
+def bench_for(cell: Cell, kind: type[Bench], wanted_by: str) -> Bench:
+    """Return a bench of a kind.
+
+    Args:
+        cell: that describes it.
+        kind: what is needed.
+        wanted_by: procedure that needs it.
+
+    Raises:
+        ConfigError: names what the cell file does not have.
+    """
+    return scara_bench_of(cell, wanted_by) if issubclass(kind, ScaraBench) else bench_of(cell)
 
 
 def system_of(bench: Bench) -> System:
     """Return what there is to ask of a bench."""
     return ScaraSystem(bench) if isinstance(bench, ScaraBench) else System(bench)
+
+
+def _bench(cell: Cell) -> Bench:
+    timing = cell.measurement
+    return Bench(
+        name=cell.name,
+        arm=arm_of(cell.robot),
+        workspace=workspace_of(cell),
+        timing=Timing(
+            timing.settle_time_s, timing.dwell_time_s, timing.readings, timing.spread_limit_um * 1e-3
+        ),
+        tracker=cell.tracker is not None,
+    )

@@ -1,6 +1,6 @@
 """Bodies and boxes of a cell file as procedures need them, and which of their dimensions are only estimates."""
 
-from catseye.app.cell.arm import ArmDescription, Body, RevoluteJoint, shipped_arm
+from catseye.app.cell.arm import ArmDescription, Body, shipped_arm
 from catseye.app.cell.model import Cell
 from catseye.app.cell.workspace import Box as BoxSection
 from catseye.calibration.kinematics.bodies import Box, Capsule, Point
@@ -28,19 +28,17 @@ def workspace_of(cell: Cell) -> Workspace:
 
 
 def _chain(description: ArmDescription, cell: Cell) -> Chain:
-    """Return the arm's joints with the links of the cell file, which are those of the arm on the bench."""
-    links = {"J2": cell.robot.link1_mm, "J3": cell.robot.link2_mm}
-    flange_z_mm = cell.workspace.flange.z_mm
-    heights = {} if flange_z_mm is None else {"J3": flange_z_mm}
+    """Return the arm's joints with the lengths of the cell file, which are those of the arm on the bench."""
+    a_mm, flange_z_mm = cell.robot.nominal_a_mm, cell.workspace.flange.z_mm
     return Chain(
         tuple(
             Joint(
                 joint.name,
-                "revolute" if isinstance(joint, RevoluteJoint) else "prismatic",
+                "revolute" if joint.unit == "deg" else "prismatic",
                 joint.alpha_deg,
-                links.get(joint.name, joint.a_mm),
+                a_mm.get(joint.name, joint.a_mm),
                 joint.theta_offset_deg,
-                heights.get(joint.name, joint.d_mm),
+                joint.d_mm if flange_z_mm is None or joint.unit == "deg" else flange_z_mm,
                 joint.sign,
                 *joint.range,
             )
@@ -71,11 +69,11 @@ def _unconfirmed(cell: Cell, bodies: list[Body], chain: Chain) -> list[str]:
         for body in bodies
         if not body.confirmed
     ]
-    flange = next((joint.d_mm for joint in chain.joints if joint.kind == "prismatic"), 0.0)
+    sliding = [joint for joint in chain.joints if joint.kind == "prismatic"]
     stated = (
         (given.table.confirmed, f"table (z {given.table.z_mm:g} mm)"),
         (given.stands.confirmed, f"stands of the reflectors (radius {given.stands.radius_mm:g} mm)"),
-        (given.flange.confirmed, f"flange at J3 = 0 (z {flange:g} mm)"),
+        *((given.flange.confirmed, f"flange at {joint.name} = 0 (z {joint.d_mm:g} mm)") for joint in sliding),
     )
     return found + [text for confirmed, text in stated if not confirmed]
 

@@ -140,7 +140,7 @@ def _line_of(text: str, place: Place) -> int:
 
 def _origins(section: BaseModel, given: Any, prefix: str) -> dict[str, str]:
     found: dict[str, str] = {}
-    for name in type(section).model_fields:
+    for name in (*type(section).model_fields, *(section.model_extra or {})):
         value, inside = getattr(section, name), isinstance(given, dict) and name in given
         key = f"{prefix}{name}"
         if isinstance(value, BaseModel):

@@ -37,7 +37,7 @@ class Stands(Section):
 
 
 class Flange(Section):
-    """[workspace.flange]: where J3 = 0 is above the foot of the base; None takes the arm's description."""
+    """[workspace.flange]: height of the flange above the foot where a sliding joint is at 0; None: as described."""
 
     z_mm: Finite | None = None
     confirmed: bool = False

@@ -13,6 +13,7 @@ from catseye.app.engine.waiting import cancel
 from catseye.app.errors import OutputError, exit_code_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.answers import Refusal, refused
+from catseye.app.protocol.banners import SIMULATION_TEXT
 from catseye.app.protocol.engine_events import ClientLost, ControlChanged, Dropped
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.message import VERSION, JsonObject, MessageError, RequestId, decode_object
@@ -184,7 +185,7 @@ class People(Front):
         holder = snapshot.control.who if snapshot.control else "nobody"
         note(f"{run}: {snapshot.state}; control: {'you' if self._control else holder}")
         if snapshot.simulated:
-            note("SIMULATED: every device is an emulator")
+            note(SIMULATION_TEXT)
         note(
             f"{KEYS} · q leave, each with Enter"
             if self._control

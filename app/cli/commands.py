@@ -25,22 +25,21 @@ COMMANDS: Final[Mapping[str, str]] = {
     "tui": "Show the terminal user interface. It joins the engine that is running, or starts one.",
     "resume": "Go on with a run that stopped, failed, was aborted or died; steps that are done are not repeated.",
     "runs": "List the stored runs, oldest first.",
-    "show": "Tell a run's story: what, with which devices, what happened, how it ended.",
+    "show": "Show a run's story: what, with which devices, what happened, how it ended.",
     "verify": "Check a stored run against its manifest and its own rules.",
     "identify": "Identify the arm from distances.",
     "diagnose": (
-        "Tell what speaks against a fit: outliers, drift, lack of fit, cross-validation, richer models, node spacing."
+        "Show what speaks against a fit: outliers, drift, lack of fit, cross-validation, richer models, node spacing."
     ),
     "compare": (
         "Compare two results of one arm: links, error maps and reflectors, in combined standard uncertainties."
     ),
     "predict": (
-        "Tell where the model says the arm really goes, with uncertainties; "
-        "beyond the identified range it says nothing."
+        "Predict where the arm really goes, with uncertainties; beyond the identified range it says nothing."
     ),
     "validate": "Compare a model with an independent measurement.",
     "compensate": "Turn the model round: commands that bring the arm where it shall go, or a bidirectional table.",
-    "design": "Tell where to put the reflectors and which commands to use.",
+    "design": "Find where to put the reflectors and which commands to use.",
     "report": "Write one self-contained HTML page about a run or a result.",
     "export": "Write what a run has measured or what a result holds for other programs.",
 }

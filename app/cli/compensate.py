@@ -10,6 +10,7 @@ from catseye.app.cli.output import note, warn, write_json
 from catseye.app.errors import UsageError
 
 if TYPE_CHECKING:
+    from catseye.app.cli.compensation import Correction
     from catseye.app.results.scara.compensated_path import Origin
     from catseye.calibration.scara.identification import IdentifiedArm
 
@@ -35,22 +36,14 @@ def compensate(
 
     Example: catseye compensate result.json --path path.csv --format melfa --cell cell.toml -o path.prg
     """
-    from catseye.app.cli.compensation import cell_of, checked, origin_of, settings_of
-    from catseye.app.cli.report_output import note_statements, write_tables
-    from catseye.app.files.atomic import require_output, write_atomically
-    from catseye.app.results.scara.compensated_path import write_compensated_csv, write_compensated_json
-    from catseye.app.results.scara.compensation import compensate_path
-    from catseye.app.results.scara.compensation_report import compensation_figures, compensation_report
+    from catseye.app.cli.compensation import correction_of, origin_of, write_correction
+    from catseye.app.files.atomic import require_output
     from catseye.app.results.scara.identified_arm import arm_of, arm_remarks
-    from catseye.app.results.scara.melfa_program import melfa_program
-    from catseye.app.results.scara.path_csv import read_path_csv, start_states
     from catseye.app.results.scara.result import read_result
-    from catseye.app.results.scara.validation import TAKE_UP_DEG
 
     require_output(output, result, path, cell)
     identified = read_result(result)
-    arm = arm_of(identified)
-    origin = origin_of(result, identified)
+    arm, origin = arm_of(identified), origin_of(result, identified)
     for text in arm_remarks(identified):
         warn(f"{text}.")
     if format_ == "kw-ssfk":
@@ -58,26 +51,25 @@ def compensate(
         return
     if path is None:
         raise UsageError(f"--format {format_} needs --path FILE, a path CSV with what shall be corrected")
-    loaded = None if cell is None else cell_of(cell, origin)
-    settings = settings_of(loaded, j4) if format_ == "melfa" else None
-    commanded = read_path_csv(path, origin.nominal_mm, hand, start_states(start_direction))
-    take_up_deg = TAKE_UP_DEG if loaded is None else loaded.measurement.take_up_deg
-    compensated = compensate_path(arm, commanded, origin.nominal_mm, take_up_deg)
-    warnings = checked(compensated, path, format_, loaded, j4)
-    if settings is not None:
-        write_atomically(output, melfa_program(compensated, origin, settings))
-    elif format_ == "json":
-        write_compensated_json(compensated, origin, take_up_deg, output)
-    else:
-        write_compensated_csv(compensated, origin, output)
-    report = compensation_report(compensated, warnings)
+    correction = correction_of(
+        arm, origin, path, format_, hand=hand, start=start_direction, cell=cell, j4_deg=j4
+    )
+    write_correction(correction, origin, format_, output)
+    _report(correction, output, format_, as_json=as_json)
+    note(f"{output} written")
+
+
+def _report(correction: "Correction", output: Path, form: str, *, as_json: bool) -> None:
+    from catseye.app.cli.report_output import note_statements, write_tables
+    from catseye.app.results.scara.compensation_report import compensation_figures, compensation_report
+
+    report = compensation_report(correction.path, correction.warnings)
     note_statements(report)
     if as_json:
-        figures = compensation_figures(compensated)
-        write_json({"output": [str(output)], "form": format_, **figures, "warnings": warnings})
+        figures = compensation_figures(correction.path)
+        write_json({"output": [str(output)], "form": form, **figures, "warnings": correction.warnings})
     else:
         write_tables(report)
-    note(f"{output} written")
 
 
 def _write_tables(

@@ -1,19 +1,30 @@
 """What compensate checks before it writes, and what it says about a corrected path."""
 
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Literal
 
+from catseye.app.cell.bench import scara_bench_of, scara_sections
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
-from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.errors import LimitError, MeasurementRejectedError, UsageError
-from catseye.app.results.scara.compensated_path import Origin
-from catseye.app.results.scara.compensation import CompensatedPath, require_clear, require_limits
+from catseye.app.files.atomic import write_atomically
+from catseye.app.results.scara.compensated_path import Origin, write_compensated_csv, write_compensated_json
+from catseye.app.results.scara.compensation import (
+    CompensatedPath,
+    compensate_path,
+    require_clear,
+    require_limits,
+)
 from catseye.app.results.scara.compensation_report import advice, unsolved_text
 from catseye.app.results.scara.identified_arm import nominal_of
-from catseye.app.results.scara.melfa_program import MelfaSettings
+from catseye.app.results.scara.melfa_program import MelfaSettings, melfa_program
+from catseye.app.results.scara.path_csv import read_path_csv, start_states
 from catseye.app.results.scara.result import Result
+from catseye.app.results.scara.validation import TAKE_UP_DEG
 from catseye.app.store.software import SOFTWARE
+from catseye.calibration.scara.identification import IdentifiedArm
 
 _UNCHECKED = (
     "without --cell FILE neither the limits of the joints nor the bodies of the arm and around it were checked: "
@@ -39,7 +50,7 @@ def origin_of(path: Path, result: Result) -> Origin:
 def cell_of(file: Path, origin: Origin) -> Cell:
     """Return the cell of the arm that was identified."""
     cell = load_cell(file).cell
-    links = (cell.robot.link1_mm, cell.robot.link2_mm)
+    links = scara_sections(cell, "catseye compensate").robot.links_mm
     if links != origin.nominal_mm:
         raise UsageError(
             f"{file}: its arm has the nominal links {links[0]:g} and {links[1]:g} mm, that of {origin.result} "
@@ -63,6 +74,71 @@ def settings_of(cell: Cell | None, j4_deg: float) -> MelfaSettings:
     return MelfaSettings(
         cell.robot.j3_mm, j4_deg, cell.robot.override_cap_percent, cell.measurement.settle_time_s
     )
+
+
+@dataclass(frozen=True)
+class Correction:
+    """A corrected path, checked, and what its files are made with.
+
+    Attributes:
+        path: the corrected path.
+        warnings: what has to be known before it is driven.
+        take_up_deg: overshoot that brings a joint to its target from the proper side.
+        program: what a robot program takes from the cell file; None without one.
+    """
+
+    path: CompensatedPath
+    warnings: list[str]
+    take_up_deg: float
+    program: MelfaSettings | None
+
+
+def correction_of(
+    arm: IdentifiedArm,
+    origin: Origin,
+    commanded: Path,
+    form: str,
+    *,
+    hand: Literal["right", "left"],
+    start: str,
+    cell: Path | None,
+    j4_deg: float,
+) -> Correction:
+    """Correct a path and check it.
+
+    Args:
+        arm: that was identified.
+        origin: of the files.
+        commanded: path CSV.
+        form: what is written.
+        hand: of Cartesian rows.
+        start: states of approach before the first row, as typed.
+        cell: cell file that the commands have to keep to.
+        j4_deg: angle of J4 all along the path.
+
+    Raises:
+        UsageError: files do not belong together, or the program lacks its cell file.
+        MeasurementRejectedError: rows cannot be corrected.
+        LimitError: a limit or a body is in the way.
+    """
+    loaded = None if cell is None else cell_of(cell, origin)
+    program = settings_of(loaded, j4_deg) if form == "melfa" else None
+    path = read_path_csv(commanded, origin.nominal_mm, hand, start_states(start))
+    take_up_deg = TAKE_UP_DEG if loaded is None else loaded.measurement.take_up_deg
+    compensated = compensate_path(arm, path, origin.nominal_mm, take_up_deg)
+    return Correction(
+        compensated, checked(compensated, commanded, form, loaded, j4_deg), take_up_deg, program
+    )
+
+
+def write_correction(correction: Correction, origin: Origin, form: str, output: Path) -> None:
+    """Write a corrected path in the form that was asked for."""
+    if correction.program is not None:
+        write_atomically(output, melfa_program(correction.path, origin, correction.program))
+    elif form == "json":
+        write_compensated_json(correction.path, origin, correction.take_up_deg, output)
+    else:
+        write_compensated_csv(correction.path, origin, output)
 
 
 def checked(path: CompensatedPath, file: Path, form: str, cell: Cell | None, j4_deg: float) -> list[str]:

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from catseye.app.cli.demo_job import DemoResult
+from catseye.app.cli.demo_job import DemoResult, run_for
 from catseye.app.files.documents import read_truth
 from catseye.app.render.page import write_page
 from catseye.app.results.scara.identify import MODELS
 from catseye.app.results.scara.job_document import IdentifiedValue, JobDocument, JobValidation, ModelLeaves
-from catseye.app.results.scara.run_content import job_content, truth_tables
-from catseye.app.results.scara.run_report import run_report
+from catseye.app.results.scara.run_report import job_report
+from catseye.app.results.scara.truth_tables import truth_tables
 from catseye.app.results.scara.validation import PathValidation
 from catseye.app.store.reader import RunReader
 
@@ -16,15 +16,15 @@ from catseye.app.store.reader import RunReader
 def write_demo_report(result: DemoResult) -> Path:
     """Write the page of a demo; return its path."""
     path = result.folder / "report.html"
-    content = job_content(
+    report = job_report(
         "catseye demo: error map of an emulated SCARA arm",
         [RunReader(run) for run in result.runs.values()],
-        RunReader(result.runs["open-loop"]),
+        RunReader(run_for("identify", result.runs)),
         [result.results[model] for model in MODELS],
         truth_tables(result.identified["error-map"], read_truth(result.folder / "truth.json")),
         result.validation,
     )
-    write_page(run_report(content), path)
+    write_page(report, path)
     return path
 
 
@@ -33,7 +33,7 @@ def job_document(result: DemoResult, report: Path) -> JobDocument:
     truth = result.truth
     return JobDocument(
         runs={name: str(path) for name, path in result.runs.items()},
-        run=str(result.runs["open-loop"]),
+        run=str(run_for("identify", result.runs)),
         report=str(report),
         truth=str(result.folder / "truth.json"),
         results={model: str(result.folder / f"result-{model}.json") for model in result.results},

@@ -12,7 +12,9 @@ from catseye.app.errors import UsageError
 
 if TYPE_CHECKING:
     from catseye.app.cell.load import LoadedCell
-    from catseye.app.results.scara.design.design import Design
+    from catseye.app.cluster.share import Share
+    from catseye.app.results.scara.design.design import Design, Wanted
+    from catseye.app.results.scara.design.problem import Problem
     from catseye.calibration.scara.points import Commands
 
 DesignCell = Annotated[
@@ -79,18 +81,17 @@ def design(
     insecure_cluster: InsecureCluster = False,
     as_json: AsJson = False,
 ) -> None:
-    """Tell where to put the reflectors and which commands to use.
+    """Find where to put the reflectors and which commands to use.
 
     Example: catseye design --cell cell.toml --reflectors 3 -o design.html
     """
+    from catseye.app.cell.bench import scara_bench_of
     from catseye.app.cell.load import load_cell
-    from catseye.app.cell.scara.bench import scara_bench_of
-    from catseye.app.cli.progress import ProgressBar
     from catseye.app.cli.report_output import note_statements, write_tables
     from catseye.app.cluster.sharing import sharing
     from catseye.app.files.atomic import require_output
     from catseye.app.render.page import write_page
-    from catseye.app.results.scara.design import design as designing
+    from catseye.app.results.scara.design.design import Wanted
     from catseye.app.results.scara.design.document import design_document
     from catseye.app.results.scara.design.problem import Wish, problem_of
     from catseye.app.results.scara.design.report import design_report
@@ -101,20 +102,13 @@ def design(
     loaded = load_cell(cell)
     on_path = None if path is None else _commands_of(path, loaded)
     wish = Wish(criterion, on_path, _rectangle(floor), keep_out, apart, breaks, not random_only)
-    wanted = designing.Wanted(reflectors, places, seed, commands, minutes, pareto)
+    wanted = Wanted(reflectors, places, seed, commands, minutes, pareto)
     problem = problem_of(scara_bench_of(loaded.cell), loaded.cell.uncertainty.budget, wish)
-    bars: dict[str, ProgressBar] = {}
-
-    def done(part: float, of: float, text: str) -> None:
-        bars.setdefault(text, ProgressBar(text)).update(part, of, f"{part:g} of {of:g}")
-
     with sharing(workers, dask, insecure=insecure_cluster) as share:
-        found = designing.design(problem, wanted, share, done)
-    for bar in bars.values():
-        bar.close()
-    report = design_report(found, loaded.cell.name)
+        designed = _designed(problem, wanted, share)
+    report = design_report(designed, loaded.cell.name)
     if as_json:
-        write_json(design_document(found))
+        write_json(design_document(designed))
     else:
         write_tables(report)
     note_statements(report)
@@ -122,9 +116,25 @@ def design(
         write_page(report, output)
         note(f"{output} written")
     if write_cell is not None:
-        _write_cell(found, loaded, write_cell)
+        _write_cell(designed, loaded, write_cell)
     if write_commands is not None:
-        _write_commands(found, write_commands)
+        _write_commands(designed, write_commands)
+
+
+def _designed(problem: "Problem", wanted: "Wanted", share: "Share") -> "Design":
+    """Return the design; each part of the work has a bar of its own."""
+    from catseye.app.cli.progress import ProgressBar
+    from catseye.app.results.scara.design.design import design
+
+    bars: dict[str, ProgressBar] = {}
+
+    def done(part: float, of: float, text: str) -> None:
+        bars.setdefault(text, ProgressBar(text)).update(part, of, f"{part:g} of {of:g}")
+
+    designed = design(problem, wanted, share, done)
+    for bar in bars.values():
+        bar.close()
+    return designed
 
 
 def _require_consistent(
@@ -151,36 +161,39 @@ def _rectangle(text: str | None) -> tuple[float, float, float, float] | None:
 
 
 def _commands_of(path: Path, loaded: "LoadedCell") -> "Commands":
+    from catseye.app.cell.bench import scara_sections
     from catseye.app.results.scara.path_csv import read_path_csv
 
-    robot = loaded.cell.robot
-    return read_path_csv(path, (robot.link1_mm, robot.link2_mm)).commands
+    links_mm = scara_sections(loaded.cell, "catseye design").robot.links_mm
+    return read_path_csv(path, links_mm).commands
 
 
-def _write_cell(found: "Design", loaded: "LoadedCell", file: Path) -> None:
+def _write_cell(design: "Design", loaded: "LoadedCell", file: Path) -> None:
     import numpy as np
 
     from catseye.app.cell.load import load_cell
     from catseye.app.cell.reflectors import with_reflector_tables
     from catseye.app.files.atomic import write_atomically
+    from catseye.app.protocol.procedures import analysed_by
 
     reflectors = [
         (f"P{k}", float(s.xy_mm[0]), float(s.xy_mm[1]), round(float(np.rad2deg(s.facing_rad)), 1))
-        for k, s in enumerate(found.layout.sights, 1)
+        for k, s in enumerate(design.layout.sights, 1)
     ]
     write_atomically(file, with_reflector_tables(loaded.path, reflectors))
     load_cell(file)
-    note(f"{file} written. Next: catseye run open-loop --cell {file} --dry-run")
+    next_run = analysed_by("identify")[0].name
+    note(f"{file} written. Next: catseye run {next_run} --cell {file} --dry-run")
 
 
-def _write_commands(found: "Design", file: Path) -> None:
+def _write_commands(design: "Design", file: Path) -> None:
     from catseye.app.files.atomic import write_atomically
     from catseye.app.files.csv_text import csv_text
     from catseye.app.results.scara.path_csv import DIRECTIONS, JOINTS
 
-    if found.choice is None:
+    if design.choice is None:
         return
-    rows = (found.problem.sequence[k] for k in found.choice.kept.nonzero()[0])
+    rows = (design.problem.sequence[k] for k in design.choice.kept.nonzero()[0])
     cells = ([f"{o.theta1_deg:g}", f"{o.theta2_deg:g}", o.direction1, o.direction2] for o in rows)
     write_atomically(file, csv_text([*JOINTS, *DIRECTIONS], cells))
     note(f"{file} written")

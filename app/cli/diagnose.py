@@ -15,7 +15,7 @@ def diagnose(
     runs: Runs = None,
     as_json: AsJson = False,
 ) -> None:
-    """Tell what speaks against a fit: outliers, drift, lack of fit, cross-validation, richer models, node spacing.
+    """Show what speaks against a fit: outliers, drift, lack of fit, cross-validation, richer models, node spacing.
 
     Example: catseye diagnose 1a2b3c
     """

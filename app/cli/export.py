@@ -9,6 +9,7 @@ import typer
 from catseye.app.cli.options import RunOrResult, Runs, Unverified
 from catseye.app.cli.output import note
 from catseye.app.errors import UsageError
+from catseye.app.protocol.banners import unverified_text
 
 if TYPE_CHECKING:
     from catseye.app.results.scara.export import Export
@@ -44,7 +45,7 @@ def export(
         raise UsageError(f"{output} is the result itself; choose another -o FILE")
     table = _of_result(direct) if direct.is_file() else _of_run(source, runs, unverified=unverified)
     for text in table.unverified:
-        note(f"UNVERIFIED: {text}")
+        note(unverified_text(text))
     write_atomically(output, _written(table, chosen))
     note(f"{output}: {len(table.rows)} rows ({table.content}) of {table.source}")
 
@@ -99,7 +100,7 @@ def _written(table: "Export", form: Format) -> str | bytes:
 
     match form:
         case "csv":
-            return comment_lines(f"UNVERIFIED: {text}" for text in table.unverified) + table.csv
+            return comment_lines(map(unverified_text, table.unverified)) + table.csv
         case "json":
             return json.dumps({**_about(table), table.content: table.rows}, ensure_ascii=False) + "\n"
         case _:

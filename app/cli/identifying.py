@@ -5,8 +5,8 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 
+from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cluster.share import Share
 from catseye.app.errors import UsageError

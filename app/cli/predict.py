@@ -17,7 +17,7 @@ def predict(
     start_direction: StartDirection = "1,1",
     as_json: AsJson = False,
 ) -> None:
-    """Tell where the model says the arm really goes, with uncertainties; beyond the identified range it says nothing.
+    """Predict where the arm really goes, with uncertainties; beyond the identified range it says nothing.
 
     Example: catseye predict result.json --path path.csv -o predicted.csv
     """

@@ -22,8 +22,7 @@ def report(
     from catseye.app.errors import UsageError
     from catseye.app.files.atomic import require_output
     from catseye.app.render.page import require_html, write_page
-    from catseye.app.results.scara.run_content import result_content, run_content
-    from catseye.app.results.scara.run_report import run_report
+    from catseye.app.results.scara.run_report import result_file_report, run_report
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
     from catseye.app.store.runs_folder import runs_folder
@@ -33,13 +32,13 @@ def report(
     require_output(output, direct)
     require_html(output)
     if direct.is_file():
-        content = result_content(direct)
+        page = result_file_report(direct)
     elif direct.suffix.lower() == ".json":
         raise UsageError(f"{direct}: there is no such file")
     else:
         path = resolve_run(runs_folder(runs), source)
         reader = RunReader(path, accept(unverified=unverified))
         with taken_as_it_is(reader):
-            content = run_content(reader, path.parent)
-    write_page(run_report(content), output)
+            page = run_report(reader, path.parent)
+    write_page(page, output)
     note(f"{output} written")

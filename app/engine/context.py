@@ -243,7 +243,7 @@ class RunContext:
         await self.event("zero", number=number, dead_path_mm=dead_path_mm)
 
     async def locate(self, settle_time_s: float) -> Position:
-        """Return where the independent instrument sees the J4 axis after settling.
+        """Return where the independent instrument sees its target after settling.
 
         Raises:
             ConfigError: the cell has none.

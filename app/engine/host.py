@@ -39,6 +39,7 @@ from catseye.app.engine.watches import POLL_S, Watches
 from catseye.app.errors import SafetyError, StorageError, TerminatedRunError, UsageError
 from catseye.app.guard.client import ArmGuard
 from catseye.app.protocol import run_events
+from catseye.app.protocol.banners import SIMULATION_TEXT
 from catseye.app.protocol.loss import after_loss
 from catseye.app.protocol.run_events import (
     ErrorReported,
@@ -303,9 +304,8 @@ class _Run:
         await self._store.append_meta({key: value for key, value in facts.items() if key not in stored})
         await self._store.event("devices", facts)
         if simulated:
-            text = "SIMULATED: every device is an emulator; these data say nothing about a real robot"
-            await self._store.event("warning", {"text": text, "simulated": True})
-            self._announcer.publish(WarningIssued(text=text, data=WarningData(simulated=True)))
+            await self._store.event("warning", {"text": SIMULATION_TEXT, "simulated": True})
+            self._announcer.publish(WarningIssued(text=SIMULATION_TEXT, data=WarningData(simulated=True)))
 
     async def _ready(self, devices: Devices, gate: MotionGate, context: RunContext) -> None:
         await gate.require_surroundings()

@@ -44,8 +44,8 @@ class Reentry:
     def require_same_devices(self, present: Mapping[str, Json]) -> list[str]:
         """Check that the instruments are those of the points; return what else has changed.
 
-        Another controller drives another arm, another interferometer on the J4 axis sends another beam (offset from
-        the axis, θ40, reference length), and another tracker has another frame. No answer of an operator makes such
+        Another controller drives another arm, another interferometer sends another beam (offset from its axis,
+        direction, reference length), and another tracker has another frame. No answer of an operator makes such
         points belong together, so this is refused and not asked. A device that does not tell its model or serial
         number cannot be compared; one that only serves the surroundings may be exchanged, which is told.
 
@@ -115,8 +115,8 @@ class Reentry:
             return
         await note(MOVED, {"since_utc": self.since_utc})
         raise MeasurementRejectedError(
-            f"{self._name} cannot go on: its points belong to reflectors that stood elsewhere; search again "
-            "(catseye run reflector-search) and start a new run; the points so far stay usable"
+            f"{self._name} cannot go on: its points belong to reflectors that stood elsewhere; search again and "
+            "start a new run; the points so far stay usable"
         )
 
 

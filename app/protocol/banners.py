@@ -2,10 +2,12 @@
 
 from typing import Final
 
-SIMULATED: Final = "SIMULATED"
+SIMULATION: Final = "SIMULATION"
 UNVERIFIED: Final = "UNVERIFIED"
 
-SIMULATED_TEXT: Final = f"{SIMULATED}: every device is an emulator; these data say nothing about a real robot"
+SIMULATION_TEXT: Final = (
+    f"{SIMULATION}: every device is an emulator; these data say nothing about a real robot"
+)
 
 
 def unverified_text(reason: str) -> str:

@@ -80,7 +80,7 @@ def value_text(value: object) -> str:
 
 
 def typed_fault(facts: dict[str, Any], text: str) -> str:
-    """Return why a typed text cannot be a parameter's value, as far as its JSON schema tells; empty when it can.
+    """Return why a typed text cannot be a parameter's value, as far as its JSON schema says; empty when it can.
 
     Args:
         facts: the parameter's JSON schema.

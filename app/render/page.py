@@ -4,6 +4,7 @@ from pathlib import Path
 
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
+from catseye.app.protocol.banners import SIMULATION, UNVERIFIED
 from catseye.app.render.html import section_html
 from catseye.app.render.markup import Html, element
 from catseye.app.render.palette import GREEN, RED
@@ -48,9 +49,8 @@ def _style() -> str:
 def _page_margins(report: Report) -> str:
     """Return what stands in the margins of each printed page."""
     origin = report.origin
-    banners = ["SIMULATION: emulated devices"] if origin.simulated else []
-    banners += ["UNVERIFIED: changed data"] if origin.unverified else []
-    banner = " · ".join(banners)
+    marks = ((SIMULATION, origin.simulated), (UNVERIFIED, origin.unverified))
+    banner = " · ".join(word for word, shown in marks if shown)
     return (
         f"@page {{ @top-left {{ content: {_css_text(banner)}; }} "
         f"@top-right {{ content: {_css_text(report.title)}; }} "
@@ -69,17 +69,9 @@ def _made(origin: Origin) -> str:
 
 
 def _heading(report: Report) -> Html:
-    origin = report.origin
-    banners = []
-    if origin.simulated:
-        banners.append("SIMULATION: emulated devices. Nothing here was measured on a real arm.")
-    if origin.unverified:
-        banners.append(
-            f"UNVERIFIED: made from what was changed after its end. {'; '.join(origin.unverified)}."
-        )
     return element(
         "header",
-        *(element("p", text, class_="simulation") for text in banners),
+        *(element("p", text, class_="simulation") for text in report.origin.banners),
         element("h1", report.title),
-        element("p", _made(origin), class_="made"),
+        element("p", _made(report.origin), class_="made"),
     )

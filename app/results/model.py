@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TypeAlias
 
-from catseye.app.protocol.banners import SIMULATED_TEXT, unverified_text
+from catseye.app.protocol.banners import SIMULATION_TEXT, unverified_text
 from catseye.app.results.figures import Figure
 from catseye.app.results.numbers import TEXT, Format
 
@@ -137,7 +137,7 @@ class Origin:
     @property
     def banners(self) -> list[str]:
         """What a reader has to know before anything else."""
-        return [*map(unverified_text, self.unverified), *([SIMULATED_TEXT] if self.simulated else [])]
+        return [*map(unverified_text, self.unverified), *([SIMULATION_TEXT] if self.simulated else [])]
 
 
 @dataclass(frozen=True)

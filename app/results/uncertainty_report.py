@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from catseye.app.cell.uncertainty import ContributorEntry
+from catseye.app.cell.scara.uncertainty import ContributorEntry
 from catseye.app.results.model import Block, Cell, Column, Paragraph, Quantity, Section, Table, section
 from catseye.app.results.numbers import COUNT, NOTHING, OF_UNIT, fixed, number
 from catseye.app.results.uncertainty_part import (

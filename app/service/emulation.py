@@ -10,7 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from catseye.app.cell.model import Alignment, Cell, Interferometer
+from catseye.app.cell.axes import arm_of
+from catseye.app.cell.bench import scara_bench_of
+from catseye.app.cell.model import Cell, Interferometer
+from catseye.app.cell.scara.sections import Alignment
 from catseye.app.errors import ConfigError, LinkFailedError
 from catseye.app.files.documents import read_document
 from catseye.drivers.counter.profile import load_profile
@@ -28,9 +31,6 @@ from catseye.simulators.control_port.client import ask
 from catseye.simulators.control_port.messages import ReadTruth
 from catseye.simulators.registry import emulator_names
 
-_J3_MM = (0.0, 150.0)
-"""Limits of J3, which no cell file has."""
-
 _READY_TIMEOUT_S = 20.0
 _DEVICES = ("robot", "interferometer", "environment", "control")
 
@@ -47,17 +47,14 @@ def emulation_config(cell: Cell, speed: float, seed: int, truth: Path | None) ->
     Raises:
         ConfigError: an endpoint cannot be emulated, or the file with the true arm cannot be read.
     """
-    limits = cell.robot.limits_deg
+    bench = scara_bench_of(cell, "the emulated bench")
+    # The cell file narrows the height to where everything is measured; the emulated arm has its whole stroke.
+    one, two, height, four = (axis.range for axis in arm_of(cell.robot).axes)
     return EmulationConfig(
         reflectors=tuple(ReflectorPlace(r.name, r.x_mm, r.y_mm, r.facing_deg) for r in cell.reflector),
-        scara=Scara(cell.robot.link1_mm, cell.robot.link2_mm),
-        limits=(
-            (limits.j1[0], limits.j1[1]),
-            (limits.j2[0], limits.j2[1]),
-            _J3_MM,
-            (limits.j4[0], limits.j4[1]),
-        ),
-        start_joints=(0.0, 0.0, cell.robot.j3_mm, 0.0),
+        scara=Scara(bench.link1_mm, bench.link2_mm),
+        limits=(one, two, height, four),
+        start_joints=(0.0, 0.0, bench.j3_mm, 0.0),
         acceptance_mm=cell.optics.acceptance_mm,
         field_half_angle_deg=cell.optics.field_half_angle_deg,
         column_radius_mm=cell.optics.column_radius_mm,

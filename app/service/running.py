@@ -11,7 +11,7 @@ from typing import Any, Literal
 from pydantic import BaseModel
 
 from catseye.app.cell.air import air_limits, air_rule
-from catseye.app.cell.bench import bench_of, system_of
+from catseye.app.cell.bench import bench_for, system_of
 from catseye.app.cell.load import LoadedCell
 from catseye.app.cell.model import Cell
 from catseye.app.engine.announcer import Publish
@@ -33,7 +33,7 @@ from catseye.app.protocol.procedures import Runnable
 from catseye.app.service.plan_digest import plan_digest
 from catseye.app.service.walk.fed_robot import fed
 from catseye.app.service.walk.walk import Walk
-from catseye.app.store.basis import find_aim
+from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.pose import Pose
@@ -97,10 +97,12 @@ def plan_run(
         search: "auto", "none" or a search run.
 
     Raises:
+        ConfigError: the cell file does not describe what the procedure needs.
         ProcedureError: the plan violates a limit or cannot be made.
         UsageError: the search run cannot be used.
     """
-    aim = find_aim(bench_of(loaded.cell), root, search if procedure.needs.aim else "none")
+    bench = bench_for(loaded.cell, procedure.needs.bench, procedure.name)
+    aim = find_basis(procedure.needs.basis, bench, root, search)
     plan = procedure.plan(aim.bench, params)
     return PlannedRun(loaded, procedure, params, aim.bench, plan, aim.source, aim.simulated)
 

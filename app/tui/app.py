@@ -214,12 +214,12 @@ class CatseyeApp(Program):
                 async with asyncio.timeout(_STANDSTILL_S):
                     await self._ended.wait()
         except (RefusedError, ServiceError) as error:
-            self.show_error(f"The run could not be told to {choice}", str(error))
+            self.show_error(f"The run did not {choice}", str(error))
             return
         except TimeoutError:
             self.show_error(
                 "The run has not ended",
-                "STOP was given and the end of the run was not told: look at the arm, and use the emergency stop "
+                "STOP was given and the run did not say that it ended: look at the arm, and use the emergency stop "
                 "if it moves",
             )
             return

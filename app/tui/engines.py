@@ -37,7 +37,7 @@ class EngineProcess:
     """The process of an engine; it stays that process when its number is given to another one.
 
     Args:
-        pid: as the engine tells it.
+        pid: of the engine.
     """
 
     def __init__(self, pid: object) -> None:
@@ -47,7 +47,7 @@ class EngineProcess:
                 self._descriptor = os.pidfd_open(pid)
 
     def abort(self) -> bool:
-        """Tell it by a signal to abort what it does and end, past its socket; return False when it is gone."""
+        """Send it the signal that aborts what it does and ends it, past its socket; return False when it is gone."""
         if self._descriptor is None:
             return False
         try:

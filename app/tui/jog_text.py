@@ -5,6 +5,7 @@ from typing import Final
 
 from textual.content import Content
 
+from catseye.app.protocol.banners import SIMULATION
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.widgets.status_bar import STALE_S, age_style
 
@@ -125,7 +126,7 @@ def jog_reason(engine: EngineState) -> str:
 
 def _kind(engine: EngineState) -> tuple[str, str]:
     if engine.bench_simulated:
-        return "SIMULATION: emulators", "bold $warning"
+        return f"{SIMULATION}: emulators", "bold $warning"
     if engine.bench_simulated is False:
         return "REAL ARM", "bold $error"
     return "not known yet: taken for a REAL ARM", "bold $error"

@@ -5,7 +5,7 @@ from textual.system_commands import SystemCommandsProvider
 
 
 class Actions(SystemCommandsProvider):
-    """The actions in the order in which the program tells them; by the alphabet the first one would abort the run."""
+    """The actions in the order in which the program lists them; by the alphabet the first one would abort the run."""
 
     async def discover(self) -> Hits:
         """Yield the actions."""

@@ -80,7 +80,9 @@ class Program(App[int]):
             self._take_control(force=False)
             return
         holder = engine.control.text
-        text = f"{holder} answers questions and lets the run go on until now, and is told that you do from now on."
+        text = (
+            f"{holder} answers questions and lets the run go on until now, and sees that you do from now on."
+        )
 
         def answered(agreed: bool | None) -> None:
             if agreed:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from catseye.app.protocol.banners import SIMULATION
 from catseye.app.render.cells import cell_text
 from catseye.app.render.text import table_text
 from catseye.app.results.model import Sign, Statement
@@ -39,7 +40,7 @@ def heading(file: ResultFile) -> str:
     result = file.result
     if result is None:
         return f"{file.path.name}: cannot be read"
-    simulated = {True: "SIMULATED", False: "", None: "simulated or not: not known"}[
+    simulated = {True: SIMULATION, False: "", None: "simulated or not: not known"}[
         result.provenance.simulated
     ]
     parts = [

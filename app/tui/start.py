@@ -55,7 +55,7 @@ def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
         code = app.run()
     if code is None and app.return_code:
         sys.stderr.write(
-            "catseye tui ended by a fault of its own, told above. The engine goes on without it: a run is held "
+            "catseye tui ended by a fault of its own, shown above. The engine goes on without it: a run is held "
             "unless [engine] on_client_lost of the cell file says otherwise, a jog is stopped. Start catseye tui "
             "again.\n"
         )

@@ -49,7 +49,7 @@ async def stop_by_every_way(
         return
     if refusal is None and process is not None and process.abort():
         raise ServiceError(
-            f"the engine does not answer to {op.upper()}; its process was told by a signal to abort: look at the "
+            f"the engine does not answer to {op.upper()}; a signal to abort was sent to its process: look at the "
             "arm, and use the emergency stop if it moves"
         )
     if refusal is not None or False in answers:

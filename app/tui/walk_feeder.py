@@ -38,7 +38,7 @@ class WalkFeeder:
 
     @property
     def held(self) -> bool:
-        """The key is held, as far as presses tell."""
+        """The key is held, as far as presses show."""
         return self._feeding is not None and not self._feeding.done()
 
     def press(self) -> None:

@@ -46,7 +46,7 @@ class ShownLine:
         return "→" if self.sent else "←"
 
     def fits(self, device: str, part: str) -> bool:
-        """Tell whether it passes a filter.
+        """Return whether it passes a filter.
 
         Args:
             device: name; empty for all.

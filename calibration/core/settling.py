@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import special
 
 from catseye.calibration.core.types import Floats
 
@@ -84,6 +83,9 @@ def settling(time_s: Floats, length_mm: Floats) -> Settling | None:
     Returns:
         None while the distances do not separate an exponential from a straight line.
     """
+    # Whoever only lists procedures imports this module too.
+    from scipy import special
+
     if time_s.size < _FEWEST + 2 or np.ptp(time_s) <= 0.0:
         return None
     span = float(np.ptp(time_s))

@@ -24,7 +24,7 @@ class Axis:
     """One axis of an arm, as the arm description has it and the cell file narrows it.
 
     Attributes:
-        name: as the arm's maker numbers it: J1, A1.
+        name: as the arm's maker numbers it.
         unit: of its values.
         low: smallest value.
         high: largest value.
@@ -49,7 +49,7 @@ class Axis:
         return math.isfinite(value) and self.low <= value <= self.high
 
     def text(self, value: float, digits: int = 2) -> str:
-        """Return a value with name and unit: J1 10.00°, J3 12.50 mm."""
+        """Return a value with name and unit: A1 10.00°, or 12.50 mm."""
         return f"{self.name} {value:.{digits}f}{_SYMBOLS[self.unit]}"
 
 
@@ -71,7 +71,7 @@ def pose_of(axes: Axes, values: Iterable[float]) -> Pose:
 
 
 def pose_text(axes: Axes, pose: Sequence[float], digits: int = 2) -> str:
-    """Return a pose for people: J1 10.00°, J2 20.00°, J3 12.50 mm, J4 0.00°."""
+    """Return a pose for people: A1 10.00°, A2 20.00°, Z 12.50 mm."""
     return ", ".join(axis.text(value, digits) for axis, value in zip(axes, pose, strict=True))
 
 

@@ -76,7 +76,7 @@ class ObjectDecoder:
 
 
 class BenchTracker(Tracker):
-    """Asks the emulated bench where a laser tracker would see the J4 axis.
+    """Asks the emulated bench where a laser tracker would see the last axis.
 
     Args:
         transport: leads to the control port.
@@ -138,7 +138,7 @@ class BenchTracker(Tracker):
         await self._link.close()
 
     async def locate(self) -> Position:
-        """Return where the tracker sees the J4 axis now.
+        """Return where the tracker sees the last axis now.
 
         Raises:
             ProtocolError: the answer is no position.

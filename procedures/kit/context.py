@@ -83,7 +83,7 @@ class Prompt:
             ends take such an answer by a key of its own.
         rests_after: answers after which the arm does not move; None for the safe choice alone.
         by_person: no emulated operator answers it.
-        target: where it goes then, J1, J2, deg, J3, mm, J4, deg; None where the procedure does not know yet.
+        target: where it goes then; None where the procedure does not know yet.
     """
 
     id: str
@@ -213,7 +213,7 @@ class Context(Protocol):
         ...
 
     async def locate(self, settle_time_s: float) -> Position:
-        """Return where an independent instrument (a laser tracker) sees the J4 axis after settling."""
+        """Return where an independent instrument (a laser tracker) sees its target after settling."""
         ...
 
     async def pause(self, duration_s: float) -> None:

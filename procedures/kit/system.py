@@ -87,10 +87,11 @@ class System:
         Raises:
             ManualStepError: nothing of that name moves.
         """
-        names = [axis.name.lower() for axis in self.bench.arm.axes]
-        if name not in names or name not in self.jog_names:
-            raise ManualStepError(f"there is no axis {name!r} to move; there are {', '.join(self.jog_names)}")
-        return names.index(name)
+        names = {axis.name.lower(): number for number, axis in enumerate(self.bench.arm.axes)}
+        moved = {known: number for known, number in names.items() if known in self.jog_names}
+        if name not in moved:
+            raise ManualStepError(f"there is no axis {name!r} to move; there are {', '.join(moved)}")
+        return moved[name]
 
     def aimed_at(self, pose: Pose) -> str | None:
         """Return the target that an instrument on the arm is meant for at a pose; None for none."""

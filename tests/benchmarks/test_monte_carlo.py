@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from scipy import optimize
 
-from catseye.app.cell.uncertainty import Uncertainty
+from catseye.app.cell.scara.uncertainty import Uncertainty
 from catseye.calibration.core.draws import joined, solve_chunk
 from catseye.calibration.core.least_squares import minimise
 from catseye.calibration.core.types import Floats

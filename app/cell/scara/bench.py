@@ -1,47 +1,46 @@
-"""The bench of a SCARA with its interferometer, from a cell file."""
+"""The bench of a SCARA with its interferometer, from its sections of a cell file."""
 
 import math
 from dataclasses import replace
 
-from catseye.app.cell.axes import arm_of, axes_of
-from catseye.app.cell.bodies import workspace_of
-from catseye.app.cell.model import Cell
+from catseye.app.cell.scara.sections import ScaraRobot, ScaraSections
+from catseye.app.cell.scara.uncertainty import Uncertainty
 from catseye.drivers.roles.pose import Axes
-from catseye.procedures.kit.bench import Timing
+from catseye.procedures.kit.bench import Bench
 from catseye.procedures.scara.bench import Alignment, Noise, Optics, Reflector, ScaraBench
 
 _RANGE_KEYS = ("limits_deg.j1", "limits_deg.j2", "j3_mm or j3_range_mm", "limits_deg.j4")
 
 
-def scara_bench_of(cell: Cell) -> ScaraBench:
-    """Return the bench that a cell file describes."""
-    robot, measurement = cell.robot, cell.measurement
-    heights = robot.j3_range_mm
+def scara_bench(bench: Bench, sections: ScaraSections) -> ScaraBench:
+    """Return a bench with what open-loop tracking knows of it.
+
+    Args:
+        bench: arm, workspace, timing.
+        sections: of the cell file; nothing is missing there.
+    """
+    robot, measurement, heights = sections.robot, sections.measurement, sections.robot.j3_range_mm
+    link1_mm, link2_mm = robot.links_mm
     return ScaraBench(
-        name=cell.name,
-        arm=arm_of(cell, _axes(cell), _RANGE_KEYS),
-        workspace=workspace_of(cell),
-        timing=Timing(
-            measurement.settle_time_s,
-            measurement.dwell_time_s,
-            measurement.readings,
-            measurement.spread_limit_um * 1e-3,
-        ),
-        tracker=cell.tracker is not None,
-        link1_mm=robot.link1_mm,
-        link2_mm=robot.link2_mm,
+        name=bench.name,
+        arm=replace(bench.arm, axes=_axes(bench.arm.axes, robot), range_keys=_RANGE_KEYS),
+        workspace=bench.workspace,
+        timing=bench.timing,
+        tracker=bench.tracker,
+        link1_mm=link1_mm,
+        link2_mm=link2_mm,
         j3_mm=robot.j3_mm,
         j3_range_mm=None if heights is None else (heights[0], heights[1]),
-        optics=Optics(**cell.optics.model_dump()),
+        optics=Optics(**sections.optics.model_dump()),
         reflectors=tuple(
             Reflector(r.name, r.x_mm, r.y_mm, facing_deg(r.x_mm, r.y_mm, r.facing_deg))
-            for r in cell.reflector
+            for r in sections.reflectors
         ),
         nodes1_deg=tuple(measurement.theta1_deg),
         nodes2_deg=tuple(measurement.theta2_deg),
         take_up_deg=measurement.take_up_deg,
-        alignment=Alignment(**cell.alignment.model_dump()),
-        noise=_noise(cell),
+        alignment=Alignment(**sections.alignment.model_dump()),
+        noise=_noise(sections.uncertainty),
     )
 
 
@@ -50,19 +49,18 @@ def facing_deg(x_mm: float, y_mm: float, given_deg: float | None) -> float:
     return math.degrees(math.atan2(y_mm, x_mm)) + 180.0 if given_deg is None else given_deg
 
 
-def _axes(cell: Cell) -> Axes:
+def _axes(axes: Axes, robot: ScaraRobot) -> Axes:
     """Return the axes with speeds, accelerations and the height of J3 as the cell file states them.
 
     The acceleration of J3 is not known, so estimates of time leave it out.
     """
-    robot, (one, two, height, four) = cell.robot, axes_of(cell)
+    one, two, height, four = axes
     low, high = robot.j3_range_mm or (robot.j3_mm, robot.j3_mm)
     turning = zip((one, two, four), robot.speed_deg_s, robot.acceleration_deg_s2, strict=True)
     one, two, four = (replace(axis, speed=speed, acceleration=ramp) for axis, speed, ramp in turning)
     return (one, two, replace(height, low=low, high=high, speed=robot.j3_speed_mm_s), four)
 
 
-def _noise(cell: Cell) -> Noise:
-    stated = cell.uncertainty
+def _noise(stated: Uncertainty) -> Noise:
     one, two, four = (1e-3 * stated.radial_um(axis) for axis in ("j1", "j2", "j4"))
     return Noise(stated.white_um * 1e-3, (one, two, four), stated.radial_orders)

@@ -1,6 +1,10 @@
 """What runs say about devices, air and themselves."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
+
+from catseye.app.cell.model import Cell
 
 
 @dataclass(frozen=True)
@@ -69,3 +73,43 @@ class RunRecord:
     versions: dict[str, str] = field(default_factory=dict)
     operator: str = ""
     files: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """How it was measured, as the runs say it; empty for a result file.
+
+    Attributes:
+        runs: that a report draws on.
+        cell: the configuration.
+        origins: "file" or "default" for each dotted key of the configuration.
+        searches: what reflector searches found, as their last step returns it; see `search_section`.
+        warnings: of the plan: blind commands, planned breaks; and what could not be done.
+        incidents: what disturbed it, in the words of the timeline.
+        devices: who answered.
+        environment: the air.
+        compensation: sentences about what corrected the lengths for the air.
+    """
+
+    runs: Sequence[RunRecord] = ()
+    cell: Cell | None = None
+    origins: Mapping[str, str] = field(default_factory=dict)
+    searches: Sequence[Mapping[str, Any]] = ()
+    warnings: Sequence[str] = ()
+    incidents: Sequence[str] = ()
+    devices: Sequence[DeviceRecord] = ()
+    environment: EnvironmentSummary | None = None
+    compensation: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What a report was made with and from.
+
+    Attributes:
+        versions: of what the program ran on, by name.
+        digests: SHA-256 of result files, by name.
+    """
+
+    versions: Mapping[str, str] = field(default_factory=dict)
+    digests: Mapping[str, str] = field(default_factory=dict)

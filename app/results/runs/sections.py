@@ -17,7 +17,7 @@ from catseye.app.results.model import (
     section,
 )
 from catseye.app.results.numbers import COUNT, DURATION, fixed, number
-from catseye.app.results.runs.records import DeviceRecord, EnvironmentSummary, RunRecord
+from catseye.app.results.runs.records import DeviceRecord, EnvironmentSummary, Measurement, RunRecord
 
 
 def search_section(searches: Sequence[Mapping[str, Any]]) -> Section:
@@ -27,10 +27,10 @@ def search_section(searches: Sequence[Mapping[str, Any]]) -> Section:
         searches: as their last step returns it: `reflectors` (`name`, `x_mm`, `y_mm`, `u_x_mm`, `u_y_mm`,
             `u_aim_mm`), `theta40_deg`, `u_theta40_deg`, `rms_deg`.
     """
-    return section("search", "Reflector search", [block for found in searches for block in _search(found)])
+    return section("search", "Reflector search", [block for search in searches for block in _search(search)])
 
 
-def _search(found: Mapping[str, Any]) -> list[Block]:
+def _search(search: Mapping[str, Any]) -> list[Block]:
     form = fixed(2)
     table = Table(
         "search",
@@ -48,48 +48,40 @@ def _search(found: Mapping[str, Any]) -> list[Block]:
                 str(place["name"]),
                 *(place[key] for key in ("x_mm", "u_x_mm", "y_mm", "u_y_mm", "u_aim_mm")),
             )
-            for place in found["reflectors"]
+            for place in search["reflectors"]
         ),
     )
-    theta40, u, rms = (number(found[key], fixed(4)) for key in ("theta40_deg", "u_theta40_deg", "rms_deg"))
+    theta40, u, rms = (number(search[key], fixed(4)) for key in ("theta40_deg", "u_theta40_deg", "rms_deg"))
     text = f"Beam direction at J4 = 0: θ40 = {theta40}° (u = {u}°); rms of the sightings {rms}°."
     return [table, Paragraph(text)]
 
 
-def incident_section(warnings: Sequence[str], events: Sequence[str]) -> Section:
+def incident_section(warnings: Sequence[str], incidents: Sequence[str]) -> Section:
     """Return what the plan warned of and what happened."""
-    parts = (("Known from the plan", warnings), ("Happened on the way", events))
+    parts = (("Known from the plan", warnings), ("Happened on the way", incidents))
     blocks = [Bullets(title, tuple(texts)) for title, texts in parts if texts]
     return section("incidents", "Plan and incidents", blocks)
 
 
-def run_section(
-    runs: Sequence[RunRecord],
-    sources: Sequence[str],
-    devices: Sequence[DeviceRecord],
-    air: EnvironmentSummary | None,
-    compensation: Sequence[str],
-) -> Section:
+def run_section(measurement: Measurement, sources: Sequence[str]) -> Section:
     """Return runs, devices and the air.
 
     Args:
-        runs: that the report draws on.
+        measurement: what the runs say.
         sources: names of the runs and files from which the results were identified.
-        devices: that answered.
-        air: over the runs.
-        compensation: sentences about what corrected the lengths for the air.
     """
-    known = {run.name for run in runs}
+    known = {run.name for run in measurement.runs}
     others = [name for name in sources if name not in known]
+    air = measurement.environment
     return section(
         "runs",
         "Runs and instruments",
         [
-            _runs(runs) if runs else None,
+            _runs(measurement.runs) if measurement.runs else None,
             Paragraph(f"Results were identified from: {', '.join(others)}.") if others else None,
-            _devices(devices) if devices else None,
+            _devices(measurement.devices) if measurement.devices else None,
             None if air is None else _air(air),
-            *map(Paragraph, compensation),
+            *map(Paragraph, measurement.compensation),
         ],
     )
 

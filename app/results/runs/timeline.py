@@ -5,12 +5,13 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
 
-from catseye.app.results.runs.event_text import between_s, device_text, event_text, gap_text
+from catseye.app.protocol.procedures import declared_by
+from catseye.app.results.runs.event_text import between_s, device_text, event_text, gap_text, texts_of
 from catseye.app.results.runs.record_text import record_text
 from catseye.app.store.reader import RunReader, StoredEvent, StoredStep
 
-_PASSING = frozenset({"map-known"})
-"""Events that tell how far a quantity has got: what counts is the last one."""
+_INCIDENTS = frozenset({"beam-lost", "step-dropped", "run-reopened", "walk-waived"})
+"""Events that disturbed a run, or whose reason a reader of its result has to know."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,7 @@ class _Entry:
         order: what comes before what; no clock counts where the record itself knows.
         step: the step.
         passing: only the last one of its kind counts.
+        kind: of the event; empty for what is none.
     """
 
     time_utc: str
@@ -47,6 +49,7 @@ class _Entry:
     order: _Order
     step: StoredStep | None = None
     passing: bool = False
+    kind: str = ""
 
     @property
     def group(self) -> str:
@@ -56,8 +59,13 @@ class _Entry:
 
 def timeline(reader: RunReader) -> list[Moment]:
     """Return what happened, in order; steps that follow one another without anything between share a line."""
-    points = _rows_of(reader.rows("points"))
-    records = _rows_of(reader.records())
+    declared = declared_by(str(reader.meta.get("procedure")))
+    types = declared.records if declared else ()
+    points = _rows_of(row for kind in types if kind.is_point for row in reader.rows(kind.table))
+    records = {
+        step_id: [record_text(row, types) for row in rows]
+        for step_id, rows in _rows_of(reader.records()).items()
+    }
     entries = [*_event_entries(reader), *_prompt_entries(reader)]
     steps = reader.steps()
     orders = _orders([(step.place, step.done_utc) for step in steps])
@@ -73,6 +81,13 @@ def timeline(reader: RunReader) -> list[Moment]:
         else:
             moments += [Moment(entry.time_utc, entry.text) for entry in together]
     return moments
+
+
+def incidents(reader: RunReader) -> list[Moment]:
+    """Return what disturbed a run, in the order in which it was stored."""
+    return [
+        Moment(entry.time_utc, entry.text) for entry in _event_entries(reader) if entry.kind in _INCIDENTS
+    ]
 
 
 def _orders(stored: Sequence[tuple[int | None, str]]) -> list[_Order]:
@@ -117,6 +132,7 @@ def _rows_of(rows: Iterable[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
 def _event_entries(reader: RunReader) -> list[_Entry]:
     entries: list[_Entry] = []
     meta, devices = reader.meta, None
+    known = texts_of(str(meta.get("procedure")))
     last, events = last_signs(reader), reader.events()
     stored = [(event.place, event.time_utc) for event in events]
     orders = {event.seq: order for event, order in zip(events, _orders(stored), strict=True)}
@@ -132,9 +148,10 @@ def _event_entries(reader: RunReader) -> list[_Entry]:
                 texts = _devices(event.data.get("devices"), devices)
                 devices = event.data.get("devices")
             case _:
-                texts = [event_text(event)]
-        passing = event.kind in _PASSING
-        entries += [_Entry(event.time_utc, text, order, passing=passing) for text in texts if text]
+                texts = [event_text(event, known)]
+        kind = event.kind
+        passing = kind in known and known[kind].passing
+        entries += [_Entry(event.time_utc, text, order, passing=passing, kind=kind) for text in texts if text]
     return entries
 
 
@@ -259,12 +276,10 @@ def _steps_told(
     group: str,
     steps: Sequence[StoredStep],
     points: dict[str, list[dict[str, Any]]],
-    records: dict[str, list[dict[str, Any]]],
+    records: dict[str, list[str]],
 ) -> list[Moment]:
     """Return the line of steps that follow one another, and lines of what else was recorded in them."""
-    observed = [
-        Moment(step.done_utc, record_text(row)) for step in steps for row in records.get(step.step_id, ())
-    ]
+    observed = [Moment(step.done_utc, text) for step in steps for text in records.get(step.step_id, ())]
     measured = [step for step in steps if step.step_id in points]
     if observed and not measured and all(step.step_id in records for step in steps):
         return observed

@@ -3,34 +3,29 @@
 from collections.abc import Iterable, Mapping, Sequence
 
 from catseye.app.results.model import Block, Column, Listing, Paragraph, Section, Table, section
-from catseye.app.results.runs.records import RunRecord
+from catseye.app.results.runs.records import RunRecord, Sources
 
 
 def trace_section(
-    software: str,
-    versions: Mapping[str, str],
-    runs: Sequence[RunRecord],
-    result_software: Iterable[str],
-    digests: Mapping[str, str],
+    software: str, sources: Sources, runs: Sequence[RunRecord], result_software: Iterable[str]
 ) -> Section:
     """Return versions, runs with the digests of their files, and the commands that check them.
 
     Args:
         software: name and version of the program that made the report.
-        versions: of what it ran on, by name.
+        sources: what it ran on, and the result files that it was made from.
         runs: that the report draws on.
         result_software: what identified the results; shown where no run is known.
-        digests: SHA-256 of result files, by name.
     """
     files = [(run.name, name, digest) for run in runs for name, digest in run.files.items()]
-    files += [("result", name, digest) for name, digest in digests.items()]
+    files += [("result", name, digest) for name, digest in sources.digests.items()]
     others = () if runs else tuple(dict.fromkeys(result_software))
     columns = (Column("of", "of"), Column("file", "file"), Column("sha256", "SHA-256"))
     return section(
         "trace",
         "Traceability",
         [
-            _programs(software, versions, runs, others),
+            _programs(software, sources.versions, runs, others),
             Table("files", "Files with their SHA-256", columns, tuple(files)) if files else None,
             *_checks([run.name for run in runs if run.files]),
         ],

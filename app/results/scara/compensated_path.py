@@ -8,6 +8,7 @@ import numpy as np
 
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.csv_text import csv_text
+from catseye.app.protocol.banners import unverified_text
 from catseye.app.results.scara.compensation import STEP_DEG, CompensatedPath
 from catseye.app.results.scara.path_csv import PLACE
 
@@ -62,7 +63,7 @@ class Origin:
     def sentences(self) -> list[str]:
         """Return what stands at the head of every form."""
         return [
-            *(f"UNVERIFIED: {text}" for text in self.unverified),
+            *map(unverified_text, self.unverified),
             f"made by {self.software} at {self.created} from {self.result} ({self.model}, identified "
             f"{self.identified})",
             f"gauge: {self.gauge}; distances cannot see a common turn of everything about J1",

@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.errors import UsageError
+from catseye.app.protocol.banners import unverified_text
 from catseye.app.results.scara.distance_unit import require_millimetres
 from catseye.app.results.scara.identify import bench_of_runs, cell_of_run, error_budget, run_points
 from catseye.app.results.scara.points import read_points, to_points
@@ -70,7 +71,7 @@ def load_distances(
     with taken_as_it_is(*readers):
         budget = error_budget(cell_of_run(readers[0]))
         distances, bench = run_points(readers), bench_of_runs(readers, root)
-    warnings += dict.fromkeys(f"UNVERIFIED: {text}" for reader in readers for text in reader.unverified)
+    warnings += dict.fromkeys(unverified_text(text) for reader in readers for text in reader.unverified)
     return DistanceSource(distances, bench, budget, names, readers, warnings)
 
 

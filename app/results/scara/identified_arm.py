@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from catseye.app.errors import UsageError
+from catseye.app.protocol.banners import unverified_text
 from catseye.app.results.scara.result import Covariance, Result, term_unit
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.extension import Term
@@ -94,7 +95,7 @@ def arm_remarks(result: Result) -> list[str]:
 
 def unverified_texts(result: Result) -> list[str]:
     """Return what speaks against changed runs that the result was made of all the same."""
-    return [f"UNVERIFIED: {text}" for text in result.provenance.unverified or ()]
+    return list(map(unverified_text, result.provenance.unverified or ()))
 
 
 def nominal_of(result: Result) -> tuple[tuple[float, float], str]:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from catseye.app.errors import UsageError
+from catseye.app.protocol.procedures import analysed_by
 from catseye.app.results.scara.distance_validation import DistanceValidation, validate_on_distances
 from catseye.app.results.scara.identify import (
     MODELS,
@@ -93,9 +94,9 @@ def _compared(reader: RunReader, identified: list[Identification], bench: ScaraB
 
 
 def _measurement(reader: RunReader, root: Path) -> RunReader | None:
-    wanted = _bench_key(reader)
+    wanted, measuring = _bench_key(reader), {each.name for each in analysed_by("identify")}
     for run in reversed(list_runs(root)):
-        if run.procedure == "open-loop" and run.status == "complete":
+        if run.procedure in measuring and run.status == "complete":
             found = RunReader(run.path, Accept.UNCHECKED)
             if _bench_key(found) == wanted and found.count(Distance.table):
                 return reader.beside(run.path)

@@ -1,108 +1,144 @@
-"""The report of a run, of a result, of a whole job: which sections stand in which order."""
+"""Reports of stored runs, of result files, of a whole job."""
 
-from catseye.app.results.model import Bullets, Origin, Paragraph, Report, Section, Sign, Statement, section
-from catseye.app.results.numbers import counted
-from catseye.app.results.runs.sections import (
-    configuration_section,
-    incident_section,
-    run_section,
-    search_section,
+import hashlib
+import platform
+from collections.abc import Sequence
+from dataclasses import replace
+from importlib.metadata import version
+from pathlib import Path
+
+from catseye.app.files.documents import LARGEST_RESULT_BYTES, read_document
+from catseye.app.results.model import Report
+from catseye.app.results.origin import origin_now
+from catseye.app.results.runs.records import Sources
+from catseye.app.results.scara.arm_report import arm_report
+from catseye.app.results.scara.findings import Findings
+from catseye.app.results.scara.identify import (
+    MODELS,
+    aimed_bench,
+    are_simulated,
+    bench_of_runs,
+    cell_of_run,
+    error_budget,
+    identified_result,
+    identify_points,
+    problem_of_points,
+    run_points,
 )
-from catseye.app.results.runs.trace import trace_section
-from catseye.app.results.scara.content import ReportContent
-from catseye.app.results.scara.diagnosis_report import diagnosis_section
-from catseye.app.results.scara.distance_report import distance_section, distance_statement
-from catseye.app.results.scara.figures.layout import layout_figure
-from catseye.app.results.scara.fit_text import fit_statements, identified_text
-from catseye.app.results.scara.layout import scene_of
-from catseye.app.results.scara.result_report import (
-    fit_section,
-    map_section,
-    parameter_section,
-    reflector_section,
-)
-from catseye.app.results.scara.standards_report import standards_section
-from catseye.app.results.scara.truth_tables import truth_statement
-from catseye.app.results.scara.validation_report import path_section
-from catseye.app.results.scara.validation_text import path_statement
-from catseye.app.results.uncertainty_report import uncertainty_section
+from catseye.app.results.scara.material import with_reference_links
+from catseye.app.results.scara.measurement import measurement_of
+from catseye.app.results.scara.path_of_run import compare_path
+from catseye.app.results.scara.result import Result, read_result
+from catseye.app.results.scara.truth_tables import TruthTables
+from catseye.app.results.scara.uncertainty import by_jacobian
+from catseye.app.results.scara.validation import PathValidation
+from catseye.app.store.reader import RunReader
+from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
+from catseye.procedures.scara.records import Distance, PathPosition
 
 
-def run_report(content: ReportContent) -> Report:
-    """Return everything that is known, the verdict first."""
-    origin = Origin(content.software, content.created_utc, content.simulated, tuple(content.unverified))
-    return Report(content.title, origin, tuple(_sections(content)))
+def job_report(
+    title: str,
+    runs: Sequence[RunReader],
+    measured: RunReader,
+    results: Sequence[Result],
+    truth: TruthTables | None,
+    validation: PathValidation | None,
+) -> Report:
+    """Return the report of several runs of one job.
 
-
-def verdict(content: ReportContent) -> list[Statement]:
-    """Return what a metrologist wants to know first."""
-    best = content.best
-    if best is None:
-        return [Statement(Sign.BAD, "Nothing was identified: there is no result to report.")]
-    statements = [Statement(Sign.NEUTRAL, identified_text(best)), *fit_statements(best)]
-    statements.append(
-        path_statement(content.validation)
-        if content.distances is None
-        else distance_statement(content.distances)
+    Args:
+        title: heading.
+        runs: all of them, in order.
+        measured: the one with the distances.
+        results: identified models.
+        truth: what an emulated bench really is.
+        validation: models on an independently measured path.
+    """
+    bench = bench_of_runs([measured], measured.path.parent)
+    return arm_report(
+        title,
+        origin_now(simulated=bool(are_simulated(runs))),
+        Findings(results, bench, truth, validation),
+        measurement_of(runs, cell_of_run(measured)),
+        Sources(_versions()),
     )
-    if content.truth is not None and best.model == "error-map":
-        statements.append(truth_statement(best, content.truth))
-    # Segments that are too short, and single distances.
-    left_out = [f"{len(best.fit.rejected)} left out"] if best.fit.rejected else []
-    left_out += [f"{counted(len(content.events), 'incident')} on the way"] if content.events else []
-    if left_out:
-        statements.append(Statement(Sign.NEUTRAL, f"{' and '.join(left_out)}: see below."))
-    return statements
 
 
-def _sections(content: ReportContent) -> list[Section]:
-    best, truth = content.best, content.truth
-    note = Paragraph("All uncertainties are standard uncertainties (k = 1).")
-    budget = None if content.cell is None else content.cell.uncertainty.contributor
-    sources = sorted({name for result in content.results for name in result.provenance.runs})
-    return [
-        section("verdict", "Verdict", [*verdict(content), note], brief=True),
-        parameter_section(content.models, truth),
-        map_section(content.error_map, truth),
-        standards_section(content.error_map),
-        path_section(content.validation, content.error_map, content.lines),
-        distance_section(content.distances),
-        fit_section(content.models),
-        diagnosis_section(content.diagnosis),
-        uncertainty_section(None if best is None else best.uncertainty, budget),
-        _layout_section(content),
-        reflector_section(best, truth if best is not None and best.model == "error-map" else None),
-        search_section(content.search),
-        incident_section(content.warnings, content.events),
-        run_section(content.runs, sources, content.devices, content.environment, content.compensation),
-        _convention_section(content),
-        configuration_section(content.cell, content.origins),
-        trace_section(
-            content.software,
-            content.versions,
-            content.runs,
-            (result.provenance.software for result in content.results),
-            content.digests,
-        ),
-    ]
-
-
-def _layout_section(content: ReportContent) -> Section:
-    path_mm = None if content.validation is None else content.validation.path.command_mm
-    scene = scene_of(content.bench, content.best, path_mm)
-    return section("layout", "Layout", [None if scene is None else layout_figure(scene)])
-
-
-def _convention_section(content: ReportContent) -> Section:
-    """Return what the numbers mean."""
-    gauges = [f"Gauge of the {result.model} model: {result.gauge}." for result in content.results]
-    texts = (
-        "All uncertainties are standard uncertainties (k = 1).",
-        "Angular positioning deviation Δθ: actual minus command angle; 1 mdeg = 0.001°.",
-        "Direction of approach: + after real motion upwards, − after real motion downwards.",
-        "Reversal error: the map of the negative direction minus that of the positive one.",
-        "Maps are piecewise linear between their nodes and never extrapolated.",
-        "Origin: J1 axis. Distances cannot see a rotation of everything about J1; the gauge fixes it.",
-        *dict.fromkeys(gauges),
+def run_report(reader: RunReader, root: Path) -> Report:
+    """Return the report of a run: measurements identified with both models, paths compared with both."""
+    cell = cell_of_run(reader)
+    findings, notes = _findings(reader, root)
+    measurement = measurement_of([reader], cell)
+    return arm_report(
+        f"{reader.meta.get('procedure')} on {cell.name}",
+        origin_now(simulated=bool(are_simulated([reader])), unverified=reader.unverified),
+        findings,
+        replace(measurement, warnings=[*measurement.warnings, *notes]),
+        Sources(_versions()),
     )
-    return section("conventions", "Conventions", [Bullets("", texts)])
+
+
+def result_file_report(source: Path) -> Report:
+    """Return the report of a result file."""
+    result = read_result(source)
+    document = read_document(source, largest_bytes=LARGEST_RESULT_BYTES)
+    provenance = result.provenance
+    return arm_report(
+        f"Result {source.name}",
+        origin_now(simulated=bool(provenance.simulated), unverified=provenance.unverified or ()),
+        Findings([result]),
+        sources=Sources(_versions(), {source.name: hashlib.sha256(document).hexdigest()}),
+    )
+
+
+def _findings(reader: RunReader, root: Path) -> tuple[Findings, list[str]]:
+    """Return what a run is worth, and what could not be done."""
+    bench, diagnosis = aimed_bench(reader, root), _diagnosed(reader, root)
+    if reader.count(PathPosition.table):
+        compared = compare_path(reader, root)
+        findings = Findings(
+            compared.results,
+            bench,
+            validation=compared.validation,
+            distances=compared.distances,
+            diagnosis=diagnosis,
+        )
+        return findings, compared.notes
+    results, notes = _identified(reader, root) if reader.rows(Distance.table) else ([], [])
+    return Findings(results, bench, diagnosis=diagnosis), notes
+
+
+def _identified(reader: RunReader, root: Path) -> tuple[list[Result], list[str]]:
+    """Return both models as far as the points determine them, and what could not be done."""
+    bench, points = bench_of_runs([reader], root), run_points([reader])
+    results, notes = [], []
+    for model in MODELS:
+        try:
+            one = identify_points(points, bench, model, error_budget(cell_of_run(reader)))
+        except CalibrationError as error:
+            notes.append(f"the {model} model could not be identified: {error}")
+            continue
+        result = with_reference_links(
+            identified_result(one, bench, [reader.path.name], are_simulated([reader])), [reader]
+        )
+        results.append(result.model_copy(update={"uncertainty": by_jacobian(one).part}))
+    return results, notes
+
+
+def _diagnosed(reader: RunReader, root: Path) -> Diagnosis | None:
+    """Return what speaks for and against the error map; None where there is none, which the notes tell."""
+    if not reader.rows(Distance.table):
+        return None
+    bench, budget = bench_of_runs([reader], root), error_budget(cell_of_run(reader))
+    try:
+        return diagnose(problem_of_points(run_points([reader]), bench, "error-map", budget))
+    except CalibrationError:
+        return None
+
+
+def _versions() -> dict[str, str]:
+    """Return what this program runs on."""
+    packages = {name: version(name) for name in ("numpy", "scipy", "matplotlib")}
+    return {"python": platform.python_version(), **packages, "platform": platform.platform()}

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -10,7 +11,9 @@ from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import EXPANDED, SHARE_EXPECTED, fixed, number
 from catseye.app.results.scara.names import node_name
 from catseye.app.results.scara.result import Estimate, MapTable, Result
+from catseye.app.results.scara.truth import gauge_turn_rad, turned_places
 from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.identification import Identification
 
 
 @dataclass(frozen=True)
@@ -115,4 +118,24 @@ def truth_statement(result: Result, truth: TruthTables) -> Statement:
         f"Against the truth of the emulated bench {within} of {len(errors)} parameters lie within ±2 u "
         f"({100.0 * share:.0f} %, 95 % expected); rms of the normalised errors {np.sqrt(np.mean(values**2)):.2f}, "
         f"the largest {largest} at {worst.name}.",
+    )
+
+
+def truth_tables(identified: Identification, document: dict[str, Any]) -> TruthTables:
+    """Return a truth document in the gauge of an identification."""
+    turn = gauge_turn_rad(identified, document)
+    return TruthTables(
+        link1_mm=document["link1_mm"]["value"],
+        link2_mm=document["link2_mm"]["value"],
+        theta1_map=_truth_map(document["theta1_map"], 1e3 * float(np.rad2deg(turn))),
+        theta2_map=_truth_map(document["theta2_map"], 0.0),
+        reflectors_mm=turned_places(document, turn),
+    )
+
+
+def _truth_map(table: Mapping[str, Any], shift_mdeg: float) -> TruthMap:
+    return TruthMap(
+        table["node_deg"],
+        [value - shift_mdeg for value in table["positive_mdeg"]],
+        [value - shift_mdeg for value in table["negative_mdeg"]],
     )

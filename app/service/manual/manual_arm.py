@@ -17,6 +17,7 @@ from catseye.app.service.manual.manual_motion import ManualMotion
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Robot
+from catseye.procedures.kit.errors import ManualStepError
 from catseye.procedures.kit.system import System
 
 SILENCE_S: Final = 0.5
@@ -93,7 +94,8 @@ class ManualArm:
         """Keep a joint moving, or stop; the result is there when it has been set going.
 
         Raises:
-            RefusedError: a step is under way, or the robot stops by itself only after a whole motion.
+            RefusedError: a step is under way, there is no such axis to move, or the robot stops by itself only after
+                a whole motion.
         """
         motion = self.motion
         if request.direction == 0:
@@ -139,7 +141,10 @@ class ManualArm:
                 "this robot's driver knows no jog that ends by itself when nobody feeds it: move by steps"
             )
         sight = Sight(self._robot.joints, self._gate.require_permission)
-        number = self._system.axis_number(request.joint)
+        try:
+            number = self._system.axis_number(request.joint)
+        except ManualStepError as error:
+            raise refusal_of(error) from error
         axis = self._gate.axes[number]
         way: Literal[-1, 1] = 1 if request.direction > 0 else -1
         approach = Approach(axis.range, way, axis.speed * self._gate.percent / 100.0)

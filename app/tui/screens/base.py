@@ -59,7 +59,7 @@ class MainScreen(Screen[None]):
         self.show_now()
 
     def on_worker_state_changed(self, event: Worker.StateChanged) -> None:
-        """Tell of work that failed by a fault of the program; what it is told to handle it handles itself."""
+        """Show that work failed by a fault of the program; every other failure is shown where it happens."""
         if event.state is WorkerState.ERROR and event.worker.error is not None:
             self.catseye.show_fault(event.worker.error)
 

@@ -110,7 +110,7 @@ class BenchScreen(MainScreen):
         most = _TROUBLES_LOW if self.has_class("-low") else _TROUBLES
         listed = [_trouble_line(*each) for each in (found if len(found) <= most else found[: most - 1])]
         if len(found) > most:
-            more = f"✗ and {len(found) - len(listed)} more: Enter tells all about a device"
+            more = f"✗ and {len(found) - len(listed)} more: Enter shows all about a device"
             listed.append(Content.styled(more, "$error"))
         shown = self.query_one("#troubles", StaticText)
         shown.display = bool(listed)

@@ -230,7 +230,7 @@ class ResultsScreen(WorkScreen):
         self.spawn(partial(self._compare, file, other), "compare", exclusive=True)
 
     def action_diagnose(self) -> None:
-        """Tell what speaks for and against the fit."""
+        """Find what speaks for and against the fit."""
         file = self._shown_file()
         if file is None or file.result is None:
             return
@@ -471,7 +471,7 @@ class ResultsScreen(WorkScreen):
 
 
 def _version(file: "ResultFile") -> _Version:
-    """Return what tells a result from what is written over it later."""
+    """Return what distinguishes a result from what is written over it later."""
     return file.path, file.changed_utc
 
 

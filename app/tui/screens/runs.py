@@ -1,4 +1,4 @@
-"""The screen Runs: history with filter; story, resume, verify, report, export, identify, attach."""
+"""The screen Runs: history with filter; timeline, resume, verify, report, export, identify, attach."""
 
 import asyncio
 from collections.abc import Iterable
@@ -41,12 +41,12 @@ _HIGH: Final = 34
 _NOT_RESUMED: Final = {
     "complete": "it is complete: start a new run",
     "running": "it is under way: a attaches to it",
-    "damaged": "it cannot be read: v tells what is wrong",
+    "damaged": "it cannot be read: v says what is wrong",
 }
 
 
 class RunsScreen(WorkScreen):
-    """A table of all runs; below it, or in its place where there is little room, the story of one."""
+    """A table of all runs; below it, or in its place where there is little room, the timeline of one."""
 
     SCREEN = "runs"
     AUTO_FOCUS = "#table"
@@ -57,9 +57,9 @@ class RunsScreen(WorkScreen):
     RunsScreen #filter:focus { background: $primary-muted; }
     RunsScreen #count { width: 1fr; margin-left: 2; color: $text-muted; }
     RunsScreen #table { height: 1fr; background: $background; scrollbar-size: 1 1; padding: 0 0 0 1; }
-    RunsScreen #story-panel { height: 1fr; display: none; scrollbar-size-vertical: 1; }
-    RunsScreen.story #story-panel { display: block; }
-    RunsScreen.story.-low #table { display: none; }
+    RunsScreen #timeline-panel { height: 1fr; display: none; scrollbar-size-vertical: 1; }
+    RunsScreen.timeline #timeline-panel { display: block; }
+    RunsScreen.timeline.-low #table { display: none; }
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -76,7 +76,7 @@ class RunsScreen(WorkScreen):
         Binding("e", "export", "export", id="runs.export", tooltip="rows for other programs"),
         Binding("a", "attach", "attach", id="runs.attach", tooltip="watch a run under way"),
         Binding(
-            "escape", "back", "back", show=False, id="runs.back", tooltip="leave filter or story; cancel"
+            "escape", "back", "back", show=False, id="runs.back", tooltip="leave filter or timeline; cancel"
         ),
     ]
 
@@ -93,20 +93,20 @@ class RunsScreen(WorkScreen):
         self._wide = True
 
     def body(self) -> ComposeResult:
-        """Filter, table, story."""
+        """Filter, table, timeline."""
         with Horizontal(id="line"):
             yield Input(id="filter", compact=True, placeholder="/ filter: words of a row")
             yield StaticText(id="count")
         yield RowTable(id="table")
-        with VerticalScroll(id="story-panel", classes="panel"):
-            yield StaticText(id="story")
+        with VerticalScroll(id="timeline-panel", classes="panel"):
+            yield StaticText(id="timeline")
         yield TaskLine(self.session.now_s)
 
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do."""
         yield SystemCommand("Filter the runs", "by words of a row", self.action_filter)
         yield SystemCommand("Runs of one state", "complete, stopped, died, …", self.action_state)
-        yield SystemCommand("Story of the run", "what happened, in order", self.action_story)
+        yield SystemCommand("Timeline of the run", "what happened, in order", self.action_timeline)
         yield SystemCommand("Mark the run", "for identifying from several", self.action_mark)
         yield SystemCommand("Resume the run", "go on where it stopped", self.action_resume)
         yield SystemCommand("Verify the run", "is the record what was written?", self.action_verify)
@@ -148,12 +148,12 @@ class RunsScreen(WorkScreen):
         self.query_one("#table").focus()
 
     def on_data_table_row_selected(self) -> None:
-        """Tell the story of the run."""
-        self.action_story()
+        """Show the timeline of the run."""
+        self.action_timeline()
 
     def action_filter(self) -> None:
         """Type a filter."""
-        self.remove_class("story")
+        self.remove_class("timeline")
         self.query_one("#filter").focus()
 
     def action_state(self) -> None:
@@ -173,11 +173,11 @@ class RunsScreen(WorkScreen):
         self._table.action_cursor_down()
 
     def action_back(self) -> None:
-        """Leave the filter, else the story, else cancel the work."""
+        """Leave the filter, else the timeline, else cancel the work."""
         if self.query_one("#filter").has_focus:
             self.query_one("#table").focus()
-        elif self.has_class("story"):
-            self.remove_class("story")
+        elif self.has_class("timeline"):
+            self.remove_class("timeline")
             self.query_one("#table").focus()
         else:
             self.action_cancel()
@@ -186,11 +186,11 @@ class RunsScreen(WorkScreen):
         """Cancel the work."""
         self.cancel_work()
 
-    def action_story(self) -> None:
-        """Tell what happened in the run."""
+    def action_timeline(self) -> None:
+        """Show what happened in the run."""
         line = self._chosen()
         if line is not None:
-            self.spawn(partial(self._tell_story, line), "story", exclusive=True)
+            self.spawn(partial(self._show_timeline, line), "timeline", exclusive=True)
 
     def action_resume(self) -> None:
         """Show what would go on; F8 there goes on."""
@@ -341,16 +341,16 @@ class RunsScreen(WorkScreen):
         self._count()
         self.show_written(file, "identified; F6 shows it")
 
-    async def _tell_story(self, line: "RunLine") -> None:
-        panel, story = self.query_one("#story-panel"), self.query_one("#story", StaticText)
-        panel.border_title = f"Story of {line.id}"
-        self.add_class("story")
-        story.set_text(Content("…"))
+    async def _show_timeline(self, line: "RunLine") -> None:
+        panel, timeline = self.query_one("#timeline-panel"), self.query_one("#timeline", StaticText)
+        panel.border_title = f"Timeline of {line.id}"
+        self.add_class("timeline")
+        timeline.set_text(Content("…"))
         done = await self.session.work.do("show", line.name, "--runs", self.session.root)
         if done.code:
-            story.set_text(Content.styled(f"✗ {done.fault}", "$error"))
+            timeline.set_text(Content.styled(f"✗ {done.fault}", "$error"))
         else:
-            story.set_text(Content(done.out.rstrip()))
+            timeline.set_text(Content(done.out.rstrip()))
         panel.focus()
 
     def _set_columns(self) -> None:

@@ -12,6 +12,7 @@ from textual.containers import Vertical
 from textual.widgets import OptionList
 
 from catseye.app.files.documents import read_text
+from catseye.app.protocol.banners import SIMULATION
 from catseye.app.tui.cell_change import use_cell
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
@@ -148,7 +149,13 @@ class SetupScreen(WorkScreen):
     def action_demo(self) -> None:
         """Run the demo as a process, then show its results."""
         self.let_work(
-            "SIMULATION demo", "The demo failed", "demo", "--out", DEMO_FOLDER, "--json", done=self._demo_done
+            f"{SIMULATION} demo",
+            "The demo failed",
+            "demo",
+            "--out",
+            DEMO_FOLDER,
+            "--json",
+            done=self._demo_done,
         )
 
     async def action_next(self) -> None:
@@ -206,7 +213,7 @@ class SetupScreen(WorkScreen):
             if left is not None:
                 self.notify("the file is another now: its questions begin anew", severity="warning")
         self._drafts[source], self._source = draft, source
-        # Drivers tell their settings; they are loaded beside the screen.
+        # Drivers declare their settings; they are loaded beside the screen.
         await asyncio.to_thread(lambda: [draft.questions(page) for page in PAGES])
         await self._show_wizard(draft)
 
@@ -321,7 +328,7 @@ class SetupScreen(WorkScreen):
 
         self.notify(
             done.document(JobDocument).report,
-            title="SIMULATION: demo done; its report",
+            title=f"{SIMULATION}: demo done; its report",
             markup=False,
             timeout=15.0,
         )
@@ -343,7 +350,7 @@ class SetupScreen(WorkScreen):
         except CatseyeError as error:
             self.catseye.show_error("The emulated bench was not set up", str(error))
             return
-        self.query_one(TaskLine).begin("SIMULATION: starting the emulators")
+        self.query_one(TaskLine).begin(f"{SIMULATION}: starting the emulators")
         ready = asyncio.Event()
         self._emulators = self.catseye.keep(self._serve_emulators(path, ready))
         await asyncio.wait(
@@ -352,7 +359,7 @@ class SetupScreen(WorkScreen):
         self.query_one(TaskLine).end()
         if ready.is_set():
             self.notify(
-                f"{path}: emulators answer; they end with this program", title="SIMULATION", markup=False
+                f"{path}: emulators answer; they end with this program", title=SIMULATION, markup=False
             )
             use_cell(self.catseye, path)
             self.catseye.action_go("bench")

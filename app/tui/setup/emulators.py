@@ -29,7 +29,7 @@ def emulated_cell() -> str:
 
 
 def is_emulated(path: Path) -> bool:
-    """Tell whether a cell file was written for emulators of this program: its name says so."""
+    """Return whether a cell file was written for emulators of this program: its name says so."""
     try:
         return read_toml(path).get("name") == EMULATED_BENCH
     except ConfigError:

@@ -100,7 +100,7 @@ class QuestionRow(Vertical):
         self._take("" if event.value is Select.NULL else str(event.value))
 
     def _take(self, text: str) -> None:
-        # Fields tell their first value too, which nobody has typed.
+        # Fields report their first value too, which nobody has typed.
         if text != self._answer:
             self._answer = text
             self.post_message(Answered(self.question, text))

@@ -83,7 +83,7 @@ class ReflectorRows(Vertical):
             del self._reflectors[min(self._current, len(self._reflectors) - 1)]
             await self._again(max(self._current - 1, 0))
 
-    def tell_faults(self, faults: dict[str, str]) -> None:
+    def show_faults(self, faults: dict[str, str]) -> None:
         """Show what is wrong.
 
         Args:

@@ -9,6 +9,7 @@ from textual.content import Content
 from textual.widgets import OptionList
 from textual.widgets.option_list import Option
 
+from catseye.app.protocol.banners import SIMULATION
 from catseye.app.tui.widgets.static_text import StaticText
 
 CHOICES: Final = {
@@ -19,8 +20,12 @@ CHOICES: Final = {
     ),
     "change": ("c", "Change the present cell file", "the same questions, with its values"),
     "open": ("o", "Open a cell file", "one that is there already"),
-    "emulated": ("e", "Emulated bench", "SIMULATION: emulators of all devices; they end with this program"),
-    "demo": ("d", "Demo", "SIMULATION: the whole job on emulators, about a minute; then its results"),
+    "emulated": (
+        "e",
+        "Emulated bench",
+        f"{SIMULATION}: emulators of all devices; they end with this program",
+    ),
+    "demo": ("d", "Demo", f"{SIMULATION}: the whole job on emulators, about a minute; then its results"),
 }
 """By name: key, title, what it does."""
 

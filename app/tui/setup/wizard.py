@@ -192,7 +192,7 @@ class Wizard(Horizontal):
         for row in self.query(QuestionRow):
             row.show_fault(mine.get(row.question.key, ""))
         for rows in self.query(ReflectorRows):
-            rows.tell_faults(mine)
+            rows.show_faults(mine)
         self.query_one("#page-fault", Fault).show_fault(mine.get(self.page.name, ""))
         self.query_one("#pages", StaticText).set_text(lines(*(self._page_line(page) for page in PAGES)))
         for summary in self.query("#summary").results(StaticText):

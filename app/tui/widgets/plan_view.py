@@ -77,7 +77,7 @@ class PlanView(Widget):
         self, layout: "Layout | None", joints: Sequence[float] | None, beam_ok: bool | None, *, stale: bool
     ) -> Content:
         if layout is None:
-            return Content.styled("no bench is told yet", "dim")
+            return Content.styled("nothing is known of the bench yet", "dim")
         from catseye.app.tui.widgets.plan_drawing import draw_plan
 
         canvas = draw_plan(layout, joints, beam_ok, self.size.width, self.size.height)

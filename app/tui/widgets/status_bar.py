@@ -6,6 +6,7 @@ from textual.app import RenderResult
 from textual.content import Content
 from textual.widget import Widget
 
+from catseye.app.protocol.banners import SIMULATION
 from catseye.app.protocol.state import ControlState
 from catseye.app.results.numbers import duration_text
 from catseye.app.tui.engine_state import EngineState
@@ -67,7 +68,7 @@ class StatusBar(Widget):
         engine = self._engine
         text: list[Part] = []
         if engine.simulated:
-            text.append((" SIMULATION ", _BANNER))
+            text.append((f" {SIMULATION} ", _BANNER))
             text.append((" ", ""))
         if not engine.connected:
             text.append(("no engine ", "$error bold"))

@@ -99,9 +99,7 @@ def identify_scan(
     _require_rows(used.rows, basis.shape[1], model)
     passes = Passes(used, layout, (link1_mm, link2_mm), rough, budget)
     few = used.few()
-    first = descend(
-        lambda parameters: passes.sums(parameters, [few], 1.0), passes.start(few), basis, UNSETTLED
-    )
+    first = _minimum_of_sample(passes, few, basis)
     half_width_mm = max(_HISTOGRAM_RMS * first.sums.residuals.rms_mm, _FINEST_MM)
     counter = _Counter(used.rows, progress)
     minimum = descend(
@@ -138,6 +136,13 @@ class _Counter:
     def _report(self, expected: int) -> None:
         if self.progress is not None:
             self.progress(self.done, expected)
+
+
+def _minimum_of_sample(passes: Passes, few: Points, basis: Floats) -> Minimum:
+    """Return the solution of an even sample: where the descent over all rows starts."""
+    return descend(
+        lambda parameters: passes.sums(parameters, [few], 1.0), passes.start(few), basis, UNSETTLED
+    )
 
 
 def _judged(passes: Passes, minimum: Minimum, basis: Floats, few: Points) -> ScanIdentification:

@@ -8,8 +8,7 @@ import pytest
 from catseye.app.render.page import write_page
 from catseye.app.results.scara.identify import are_simulated
 from catseye.app.results.scara.result import Result, read_result, write_result
-from catseye.app.results.scara.run_content import result_content, run_content
-from catseye.app.results.scara.run_report import run_report
+from catseye.app.results.scara.run_report import result_file_report, run_report
 from tests.unit.app.render.page_reader import Page, read_page
 from tests.unit.app.results.scara import sample
 from tests.unit.app.test_path_comparison import measured, stored
@@ -18,7 +17,7 @@ from tests.unit.app.test_path_comparison import measured, stored
 def page_of(result: Result, folder: Path) -> Page:
     """Return the page of a result file without residuals, whose figure takes longest to draw."""
     write_result(result.model_copy(update={"residuals": None}), folder / "result.json")
-    write_page(run_report(result_content(folder / "result.json")), folder / "page.html")
+    write_page(result_file_report(folder / "result.json"), folder / "page.html")
     return read_page((folder / "page.html").read_text(encoding="utf-8"))
 
 
@@ -42,7 +41,7 @@ async def test_a_run_is_reported_with_digests_of_its_files_origins_and_uncertain
     reader = await stored(
         tmp_path, "open-loop", measured(), configuration_origins=dict(origins), operator="ada"
     )
-    write_page(run_report(run_content(reader, tmp_path)), tmp_path / "page.html")
+    write_page(run_report(reader, tmp_path), tmp_path / "page.html")
     html = (tmp_path / "page.html").read_text(encoding="utf-8")
     page = read_page(html)
     digests = {row[1]: row[2] for row in page.rows if row[0] == reader.path.name and len(row) == 3}

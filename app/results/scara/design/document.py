@@ -10,70 +10,85 @@ from catseye.app.results.scara.design.report import CRITERIA
 from catseye.procedures.kit.records import Json
 
 
-def design_document(found: Design) -> dict[str, Json]:
+def design_document(design: Design) -> dict[str, Json]:
     """Return a design as plain values; what is not a number is null."""
-    problem, places = found.problem, found.places
-    chosen: dict[str, Json] = {}
-    if found.choice is not None:
-        rows = np.flatnonzero(found.choice.kept)
-        chosen = {
-            "commands": [
-                [one.theta1_deg, one.theta2_deg, one.direction1, one.direction2]
-                for one in (problem.sequence[k] for k in rows)
-            ],
-            "commands_bench_s": _finite(found.choice.cost.duration_s),
-            "commands_value": _finite(
-                found.choice.shown(problem.criterion.name, systematic=problem.systematic)
-            ),
-        }
+    problem, places = design.problem, design.places
     return {
         "criterion": problem.criterion.name,
         "unit": problem.criterion.unit,
         "systematic": problem.systematic,
         "path": problem.path_text,
-        "reflectors": [
-            {
-                "name": f"P{k}",
-                "x_mm": float(sight.xy_mm[0]),
-                "y_mm": float(sight.xy_mm[1]),
-                "facing_deg": round(float(np.rad2deg(sight.facing_rad)), 1),
-                "commands_seen": int(sight.seen.sum()),
-                "breaks": sight.breaks,
-            }
-            for k, sight in enumerate(found.layout.sights, 1)
-        ],
-        "layouts": [_layout_json(layout) for layout in found.layouts],
-        "nodes": [
-            {
-                "joint": one.joint,
-                "node_deg": one.node_deg,
-                "direction": one.direction,
-                "u_random_mdeg": one.white_mdeg,
-                "u_mdeg": one.total_mdeg,
-            }
-            for one in node_uncertainties(found.layout)
-        ],
+        "reflectors": _reflectors(design),
+        "layouts": [_layout(layout) for layout in design.layouts],
+        "nodes": _nodes(design),
         "places": {
             "allowed": len(places.allowed),
             "excluded": {str(reason): count for reason, count in places.reasons.items()},
         },
-        "pareto": [
-            {
-                "reflectors": row.reflectors,
-                "commands": row.commands,
-                "repeats": row.repeats,
-                "bench_s": _finite(row.time_s),
-                "u_random": _finite(row.u_white),
-                "u": _finite(row.u_total),
-                "front": row.front,
-            }
-            for row in found.compromises
-        ],
-        **chosen,
+        "pareto": _pareto(design),
+        **_choice(design),
     }
 
 
-def _layout_json(layout: Layout) -> dict[str, Json]:
+def _choice(design: Design) -> dict[str, Json]:
+    """Return the chosen commands in measuring order; nothing where none were chosen."""
+    choice, problem = design.choice, design.problem
+    if choice is None:
+        return {}
+    commands = (problem.sequence[k] for k in np.flatnonzero(choice.kept))
+    return {
+        "commands": [
+            [command.theta1_deg, command.theta2_deg, command.direction1, command.direction2]
+            for command in commands
+        ],
+        "commands_bench_s": _finite(choice.cost.duration_s),
+        "commands_value": _finite(choice.shown(problem.criterion.name, systematic=problem.systematic)),
+    }
+
+
+def _reflectors(design: Design) -> list[Json]:
+    return [
+        {
+            "name": f"P{k}",
+            "x_mm": float(sight.xy_mm[0]),
+            "y_mm": float(sight.xy_mm[1]),
+            "facing_deg": round(float(np.rad2deg(sight.facing_rad)), 1),
+            "commands_seen": int(sight.seen.sum()),
+            "breaks": sight.breaks,
+        }
+        for k, sight in enumerate(design.layout.sights, 1)
+    ]
+
+
+def _nodes(design: Design) -> list[Json]:
+    return [
+        {
+            "joint": node.joint,
+            "node_deg": node.node_deg,
+            "direction": node.direction,
+            "u_random_mdeg": node.white_mdeg,
+            "u_mdeg": node.total_mdeg,
+        }
+        for node in node_uncertainties(design.layout)
+    ]
+
+
+def _pareto(design: Design) -> list[Json]:
+    return [
+        {
+            "reflectors": row.reflectors,
+            "commands": row.commands,
+            "repeats": row.repeats,
+            "bench_s": _finite(row.time_s),
+            "u_random": _finite(row.u_white),
+            "u": _finite(row.u_total),
+            "front": row.front,
+        }
+        for row in design.compromises
+    ]
+
+
+def _layout(layout: Layout) -> dict[str, Json]:
     values: dict[str, Json] = {}
     for name in CRITERIA:
         unit = "um" if name == "path" else "mdeg"

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from catseye.app.cell.arm import shipped_arm, shipped_arms
+from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.plausible import implausible
-from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.errors import ConfigError
 from catseye.app.results.scara.identify import cell_of_run
@@ -140,7 +140,7 @@ def test_runs_of_faster_cells_can_still_be_evaluated(tmp_path: Path) -> None:
 
 def test_every_joint_of_the_description_has_a_range() -> None:
     arm = shipped_arm("rh-3frh5515")
-    assert [arm.range_of(joint.name) for joint in arm.joint] == [
+    assert [joint.range for joint in arm.joint] == [
         (-170, 170),
         (-145, 145),
         (0, 150),

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.errors import ConfigError
 
@@ -44,7 +44,7 @@ def test_origin_of_every_value(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
-        ("link1_mm", "link1_m", ["robot.link1_m: unknown key; did you mean link1_mm?", "link1_mm: this"]),
+        ("link1_mm", "link1_m", ["robot.link1_m: unknown key; did you mean link1_mm?"]),
         ("settle_time_s", "settle_time", ["unknown key; did you mean settle_time_s?"]),
         ("acceptance_mm = 1.0", "acceptance_mm = true", ["optics.acceptance_mm", "True"]),
         ("acceptance_mm = 1.0", "acceptance_mm = nan", ["optics.acceptance_mm", "finite"]),
@@ -53,6 +53,8 @@ def test_origin_of_every_value(tmp_path: Path) -> None:
         ('name = "P2"', 'name = "P1"', ["two reflectors are called P1"]),
         ("override_cap_percent = 20", "override_cap_percent = 120", ["override_cap_percent", "100"]),
         ("j1 = [-170.0, 170.0]", "j1 = [170.0, -170.0]", ["robot.limits_deg.j1", "below the upper limit"]),
+        ("j2 = [-145.0, 145.0]", "j9 = [-1.0, 1.0]", ["limits_deg.j9", "turns no joint J9; it turns j1, j2, j4"]),
+        ("j2 = [-145.0, 145.0]", "j3 = [-1.0, 1.0]", ["limits_deg.j3", "turns no joint J3"]),
         ("tcp://127.0.0.1:10001", "127.0.0.1:10001", ["robot.endpoint", "tcp://host:port"]),
         ('"catseye-cell/1"', '"catseye-cell/2"', ["format", "catseye-cell/1"]),
         ("x_mm = 680.0\n", "", ["reflector[2].x_mm: this key is missing"]),

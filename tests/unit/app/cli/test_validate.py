@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from catseye.app.cell.model import Measurement
+from catseye.app.cell.scara.sections import Measurement
 from catseye.app.cli.validate import validate
 from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.results.scara.measured import travel_of

@@ -113,7 +113,7 @@ async def test_a_run_as_fast_as_planned_says_nothing(bench: FakeBench, percent: 
 
 async def test_an_emulated_run_wears_a_banner(bench: FakeBench) -> None:
     await run(bench, measuring(0))
-    assert "SIMULATED" in str(bench.said("warning")[0]["text"])
+    assert "SIMULATION" in str(bench.said("warning")[0]["text"])
 
 
 async def test_the_transcript_is_part_of_the_run(bench: FakeBench) -> None:

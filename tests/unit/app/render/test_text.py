@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from catseye.app.protocol.banners import SIMULATED_TEXT
+from catseye.app.protocol.banners import SIMULATION_TEXT
 from catseye.app.render.text import block_lines, report_text, statement_lines, table_text, tables_text
 from catseye.app.results.model import Bullets, Entries, Paragraph, Section
 from tests.unit.app.render.reports import REPORT, TABLE
@@ -39,7 +39,7 @@ def test_a_report_as_text_has_title_banners_and_brief_sections() -> None:
     assert lines[:6] == [
         "Title",
         "  UNVERIFIED: a run was changed",
-        f"  {SIMULATED_TEXT}",
+        f"  {SIMULATION_TEXT}",
         "",
         "Verdict",
         "  ✓ A sentence that is good.",

@@ -211,7 +211,7 @@ async def test_a_panel_that_fails_is_told_once_and_everything_else_goes_on(
         assert ops(link) == ["stop"]
 
 
-async def test_work_that_fails_is_told() -> None:
+async def test_work_that_fails_is_shown() -> None:
     async def fail() -> None:
         raise ZeroDivisionError("a reflector at the axis")
 

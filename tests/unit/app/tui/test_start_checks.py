@@ -24,7 +24,7 @@ def test_unknown_names_are_told_with_the_nearest() -> None:
     assert "run.hold" not in told
 
 
-def test_keys_that_two_things_have_are_told() -> None:
+def test_keys_that_two_things_have_are_shown() -> None:
     assert key_clashes({"run.hold": "h,insert", "go.jog": "f5"}) == ""
     assert key_clashes({"go.jog": "f6", "go.results": "f5"}) == "", "two keys are exchanged"
     assert key_clashes({"run.hold": "h,f4"}) == "run.hold = f4: go.run (everywhere) has it, too"

@@ -3,11 +3,11 @@
 import re
 from dataclasses import replace
 
+from catseye.app.protocol.banners import SIMULATION
 from catseye.app.render.html import section_html
-from catseye.app.results.runs.records import RunRecord
+from catseye.app.results.runs.records import RunRecord, Sources
 from catseye.app.results.runs.sections import cell_lines
 from catseye.app.results.runs.trace import trace_section
-from catseye.app.results.scara.content import ReportContent
 from tests.unit.app.render.page_reader import read_page
 from tests.unit.app.results.scara import sample
 
@@ -21,20 +21,20 @@ RUN = RunRecord(
     operator="ada",
     files={"run.sqlite": 64 * "a", "wire.log": 64 * "b"},
 )
-CONTENT = replace(
-    sample.bare(sample.hand_made()), runs=[RUN], versions={"python": "3.12.1", "scipy": "1.16.0"}
+SHEET = replace(
+    sample.bare(sample.hand_made()).measured(runs=[RUN]),
+    sources=Sources(versions={"python": "3.12.1", "scipy": "1.16.0"}),
 )
 
 
-def trace(content: ReportContent) -> str:
-    software = (result.provenance.software for result in content.results)
-    return section_html(
-        trace_section(content.software, content.versions, content.runs, software, content.digests)
-    )
+def trace(sheet: sample.Sheet) -> str:
+    software = (result.provenance.software for result in sheet.findings.results)
+    section = trace_section(sheet.origin.software, sheet.sources, sheet.measurement.runs, software)
+    return section_html(section)
 
 
 def test_programs_operator_and_digests_of_runs_with_the_command_that_checks_them() -> None:
-    page = read_page(trace(CONTENT))
+    page = read_page(trace(SHEET))
     assert page.row("this page") == ["catseye 0.1.0", "python 3.12.1, scipy 1.16.0", ""]
     runs = [row for row in page.rows if row[0] == RUN.name]
     assert runs == [
@@ -46,15 +46,15 @@ def test_programs_operator_and_digests_of_runs_with_the_command_that_checks_them
 
 
 def test_a_result_file_is_named_with_its_digest_and_the_program_that_made_it() -> None:
-    content = replace(sample.bare(sample.hand_made()), digests={"result.json": 64 * "c"})
-    page = read_page(trace(content))
+    sources = Sources(digests={"result.json": 64 * "c"})
+    page = read_page(trace(replace(sample.bare(sample.hand_made()), sources=sources)))
     assert page.row("result") == ["result.json", 64 * "c"]
     assert page.row("identified results")[0] == "catseye 0.1.0"
     assert "catseye verify" not in page.text
 
 
 def test_a_run_that_is_not_sealed_is_not_said_to_be_checkable() -> None:
-    assert "catseye verify" not in trace(replace(CONTENT, runs=[replace(RUN, files={})]))
+    assert "catseye verify" not in trace(SHEET.measured(runs=[replace(RUN, files={})]))
 
 
 def test_values_that_do_not_stand_in_the_file_are_marked() -> None:
@@ -63,7 +63,8 @@ def test_values_that_do_not_stand_in_the_file_are_marked() -> None:
     assert lines["robot.link1_mm = 325.0"] == "file"
     assert lines["robot.link2_mm = 225.0  # default"] == "default"
     assert lines["reflector[2].x_mm = 680.0  # default"] == "default"
-    text = read_page(sample.page(replace(sample.whole(), origins=origins, results=[], validation=None))).text
+    sheet = sample.whole().measured(origins=origins).found(results=[], validation=None)
+    text = read_page(sample.page(sheet)).text
     assert "robot.link2_mm = 225.0  # default" in text
 
 
@@ -79,10 +80,10 @@ def css_texts(html: str) -> list[str]:
 
 def test_title_and_simulation_stand_on_every_printed_page() -> None:
     hostile = 'a</style><script>"}\\ 反 µ'
-    content = replace(CONTENT, results=[])
-    html = sample.page(replace(content, title=hostile, simulated=True))
+    sheet = SHEET.found(results=[])
+    html = sample.page(replace(sheet, title=hostile, origin=replace(sample.MADE, simulated=True)))
     made = "2026-01-02T03:04:05Z · catseye 0.1.0"
-    assert css_texts(html)[:3] == ["SIMULATION: emulated devices", hostile, made]
+    assert css_texts(html)[:3] == [SIMULATION, hostile, made]
     assert html.split("</head>")[0].count("</style>") == 1
     assert "<script" not in html
-    assert css_texts(sample.page(content))[0] == ""
+    assert css_texts(sample.page(sheet))[0] == ""

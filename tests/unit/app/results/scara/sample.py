@@ -2,16 +2,27 @@
 
 import math
 import tomllib
+from dataclasses import dataclass, field, replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 
+from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.model import Cell
-from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.render.page import page_html
-from catseye.app.results.runs.records import DeviceRecord, EnvironmentSummary, RunRecord, Spread
-from catseye.app.results.scara.content import ReportContent
+from catseye.app.results.model import Origin, Report
+from catseye.app.results.runs.records import (
+    DeviceRecord,
+    EnvironmentSummary,
+    Measurement,
+    RunRecord,
+    Sources,
+    Spread,
+)
+from catseye.app.results.scara.arm_report import arm_report
+from catseye.app.results.scara.findings import Findings
 from catseye.app.results.scara.result import (
     DeadPath,
     Estimate,
@@ -25,7 +36,6 @@ from catseye.app.results.scara.result import (
     Result,
     result_of,
 )
-from catseye.app.results.scara.run_report import run_report
 from catseye.app.results.scara.truth_tables import TruthMap, TruthTables
 from catseye.app.results.scara.validation import PathMeasurement, PathValidation, validate_on_path
 from catseye.calibration.core.types import Floats
@@ -224,22 +234,41 @@ def validation(along: str = "y") -> PathValidation:
     return validate_on_path(path(along), [one.arm for one in measurement()[1]], (325.0, 225.0))
 
 
-def whole(systematic_um: float = 0.0) -> ReportContent:
+@dataclass(frozen=True)
+class Sheet:
+    """What a page shows."""
+
+    title: str
+    origin: Origin
+    findings: Findings
+    measurement: Measurement = field(default_factory=Measurement)
+    sources: Sources = field(default_factory=Sources)
+
+    def found(self, **changes: Any) -> "Sheet":
+        """Return a page with other findings."""
+        return replace(self, findings=replace(self.findings, **changes))
+
+    def measured(self, **changes: Any) -> "Sheet":
+        """Return a page of another measurement."""
+        return replace(self, measurement=replace(self.measurement, **changes))
+
+    @property
+    def report(self) -> Report:
+        """The report."""
+        return arm_report(self.title, self.origin, self.findings, self.measurement, self.sources)
+
+
+MADE = Origin("catseye 0.1.0", "2026-01-02T03:04:05Z")
+
+
+def whole(systematic_um: float = 0.0) -> Sheet:
     """Return a report with every part."""
     the_cell = cell()
-    return ReportContent(
-        title="Open-loop measurement lab-1",
-        created_utc="2026-01-02T03:04:05Z",
-        software="catseye 0.1.0",
-        simulated=True,
+    measurement = Measurement(
         cell=the_cell,
-        bench=scara_bench_of(the_cell),
-        results=results(systematic_um),
-        truth=truth_tables(),
-        validation=validation(),
-        search=[SEARCH],
+        searches=[SEARCH],
         warnings=["reflector P1: 12 commands are blind and left out, the first at θ1 = 60°, θ2 = 140°"],
-        events=["03:12:44 beam lost at θ1 = −20°, θ2 = 40°; a new segment began"],
+        incidents=["03:12:44 beam lost at θ1 = −20°, θ2 = 40°; a new segment began"],
         devices=[
             DeviceRecord("robot", "RH-3FRH5515", "S7", "EMULATOR-1", "tcp://127.0.0.1:10001", True),
             DeviceRecord(
@@ -268,16 +297,22 @@ def whole(systematic_um: float = 0.0) -> ReportContent:
             ),
         ],
     )
+    return Sheet(
+        "Open-loop measurement lab-1",
+        replace(MADE, simulated=True),
+        Findings(results(systematic_um), scara_bench_of(the_cell), truth_tables(), validation()),
+        measurement,
+    )
 
 
-def bare(result: Result) -> ReportContent:
+def bare(result: Result) -> Sheet:
     """Return a report of a result file alone."""
-    return ReportContent("Result", "2026-01-02T03:04:05Z", "catseye 0.1.0", False, results=[result])
+    return Sheet("Result", MADE, Findings([result]))
 
 
-def page(content: ReportContent) -> str:
+def page(sheet: Sheet) -> str:
     """Return the page of a report."""
-    return page_html(run_report(content))
+    return page_html(sheet.report)
 
 
 @cache

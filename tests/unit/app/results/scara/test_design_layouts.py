@@ -8,8 +8,8 @@ from typing import get_args
 import numpy as np
 import pytest
 
+from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.model import Cell
-from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.results.scara.design.layouts import Places, candidate_places
 from catseye.app.results.scara.design.problem import Problem, Wish, problem_of

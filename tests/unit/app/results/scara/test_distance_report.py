@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from catseye.app.render.mpl import drawn
-from catseye.app.results.scara.content import ReportContent
+from catseye.app.results.scara.arm_report import verdict
 from catseye.app.results.scara.distance_validation import DistancePath, DistanceValidation, ModelOnDistances
 from catseye.app.results.scara.figures.distances import distance_figure
-from catseye.app.results.scara.run_report import verdict
+from catseye.app.results.scara.findings import Findings
 from catseye.calibration.scara.points import Commands, Points
 from tests.unit.app.render.page_reader import read_page
 from tests.unit.app.results.scara import sample
@@ -46,7 +46,7 @@ def distances(last_um: float = 10.0) -> DistanceValidation:
 
 @pytest.fixture(scope="module")
 def text() -> str:
-    return sample.page(ReportContent("Path", "2026-01-02T03:04:05Z", "catseye", True, distances=distances()))
+    return sample.page(sample.Sheet("Path", sample.MADE, Findings(distances=distances())))
 
 
 def test_the_page_has_figures_and_words_of_the_distances(text: str) -> None:
@@ -65,11 +65,11 @@ def test_the_page_has_figures_and_words_of_the_distances(text: str) -> None:
 
 @pytest.mark.parametrize(("last_um", "kind", "ratio"), [(10.0, "good", "0.25"), (38.0, "bad", "0.95")])
 def test_the_verdict_says_what_the_models_leave(last_um: float, kind: str, ratio: str) -> None:
-    content = replace(sample.whole(), validation=None, distances=distances(last_um))
-    (found,) = [one for one in verdict(content) if one.text.startswith("On distances along a path")]
+    findings = replace(sample.whole().findings, validation=None, distances=distances(last_um))
+    (found,) = [one for one in verdict(findings) if one.text.startswith("On distances along a path")]
     assert found.sign == kind
     assert f"leaves {last_um:.1f} µm rms, the conventional model 40.0 µm: ratio {ratio} (5 of 6" in found.text
-    assert not any("has not been checked" in one.text for one in verdict(content))
+    assert not any("has not been checked" in one.text for one in verdict(findings))
 
 
 def test_rows_that_are_not_compared_are_not_drawn() -> None:
@@ -84,8 +84,8 @@ def test_rows_that_are_not_compared_are_not_drawn() -> None:
 def without_u() -> str:
     positions = sample.validation()
     silent = replace(positions.path, u_mm=np.full(positions.path.u_mm.size, np.nan))
-    content = ReportContent("Path", "2026-01-02T03:04:05Z", "catseye", True)
-    return sample.page(replace(content, validation=replace(positions, path=silent)))
+    findings = Findings(validation=replace(positions, path=silent))
+    return sample.page(sample.Sheet("Path", sample.MADE, findings))
 
 
 def test_an_instrument_that_states_no_uncertainty_is_told_so(without_u: str) -> None:

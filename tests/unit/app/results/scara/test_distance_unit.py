@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.distances import load_distances

@@ -6,7 +6,9 @@ from xml.etree import ElementTree
 
 import pytest
 
-from catseye.app.results.scara.content import ReportContent
+from catseye.app.protocol.banners import SIMULATION_TEXT
+from catseye.app.results.model import Origin
+from catseye.app.results.scara.findings import Findings
 from tests.unit.app.render.page_reader import Page, read_page
 from tests.unit.app.results.scara import sample
 
@@ -93,7 +95,7 @@ def test_nothing_is_loaded_and_nothing_runs(whole: str) -> None:
 
 
 def test_a_measurement_of_a_thousand_distances_stays_below_half_a_megabyte(whole: str) -> None:
-    assert sample.whole().results[0].fit.n_points == 1056
+    assert sample.whole().findings.results[0].fit.n_points == 1056
     assert len(whole.encode()) < 500_000
 
 
@@ -102,10 +104,10 @@ def test_the_same_content_gives_the_same_page(whole: str) -> None:
 
 
 def test_simulation_is_said_in_a_banner_and_only_then(whole: str) -> None:
-    banner = "SIMULATION: emulated devices"
+    banner = SIMULATION_TEXT
     assert banner in read_page(whole).text
     assert 'class="simulation"' in whole
-    assert not sample.bare(sample.hand_made()).simulated
+    assert not sample.bare(sample.hand_made()).origin.simulated
     real = sample.bare_page()
     assert banner not in read_page(real).text
     assert 'class="simulation"' not in real
@@ -136,7 +138,7 @@ def test_result_without_residuals_and_covariance_still_has_its_maps() -> None:
 
 
 def test_report_without_results_says_that_nothing_was_identified() -> None:
-    empty = ReportContent("Nothing", "2026-01-02T03:04:05Z", "catseye 0.1.0", False)
+    empty = sample.Sheet("Nothing", sample.MADE, Findings())
     page = read_page(sample.page(empty))
     assert "Nothing was identified" in page.text
     assert page.headings == ["Verdict", "Conventions", "Traceability"]
@@ -144,7 +146,8 @@ def test_report_without_results_says_that_nothing_was_identified() -> None:
 
 
 def test_run_without_validation_and_without_a_cell_file() -> None:
-    page = read_page(sample.page(replace(sample.whole(), validation=None, cell=None, truth=None, search=())))
+    sheet = sample.whole().found(validation=None, truth=None).measured(cell=None, searches=())
+    page = read_page(sample.page(sheet))
     assert figures(page) == ["figure-maps", "figure-residual-order", "figure-residuals", "figure-layout"]
     assert "Configuration" not in page.headings
 
@@ -157,15 +160,8 @@ def test_run_without_validation_and_without_a_cell_file() -> None:
     ],
 )
 def test_hostile_names_stay_text_everywhere(name: str) -> None:
-    content = replace(
-        sample.bare(sample.hand_made(name)),
-        title=name,
-        events=[name],
-        warnings=[name],
-        software=name,
-        created_utc=name,
-    )
-    html = sample.page(content)
+    bare = replace(sample.bare(sample.hand_made(name)), title=name, origin=Origin(name, name))
+    html = sample.page(bare.measured(incidents=[name], warnings=[name]))
     page = read_page(html)
     assert not {"script", "img"} & set(page.tags)
     assert page.text.count(name) >= 8

@@ -1,24 +1,23 @@
 """Small parts: markup, numbers, groups of residuals, the scene of the layout."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from catseye.app.render.markup import Html, element, join, section, table, unbroken
 from catseye.app.render.mpl import drawn
-from catseye.app.results.scara.content import ReportContent
 from catseye.app.results.scara.figures.layout import layout_figure
 from catseye.app.results.scara.figures.residuals import residual_figure
+from catseye.app.results.scara.findings import Findings
 from catseye.app.results.scara.layout import Scene, scene_of
 from catseye.app.results.scara.residuals import pose_means, reference
 from tests.unit.app.results.scara import sample
 
 
-def scene_shown(content: ReportContent) -> Scene | None:
-    path_mm = None if content.validation is None else content.validation.path.command_mm
-    return scene_of(content.bench, content.best, path_mm)
+def scene_shown(findings: Findings) -> Scene | None:
+    path_mm = None if findings.validation is None else findings.validation.path.command_mm
+    return scene_of(findings.bench, findings.best, path_mm)
 
 
 def test_text_is_escaped_once_and_markup_stands() -> None:
@@ -76,7 +75,7 @@ def test_one_distance_makes_a_figure() -> None:
 
 
 def test_scene_of_a_bench_knows_what_is_blind() -> None:
-    scene = scene_shown(sample.whole())
+    scene = scene_shown(sample.whole().findings)
     assert scene is not None
     assert scene.commands_mm.shape == (88, 2)
     assert [target.name for target in scene.targets] == ["P1", "P2", "P3"]
@@ -91,12 +90,12 @@ def test_scene_of_a_bench_knows_what_is_blind() -> None:
 
 
 def test_scene_of_a_result_alone_has_neither_fields_nor_column() -> None:
-    scene = scene_shown(sample.bare(sample.hand_made()))
+    scene = scene_shown(sample.bare(sample.hand_made()).findings)
     assert scene is not None
     assert scene.column_radius_mm is None
     assert scene.targets[0].facing_deg is None
     np.testing.assert_allclose(scene.targets[0].xy_mm, [651.23456, -401.5])
-    assert scene_shown(replace(sample.bare(sample.hand_made()), results=[])) is None
+    assert scene_shown(Findings()) is None
 
 
 def test_truth_between_its_nodes_is_interpolated_and_never_extrapolated() -> None:

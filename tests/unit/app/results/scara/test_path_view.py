@@ -151,7 +151,7 @@ def test_the_measurement_looks_different_to_each_direction_without_colour() -> N
 def test_other_paths_and_a_single_model_make_a_page(along: str) -> None:
     alone = validate_on_path(sample.path(along), [sample.measurement()[1][1].arm], (325.0, 225.0))
     results = [one.model_copy(update={"residuals": None}) for one in sample.results()]
-    page = read_page(sample.page(replace(sample.whole(), results=results, validation=alone)))
+    page = read_page(sample.page(sample.whole().found(results=results, validation=alone)))
     assert page.all_of("id").count("figure-path") == 1
     assert "b) = a − b" not in page.text
     assert "c) = a − b" in page.text

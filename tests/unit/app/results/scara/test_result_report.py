@@ -65,7 +65,7 @@ def test_conventions_name_gauge_and_coverage(page: Page) -> None:
 
 
 def test_table_of_links_holds_nominal_both_models_and_truth_with_normalised_errors(whole: Page) -> None:
-    conventional, error_map = sample.whole().models
+    conventional, error_map = sample.whole().findings.models
     nominal, first, u1, en1, second, u2, en2, true = whole.row("L1 / mm")
     assert (nominal, true) == ("325.0", "324.9640")
     assert float(first) == pytest.approx(conventional.link1_mm.value, abs=6e-5)

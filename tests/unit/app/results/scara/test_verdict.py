@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
+from catseye.app.results.scara.arm_report import verdict
 from catseye.app.results.scara.fit_text import fit_statement
 from catseye.app.results.scara.result import Fit, RobustPart
-from catseye.app.results.scara.run_report import verdict
 from catseye.app.results.scara.truth_tables import TruthMap, normalised_errors, truth_statement
 from catseye.app.results.scara.validation import validate_on_path
 from tests.unit.app.results.scara import sample
@@ -87,13 +87,13 @@ def test_a_fit_without_stated_uncertainties() -> None:
 
 def test_null_directions_are_named() -> None:
     fit = sample.fit().model_copy(update={"null_directions": [["Δθ1(60°, +)"], ["L1", "L2"]]})
-    texts = [one.text for one in verdict(sample.bare(sample.hand_made(the_fit=fit)))]
+    texts = [one.text for one in verdict(sample.bare(sample.hand_made(the_fit=fit)).findings)]
     assert "Not observable, and therefore without numbers: Δθ1(60°, +); L1, L2." in texts
 
 
 def test_path_verdict_gives_the_ratio_and_the_rows() -> None:
     validation = sample.validation()
-    statement = verdict(sample.whole())[2]
+    statement = verdict(sample.whole().findings)[2]
     assert statement.sign == "good"
     assert statement.text.startswith("On the path X = 200 mm, Y = −500 … 500 mm the error map leaves ")
     assert f"ratio {validation.ratio:.2f} ({validation.compared.sum()} of 82 rows compared)" in statement.text
@@ -101,7 +101,7 @@ def test_path_verdict_gives_the_ratio_and_the_rows() -> None:
 
 def test_path_verdict_of_one_model_has_no_ratio() -> None:
     alone = validate_on_path(sample.path(), [sample.measurement()[1][1].arm], (325.0, 225.0))
-    statement = verdict(replace(sample.whole(), validation=alone))[2]
+    statement = verdict(replace(sample.whole().findings, validation=alone))[2]
     assert statement.sign == "neutral"
     assert "ratio" not in statement.text
 

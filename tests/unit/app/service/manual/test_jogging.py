@@ -300,3 +300,21 @@ def test_a_robot_without_a_dead_man_is_moved_by_steps(cell: Cell) -> None:
         await jog.over()
 
     run(work())
+
+
+@pytest.mark.parametrize("joint", ["j3", "j9", "beam"])
+def test_an_axis_that_is_not_held_is_refused(cell: Cell, joint: str) -> None:
+    async def script(_fixture: ManualFixture, jog: Jogging) -> None:
+        with pytest.raises(RefusedError, match=f"no axis '{joint}' to move; there are j1, j2, j4"):
+            jog.hold(hold(joint))
+
+    assert jogged(cell, script).arm.said("jog", "move") == []
+
+
+@pytest.mark.parametrize("joint", ["j3", "a1"])
+def test_an_axis_that_is_not_stepped_is_refused(cell: Cell, joint: str) -> None:
+    async def script(_fixture: ManualFixture, jog: Jogging) -> None:
+        with pytest.raises(RefusedError, match=f"no axis '{joint}' to move; there are j1, j2, j4, beam"):
+            await alive(jog, step(joint=joint, by=1.0))
+
+    assert jogged(cell, script).arm.said("jog", "move") == []

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal, cast
 
 from catseye.app.cell.air import air_rule
+from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.model import Cell
-from catseye.app.cell.scara.bench import scara_bench_of
 from catseye.app.engine.devices import Devices
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.message import JsonObject

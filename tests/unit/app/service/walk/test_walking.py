@@ -10,7 +10,6 @@ from catseye.app.engine.walked.register import WALK, geometry_digest, own_legs, 
 from catseye.app.engine.walked.rule import PROMPT, WAIVER
 from catseye.app.exitcode import ExitCode
 from catseye.app.render.page import write_page
-from catseye.app.results.scara.run_content import run_content
 from catseye.app.results.scara.run_report import run_report
 from catseye.app.store.reader import RunReader
 from catseye.app.store.verify import verify
@@ -141,8 +140,7 @@ async def test_a_waiver_is_kept_with_the_run(real: TourBench) -> None:
 
 async def test_a_report_tells_the_waiver(real: TourBench, tmp_path: Path) -> None:
     outcome = await real.run(waive_walk=REASON)
-    content = run_content(RunReader(outcome.path), real.root)
-    write_page(run_report(content), tmp_path / "report.html")
+    write_page(run_report(RunReader(outcome.path), real.root), tmp_path / "report.html")
     assert REASON in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 

@@ -106,7 +106,7 @@ async def test_all_about_the_chosen_device_is_read_and_copied_while_values_come(
         assert "H2165" in await shown(app, pilot)
 
 
-async def test_what_is_old_is_greyed_and_without_an_engine_the_reason_is_told() -> None:
+async def test_what_is_old_is_greyed_and_without_an_engine_the_reason_is_shown() -> None:
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=(120, 40)) as pilot:

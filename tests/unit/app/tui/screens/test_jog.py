@@ -101,7 +101,7 @@ async def test_other_sizes_and_changes_of_size() -> None:
     await jogging(look)
 
 
-async def test_an_override_that_stays_low_is_told() -> None:
+async def test_an_override_that_stays_low_is_shown() -> None:
     link = ScriptedLink()
     app = make_app(link, "jog")
     async with app.run_test(size=(80, 24)) as pilot:

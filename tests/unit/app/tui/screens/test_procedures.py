@@ -33,7 +33,7 @@ def facts(name: str, last: dict[str, Any] | None = None, **needs: tuple[str, str
     return {
         "name": name,
         "title": procedure.title,
-        "needs_aim": procedure.needs.aim,
+        "needs_aim": procedure.needs.basis is not None,
         "params": procedure.params_type.model_json_schema()["properties"],
         "needs": [{"what": what, "met": met, "text": text} for what, (met, text) in needs.items()],
         "last": last,
@@ -288,7 +288,7 @@ async def test_a_refused_start_is_told_with_its_remedy_and_not_said_to_be_planne
         assert "wait" not in text
 
 
-async def test_lost_devices_the_next_step_a_refused_plan_and_a_cell_that_is_gone_are_told() -> None:
+async def test_lost_devices_the_next_step_a_refused_plan_and_a_cell_that_is_gone_are_shown() -> None:
     link = ScriptedLink()
     app = app_of(link)
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
@@ -321,7 +321,7 @@ async def test_lost_devices_the_next_step_a_refused_plan_and_a_cell_that_is_gone
         assert not isinstance(app.screen, StartDialog)
 
 
-async def test_a_cell_file_with_a_fault_is_told() -> None:
+async def test_a_cell_file_with_a_fault_is_shown() -> None:
     app = make_app(ScriptedLink(), "procedures")
     work_of(app).outcomes["procedures"] = failed(2, "cell.toml, line 3: unknown key")
     async with app.run_test(size=(80, 24)) as pilot:

@@ -242,7 +242,7 @@ async def test_a_diagnosis_and_a_result_that_changes_or_goes_after_it(bench: Pat
         assert "THE FILE IS GONE" in await look_again(app, pilot)
 
 
-async def test_what_is_missing_for_a_diagnosis_or_a_validation_is_told(bench: Path) -> None:
+async def test_what_is_missing_for_a_diagnosis_or_a_validation_is_shown(bench: Path) -> None:
     app = open_app(bench)
     work_of(app).outcomes["export"] = failed(2, "it holds nothing to export: look at its story")
     async with app.run_test(size=(80, 24)) as pilot:

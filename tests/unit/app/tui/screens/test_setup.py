@@ -319,7 +319,7 @@ async def test_comments_that_cannot_be_kept_are_told_and_the_file_is_left(folder
         assert load_cell(folder / "mine-new.toml").cell.robot.limits_deg.j1 == [-100.0, 100.0]
 
 
-async def test_a_file_that_is_no_cell_is_told(folder: Path) -> None:
+async def test_a_file_that_is_no_cell_is_shown(folder: Path) -> None:
     path = folder / "mine.toml"
     path.write_text("a = 1\n", encoding="utf-8")
     app = make_app(ScriptedLink({"cell": str(path)}), "setup", cell=path)

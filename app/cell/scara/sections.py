@@ -1,0 +1,206 @@
+"""Sections and keys of a cell file that only a SCARA and its open-loop tracking have."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Annotated, Literal, Self
+
+from pydantic import AfterValidator, ConfigDict, Field, ValidationInfo, field_validator, model_validator
+
+from catseye.app.cell.arm import ArmDescription, shipped_arm
+from catseye.app.cell.scara.uncertainty import Uncertainty
+from catseye.app.cell.section import RECORD, Finite, Name, NotNegative, Positive, Range, Section
+
+Triple = Annotated[list[Positive], Field(min_length=3, max_length=3)]
+Nodes = Annotated[list[Finite], Field(min_length=2)]
+
+
+def _ordered(value: list[float]) -> list[float]:
+    if not value[0] < value[1]:
+        raise ValueError(f"the lower limit {value[0]:g} has to be below the upper limit {value[1]:g}")
+    return value
+
+
+Limit = Annotated[Range, AfterValidator(_ordered)]
+
+
+class Limits(Section):
+    """[robot.limits_deg]: where the joints may go, cables included; any joint of the arm, in lower case."""
+
+    model_config = ConfigDict(frozen=True, extra="allow", strict=True)
+    __pydantic_extra__: dict[str, Limit]
+
+    j1: Limit = Field(default=[-170.0, 170.0])
+    j2: Limit = Field(default=[-145.0, 145.0])
+    j4: Limit = Field(default=[-360.0, 360.0])
+
+
+class ScaraRobot(Section):
+    """Keys of [robot] about the arm: a SCARA's, and the ranges of any arm's axes."""
+
+    arm: str = "rh-3frh5515"
+    link1_mm: Positive | None = None
+    link2_mm: Positive | None = None
+    j3_mm: Finite = 0.0
+    j3_range_mm: Range | None = None
+    # The sheet gives the speeds of J1, J2, J4 from memory of a catalogue: they serve estimates of time, and of the
+    # way that a joint needs to stop as long as a jog by hand has not shown its speed.
+    speed_deg_s: Triple = Field(default=[420.0, 720.0, 3000.0])
+    j3_speed_mm_s: Positive = 1100.0
+    acceleration_deg_s2: Triple = Field(default=[2000.0, 4000.0, 15000.0])
+    limits_deg: Limits = Limits()
+
+    @property
+    def links_mm(self) -> tuple[float, float]:
+        """Nominal lengths of both links.
+
+        Raises:
+            ValueError: the cell file does not state them.
+        """
+        if self.link1_mm is None or self.link2_mm is None:
+            raise ValueError("link1_mm and link2_mm are not stated")
+        return self.link1_mm, self.link2_mm
+
+    @property
+    def nominal_a_mm(self) -> Mapping[str, float]:
+        """Distances of the axes that replace those of the arm's description, by joint."""
+        stated = {"J2": self.link1_mm, "J3": self.link2_mm}
+        return {joint: length_mm for joint, length_mm in stated.items() if length_mm is not None}
+
+    @field_validator("arm")
+    @classmethod
+    def _described(cls, value: str) -> str:
+        shipped_arm(value)
+        return value
+
+    @model_validator(mode="after")
+    def _within_the_arm(self, info: ValidationInfo) -> Self:
+        """A cell only narrows the ranges of its arm."""
+        if info.context != RECORD:
+            arm = shipped_arm(self.arm)
+            for key, joint, (low, high) in self._asked():
+                _require_within(arm, key, joint, low, high)
+        return self
+
+    @model_validator(mode="after")
+    def _height_in_range(self) -> Self:
+        if self.j3_range_mm is not None and not self.j3_range_mm[0] <= self.j3_mm <= self.j3_range_mm[1]:
+            low, high = self.j3_range_mm
+            raise ValueError(f"j3_mm = {self.j3_mm:g} is outside j3_range_mm = [{low:g}, {high:g}]")
+        return self
+
+    def _asked(self) -> list[tuple[str, str, Sequence[float]]]:
+        """Return the ranges that are stated: key, joint, lowest and highest."""
+        stated = self.limits_deg.model_dump(exclude_unset=True)
+        asked: list[tuple[str, str, Sequence[float]]] = [
+            (f"limits_deg.{name}", name.upper(), limits) for name, limits in stated.items()
+        ]
+        if "J3" in (joint.name for joint in shipped_arm(self.arm).joint if joint.unit == "mm"):
+            asked.append(("j3_mm", "J3", [self.j3_mm, self.j3_mm]))
+            asked += [] if self.j3_range_mm is None else [("j3_range_mm", "J3", self.j3_range_mm)]
+        return asked
+
+
+class Optics(Section):
+    """[optics]: the beam and what stands in its way."""
+
+    acceptance_mm: Positive = 1.0
+    max_miss_mm: Positive = 0.2
+    field_half_angle_deg: Annotated[float, Field(gt=0.0, le=90.0, allow_inf_nan=False)] = 80.0
+    column_radius_mm: NotNegative = 110.0
+    column_margin_mm: NotNegative = 5.0
+    beam_min_mm: Positive = 50.0
+    beam_max_mm: Positive = 5000.0
+    theta40_deg: Finite = 0.0
+    # Not every counter tells a level; those that do not read 1 while the beam returns.
+    signal_min: Annotated[float, Field(ge=0.0, lt=1.0, allow_inf_nan=False)] = 0.0
+    one_reflector: bool = False
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.max_miss_mm >= self.acceptance_mm:
+            raise ValueError(
+                f"max_miss_mm = {self.max_miss_mm:g} has to be below acceptance_mm = {self.acceptance_mm:g}: "
+                "the aim itself is not perfect"
+            )
+        if self.beam_min_mm >= self.beam_max_mm:
+            raise ValueError("beam_min_mm has to be below beam_max_mm")
+        return self
+
+
+class Alignment(Section):
+    """[alignment]: the screws that move the beam, and how well it has to be aligned."""
+
+    stage_mm_per_turn: Positive = 0.5
+    stage_clockwise: Literal["+y", "-y"] = "+y"
+    offset_tolerance_mm: Positive = 0.1
+    level_mrad_per_turn: Positive = 2.0
+    level_clockwise: Literal["up", "down"] = "up"
+    level_tolerance_mrad: Positive = 0.2
+
+
+class Reflector(Section):
+    """[[reflector]]: a cat's eye at its rough place."""
+
+    name: Name
+    x_mm: Finite
+    y_mm: Finite
+    facing_deg: Finite | None = None
+
+
+class Measurement(Section):
+    """[measurement]: nodes and timing."""
+
+    theta1_deg: Nodes = Field(default_factory=list)
+    theta2_deg: Nodes = Field(default_factory=list)
+    settle_time_s: NotNegative = 0.5
+    dwell_time_s: NotNegative = 0.5
+    readings: Annotated[int, Field(ge=1, le=10000)] = 10
+    take_up_deg: Positive = 1.0
+    spread_limit_um: Positive = 5.0
+
+    @field_validator("theta1_deg", "theta2_deg")
+    @classmethod
+    def _increasing(cls, value: list[float]) -> list[float]:
+        for low, high in pairwise(value):
+            if not low < high:
+                raise ValueError(f"nodes have to increase strictly; {high:g} follows {low:g}")
+        return value
+
+
+@dataclass(frozen=True)
+class ScaraSections:
+    """What open-loop tracking takes from a cell file; everything that it needs is there."""
+
+    robot: ScaraRobot
+    optics: Optics
+    alignment: Alignment
+    reflectors: Sequence[Reflector]
+    measurement: Measurement
+    uncertainty: Uncertainty
+
+    @property
+    def missing(self) -> list[str]:
+        """Sections and keys that the cell file does not have and open-loop tracking needs."""
+        found = {
+            "[robot] link1_mm": self.robot.link1_mm,
+            "[robot] link2_mm": self.robot.link2_mm,
+            "[[reflector]]": self.reflectors,
+            "[measurement] theta1_deg": self.measurement.theta1_deg,
+            "[measurement] theta2_deg": self.measurement.theta2_deg,
+        }
+        return [key for key, value in found.items() if not value]
+
+
+def _require_within(arm: ArmDescription, key: str, joint: str, low: float, high: float) -> None:
+    axis = next((one for one in arm.joint if one.name == joint), None)
+    if axis is None or (key.startswith("limits_deg") and axis.unit != "deg"):
+        names = ", ".join(one.name.lower() for one in arm.joint if one.unit == "deg")
+        raise ValueError(f"{key}: the {arm.name} turns no joint {joint}; it turns {names}")
+    least, most = axis.range
+    if not least <= low <= high <= most:
+        told = f"{low:g}" if low == high else f"[{low:g}, {high:g}]"
+        raise ValueError(
+            f"{key} = {told} goes beyond the range of {joint} of the {arm.name}, {least:g}…{most:g} {axis.unit}: "
+            "a cell only narrows it"
+        )

@@ -1,0 +1,139 @@
+"""The report of an arm: which sections stand in which order."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from catseye.app.results.model import Bullets, Origin, Paragraph, Report, Section, Sign, Statement, section
+from catseye.app.results.numbers import counted
+from catseye.app.results.runs.records import Measurement, Sources
+from catseye.app.results.runs.sections import (
+    configuration_section,
+    incident_section,
+    run_section,
+    search_section,
+)
+from catseye.app.results.runs.trace import trace_section
+from catseye.app.results.scara.diagnosis_report import diagnosis_section
+from catseye.app.results.scara.distance_report import distance_section, distance_statement
+from catseye.app.results.scara.figures.layout import layout_figure
+from catseye.app.results.scara.findings import Findings
+from catseye.app.results.scara.fit_text import fit_statements, identified_text
+from catseye.app.results.scara.layout import scene_of
+from catseye.app.results.scara.result import Result
+from catseye.app.results.scara.result_report import (
+    fit_section,
+    map_section,
+    parameter_section,
+    reflector_section,
+)
+from catseye.app.results.scara.standards_report import standards_section
+from catseye.app.results.scara.truth_tables import truth_statement
+from catseye.app.results.scara.validation_report import path_section
+from catseye.app.results.scara.validation_text import path_statement
+from catseye.app.results.uncertainty_report import uncertainty_section
+
+_NO_RUNS: Final = Measurement()
+_NO_SOURCES: Final = Sources()
+
+
+def arm_report(
+    title: str,
+    origin: Origin,
+    findings: Findings,
+    measurement: Measurement = _NO_RUNS,
+    sources: Sources = _NO_SOURCES,
+) -> Report:
+    """Return everything that is known about an arm, the verdict first.
+
+    Args:
+        title: heading.
+        origin: where the report comes from.
+        findings: what was computed.
+        measurement: how it was measured.
+        sources: what the report was made with and from.
+    """
+    sections = (
+        *_result_sections(findings, measurement),
+        *_run_sections(origin, findings, measurement, sources),
+    )
+    return Report(title, origin, sections)
+
+
+def verdict(findings: Findings, incidents: int = 0) -> list[Statement]:
+    """Return what a metrologist wants to know first."""
+    best = findings.best
+    if best is None:
+        return [Statement(Sign.BAD, "Nothing was identified: there is no result to report.")]
+    statements = [Statement(Sign.NEUTRAL, identified_text(best)), *fit_statements(best)]
+    statements.append(
+        path_statement(findings.validation)
+        if findings.distances is None
+        else distance_statement(findings.distances)
+    )
+    if findings.truth is not None and best.model == "error-map":
+        statements.append(truth_statement(best, findings.truth))
+    # Segments that are too short, and single distances.
+    left_out = [f"{len(best.fit.rejected)} left out"] if best.fit.rejected else []
+    left_out += [f"{counted(incidents, 'incident')} on the way"] if incidents else []
+    if left_out:
+        statements.append(Statement(Sign.NEUTRAL, f"{' and '.join(left_out)}: see below."))
+    return statements
+
+
+def _result_sections(findings: Findings, measurement: Measurement) -> list[Section]:
+    """Return what was found out."""
+    best, truth = findings.best, findings.truth
+    note = Paragraph("All uncertainties are standard uncertainties (k = 1).")
+    budget = None if measurement.cell is None else measurement.cell.uncertainty.contributor
+    map_truth = truth if best is not None and best.model == "error-map" else None
+    statements = verdict(findings, len(measurement.incidents))
+    return [
+        section("verdict", "Verdict", [*statements, note], brief=True),
+        parameter_section(findings.models, truth),
+        map_section(findings.error_map, truth),
+        standards_section(findings.error_map),
+        path_section(findings.validation, findings.error_map, findings.lines),
+        distance_section(findings.distances),
+        fit_section(findings.models),
+        diagnosis_section(findings.diagnosis),
+        uncertainty_section(None if best is None else best.uncertainty, budget),
+        _layout_section(findings),
+        reflector_section(best, map_truth),
+    ]
+
+
+def _run_sections(
+    origin: Origin, findings: Findings, measurement: Measurement, sources: Sources
+) -> list[Section]:
+    """Return how it was measured, and what it can be traced to."""
+    names = sorted({name for result in findings.results for name in result.provenance.runs})
+    result_software = (result.provenance.software for result in findings.results)
+    return [
+        search_section(measurement.searches),
+        incident_section(measurement.warnings, measurement.incidents),
+        run_section(measurement, names),
+        _convention_section(findings.results),
+        configuration_section(measurement.cell, measurement.origins),
+        trace_section(origin.software, sources, measurement.runs, result_software),
+    ]
+
+
+def _layout_section(findings: Findings) -> Section:
+    path_mm = None if findings.validation is None else findings.validation.path.command_mm
+    scene = scene_of(findings.bench, findings.best, path_mm)
+    return section("layout", "Layout", [None if scene is None else layout_figure(scene)])
+
+
+def _convention_section(results: Sequence[Result]) -> Section:
+    """Return what the numbers mean."""
+    gauges = [f"Gauge of the {result.model} model: {result.gauge}." for result in results]
+    texts = (
+        "All uncertainties are standard uncertainties (k = 1).",
+        "Angular positioning deviation Δθ: actual minus command angle; 1 mdeg = 0.001°.",
+        "Direction of approach: + after real motion upwards, − after real motion downwards.",
+        "Reversal error: the map of the negative direction minus that of the positive one.",
+        "Maps are piecewise linear between their nodes and never extrapolated.",
+        "Origin: J1 axis. Distances cannot see a rotation of everything about J1; the gauge fixes it.",
+        *dict.fromkeys(gauges),
+    )
+    return section("conventions", "Conventions", [Bullets("", texts)])

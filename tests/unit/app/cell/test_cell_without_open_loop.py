@@ -1,0 +1,128 @@
+"""A cell file that says nothing of what only open-loop tracking needs."""
+
+import re
+import tomllib
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+
+from catseye.app.cell.arm import ArmDescription
+from catseye.app.cell.axes import axes_of
+from catseye.app.cell.bench import bench_of, scara_bench_of, system_of
+from catseye.app.cell.load import LoadedCell, load_cell
+from catseye.app.cell.plausible import implausible
+from catseye.app.cell.template import TEMPLATE
+from catseye.app.engine.walked.register import geometry_digest
+from catseye.app.errors import ConfigError
+from catseye.app.protocol.procedures import bases, load_procedure, procedure_names
+from catseye.app.results.readiness.cell_runs import runs_of_cell
+from catseye.app.results.readiness.needs import needs_of
+from catseye.app.service.running import plan_run
+from catseye.drivers.roles.pose import Axis
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.system import System
+
+NODES = r"^theta\d_deg = .*?$"
+REFLECTORS = r"^\[\[reflector\]\].*?(?=^\[|^# What)"
+MEASUREMENT = r"^\[measurement\].*?(?=^# The error budget)"
+OPTICS = r"^\[(optics|alignment)\].*?(?=^\[)"
+LINKS = r"^link\d_mm = .*?$"
+
+
+def without(folder: Path, *patterns: str) -> LoadedCell:
+    """Return the template's cell without what matches."""
+    text = TEMPLATE
+    for pattern in patterns:
+        text, count = re.subn(pattern, "", text, flags=re.MULTILINE | re.DOTALL)
+        assert count
+    path = folder / "cell.toml"
+    path.write_text(text, "utf-8")
+    return load_cell(path)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "missing"),
+    [
+        (REFLECTORS, ["[[reflector]]"]),
+        (MEASUREMENT, ["[measurement] theta1_deg", "[measurement] theta2_deg"]),
+        (NODES, ["[measurement] theta1_deg", "[measurement] theta2_deg"]),
+        (LINKS, ["[robot] link1_mm", "[robot] link2_mm"]),
+    ],
+)
+@pytest.mark.parametrize("name", ["open-loop", "beam-level"])
+def test_open_loop_procedures_demand_their_sections(
+    tmp_path: Path, pattern: str, missing: list[str], name: str
+) -> None:
+    loaded, procedure = without(tmp_path, pattern), load_procedure(name)
+    with pytest.raises(ConfigError) as refused:
+        plan_run(loaded, procedure, procedure.params_type(), tmp_path / "runs", "auto")
+    assert str(refused.value).startswith(
+        f"{name} needs {', '.join(missing)}: add them to the cell file lab-1"
+    )
+
+
+def test_everything_else_does_without_them(tmp_path: Path) -> None:
+    cell = without(tmp_path, REFLECTORS, MEASUREMENT, OPTICS, LINKS).cell
+    bench = bench_of(cell)
+    assert type(bench) is Bench
+    assert type(system_of(bench)) is System
+    assert [axis.name for axis in bench.arm.axes] == ["J1", "J2", "J3", "J4"]
+    assert bench.arm.axes[2].range == (0.0, 150.0)
+    assert bench.timing.readings == 10
+    assert implausible(cell) == []
+    assert geometry_digest(cell) != geometry_digest(without(tmp_path, REFLECTORS).cell)
+    with pytest.raises(ConfigError, match=r"open-loop tracking needs \[robot\] link1_mm"):
+        scara_bench_of(cell)
+
+
+def test_readiness_names_what_is_missing(tmp_path: Path) -> None:
+    cell = without(tmp_path, REFLECTORS).cell
+    runs = runs_of_cell(tmp_path / "runs", cell.name, datetime(2026, 1, 1, tzinfo=UTC))
+    bench = bench_of(cell)
+    assert bases(bench) == []
+    for name in procedure_names():
+        (need,) = needs_of(load_procedure(name), cell, bench, {}, runs)
+        assert (need.what, need.met) == ("cell file", "missing")
+        assert need.text.startswith(f"{name} needs [[reflector]]")
+
+
+def test_limits_that_the_cell_does_not_narrow_are_the_arms(tmp_path: Path) -> None:
+    text = TEMPLATE.replace("j1 = [-170.0, 170.0]\n", "j1 = [-90.0, 90.0]\n").replace(
+        "j2 = [-145.0, 145.0]\n", ""
+    )
+    path = tmp_path / "cell.toml"
+    path.write_text(text, "utf-8")
+    axes = bench_of(load_cell(path).cell).arm.axes
+    assert [axis.range for axis in axes[:2]] == [(-90.0, 90.0), (-145.0, 145.0)]
+
+
+SIX = """
+format = "catseye-arm/1"
+name = "six"
+convention = "modified-dh"
+""" + "".join(
+    f"""
+[[joint]]
+name = "A{n}"
+type = "revolute"
+alpha_deg = 0.0
+a_mm = 0.0
+theta_offset_deg = 0.0
+d_mm = 0.0
+sign = 1
+low_deg = -{100.0 + n}
+high_deg = {100.0 + n}
+speed_deg_s = 250.0
+acceleration_deg_s2 = 1000.0
+"""
+    for n in range(1, 7)
+)
+
+
+def test_a_description_of_six_joints_gives_six_axes() -> None:
+    description = ArmDescription.model_validate(tomllib.loads(SIX))
+    axes = axes_of(description, {"a2": [0.0, 90.0]})
+    assert [axis.name for axis in axes] == ["A1", "A2", "A3", "A4", "A5", "A6"]
+    assert axes[1] == Axis("A2", "deg", 0.0, 90.0, 250.0, 1000.0)
+    assert axes[5] == Axis("A6", "deg", -106.0, 106.0, 250.0, 1000.0)

@@ -1,0 +1,94 @@
+"""Only the SCARA's own rooms know its joints, links and angles by name."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import catseye
+
+ROOT = Path(catseye.__path__[0])
+
+WORDS = re.compile(
+    r"(?<![A-Za-z0-9])[Jj][1-4](?![A-Za-z0-9])"  # J1, j4_deg
+    r"|[Tt]heta_?[124](?!\d\d)|θ[124]"  # theta1_deg, theta40_deg, θ20
+    r"|[Ll]inks?_?[12](?!\d)|\blink [12]\b"  # link1_mm, link 2
+    r"|\.\w+\(0\.0, 0\.0, 0\.0, 0\.0\)|\[:, \[0, 1, 3\]\]"  # poses of four, J3 left out
+)
+
+ROOMS = ("app", "calibration", "drivers", "procedures")
+"""Simulators are a world of their own: they emulate that arm."""
+
+PROTOCOL = "drivers/melfa/"
+"""Its axes are named J1 to J8 on the wire."""
+
+NOT_YET = {
+    "app/cell/template.py": "the text of a SCARA's cell file, comments included",
+    "app/cell/wizard/pages.py": "keys of that file, and what to enter",
+    "app/cli/compensate.py": "commands of a SCARA",
+    "app/cli/compensation.py": "commands of a SCARA",
+    "app/cli/demo_job.py": "the demo measures a SCARA",
+    "app/cli/design.py": "designs a SCARA's measurement",
+    "app/cli/emulate.py": "emulates a SCARA's bench",
+    "app/cli/identify.py": "identifies a SCARA",
+    "app/cli/options.py": "hand of a SCARA",
+    "app/engine/walked/register.py": "binding key of [robot]",
+    "app/protocol/bench.py": "layout from above, as it is on the socket",
+    "app/results/readiness/stages.py": "names of procedures",
+    "app/results/runs/event_text.py": "texts of a SCARA's procedures",
+    "app/results/runs/sections.py": "texts of a SCARA's procedures",
+    "app/service/emulation.py": "configuration of the emulated SCARA",
+    "app/service/watching/bench_status.py": "layout from above, as it is on the socket",
+    "app/store/basis.py": "aim of a SCARA",
+    "app/testing/checks/robot.py": "the conformance suite drives the shipped arm",
+    "app/tui/bench_text.py": "joints in two lines",
+    "app/tui/jog_client.py": "keys of the jog",
+    "app/tui/jog_text.py": "keys of the jog",
+    "app/tui/pointing.py": "turns J4 to a reflector",
+    "app/tui/result_texts.py": "a SCARA's result",
+    "app/tui/screens/jog.py": "keys of the jog",
+    "app/tui/screens/results.py": "a SCARA's result",
+    "app/tui/setup/reflector_rows.py": "a SCARA's reflectors",
+    "app/tui/widgets/plan_drawing.py": "draws a SCARA from above",
+    "app/tui/widgets/prompt_panel.py": "the first motion",
+    "app/tui/widgets/result_parts.py": "a SCARA's result",
+    "calibration/__init__.py": "public names of the SCARA's models",
+}
+"""Files that still name them, and for what; the list only shrinks."""
+
+
+def is_scaras(path: str) -> bool:
+    return "/scara/" in path or path.startswith(PROTOCOL)
+
+
+def files_with_words() -> set[str]:
+    found = set()
+    for room in ROOMS:
+        for path in (ROOT / room).resolve().rglob("*.py"):
+            name = f"{room}/{path.relative_to((ROOT / room).resolve())}"
+            if not is_scaras(name) and WORDS.search(path.read_text(encoding="utf-8")):
+                found.add(name)
+    return found
+
+
+def test_no_other_file_names_joints_of_a_scara() -> None:
+    assert files_with_words() - NOT_YET.keys() == set()
+
+
+@pytest.mark.parametrize(
+    "room", ["app/engine/gate", "app/service/walk", "app/service/manual", "procedures/kit", "drivers/roles"]
+)
+def test_these_rooms_are_done(room: str) -> None:
+    assert not [name for name in NOT_YET if name.startswith(room)]
+
+
+@pytest.mark.parametrize(
+    "text", ["J1", "j4_deg", "theta40_deg", "θ20", "link1_mm", "link 2", "poses[:, [0, 1, 3]]"]
+)
+def test_words_of_a_scara_are_found(text: str) -> None:
+    assert WORDS.search(text)
+
+
+@pytest.mark.parametrize("text", ["A1", "axis 1", "J15", "obj1", "links", "theta", "hyperlink 10"])
+def test_other_words_are_not_found(text: str) -> None:
+    assert not WORDS.search(text)
