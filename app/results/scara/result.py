@@ -191,6 +191,11 @@ class Result(_Part):
     scan: ScanPart | None = None
     provenance: Provenance
 
+    @property
+    def has_maps(self) -> bool:
+        """The model has a map of each joint."""
+        return self.theta1_map is not None and self.theta2_map is not None
+
 
 def result_of(
     identified: Identification,

@@ -305,7 +305,7 @@ class ResultsScreen(WorkScreen):
         self._show()
         self._show_files()
         if go:
-            self.action_part(1 if file.result.theta1_map is not None else 2)
+            self.action_part(1 if file.result.has_maps else 2)
 
     def _source_of(self, file: "ResultFile") -> list[str | Path]:
         """Return words that name the distances of a result; none where they are not found."""

@@ -12,8 +12,7 @@ from textual.widgets import ContentSwitcher, DataTable, Input
 
 from catseye.app.results.figure_document import figures_json
 from catseye.app.results.figures import Figure
-from catseye.app.results.scara.run_content import result_content
-from catseye.app.results.scara.run_report import run_report
+from catseye.app.results.scara.run_report import result_file_report
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.form_dialog import FormDialog
@@ -88,7 +87,7 @@ async def test_screen_shows_the_figures_of_the_page_from_the_same_data(bench: Pa
     async with app.run_test(size=(120, 40)) as pilot:
         await press(app, pilot, "enter", "d", "t", "enter", "1", "down", "c")
         shown_now = [figure for view in app.screen.query(FigureView) for figure in view.figures]
-    page = run_report(result_content(bench / "error-map.json"))
+    page = result_file_report(bench / "error-map.json")
     paged = [block for block in page.blocks() if isinstance(block, Figure)]
     assert {figure.key for figure in paged} == {"maps", "residual-order", "residuals", "layout"}
     by_key = {figure.key: figure for figure in shown_now}
