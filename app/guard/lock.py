@@ -68,7 +68,6 @@ class OwnerLock:
 
     Attributes:
         arm: what is locked: the controller's address, on loopback with its port, or the device of a serial line.
-        descriptors: of the lock's files.
         history: what has become of this arm since it was given back last, for the operator: how it was stopped, or
             that neither its owner nor the guard has said so.
     """

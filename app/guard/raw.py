@@ -45,7 +45,7 @@ async def raw_guard(endpoint: str, on_stop: Callable[[str], None]) -> AsyncItera
     """Have a guard for raw bytes to a robot; the arm is given back at the end, after whatever stops it until then.
 
     Args:
-        endpoint: of the robot's controller.
+        endpoint: where the controller answers, tcp:// or serial://.
         on_stop: is called when the guard has stopped the arm.
     """
     guard = ArmGuard(endpoint)
@@ -71,7 +71,7 @@ async def raw_connection(
 
     Args:
         guard: of the arm, which it keeps when this ends.
-        endpoint: of the robot's controller.
+        endpoint: where the controller answers, tcp:// or serial://.
         stop: bytes that stop the robot; None: nobody knows any.
         sink: is called with all bytes that pass.
         folder: of all runs, for the guard's log.

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
+from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.standards.iso9283 import distance_repeatability
-
-SIGNIFICANCE = 0.01
-"""A drift is significant when its probability by chance is below this."""
 
 _COVERAGE = 0.95
 

@@ -84,7 +84,7 @@ class LineCounter(Interferometer):
         The profile of a stream makes a driver that listens, any other one a driver that asks.
 
         Args:
-            endpoint: of the counter.
+            endpoint: where it answers, tcp:// or serial://, as in a cell file.
             clock: time of the readings.
             sink: is shown all bytes.
             settings: fields of `CounterSettings`.

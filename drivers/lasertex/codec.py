@@ -115,7 +115,7 @@ class Distance:
 
     @property
     def length_mm(self) -> float:
-        """The length, mm."""
+        """The count as a length in mm, 0.1 nm each."""
         return self.count * _MM_PER_COUNT
 
 

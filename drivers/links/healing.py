@@ -58,7 +58,7 @@ class Losses:
         self._seconds: deque[_Second] = deque()
 
     def answered(self) -> None:
-        """Count an answer."""
+        """Count an answer that came whole."""
         self._second().answered += 1
 
     def lost(self) -> None:

@@ -68,7 +68,6 @@ class SerialTransport(ChannelTransport):
 
     Args:
         device: path of the port.
-        settings: of the line.
         open_timeout_s: how long opening may take, real s.
         write_timeout_s: how long the line may take nothing, real s.
     """

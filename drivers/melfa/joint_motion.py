@@ -36,7 +36,6 @@ class JointMotion:
     Args:
         connections: to the controller.
         clock: time of the polls.
-        settings: of the driver.
         still_polls: equal positions in a row that say that a motion which was started has ended or never began.
         take_right: takes the operation right unless it is held.
         account_for: is called with the target of a motion whose answer was lost, and how.

@@ -132,7 +132,7 @@ async def standstill(
     Args:
         session: where to ask.
         clock: time of the pause between two polls.
-        settings: of the driver.
+        settings: gives the pause and the tolerances.
         timeout_s: for all polls together, real s.
         still_polls: equal positions in a row that count as standstill.
         target: of the motion, if one was started.
@@ -271,8 +271,8 @@ async def account_for(
     Args:
         asker: is not blocked by the motion.
         clock: time of the pause between two polls.
-        settings: of the driver.
-        target: of the motion.
+        settings: gives the pause and the tolerances.
+        target: joints of the motion, deg or mm.
         lost: how the answer was lost.
         stop: stops the robot.
         still_polls: equal positions in a row that count as standstill elsewhere.

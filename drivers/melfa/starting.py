@@ -24,8 +24,8 @@ async def start_once(
     Args:
         session: that holds the operation right.
         clock: time of the pause between two looks.
-        settings: of the driver.
-        name: of the program.
+        settings: gives the pause between two looks.
+        name: by which RUN starts it.
         permit: is asked right before the start is written; what it raises keeps it from being sent.
 
     Raises:

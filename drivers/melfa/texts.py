@@ -45,7 +45,6 @@ class ProgramEntry(DeviceText):
 
     Attributes:
         name: with extension.
-        size_bytes: of its file.
         changed: date and time on the controller's clock.
         lines: number of lines.
         positions: number of its position variables.
@@ -64,7 +63,6 @@ class LogEntry(DeviceText):
 
     Attributes:
         time: date and time on the controller's clock, such that the order of texts is that of times.
-        number: of the alarm.
         text: the controller's own words.
         level: H, L or C.
         program: where it happened, may be empty.

@@ -105,7 +105,6 @@ class _Decoder:
     """Takes the answer to one request.
 
     Args:
-        number: of the request.
         device_id: unit identifier that was asked; 0 takes any.
         function: that was asked.
     """

@@ -14,7 +14,8 @@ from catseye.app.cell.model import Cell
 from catseye.app.cell.section import RECORD
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.points import point_columns, to_points
-from catseye.app.results.scara.result import Result, result_of
+from catseye.app.results.scara.result import Result
+from catseye.app.results.scara.result_of import result_of
 from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
 from catseye.app.store.software import SOFTWARE
