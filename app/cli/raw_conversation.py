@@ -84,7 +84,7 @@ async def guarded(endpoint: str, stop: bytes | None, traffic: Traffic) -> AsyncI
         async with (
             raw_guard(endpoint, on_stop) as guard,
             raw_connection(
-                guard, endpoint, stop, traffic.show, runs_folder(None), simulated=False, tell=note
+                guard, endpoint, stop, traffic.show, runs_folder(None), simulated=False, report=note
             ) as link,
         ):
             yield link

@@ -223,9 +223,9 @@ def _locked(arm: str, path: Path) -> int:
 
 
 def _in_use(arm: str, holder: Owner | None) -> ArmInUseError:
-    told = holder.text if holder else "another program that has not said its name yet"
+    by = holder.text if holder else "another program that has not said its name yet"
     return ArmInUseError(
-        f"the arm at {arm} is in use by {told}: nothing was sent to it; end that first, or wait for its end"
+        f"the arm at {arm} is in use by {by}: nothing was sent to it; end that first, or wait for its end"
     )
 
 

@@ -65,7 +65,7 @@ async def raw_connection(
     folder: Path,
     *,
     simulated: bool,
-    tell: Callable[[str], None],
+    report: Callable[[str], None],
 ) -> AsyncIterator[Transport]:
     """Open a connection to a robot for raw bytes, and own it; a motion counts as under way until it is closed.
 
@@ -76,7 +76,7 @@ async def raw_connection(
         sink: is called with all bytes that pass.
         folder: of all runs, for the guard's log.
         simulated: the robot is an emulator.
-        tell: is called with what has become of this arm since it was given back last.
+        report: is called with what has become of this arm since it was given back last.
 
     Raises:
         ArmInUseError: another program moves the arm.
@@ -89,7 +89,7 @@ async def raw_connection(
     try:
         await transport.open()
         for text in await guard.hold("raw bytes by hand", folder, simulated=simulated):
-            tell(text)
+            report(text)
         async with guard.motion():
             yield transport
     finally:

@@ -298,7 +298,7 @@ class LineCounter(Interferometer):
                     f"{self._model!r}: check the network"
                 )
             text = await self._greet_ask(profile.query.command)
-            # A counter that has told its name may have no value to show, as without a beam.
+            # A counter that has given its name may have no value to show, as without a beam.
             if not model or not self._is_error(text):
                 try:
                     self._number(profile.query.reply, text)
@@ -310,7 +310,7 @@ class LineCounter(Interferometer):
         self._latches.greeted()
 
     async def _name(self) -> str:
-        """Return the instrument's name, empty when it tells none."""
+        """Return the instrument's name, empty when it gives none."""
         identify = self._profile.identify
         if not identify:
             return ""

@@ -213,7 +213,7 @@ class CounterProfile(_Table):
         confirmed: every value has been checked with the instrument's manual.
         compensated: `instrument` when it corrects for the air by itself.
         line: see there, as are the following.
-        status: None when the instrument tells no status; an error in place of a value is a lost beam then.
+        status: None when the instrument gives no status; an error in place of a value is a lost beam then.
     """
 
     format: Literal["catseye-counter/1"]

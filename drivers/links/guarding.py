@@ -1,4 +1,4 @@
-"""What a robot's driver tells the guard of the arm, and asks it before anything moves.
+"""What a robot's driver gives the guard of the arm, and asks it before anything moves.
 
 The guard is a process beside this program that says STOP when this one dies or falls silent. It needs a duplicate of
 every connection on which STOP can be written.

@@ -26,7 +26,7 @@ REOPEN_S = 2.0
 _REOPEN_PAUSE_S = 0.1
 
 _FEWEST_LOST = 8
-"""Fewer losses within the window tell nothing about their share."""
+"""Fewer losses within the window say nothing about their share."""
 
 
 class Repeat(Enum):

@@ -159,7 +159,7 @@ class MelfaController:
                 await self._order(order, Repeat.BOUND)
 
     async def has_program(self, name: str) -> bool:
-        """Tell whether there is a program of that name."""
+        """Return whether there is a program of that name."""
         _check(_PROGRAM, name, "a program")
         return await self._ask(f"FCHECK{name}", lambda payload: payload == "N")
 
@@ -219,7 +219,7 @@ class MelfaController:
     async def error_log(self, count: int) -> list[LogEntry]:
         """Return the newest lines of the error log, newest first.
 
-        No source tells whether TOP is the newest or the oldest line: the dates do.
+        No source says whether TOP is the newest or the oldest line: the dates do.
         """
         top, end = [await self._log_entry(place) for place in ("TOP", "END")]
         if top is None or end is None:

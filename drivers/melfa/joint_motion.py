@@ -81,7 +81,7 @@ class JointMotion:
             permit: is asked right before the motion is written; what it raises keeps it from being sent.
 
         Raises:
-            DeviceError: as `MelfaR3.move_joints` tells.
+            DeviceError: as for `MelfaR3.move_joints`.
         """
         # An answer to the assignment that came twice keeps the motion back, and nothing moves.
         await sent_once(

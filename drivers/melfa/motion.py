@@ -279,8 +279,8 @@ async def account_for(
 
     Raises:
         AlarmError: an alarm is the reason.
-        NotArrivedError: the robot stands somewhere else or leaves its way; it was told to stop.
-        LinkError: the controller does not tell; the robot was told to stop.
+        NotArrivedError: the robot stands somewhere else or leaves its way; a STOP was sent.
+        LinkError: the controller does not say; a STOP was sent.
     """
     try:
         async with asyncio.timeout(settings.move_timeout_s):
@@ -314,7 +314,7 @@ async def _followed(
             status, joints = await asker.status(), await asker.joints()
         off = off_target(joints, target, settings)
         still = still + 1 if joints == last else 1
-        # A program that waits for the next way counts as running too: then only the joints tell.
+        # A program that waits for the next way counts as running too: then only the joints show it.
         stands = not off and (not status.running or still >= STILL_POLLS)
         leaves = last is not None and _leaves(last, joints, target, settings)
         if status.alarm_number or stands or leaves or still >= still_polls:

@@ -406,8 +406,8 @@ class MelfaR3(Robot):
 
         Raises:
             AlarmError: an alarm is the reason.
-            NotArrivedError: the robot stands somewhere else; it was told to stop.
-            LinkError: the controller does not tell; the robot was told to stop.
+            NotArrivedError: the robot stands somewhere else; a STOP was sent.
+            LinkError: the controller does not say; a STOP was sent.
         """
         await account_for(
             self._connections.side,

@@ -190,7 +190,7 @@ class Session:
         try:
             return await self.link.repeated(once)
         except NotSentError as exc:
-            # Only of a command does this tell its sender anything; a question may follow one that was sent.
+            # Only of a command does this mean anything to its sender; a question may follow one that was sent.
             raise LinkError(str(exc)) from exc
 
     async def greet_ask(self, command: str, layout: Layout) -> Answer:

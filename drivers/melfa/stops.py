@@ -30,7 +30,7 @@ class Stops:
 
 
 class StopWatch:
-    """Tells whether a stop is under way, or has begun since this was made.
+    """Knows whether a stop is under way, or has begun since this was made.
 
     Args:
         where: robot and endpoint, for the text.
