@@ -83,7 +83,7 @@ async def _results(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> None:
     if done.code:
         raise RuntimeError(done.fault)
     app.action_go("results")
-    await _until(pilot, lambda: bool(app.screen.query_one("#file-table", DataTable).row_count))
+    await _until(pilot, lambda: app.screen.query_one("#file-table", DataTable).row_count > 0)
     await pilot.press("enter", "2")
     await _take(app, pilot, "results", "results")
 

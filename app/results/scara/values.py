@@ -114,11 +114,14 @@ def parameter_table(result: Result, kinds: Collection[Kind] = KINDS) -> Table:
         ),
         tuple(
             (
-                one.name,
-                one.unit,
-                *(Quantity(x, OF_UNIT[one.unit]) for x in (one.nominal, one.value, one.u, EXPANDED * one.u)),
+                value.name,
+                value.unit,
+                *(
+                    Quantity(x, OF_UNIT[value.unit])
+                    for x in (value.nominal, value.value, value.u, EXPANDED * value.u)
+                ),
             )
-            for one in result_values(result)
-            if one.kind in kinds
+            for value in result_values(result)
+            if value.kind in kinds
         ),
     )

@@ -18,6 +18,7 @@ from textual.content import Content
 from textual.timer import Timer
 from textual.widgets import ContentSwitcher, DataTable
 
+from catseye.app.results.numbers import counted
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.path_questions import newest_path_run, path_fault, reference_of
@@ -439,7 +440,9 @@ class ResultsScreen(WorkScreen):
         file = self._file
         if file is None or file.result is None:
             where = "Enter shows one" if self._files else "none yet: identify on Runs (F7), i"
-            self.query_one("#heading", StaticText).set_text(Content(f"{len(self._files)} results; {where}"))
+            self.query_one("#heading", StaticText).set_text(
+                Content(f"{counted(len(self._files), 'result')}; {where}")
+            )
             return
         from catseye.app.tui import result_texts as texts
 
