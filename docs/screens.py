@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from textual.pilot import Pilot
+from textual.widgets import DataTable
 
 from catseye.app.protocol.requests import Start
 from catseye.app.service.emulation import emulator_process
@@ -82,7 +83,7 @@ async def _results(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> None:
     if done.code:
         raise RuntimeError(done.fault)
     app.action_go("results")
-    await pilot.pause(5.0)
+    await _until(pilot, lambda: app.screen.query_one("#file-table", DataTable).row_count > 0)
     await pilot.press("enter", "2")
     await _take(app, pilot, "results", "results")
 

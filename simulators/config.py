@@ -168,7 +168,6 @@ class EmulatedDevice:
         protocol: what it speaks, a name of `catseye.simulators.registry.PROTOCOLS`.
         endpoint: where it listens: `tcp://host:port` or `udp://host:port` (port 0 takes a free one), or
             `serial:///path?baud=…` (a pseudo-terminal under that path; /dev/ptmx takes a free one).
-        options: of the protocol.
     """
 
     name: str
@@ -205,7 +204,6 @@ class EmulationConfig:
     Attributes:
         reflectors: cat's eyes at their rough places; the true ones differ by some millimetres.
         scara: the arm.
-        limits: of each joint.
         start_joints: joints at bench time 0.
         beam_height_mm: height of the arm at which the beam, where it starts, lies in the plane of the reflectors;
             None: that at start_joints.

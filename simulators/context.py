@@ -51,14 +51,12 @@ class EmulationContext:
     """One emulated bench, as its emulators see it.
 
     Attributes:
-        config: of the emulation.
         bench: the physical truth.
         truth: the true arm in the result format.
         controller: the robot controller; all its endpoints lead to it.
         keeper: bench time.
         journal: what happened.
         probe: what the air sensors measure.
-        door: of the cell.
         coils: outputs of remote blocks by the name of the device.
         instruments: length counters by the name of the device.
     """

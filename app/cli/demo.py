@@ -1,4 +1,4 @@
-"""demo: the whole job, told as it goes and summed up at the end."""
+"""demo: the whole job, narrated as it goes and summed up at the end."""
 
 import asyncio
 import sys
@@ -27,7 +27,7 @@ def demo(
 
     Example: catseye demo --out /tmp/demo --seed 7
     """
-    from catseye.app.cli.demo_job import DemoInterruptedError, evaluate, measure, prepare_folder
+    from catseye.app.cli.demo_job import DemoInterruptedError, evaluate, measure, prepare_folder, run_for
     from catseye.app.cli.demo_report import job_document, write_demo_report
     from catseye.app.cli.failure import write_failure_texts
     from catseye.app.render.text import statement_lines, tables_text
@@ -53,7 +53,7 @@ def demo(
         for line in statement_lines(summary):
             write_line(line)
         write_line(f"report           {report}")
-        write_line(f"run              {result.runs['open-loop']}")
+        write_line(f"run              {run_for('identify', result.runs)}")
 
 
 def _narrator(name: str) -> "Publish":

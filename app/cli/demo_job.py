@@ -20,7 +20,7 @@ from catseye.app.errors import CatseyeError, InterruptedRunError, TerminatedRunE
 from catseye.app.exitcode import ExitCode
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.documents import read_truth
-from catseye.app.protocol.procedures import load_procedure, parse_params
+from catseye.app.protocol.procedures import analysed_by, on_the_way, parse_params
 from catseye.app.results.scara.identify import (
     MODELS,
     are_simulated,
@@ -41,15 +41,11 @@ from catseye.app.service.running import PlannedRun, carry_out, plan_run
 from catseye.app.store.reader import RunReader
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.layout import ModelName
+from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.simulators.world.scara.truth import true_arm
 
 _PORTS = ("10001", "10002", "10502", "10099")
-_JOBS: tuple[tuple[str, tuple[str, ...]], ...] = (
-    ("reflector-search", ()),
-    ("open-loop", ()),
-    ("validation-path", ("passes=5",)),
-)
 
 
 class DemoInterruptedError(CatseyeError):
@@ -161,8 +157,11 @@ async def _measure(
         document = await fetch_truth(process.endpoints["control"])
         write_atomically(folder / "truth.json", json.dumps(document, indent=1) + "\n")
         runs: dict[str, Path] = {}
-        for name, params in _JOBS:
-            planned = _planned(loaded, name, list(params), folder / "runs")
+        for procedure in on_the_way():
+            if procedure.demo is None:
+                continue
+            name = procedure.name
+            planned = _planned(loaded, procedure, folder / "runs")
             outcome = await carry_out(
                 planned, folder / "runs", publish(name), speed=speed, install_signals=signals.to_run
             )
@@ -172,32 +171,44 @@ async def _measure(
         return runs
 
 
-def _planned(loaded: LoadedCell, name: str, params: list[str], root: Path) -> PlannedRun:
-    procedure = load_procedure(name)
-    return plan_run(loaded, procedure, parse_params(procedure.params_type, params), root, "auto")
+def _planned(loaded: LoadedCell, procedure: Procedure, root: Path) -> PlannedRun:
+    params = parse_params(procedure.params_type, list(procedure.demo or ()))
+    return plan_run(loaded, procedure, params, root, "auto")
+
+
+def run_for(command: str, runs: dict[str, Path]) -> Path:
+    """Return the run that a command works on.
+
+    Args:
+        command: identify, validate.
+        runs: folders of runs by procedure.
+    """
+    return next(runs[each.name] for each in analysed_by(command) if each.name in runs)
 
 
 def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
     """Identify both models, compare them with the truth and on the validation path; write the files."""
-    measured = RunReader(runs["open-loop"])
+    measured = RunReader(run_for("identify", runs))
     cell = load_cell(folder / "cell.toml").cell
     bench = bench_of_runs([measured], folder / "runs")
     points = run_points([measured])
     write_atomically(folder / "points.csv", points_csv(points))
     identified = {model: identify_points(points, bench, model, error_budget(cell)) for model in MODELS}
-    results = {model: _result(one, bench, measured) for model, one in identified.items()}
+    results = {
+        model: _result(identification, bench, measured) for model, identification in identified.items()
+    }
     for model, result in results.items():
         write_result(result, folder / f"result-{model}.json")
     document: dict[str, Any] = read_truth(folder / "truth.json")
     nominal = (bench.link1_mm, bench.link2_mm)
-    path = path_measurement(RunReader(runs["validation-path"]), bench.take_up_deg)
+    path = path_measurement(RunReader(run_for("validate", runs)), bench.take_up_deg)
     return DemoResult(
         folder,
         runs,
         identified,
         results,
         compare_with_truth(identified["error-map"], document),
-        validate_on_path(path, [one.arm for one in identified.values()], nominal),
+        validate_on_path(path, [identification.arm for identification in identified.values()], nominal),
     )
 
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from catseye.app.cli.demo_job import DemoResult
+from catseye.app.cli.demo_job import DemoResult, run_for
 from catseye.app.files.documents import read_truth
 from catseye.app.render.page import write_page
 from catseye.app.results.scara.identify import MODELS
@@ -19,7 +19,7 @@ def write_demo_report(result: DemoResult) -> Path:
     report = job_report(
         "catseye demo: error map of an emulated SCARA arm",
         [RunReader(run) for run in result.runs.values()],
-        RunReader(result.runs["open-loop"]),
+        RunReader(run_for("identify", result.runs)),
         [result.results[model] for model in MODELS],
         truth_tables(result.identified["error-map"], read_truth(result.folder / "truth.json")),
         result.validation,
@@ -33,13 +33,13 @@ def job_document(result: DemoResult, report: Path) -> JobDocument:
     truth = result.truth
     return JobDocument(
         runs={name: str(path) for name, path in result.runs.items()},
-        run=str(result.runs["open-loop"]),
+        run=str(run_for("identify", result.runs)),
         report=str(report),
         truth=str(result.folder / "truth.json"),
         results={model: str(result.folder / f"result-{model}.json") for model in result.results},
         identified=[
-            IdentifiedValue(name=name, unit=unit, truth=float(true), identified=float(found), u=float(u))
-            for name, unit, true, found, u in zip(
+            IdentifiedValue(name=name, unit=unit, truth=float(true), identified=float(estimate), u=float(u))
+            for name, unit, true, estimate, u in zip(
                 truth.names, truth.units, truth.truth, truth.identified, truth.u, strict=True
             )
         ],

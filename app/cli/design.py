@@ -174,6 +174,7 @@ def _write_cell(design: "Design", loaded: "LoadedCell", file: Path) -> None:
     from catseye.app.cell.load import load_cell
     from catseye.app.cell.reflectors import with_reflector_tables
     from catseye.app.files.atomic import write_atomically
+    from catseye.app.protocol.procedures import analysed_by
 
     reflectors = [
         (f"P{k}", float(s.xy_mm[0]), float(s.xy_mm[1]), round(float(np.rad2deg(s.facing_rad)), 1))
@@ -181,7 +182,8 @@ def _write_cell(design: "Design", loaded: "LoadedCell", file: Path) -> None:
     ]
     write_atomically(file, with_reflector_tables(loaded.path, reflectors))
     load_cell(file)
-    note(f"{file} written. Next: catseye run open-loop --cell {file} --dry-run")
+    next_run = analysed_by("identify")[0].name
+    note(f"{file} written. Next: catseye run {next_run} --cell {file} --dry-run")
 
 
 def _write_commands(design: "Design", file: Path) -> None:

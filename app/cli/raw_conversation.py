@@ -84,7 +84,7 @@ async def guarded(endpoint: str, stop: bytes | None, traffic: Traffic) -> AsyncI
         async with (
             raw_guard(endpoint, on_stop) as guard,
             raw_connection(
-                guard, endpoint, stop, traffic.show, runs_folder(None), simulated=False, tell=note
+                guard, endpoint, stop, traffic.show, runs_folder(None), simulated=False, report=note
             ) as link,
         ):
             yield link
@@ -108,7 +108,7 @@ async def converse(
         traffic: shows what passes.
         encode: returns the bytes of a typed line; ValueError for one that is not sent.
         wait_s: quiet for so long after the end of stdin, the conversation is over.
-        io: tells whether the door is closed; None when nobody has to know.
+        io: says whether the door is closed; None when nobody has to know.
     """
     async with opened() as link:
         try:

@@ -73,7 +73,7 @@ def run(
     loaded, runnable = load_cell(cell), load_procedure(procedure)
     params = parse_params(runnable.params_type, param or [])
     planned = plan_run(loaded, runnable, params, root, search)
-    if runnable.needs.aim:
+    if runnable.needs.basis is not None:
         note(f"aim from {planned.aim}")
     conduct(as_walk(planned, root) if walk else planned, root, options, dry_run=dry_run)
 

@@ -57,7 +57,7 @@ class Processes:
 
 
 def _carry_out(function: Callable[[A], B], item: A) -> B:
-    """Call a function in a worker; an error that cannot travel is told by one that can."""
+    """Call a function in a worker; an error that cannot travel is replaced by one that can."""
     try:
         return function(item)
     except Exception as error:
@@ -90,7 +90,7 @@ def processes(workers: int) -> Iterator[Processes]:
             # Closing this end ends the workers at once, also in the midst of an item.
             held_here.close()
             # A worker that ends while it sends leaves half a result: with this end open its rest would be waited for.
-            # The pool has no other way to be told.
+            # The pool itself offers no other way.
             pool._result_queue._writer.close()  # type: ignore[attr-defined]  # noqa: SLF001  # not in its stubs
             pool.shutdown(cancel_futures=True)
 

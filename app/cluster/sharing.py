@@ -1,11 +1,13 @@
 """The choice of who carries out shared work: this process, processes of this machine, or other machines."""
 
+import ipaddress
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from urllib.parse import urlsplit
 
 from catseye.app.cluster.share import InThisProcess, Share
-from catseye.app.cluster.trust import require_trusted
+from catseye.app.errors import ConfigError
 
 
 @contextmanager
@@ -42,3 +44,37 @@ def sharing(workers: int, dask: str | None, *, insecure: bool = False) -> Iterat
 def cores() -> int:
     """Return how many cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+_ENCRYPTED = frozenset({"tls", "wss"})
+
+
+def require_trusted(address: str, *, insecure: bool) -> None:
+    """Refuse a scheduler on the network that anybody there could command.
+
+    Args:
+        address: of the scheduler, SCHEME://HOST:PORT; without a scheme it is tcp.
+        insecure: the user has said that everybody on the network is trusted.
+
+    Raises:
+        ConfigError: the scheduler is outside of this machine, and the connection is without TLS.
+    """
+    try:
+        parts = urlsplit(address if "://" in address else f"tcp://{address}")
+        host = parts.hostname or ""
+    except ValueError as error:
+        raise ConfigError(f"--dask {address}: {error}; give the address as tcp://HOST:8786") from error
+    if insecure or parts.scheme in _ENCRYPTED or _is_this_machine(host):
+        return
+    raise ConfigError(
+        f"--dask {address}: without TLS everybody on the network can run programs on the machines that share the "
+        "work, this one too: start scheduler and workers with --tls-ca-file, --tls-cert and --tls-key, and give the "
+        "address as tls://HOST:8786; on a network on which you trust everybody, add --insecure-cluster"
+    )
+
+
+def _is_this_machine(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"

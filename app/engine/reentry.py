@@ -115,8 +115,8 @@ class Reentry:
             return
         await note(MOVED, {"since_utc": self.since_utc})
         raise MeasurementRejectedError(
-            f"{self._name} cannot go on: its points belong to reflectors that stood elsewhere; search again "
-            "(catseye run reflector-search) and start a new run; the points so far stay usable"
+            f"{self._name} cannot go on: its points belong to reflectors that stood elsewhere; search again and "
+            "start a new run; the points so far stay usable"
         )
 
 

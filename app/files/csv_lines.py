@@ -141,7 +141,7 @@ def require_line(path: Path, number: int, line: str) -> str:
 
     Args:
         path: the file.
-        number: of the line.
+        number: where it stands, from 1.
         line: decoded with surrogates in place of what is no UTF-8.
 
     Raises:

@@ -20,9 +20,9 @@ def read_document(path: Path, missing: str = MISSING, largest_bytes: int = LARGE
     """Return the bytes of a user's file.
 
     Args:
-        path: of the file.
-        missing: what is said when there is none.
-        largest_bytes: of a file that is taken.
+        path: a regular file.
+        missing: complaint when there is none.
+        largest_bytes: larger files are refused.
 
     Raises:
         ConfigError: the file is missing, no regular one, too large, or cannot be read.

@@ -27,7 +27,7 @@ def table_parquet(rows: Sequence[Row], about: Mapping[str, object] | None = None
     """Return rows as Parquet; a column that holds texts and numbers holds texts.
 
     Args:
-        rows: of the table.
+        rows: by name of the column; columns that a row lacks stay empty.
         about: what stands in the metadata of the schema, as JSON by name.
 
     Raises:

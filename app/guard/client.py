@@ -32,9 +32,6 @@ class ArmGuard:
 
     It fits `catseye.drivers.links.guarding.LinkGuard`.
 
-    Args:
-        endpoint: of the arm's controller.
-
     Attributes:
         on_stop: is called with the reason when the guard has stopped the arm, or has died while it moved.
         stopped: why nothing moves before an operator has acknowledged that; empty when the guard has not stopped it.

@@ -244,7 +244,7 @@ class Guard:
             self._stop(why)
 
     def _stop(self, why: str) -> None:
-        """Tell the engine first, which may wake up just now and then sends no motion; then write STOP and note it."""
+        """Notify the engine, which may just wake up and then sends no motion; then write STOP and note it."""
         utc = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
         self._say(f"stopped {utc} {why}")
         self._write_stop()
@@ -276,7 +276,7 @@ class Guard:
             self._stop_again()
 
     def _say(self, text: str) -> None:
-        # An engine that reads nothing, or has gone, is told nothing.
+        # An engine that reads nothing, or has gone, is not notified.
         with contextlib.suppress(OSError):
             self._engine.send(text.encode())
 

@@ -68,7 +68,6 @@ class OwnerLock:
 
     Attributes:
         arm: what is locked: the controller's address, on loopback with its port, or the device of a serial line.
-        descriptors: of the lock's files.
         history: what has become of this arm since it was given back last, for the operator: how it was stopped, or
             that neither its owner nor the guard has said so.
     """
@@ -224,9 +223,9 @@ def _locked(arm: str, path: Path) -> int:
 
 
 def _in_use(arm: str, holder: Owner | None) -> ArmInUseError:
-    told = holder.text if holder else "another program that has not said its name yet"
+    by = holder.text if holder else "another program that has not said its name yet"
     return ArmInUseError(
-        f"the arm at {arm} is in use by {told}: nothing was sent to it; end that first, or wait for its end"
+        f"the arm at {arm} is in use by {by}: nothing was sent to it; end that first, or wait for its end"
     )
 
 

@@ -109,7 +109,7 @@ class GuardProcess:
         One that hangs in a driver of the operating system outlives even SIGKILL for a time.
         """
         deadline_s = time.monotonic() + _END_S
-        # Nothing that the loop could wait for tells it on every system.
+        # Nothing that the loop could wait for shows it on every system.
         while self._process.poll() is None and time.monotonic() < deadline_s:  # noqa: ASYNC110  # see above
             await asyncio.sleep(_REAP_POLL_S)
         return self._process.poll() is not None

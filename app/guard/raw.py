@@ -45,7 +45,7 @@ async def raw_guard(endpoint: str, on_stop: Callable[[str], None]) -> AsyncItera
     """Have a guard for raw bytes to a robot; the arm is given back at the end, after whatever stops it until then.
 
     Args:
-        endpoint: of the robot's controller.
+        endpoint: where the controller answers, tcp:// or serial://.
         on_stop: is called when the guard has stopped the arm.
     """
     guard = ArmGuard(endpoint)
@@ -65,18 +65,18 @@ async def raw_connection(
     folder: Path,
     *,
     simulated: bool,
-    tell: Callable[[str], None],
+    report: Callable[[str], None],
 ) -> AsyncIterator[Transport]:
     """Open a connection to a robot for raw bytes, and own it; a motion counts as under way until it is closed.
 
     Args:
         guard: of the arm, which it keeps when this ends.
-        endpoint: of the robot's controller.
+        endpoint: where the controller answers, tcp:// or serial://.
         stop: bytes that stop the robot; None: nobody knows any.
         sink: is called with all bytes that pass.
         folder: of all runs, for the guard's log.
         simulated: the robot is an emulator.
-        tell: is called with what has become of this arm since it was given back last.
+        report: is called with what has become of this arm since it was given back last.
 
     Raises:
         ArmInUseError: another program moves the arm.
@@ -89,7 +89,7 @@ async def raw_connection(
     try:
         await transport.open()
         for text in await guard.hold("raw bytes by hand", folder, simulated=simulated):
-            tell(text)
+            report(text)
         async with guard.motion():
             yield transport
     finally:

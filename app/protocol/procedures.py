@@ -15,14 +15,15 @@ from catseye.app.protocol.parameters import range_text
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.columns import TableRule
 from catseye.procedures.kit.context import Context
-from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.needs import Basis, Needs
+from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.records import Record
 
 GROUP = "catseye.procedures"
 
 
 class Runnable(Protocol):
-    """A procedure as the application needs it.
+    """What can be planned and run: a procedure, or the walk through one.
 
     Attributes:
         name: as on the command line.
@@ -62,14 +63,41 @@ def procedure_names() -> tuple[str, ...]:
     return tuple(sorted({entry.name for entry in metadata.entry_points(group=GROUP)}))
 
 
-def load_procedure(name: str) -> Runnable:
+def procedures() -> list[Procedure]:
+    """Return all installed procedures, by name."""
+    return [load_procedure(name) for name in procedure_names()]
+
+
+def on_the_way() -> list[Procedure]:
+    """Return the procedures that have a stage, in the order of their stages."""
+    staged = [(each.stage.order, each.name, each) for each in procedures() if each.stage is not None]
+    return [each for _, _, each in sorted(staged)]
+
+
+def analysed_by(command: str) -> list[Procedure]:
+    """Return the procedures on whose runs a command works."""
+    return [each for each in procedures() if any(one.command == command for one in each.analyses)]
+
+
+def bases(bench: Bench) -> list[Basis]:
+    """Return what plans on a bench are made from, each once."""
+    declared = (each.needs for each in procedures() if isinstance(bench, each.needs.bench))
+    return list(dict.fromkeys(needs.basis for needs in declared if needs.basis is not None))
+
+
+def declared_by(name: str) -> Procedure | None:
+    """Return the procedure of a run; None where it is not installed, or the run is none of a procedure."""
+    return load_procedure(name) if name in procedure_names() else None
+
+
+def load_procedure(name: str) -> Procedure:
     """Return a procedure.
 
     Raises:
         UsageError: no such procedure; the text lists those that are installed.
     """
     for entry in metadata.entry_points(group=GROUP, name=name):
-        return cast(Runnable, entry.load()())
+        return cast(Procedure, entry.load()())
     names = procedure_names()
     close = difflib.get_close_matches(name, names, n=1, cutoff=0.4)
     meant = f"; did you mean {close[0]}?" if close else "."

@@ -13,6 +13,7 @@ from catseye.app.engine.devices import DeviceBuilder
 from catseye.app.errors import CatseyeError, StorageError, UsageError
 from catseye.app.protocol.engine_events import JogChanged
 from catseye.app.protocol.events import AnyEvent
+from catseye.app.protocol.procedures import bases
 from catseye.app.protocol.run_events import WarningIssued
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError
@@ -22,7 +23,7 @@ from catseye.app.service.watching.bench_facts import BenchFacts, facts_of
 from catseye.app.service.watching.cell_devices import cell_devices
 from catseye.app.service.watching.device_pool import CellDevices, DevicePool
 from catseye.app.service.watching.telemetry import Telemetry
-from catseye.app.store.basis import find_aim
+from catseye.app.store.basis import find_basis
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.io import Io
@@ -171,5 +172,6 @@ class EngineBench:
         # Where the beam was moved after the search, or its record was changed, the cell file's places are as good
         # as any.
         with suppress(UsageError, StorageError):
-            bench = find_aim(bench, self._root).bench
+            for basis in bases(bench):
+                bench = find_basis(basis, bench, self._root).bench
         return facts_of(cell, bench)

@@ -33,7 +33,7 @@ from catseye.app.protocol.procedures import Runnable
 from catseye.app.service.plan_digest import plan_digest
 from catseye.app.service.walk.fed_robot import fed
 from catseye.app.service.walk.walk import Walk
-from catseye.app.store.basis import find_aim
+from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.pose import Pose
@@ -102,7 +102,7 @@ def plan_run(
         UsageError: the search run cannot be used.
     """
     bench = bench_for(loaded.cell, procedure.needs.bench, procedure.name)
-    aim = find_aim(bench, root, search if procedure.needs.aim else "none")
+    aim = find_basis(procedure.needs.basis, bench, root, search)
     plan = procedure.plan(aim.bench, params)
     return PlannedRun(loaded, procedure, params, aim.bench, plan, aim.source, aim.simulated)
 

@@ -1,30 +1,31 @@
-"""The aim that a measurement is planned with: what a search found, or the cell file's rough places."""
+"""The earlier run that a plan is made from, as a procedure declares it; the cell file alone where there is none."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, TypeVar, cast
+from typing import Generic, TypeVar, cast
 
+from catseye.app.cell.bench import system_of
 from catseye.app.errors import UsageError
 from catseye.app.store.catalog import list_runs, resolve_run
 from catseye.app.store.reader import Accept, RunReader
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.scara.bench import ScaraBench
+from catseye.procedures.kit.needs import Basis
 
-SEARCH = "reflector-search"
-_ALIGNMENT = "beam-to-j4"
+CELL_FILE = "cell file"
+"""Source of a bench without an earlier run."""
 
 AnyBench = TypeVar("AnyBench", bound=Bench)
 
 
 @dataclass(frozen=True)
-class Aim(Generic[AnyBench]):
-    """A bench to plan with, and where its aim comes from.
+class FoundBasis(Generic[AnyBench]):
+    """A bench to plan with, and where what is known of it comes from.
 
     Attributes:
-        bench: the bench, aimed.
-        source: name of the search run, or "cell file".
-        simulated: whether that search was made on emulated devices; None without a search.
+        bench: with what the earlier run found.
+        source: name of that run, or "cell file".
+        simulated: whether it was made on emulated devices; None without one.
     """
 
     bench: AnyBench
@@ -32,104 +33,74 @@ class Aim(Generic[AnyBench]):
     simulated: bool | None = None
 
 
-def find_aim(
-    bench: AnyBench, root: Path, wanted: str = "auto", opened: Callable[[Path], RunReader] = RunReader
-) -> Aim[AnyBench]:
-    """Aim a bench; one that no search knows is as the cell file describes it.
+def find_basis(
+    basis: Basis | None,
+    bench: AnyBench,
+    root: Path,
+    wanted: str = "auto",
+    opened: Callable[[Path], RunReader] = RunReader,
+) -> FoundBasis[AnyBench]:
+    """Find the earlier run that a plan is made from.
 
     Args:
+        basis: what is looked for; None for nothing.
         bench: as the cell file describes it.
         root: folder of all runs.
-        wanted: "auto" takes the newest complete search of this cell with these rough places, "none" the cell
-            file's rough places, anything else names a search run.
-        opened: opens a run, on the terms of what is to be aimed.
+        wanted: "auto" takes the newest complete run that fits this bench, "none" the cell file, anything else names a
+            run.
+        opened: opens a run, on the terms of what is to be planned.
 
     Raises:
-        UsageError: the named run is no complete search, or one of other reflectors; the newest search is older than
-            an alignment that moved the beam.
+        UsageError: the named run found nothing, or belongs to another bench; what the newest run found has been
+            changed since.
         StorageError: the run that would be taken is damaged or was changed.
     """
-    if wanted == "none" or not isinstance(bench, ScaraBench):
-        return Aim(bench, "cell file")
-    return cast("Aim[AnyBench]", _find_aim(bench, root, wanted, opened))
-
-
-def _find_aim(
-    bench: ScaraBench, root: Path, wanted: str, opened: Callable[[Path], RunReader]
-) -> Aim[ScaraBench]:
+    if basis is None or wanted == "none":
+        return FoundBasis(bench, CELL_FILE)
     if wanted == "auto":
-        found = _newest(root, bench)
-        if found is None:
-            return Aim(bench, "cell file")
-        _require_beam_unmoved(root, bench, found)
-        return _aimed(bench, opened(found))
+        newest = _newest(basis, root, bench)
+        if newest is None:
+            return FoundBasis(bench, CELL_FILE)
+        _require_valid(basis, root, bench, newest)
+        return _applied(basis, bench, opened(newest))
     path = resolve_run(root, wanted)
     reader = opened(path)
-    if search_result(reader) is None:
-        raise UsageError(f"{path.name} is no complete reflector search; search first: catseye run {SEARCH}")
-    if not _same_places(bench, reader):
-        raise UsageError(
-            f"{path.name} searched reflectors at other rough places than the cell file's: search again, or plan with "
-            "--search none"
-        )
-    return _aimed(bench, reader)
+    if basis.found(reader) is None:
+        raise UsageError(f"{path.name} {basis.missing}")
+    if not basis.fits(bench, reader):
+        raise UsageError(f"{path.name} {basis.misfit}")
+    return _applied(basis, bench, reader)
 
 
-def _newest(root: Path, bench: ScaraBench) -> Path | None:
+def _newest(basis: Basis, root: Path, bench: Bench) -> Path | None:
     for run in reversed(list_runs(root)):
-        if run.procedure == SEARCH and run.status == "complete":
+        if run.procedure == basis.procedure and run.status == "complete":
             reader = RunReader(run.path, Accept.UNCHECKED)
             if (
                 reader.meta.get("cell") == bench.name
-                and search_result(reader)
-                and _same_places(bench, reader)
+                and basis.found(reader) is not None
+                and basis.fits(bench, reader)
             ):
                 return run.path
     return None
 
 
-def _require_beam_unmoved(root: Path, bench: ScaraBench, search: Path) -> None:
-    """Refuse a search whose beam passed the J4 axis elsewhere; a named one is taken at the operator's word."""
+def _require_valid(basis: Basis, root: Path, bench: Bench, taken: Path) -> None:
+    """Refuse a run after which the bench was changed; a named one is taken at the operator's word."""
     for run in reversed(list_runs(root)):
-        if run.name <= search.name:
+        if run.name <= taken.name:
             return
-        if (
-            run.procedure == _ALIGNMENT
-            and run.status != "damaged"
-            and _moved_beam(RunReader(run.path), bench)
-        ):
-            raise UsageError(
-                f"{run.name} moved the beam after {search.name} had searched with it: its places and θ40 do not hold "
-                f"any more. Search again (catseye run {SEARCH}), or take the old aim all the same with --search "
-                f"{search.name}"
-            )
+        if run.procedure != basis.overtaken_by or run.status == "damaged":
+            continue
+        reader = RunReader(run.path)
+        if reader.meta.get("cell") == bench.name and basis.overtakes(reader):
+            raise UsageError(f"{run.name} {basis.overtaken.format(run=taken.name)}")
 
 
-def _moved_beam(reader: RunReader, bench: ScaraBench) -> bool:
-    """Return whether hands were sent to the stage; a question that a process died over may have been acted on."""
-    asked = [event for event in reader.events() if event.kind == "asked"]
-    stage = {str(event.data["id"]) for event in asked if str(event.data["id"]).startswith("stage/")}
-    refused = {str(prompt["id"]) for prompt in reader.prompts() if prompt["answer"] == "no"}
-    return reader.meta.get("cell") == bench.name and bool(stage - refused)
-
-
-def _same_places(bench: ScaraBench, reader: RunReader) -> bool:
-    """Return whether a search looked for the reflectors of this bench where this bench's cell file has them."""
-    configuration: Any = reader.meta.get("configuration") or {}
-    searched = {row["name"]: (row["x_mm"], row["y_mm"]) for row in configuration.get("reflector", ())}
-    return searched == {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}
-
-
-def _aimed(bench: ScaraBench, reader: RunReader) -> Aim[ScaraBench]:
-    solution = search_result(reader)
-    if solution is None:
-        raise UsageError(f"{reader.path.name} holds no result of a search")
-    places = {place["name"]: (place["x_mm"], place["y_mm"]) for place in solution["reflectors"]}
-    simulated = bool(reader.meta.get("simulated"))
-    return Aim(bench.aimed(places, solution["theta40_deg"]), reader.path.name, simulated)
-
-
-def search_result(reader: RunReader) -> dict[str, Any] | None:
-    """Return what a search run found: reflectors with uncertainties and θ40; None when it found nothing."""
-    results = [step.result for step in reader.steps() if step.step_id == "solve"]
-    return dict(results[-1]) if results else None
+def _applied(basis: Basis, bench: AnyBench, reader: RunReader) -> FoundBasis[AnyBench]:
+    found = basis.found(reader)
+    if found is None:
+        raise UsageError(f"{reader.path.name} holds no result of a {basis.what}")
+    # What is found makes a bench of the same system.
+    informed = cast("AnyBench", system_of(bench).aimed(found))
+    return FoundBasis(informed, reader.path.name, bool(reader.meta.get("simulated")))

@@ -161,6 +161,11 @@ class RunReader:
         return other
 
     @property
+    def name(self) -> str:
+        """Name of the run."""
+        return self._name
+
+    @property
     def meta(self) -> dict[str, Json]:
         """What the run says about itself."""
         rows = self._rows("meta")
@@ -195,6 +200,18 @@ class RunReader:
         rows = self._rows("steps")
         with self._decoding():
             return [StoredStep(**{**row, "result": _fields(row["result"])}) for row in rows]
+
+    def result(self, step_id: str) -> dict[str, Json] | None:
+        """Return the last result of a step; None when it was not done."""
+        return next((step.result for step in reversed(self.steps()) if step.step_id == step_id), None)
+
+    def data_of(self, kind: str) -> list[dict[str, Json]]:
+        """Return the data of all events of a kind, in order."""
+        return [event.data for event in self.events() if event.kind == kind]
+
+    def answers(self) -> dict[str, str | None]:
+        """Return the last answer to each question by its id; None for one that stayed without."""
+        return {str(prompt["id"]): prompt["answer"] for prompt in self.prompts()}
 
     def events(self) -> list[StoredEvent]:
         """Return what happened, in order."""

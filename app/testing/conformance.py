@@ -1,7 +1,7 @@
 """The conformance suite for drivers: `pytest --pyargs catseye.app.testing.conformance --driver NAME`.
 
 NAME is an entry point in `catseye.drivers`. Without `--endpoint` the driver talks to the built-in emulator of the
-same name; with it, to whatever is there. docs/write-a-driver.md tells more.
+same name; with it, to whatever is there. See docs/write-a-driver.md.
 """
 
 import pytest

@@ -1,4 +1,4 @@
-"""A transport that goes wrong as told: for tests of drivers, with any other transport inside.
+"""A transport that goes wrong on request: for tests of drivers, with any other transport inside.
 
     link = FaultyTransport(inner, [Fault(3, "drop"), Fault(5, "split")])     # scripted
     link = FaultyTransport(inner, random_faults(seed=7), note="seed 7")      # the note stands in every error text

@@ -12,11 +12,7 @@ _LONGEST_S = 30.0
 
 
 class LoopThread:
-    """Use it as a context: the loop runs inside; at the end the thread is gone and the loop closed.
-
-    Args:
-        name: of the thread.
-    """
+    """Use it as a context: the loop runs inside; at the end the thread is gone and the loop closed."""
 
     def __init__(self, name: str) -> None:
         self._loop = asyncio.new_event_loop()

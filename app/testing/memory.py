@@ -30,7 +30,7 @@ class MemoryTransport:
 
     @property
     def is_open(self) -> bool:
-        """Whether this end is open."""
+        """Until `close`; the other end may be gone."""
         return self._is_open
 
     async def open(self) -> None:

@@ -12,7 +12,7 @@ _CHUNK_BYTES = 4096
 
 
 class Proxy:
-    """Passes bytes on in both directions, and spoils the way back from the device when it is told to.
+    """Passes bytes on in both directions, and spoils the way back from the device on request.
 
     The attributes may be set from another thread; they hold for all connections.
 

@@ -96,7 +96,7 @@ class Trial:
         return await self.in_time(question(driver), name)
 
     async def ask_after_trouble(self, driver: Any) -> Any:
-        """Ask; one LinkError more is allowed, by which the driver tells of the trouble.
+        """Ask; one LinkError more is allowed, by which the driver reports the trouble.
 
         Raises:
             NotConformingError: the driver does not come back.

@@ -205,7 +205,7 @@ def _joint_lines(bench: "BenchStatus", robot: "RobotStatus") -> list[str]:
     one, two, three, four = (_joint_text(value) for value in robot.joints)
     found = [f"J1 {one} deg   J2 {two} deg", f"J3 {three} mm    J4 {four} deg"]
     if (known := robot.known_joints) is not None and bench.layout is not None:
-        from catseye.app.tui.widgets.plan_drawing import pose_of
+        from catseye.app.tui.scara.plan_drawing import pose_of
 
         x_mm, y_mm = pose_of(bench.layout, known).place_mm
         found.append(f"X  {x_mm:9.3f} mm    Y  {y_mm:9.3f} mm")

@@ -13,10 +13,12 @@ if TYPE_CHECKING:
 
 
 def newest_path_run(root: Path) -> str:
-    """Return the name of the newest run of a validation path, empty when there is none."""
+    """Return the name of the newest run that `validate` takes, empty when there is none; call it in a thread."""
+    from catseye.app.protocol.procedures import analysed_by
     from catseye.app.store.catalog import paths_of
 
-    return max((path.name for path in paths_of(root, "validation-path")), default="")
+    found = (path.name for each in analysed_by("validate") for path in paths_of(root, each.name))
+    return max(found, default="")
 
 
 def reference_of(file: "ResultFile", files: "Iterable[ResultFile]") -> Path | None:

@@ -14,21 +14,25 @@ def read_record(path: Path) -> SoFar:
     Raises:
         StorageError: it cannot be read.
     """
-    from catseye.app.results.runs.event_text import event_text
+    from catseye.app.protocol.procedures import declared_by
+    from catseye.app.results.runs.event_text import event_text, texts_of
     from catseye.app.results.runs.rehearsal_command import rehearsal_command
     from catseye.app.results.scara.map_known import MapKnown
     from catseye.app.store.reader import RunReader
 
     reader = RunReader(path)
-    events = reader.events()
+    events, procedure = reader.events(), str(reader.meta.get("procedure"))
+    texts, declared = texts_of(procedure), declared_by(procedure)
     log = [
         LogLine(event.time_utc, _LEVELS.get(event.kind, "info"), text)
         for event in events
-        if event.kind not in NOT_LOGGED and (text := event.text or event_text(event))
+        if event.kind not in NOT_LOGGED and (text := event.text or event_text(event, texts))
     ]
     return SoFar(
         steps=[(step.step_id, step.title) for step in reader.steps()],
-        points=reader.count("points"),
+        points=sum(
+            reader.count(kind.table) for kind in (declared.records if declared else ()) if kind.is_point
+        ),
         map_known=[MapKnown.model_validate(event.data) for event in events if event.kind == MAP_KNOWN],
         log=log,
         command=rehearsal_command(reader.meta, path.parent),

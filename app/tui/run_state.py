@@ -263,10 +263,10 @@ class RunState:
         if event.kind in NOT_LOGGED:
             return
         # The first screen is painted before this is imported.
-        from catseye.app.results.runs.event_text import event_text
+        from catseye.app.results.runs.event_text import event_text, texts_of
         from catseye.app.store.reader import StoredEvent
 
-        text = event_text(StoredEvent(0, event.t, event.kind, data))
+        text = event_text(StoredEvent(0, event.t, event.kind, data), texts_of(self.procedure))
         if text:
             self._note(event, "info", text)
 

@@ -24,7 +24,6 @@ class White:
     """Errors that differ from row to row.
 
     Attributes:
-        name: of the contributor.
         sigma_mm: standard uncertainty of each row, shape (n,).
         distribution: of an error; of the angle for a cosine error.
         dof: degrees of freedom of the standard uncertainty.
@@ -56,9 +55,7 @@ class Shared:
     """Errors that several rows have in common.
 
     Attributes:
-        name: of the contributor.
         effects_mm: what independent sources of unit variance do to the rows, shape (n, m).
-        distribution: of a source.
         dof: degrees of freedom of the standard uncertainty.
     """
 

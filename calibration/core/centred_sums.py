@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.core.types import Floats
+from catseye.calibration.core.types import Floats, Ints
 
 
 @dataclass
@@ -35,10 +35,8 @@ class CentredSums:
         names = list(dict.fromkeys(keys))
         number = {key: i for i, key in enumerate(names)}
         group = np.array([number[key] for key in keys])
-        order = np.argsort(group, kind="stable")
-        starts = np.flatnonzero(np.diff(group[order], prepend=-1))
         counts = np.bincount(group)
-        means = np.add.reduceat(stacked[order], starts, axis=0) / counts[:, None]
+        means = group_sums(stacked, group) / counts[:, None]
         from_mean = stacked - means[group]
         return cls(
             from_mean.T @ from_mean,
@@ -56,3 +54,15 @@ class CentredSums:
         self.matrix += np.outer(from_mean * (count / (count + 1.0)), from_mean)
         self.means[key] += from_mean / (count + 1.0)
         self.counts[key] = count + 1
+
+
+def group_sums(rows: Floats, group: Ints) -> Floats:
+    """Return the sums of rows over groups, shape (groups, columns).
+
+    Args:
+        rows: shape (n, columns).
+        group: number of each row's group, from 0, none left out, shape (n,).
+    """
+    order = np.argsort(group, kind="stable")
+    starts = np.flatnonzero(np.diff(group[order], prepend=-1))
+    return np.asarray(np.add.reduceat(rows[order], starts, axis=0), dtype=np.float64)

@@ -27,7 +27,7 @@ class Contributions:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the contributors."""
+        """In the order of `covariances`."""
         return tuple(one.name for one in self.errors.contributors)
 
     @property
@@ -75,7 +75,7 @@ def taken_apart(model: Model, values: Floats, errors: RowErrors) -> Contribution
     Args:
         model: the rows.
         values: the estimate, shape (p,).
-        errors: of the rows.
+        errors: white and shared, in the order of the rows.
     """
     gain = _gain(model, values)
     parts = [gain * one.sigma_mm for one in errors.white] + [gain @ one.effects_mm for one in errors.shared]

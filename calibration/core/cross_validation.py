@@ -27,7 +27,6 @@ class Folds:
 
     Attributes:
         way: what is left out at a time.
-        names: of the folds.
         group: number of each row's fold, shape (n,).
         own: parameters of each fold that no row outside of it depends on, shape (folds,).
     """
@@ -38,7 +37,7 @@ class Folds:
     own: Ints
 
     def rows(self, fold: int) -> Ints:
-        """Return the rows of a fold."""
+        """Return the numbers of the rows that a fold leaves out."""
         return np.flatnonzero(self.group == fold)
 
 
@@ -98,7 +97,7 @@ def cross_validation(projection: Projection, folds: Folds) -> CrossValidation:
     """Leave out each fold in turn.
 
     Args:
-        projection: of the fit.
+        projection: the fit, on the space that its model cannot reach.
         folds: what to leave out at a time.
     """
     found = [_fold(projection, folds, i) for i in range(len(folds.names))]

@@ -27,7 +27,6 @@ class Chunk:
     Attributes:
         problem: what all draws have in common.
         errors: what is drawn.
-        seed: of all draws.
         number: of the chunk, counting from 0.
         draws: how many.
     """

@@ -85,7 +85,7 @@ class FitSums:
 
 
 def fit_statistics(fit: WeightedFit) -> FitStatistics:
-    """Judge a fit."""
+    """Return χ², scatter in µm and lack of fit of weighted residuals."""
     weights = fit.weights
     sums = FitSums(
         n_points=weights.size,

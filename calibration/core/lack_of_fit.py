@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import linalg, special
 
-from catseye.calibration.core.significance import SIGNIFICANCE, Expected
+from catseye.calibration.core.centred_sums import group_sums
+from catseye.calibration.core.significance import Expected, Judged
 from catseye.calibration.core.types import Floats, Ints
 
 _EXACT_MM = 1e-9
@@ -41,7 +42,7 @@ class WeightedFit:
 
 
 @dataclass(frozen=True)
-class LackOfFit:
+class LackOfFit(Judged):
     """F-test of a model against the scatter of repeats.
 
     The alternative gives each group of repeats a level of its own and keeps what the model says of differences within
@@ -68,16 +69,6 @@ class LackOfFit:
     probability: float
     probability_stated: float
     excess: float
-
-    @property
-    def significant(self) -> bool:
-        """The model lacks something that the repeats show."""
-        return self.probability < SIGNIFICANCE
-
-    @property
-    def explained(self) -> bool:
-        """The stated shared errors account for it."""
-        return self.probability_stated >= SIGNIFICANCE
 
 
 def lack_of_fit(fit: WeightedFit) -> LackOfFit | None:
@@ -152,7 +143,5 @@ def _within_groups(fit: WeightedFit) -> tuple[Floats, int, int]:
 
 def _levels(weighted: Floats, squares: Floats, group: Ints) -> Floats:
     """Return the weighted means of columns over groups, shape (groups, columns)."""
-    order = np.argsort(group, kind="stable")
-    starts = np.flatnonzero(np.diff(group[order], prepend=-1))
-    sums = np.add.reduceat(weighted[order], starts, axis=0)
-    return np.asarray(sums / np.add.reduceat(squares[order], starts)[:, None], dtype=np.float64)
+    sums = group_sums(np.column_stack([squares, weighted]), group)
+    return sums[:, 1:] / sums[:, :1]

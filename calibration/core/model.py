@@ -20,7 +20,6 @@ class Parameters:
 
     Attributes:
         names: as messages use them.
-        units: of the values.
         basis: orthonormal steps that keep the gauge, shape (p, free).
         unsettled: advice for an iteration that does not settle.
         undetermined: sentence about null directions: what to measure or to leave out.

@@ -13,7 +13,7 @@ from scipy import linalg
 
 from catseye.calibration.core.budget import stacked
 from catseye.calibration.core.model import Model
-from catseye.calibration.core.significance import SIGNIFICANCE, Expected, FTest, f_test
+from catseye.calibration.core.significance import Expected, FTest, Judged, f_test
 from catseye.calibration.core.types import Floats
 
 _ABSORBED = 1e-5
@@ -99,7 +99,7 @@ def project(model: Model, values: Floats, residuals_mm: Floats) -> Projection:
 
 
 @dataclass(frozen=True)
-class Addition:
+class Addition(Judged):
     """What functions that the model lacks would explain.
 
     Attributes:
@@ -122,17 +122,12 @@ class Addition:
     probability: float
     probability_stated: float
 
-    @property
-    def significant(self) -> bool:
-        """White errors alone do not look like this."""
-        return self.probability < SIGNIFICANCE
-
 
 def addition(projection: Projection, columns: Floats) -> Addition | None:
     """Return what functions would add to a fit.
 
     Args:
-        projection: of the fit.
+        projection: the fit, on the space that its model cannot reach.
         columns: derivatives of the residuals by the functions' coefficients, mm per unit, shape (n, k).
 
     Returns:

@@ -39,7 +39,7 @@ def studentised(projection: Projection, stated: bool) -> StudentisedResiduals:
     """Return the studentised residuals of a fit (Cook and Weisberg, "Residuals and Influence in Regression").
 
     Args:
-        projection: of the fit.
+        projection: the fit, on the space that its model cannot reach.
         stated: the weights are stated uncertainties.
     """
     free = projection.orthonormal.shape[1]

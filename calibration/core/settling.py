@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import special
 
+from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Floats
 
 TEN_MINUTES_S = 600.0
@@ -13,7 +13,6 @@ TEN_MINUTES_S = 600.0
 _FEWEST = 4
 """Fewer visits leave no degrees of freedom worth the name to a straight line."""
 
-_SIGNIFICANCE = 0.01
 
 _TIME_CONSTANTS = 60
 
@@ -43,7 +42,6 @@ class Settling:
     """A distance that approaches its end exponentially.
 
     Attributes:
-        time_constant_s: of the approach.
         amplitude_mm: what is still to come at time 0.
     """
 
@@ -84,6 +82,9 @@ def settling(time_s: Floats, length_mm: Floats) -> Settling | None:
     Returns:
         None while the distances do not separate an exponential from a straight line.
     """
+    # Whoever only lists procedures imports this module too.
+    from scipy import special
+
     if time_s.size < _FEWEST + 2 or np.ptp(time_s) <= 0.0:
         return None
     span = float(np.ptp(time_s))
@@ -97,7 +98,7 @@ def settling(time_s: Floats, length_mm: Floats) -> Settling | None:
     dof = time_s.size - 3
     scatter = float(squares[best]) / dof
     gain = max(float(np.ravel(straight)[0]) - float(squares[best]), 0.0)
-    if special.fdtrc(1, dof, gain / max(scatter, 1e-30)) > _SIGNIFICANCE:
+    if special.fdtrc(1, dof, gain / max(scatter, 1e-30)) > SIGNIFICANCE:
         return None
     tau = float(trials[best])
     # The amplitude belongs to the first visit; time 0 may lie before it.

@@ -54,6 +54,28 @@ def smaller_product(effects: Floats) -> Floats:
     return effects.T @ effects if effects.shape[0] > effects.shape[1] else effects @ effects.T
 
 
+class Judged:
+    """What a test says at the level of significance; base of dataclasses with its probabilities.
+
+    Attributes:
+        probability: of what was seen, or more, for white errors.
+        probability_stated: the same with the stated shared errors.
+    """
+
+    probability: float
+    probability_stated: float
+
+    @property
+    def significant(self) -> bool:
+        """White errors alone do not look like this."""
+        return self.probability < SIGNIFICANCE
+
+    @property
+    def explained(self) -> bool:
+        """The stated shared errors account for it."""
+        return self.probability_stated >= SIGNIFICANCE
+
+
 @dataclass(frozen=True)
 class FTest:
     """An F-test of nested models, for white errors and with the stated systematic contributors.

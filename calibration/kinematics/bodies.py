@@ -27,7 +27,6 @@ class Capsule:
         frame: number of the frame, 0 for the base.
         start_mm: one end of the segment in that frame.
         end_mm: the other end.
-        radius_mm: of the capsule.
     """
 
     name: str

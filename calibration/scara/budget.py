@@ -53,7 +53,6 @@ class Contributor:
         u: standard uncertainty: mm (length, position, radial), rad (angle, direction), a share (scale).
         correlation: what shares the error.
         axis: whose angle repeats it (axis-angle), or whose angle is uncertain (angle).
-        distribution: of a draw.
         orders: harmonics 1…orders of the angle share an axis-angle error evenly.
         dof: degrees of freedom of u.
     """

@@ -28,7 +28,6 @@ class Compensation:
         u_mm: standard uncertainties of x and y there, from those of the arm's parameters, shape (n, 2).
         reachable: rows that the identified links reach, shape (n,).
         inside: rows whose corrected command lies within the identified nodes, shape (n,).
-        steps: of the iteration.
     """
 
     commands: Commands

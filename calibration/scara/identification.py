@@ -57,7 +57,7 @@ class Identification:
 
     @property
     def arm(self) -> IdentifiedArm:
-        """The arm alone."""
+        """Links and maps with their covariance, without reflectors and dead paths."""
         size = self.layout.arm_size
         return IdentifiedArm(self.layout.of_arm(), self.parameters[:size], self.covariance[:size, :size])
 

@@ -82,7 +82,7 @@ class Layout:
 
     @property
     def dead_path(self) -> slice:
-        """Dead paths."""
+        """Places of the dead paths, mm, one for each reflector and segment."""
         return slice(self.reflectors.stop, self.size)
 
     def names(self) -> list[str]:

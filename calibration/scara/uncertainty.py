@@ -30,7 +30,7 @@ def chunks(identified: Identification, draws: int, seed: int) -> list[Chunk]:
     Args:
         identified: what the solver returned.
         draws: how many draws, at least 2.
-        seed: of the draws.
+        seed: the same one gives the same draws.
 
     Raises:
         CalibrationError: a distribution has no standard deviation, or nothing is uncertain.
@@ -47,7 +47,7 @@ def draw_estimates(identified: Identification, draws: int, seed: int) -> Floats:
     Args:
         identified: what the solver returned.
         draws: how many, at least 2.
-        seed: of the draws.
+        seed: the same one gives the same draws.
 
     Returns:
         Estimates, one row a draw, shape (draws, p).

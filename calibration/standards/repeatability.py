@@ -4,14 +4,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import special
 
 from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
+from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.standards.iso9283 import distance_repeatability
-
-SIGNIFICANCE = 0.01
-"""A drift is significant when its probability by chance is below this."""
 
 _COVERAGE = 0.95
 
@@ -119,6 +116,9 @@ def along_beam(displacement_mm: Floats, segment: Ints, cycle: Ints) -> AlongBeam
 
 def interval_of_s(dof: int, coverage: float = _COVERAGE) -> tuple[float, float]:
     """Return the ends of the interval of a standard deviation as multiples of its estimate (chi-square)."""
+    # Whoever only lists procedures imports this module too.
+    from scipy import special
+
     tail = 0.5 * (1.0 - coverage)
     return (
         math.sqrt(dof / float(special.chdtri(dof, tail))),
@@ -130,6 +130,8 @@ def _drift(
     from_mean_um: Floats, group: Ints, counts: Ints, cycle: Floats, dof: int
 ) -> tuple[float | None, float | None]:
     """Return the change over all cycles and its probability by chance; every segment has a level of its own."""
+    from scipy import special
+
     within = cycle - (np.bincount(group, cycle) / counts)[group]
     square = float(within @ within)
     if dof < 2 or square <= 0.0:
@@ -242,6 +244,8 @@ def _fitted(design: Floats, variance: Floats, dof: Ints) -> tuple[float, float, 
 
 def _normal_rp(mean_variance: float, difference: float) -> float:
     """Return E l + 3 sd l of the distance l from the mean, for principal variances mean ± difference."""
+    from scipy import special
+
     largest, smallest = mean_variance + difference, mean_variance - difference
     if largest <= 0.0:
         return 0.0

@@ -82,7 +82,7 @@ class RegisterMap:
         return {name: quantity for name, quantity in named.items() if quantity}
 
     def wire_address(self, quantity: Quantity) -> int:
-        """Return the address as it is sent."""
+        """Return the number on the wire: registers count from 0 there."""
         return quantity.address - self.address_base
 
     def label(self, name: Name) -> str:
@@ -137,7 +137,7 @@ class Point(BaseModel):
 
     @property
     def quantity(self) -> Quantity:
-        """The quantity that it describes."""
+        """As the reader of registers takes it."""
         return Quantity(self.address, self.type, self.scale, self.offset, tuple(self.invalid))
 
 
@@ -217,7 +217,7 @@ def decode(words: Sequence[int], quantity: Quantity, word_order: WordOrder) -> f
     Args:
         words: as many registers as the quantity takes.
         quantity: what they hold.
-        word_order: of the sensor.
+        word_order: `little` when the less significant word comes first.
     """
     if quantity.kind == "int16" and words[0] == _MISSING_INT16:
         return None

@@ -70,7 +70,7 @@ class ModbusAir(AirSensor):
         """Return a driver for an endpoint as the cell file writes it; nothing is opened yet.
 
         Args:
-            endpoint: of the sensor.
+            endpoint: where it answers, tcp:// or serial://, as in a cell file.
             clock: time of the samples.
             sink: is shown all bytes.
             settings: fields of `AirSettings`.

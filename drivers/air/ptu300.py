@@ -40,7 +40,6 @@ class VaisalaAscii(AirSensor):
     Args:
         transport: the connection.
         clock: time of the samples.
-        settings: of this sensor.
     """
 
     Settings: ClassVar[type[PtuSettings]] = PtuSettings
@@ -59,7 +58,7 @@ class VaisalaAscii(AirSensor):
         """Return a driver for an endpoint as the cell file writes it; nothing is opened yet.
 
         Args:
-            endpoint: of the sensor.
+            endpoint: where it answers, tcp:// or serial://, as in a cell file.
             clock: time of the samples.
             sink: is shown all bytes.
             settings: fields of `PtuSettings`.

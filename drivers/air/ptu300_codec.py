@@ -72,7 +72,7 @@ class TextDecoder:
 
 @dataclass(frozen=True)
 class Values:
-    """What a line tells; None for a value of asterisks or one that is not there.
+    """Contents of a line; None for a value of asterisks or one that is not there.
 
     Attributes:
         temperature_c: °C.

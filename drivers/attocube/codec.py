@@ -66,11 +66,7 @@ class Answer:
 
 
 class AnswerDecoder:
-    """Takes the line that answers one request.
-
-    Args:
-        number: of the request.
-    """
+    """Takes the line that answers one request."""
 
     may_end = False
     """Silence never ends a line."""

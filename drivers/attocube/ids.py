@@ -183,7 +183,7 @@ class AttocubeIds(Interferometer):
         return LengthReading(value_mm, f"{picometres:.0f} pm", time_s, self._latches.zero_id)
 
     async def status(self) -> BeamStatus:
-        """Return the state of the beam. An error that may tell of the past is reset and looked at again.
+        """Return the state of the beam. An error that may be of the past is reset and looked at again.
 
         Raises:
             LinkError: lost or silent.
@@ -224,7 +224,7 @@ class AttocubeIds(Interferometer):
         return True
 
     async def _reference(self, *, asks: bool = False) -> float | None:
-        """Return the position at which the axis was reset or the measurement began, pm; None when it is not told."""
+        """Return the position at which the axis was reset or the measurement began, pm; None when it is not given."""
         if not (asks or self._tells_reference):
             return None
         if self._settings.dialect == "ids":

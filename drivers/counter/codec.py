@@ -22,7 +22,6 @@ class LineDecoder:
     line end, are answers named "ACK" and "NAK".
 
     Args:
-        profile: of the counter.
         echo: the command that comes back first, empty when none does.
     """
 
@@ -87,15 +86,12 @@ class QuietDecoder:
         """Leave a chunk aside."""
 
     def end(self) -> bool:
-        """Tell that it is quiet."""
+        """Return True: a chunk that is left aside ends nothing."""
         return True
 
 
 class StreamDecoder:
     """Cuts the lines of a stream; what is no text is left out.
-
-    Args:
-        profile: of the counter.
 
     Attributes:
         discarded_lines: lines that were no text.

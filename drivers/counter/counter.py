@@ -84,7 +84,7 @@ class LineCounter(Interferometer):
         The profile of a stream makes a driver that listens, any other one a driver that asks.
 
         Args:
-            endpoint: of the counter.
+            endpoint: where it answers, tcp:// or serial://, as in a cell file.
             clock: time of the readings.
             sink: is shown all bytes.
             settings: fields of `CounterSettings`.
@@ -298,7 +298,7 @@ class LineCounter(Interferometer):
                     f"{self._model!r}: check the network"
                 )
             text = await self._greet_ask(profile.query.command)
-            # A counter that has told its name may have no value to show, as without a beam.
+            # A counter that has given its name may have no value to show, as without a beam.
             if not model or not self._is_error(text):
                 try:
                     self._number(profile.query.reply, text)
@@ -310,7 +310,7 @@ class LineCounter(Interferometer):
         self._latches.greeted()
 
     async def _name(self) -> str:
-        """Return the instrument's name, empty when it tells none."""
+        """Return the instrument's name, empty when it gives none."""
         identify = self._profile.identify
         if not identify:
             return ""

@@ -48,7 +48,6 @@ class Line(_Table):
 
     Attributes:
         terminator: behind each command.
-        encoding: of the answers.
         echo: each command comes back as a line before its answer.
         strip: codes of characters that are dropped.
         gap_s: pause before each command, s.
@@ -76,7 +75,6 @@ class Zero(_Table):
 
     Attributes:
         mode: `device` sends a command, `software` keeps an offset.
-        command: of the device.
         reply: what a success looks like; empty when no answer comes.
     """
 
@@ -176,7 +174,6 @@ class Scale(_Table):
     """From the number to a length.
 
     Attributes:
-        unit: of the number.
         decimals: digits behind a decimal point that is not sent.
         count_mm: length of one count, mm; for unit `count`.
         sign: -1 when the number falls while the beam grows longer.
@@ -216,7 +213,7 @@ class CounterProfile(_Table):
         confirmed: every value has been checked with the instrument's manual.
         compensated: `instrument` when it corrects for the air by itself.
         line: see there, as are the following.
-        status: None when the instrument tells no status; an error in place of a value is a lost beam then.
+        status: None when the instrument gives no status; an error in place of a value is a lost beam then.
     """
 
     format: Literal["catseye-counter/1"]

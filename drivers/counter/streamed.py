@@ -28,7 +28,7 @@ from catseye.drivers.roles.interferometer import (
 class StreamedCounter(Interferometer):
     """Interferometer driver of a profile with a stream.
 
-    Such a counter tells neither status nor level: an error in place of a value is a lost beam, and the signal is 1
+    Such a counter gives neither status nor level: an error in place of a value is a lost beam, and the signal is 1
     with and 0 without a beam. Zeroing is done here.
 
     Args:

@@ -26,11 +26,7 @@ def command(text: str) -> bytes:
 
 
 class ReplyDecoder:
-    """Takes the reply to one command.
-
-    Args:
-        lines: of the reply.
-    """
+    """Takes the reply to one command."""
 
     may_end = False
     """Silence never ends a line."""

@@ -49,7 +49,7 @@ class NdSettings(BaseModel):
 
 
 class HeidenhainNd(Interferometer):
-    """Interferometer driver. The display tells no signal level: it is 1 without and 0 with an error.
+    """Interferometer driver. The display gives no signal level: it is 1 without and 0 with an error.
 
     Args:
         transport: the connection; the display's line has 9600 baud, 7 bits, even parity, 2 stop bits.

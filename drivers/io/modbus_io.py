@@ -135,7 +135,7 @@ class ModbusIo(Io):
         return cls(client, checked)
 
     async def connect(self) -> Identity:
-        """Open the link, ask who is there and for the door, which a stranger cannot tell.
+        """Open the link, ask who is there and for the door, which a stranger does not know.
 
         Raises:
             WrongDeviceError: something answers that is no Modbus.
@@ -165,7 +165,7 @@ class ModbusIo(Io):
         """Return whether the door is closed now.
 
         Raises:
-            DeviceError: the block does not tell; the door then counts as open.
+            DeviceError: the block does not answer; the door then counts as open.
         """
         settings = self._settings
         address = settings.door_input - settings.address_base

@@ -1,4 +1,4 @@
-"""Frames of the Lasertex HPI-3D: cutting them out of the stream, reading what they tell. Pure.
+"""Frames of the Lasertex HPI-3D: cutting them out of the stream, reading what they hold. Pure.
 
 Commands are 8 bytes, frames 16: AA, a code of two bytes, data, a CRC over all before it.
 """
@@ -115,7 +115,7 @@ class Distance:
 
     @property
     def length_mm(self) -> float:
-        """The length, mm."""
+        """The count as a length in mm, 0.1 nm each."""
         return self.count * _MM_PER_COUNT
 
 

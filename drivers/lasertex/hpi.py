@@ -158,7 +158,7 @@ class LasertexHpi(Interferometer):
     async def status(self) -> BeamStatus:
         """Return the state of the beam.
 
-        A flag for a small signal may still tell of the past: it is cleared and looked at again.
+        A flag for a small signal may still be of the past: it is cleared and looked at again.
 
         Raises:
             LinkError: lost, or the stream has stopped.

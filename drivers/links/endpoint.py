@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 from urllib.parse import SplitResult, parse_qsl, urlsplit
 
 from catseye.drivers.links.record import RecordingTransport
@@ -23,37 +23,26 @@ _HANDSHAKES: dict[str, Handshake] = {"none": "none", "xonxoff": "xonxoff", "rtsc
 
 
 @dataclass(frozen=True)
-class TcpEndpoint:
-    """A listening socket.
-
-    Attributes:
-        host: name or address.
-        port: 1...65535.
-    """
-
+class _SocketEndpoint:
+    scheme: ClassVar[str]
     host: str
     port: int
 
     def __str__(self) -> str:
         host = f"[{self.host}]" if ":" in self.host else self.host
-        return f"tcp://{host}:{self.port}"
+        return f"{self.scheme}://{host}:{self.port}"
 
 
-@dataclass(frozen=True)
-class UdpEndpoint:
-    """A datagram socket.
+class TcpEndpoint(_SocketEndpoint):
+    """A listening socket: name or address of its host, and its port, 1...65535."""
 
-    Attributes:
-        host: name or address.
-        port: 1...65535.
-    """
+    scheme = "tcp"
 
-    host: str
-    port: int
 
-    def __str__(self) -> str:
-        host = f"[{self.host}]" if ":" in self.host else self.host
-        return f"udp://{host}:{self.port}"
+class UdpEndpoint(_SocketEndpoint):
+    """A datagram socket: name or address of its host, and its port, 1...65535."""
+
+    scheme = "udp"
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What a robot's driver tells the guard of the arm, and asks it before anything moves.
+"""What a robot's driver gives the guard of the arm, and asks it before anything moves.
 
 The guard is a process beside this program that says STOP when this one dies or falls silent. It needs a duplicate of
 every connection on which STOP can be written.
@@ -26,8 +26,8 @@ class LinkGuard(Protocol):
         """Take a duplicate of an open connection; one of the same name is let go.
 
         Args:
-            name: of the connection, without blanks.
-            descriptor: of the connection.
+            name: what `release` will call the connection, without blanks.
+            descriptor: number of its open socket or line.
             stop: bytes that stop the arm on it, whatever was written before.
         """
         ...
@@ -63,7 +63,7 @@ class Unguarded:
         """Let nothing go."""
 
     def permit(self) -> None:
-        """Permit it."""
+        """Let every motion begin."""
 
     @asynccontextmanager
     async def motion(self) -> AsyncIterator[None]:
@@ -84,7 +84,6 @@ class GuardedTransport(WrappedTransport):
 
     Args:
         inner: the transport that does the work.
-        guard: of the arm.
         name: of the connection, without blanks.
         stop: bytes that stop the arm on it.
     """

@@ -26,7 +26,7 @@ REOPEN_S = 2.0
 _REOPEN_PAUSE_S = 0.1
 
 _FEWEST_LOST = 8
-"""Fewer losses within the window tell nothing about their share."""
+"""Fewer losses within the window say nothing about their share."""
 
 
 class Repeat(Enum):
@@ -58,7 +58,7 @@ class Losses:
         self._seconds: deque[_Second] = deque()
 
     def answered(self) -> None:
-        """Count an answer."""
+        """Count an answer that came whole."""
         self._second().answered += 1
 
     def lost(self) -> None:

@@ -29,7 +29,7 @@ class Latches:
     _was_greeted: bool = False
 
     def note(self, *, beam_lost: bool = False, overspeed: bool = False, values_lost: bool = False) -> None:
-        """Remember what an instrument tells."""
+        """Remember the latches that an instrument reports."""
         self.beam_lost |= beam_lost
         self.overspeed |= overspeed
         self.values_lost |= values_lost

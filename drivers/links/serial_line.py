@@ -68,7 +68,6 @@ class SerialTransport(ChannelTransport):
 
     Args:
         device: path of the port.
-        settings: of the line.
         open_timeout_s: how long opening may take, real s.
         write_timeout_s: how long the line may take nothing, real s.
     """
@@ -152,7 +151,7 @@ class SerialTransport(ChannelTransport):
 
     def _open_port(self) -> serial.Serial:
         s = self._settings
-        # A pseudo-terminal carries whole bytes and refuses to be told otherwise.
+        # A pseudo-terminal carries whole bytes and refuses other settings.
         emulated = is_pseudo_terminal(self._device)
         return serial.Serial(
             self._device,

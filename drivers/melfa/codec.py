@@ -10,7 +10,7 @@ one is a parameter that a client cannot ask for. So:
   16th semicolon), ERROR (ends with the level), a rejection with nine digits;
 * every other answer (OVRD, PNR, a rejection with fewer digits) ends with the silence behind it. A number that
   the network splits with a longer pause than the quiet time (`QoK10`, pause, `0`) is then taken for complete,
-  and cannot be told; the rest arrives unasked and makes the link heal itself.
+  and cannot be known; the rest arrives unasked and makes the link heal itself.
 """
 
 import math
@@ -45,7 +45,7 @@ _AXIS = re.compile(r"[A-Z]\d?")
 _MIN_AXES, _MAX_AXES = 2, 8
 
 Layout = Callable[[str], bool | None]
-"""Tells of a payload so far: True it is complete, False more must come, None it cannot be known."""
+"""Judges a payload so far: True it is complete, False more must come, None it cannot be known."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class Opened:
 
 @dataclass(frozen=True)
 class State:
-    """What STATE tells (sheet 1.10).
+    """Answer to STATE (sheet 1.10).
 
     Attributes:
         program: selected program, may be empty.

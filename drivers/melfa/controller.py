@@ -83,7 +83,7 @@ class MelfaController:
         """Write a variable.
 
         Args:
-            name: of the variable.
+            name: as a program spells it.
             value: number, joints or position.
             program: of the running program whose variable it is; None: the edit slot's.
 
@@ -136,7 +136,7 @@ class MelfaController:
         """Write a whole program; when a line is refused nothing is kept.
 
         Args:
-            name: of the program.
+            name: under which the controller keeps it.
             program: lines, each beginning with its number, and variables.
             replace: a program of that name may be written over.
 
@@ -159,7 +159,7 @@ class MelfaController:
                 await self._order(order, Repeat.BOUND)
 
     async def has_program(self, name: str) -> bool:
-        """Tell whether there is a program of that name."""
+        """Return whether there is a program of that name."""
         _check(_PROGRAM, name, "a program")
         return await self._ask(f"FCHECK{name}", lambda payload: payload == "N")
 
@@ -181,7 +181,7 @@ class MelfaController:
         """Write a parameter. It acts after the controller was switched off and on.
 
         Args:
-            name: of the parameter.
+            name: as the manual spells it, MEJAR for instance.
             values: all of them, as text.
             confirm: True says that the change of the robot's settings is meant.
 
@@ -219,7 +219,7 @@ class MelfaController:
     async def error_log(self, count: int) -> list[LogEntry]:
         """Return the newest lines of the error log, newest first.
 
-        No source tells whether TOP is the newest or the oldest line: the dates do.
+        No source says whether TOP is the newest or the oldest line: the dates do.
         """
         top, end = [await self._log_entry(place) for place in ("TOP", "END")]
         if top is None or end is None:

@@ -33,7 +33,6 @@ class Halt:
     Args:
         connections: to the controller.
         clock: time of the pause between two looks.
-        settings: of the driver.
     """
 
     def __init__(self, connections: Connections, clock: Clock, settings: MelfaSettings) -> None:

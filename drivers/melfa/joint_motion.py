@@ -36,7 +36,6 @@ class JointMotion:
     Args:
         connections: to the controller.
         clock: time of the polls.
-        settings: of the driver.
         still_polls: equal positions in a row that say that a motion which was started has ended or never began.
         take_right: takes the operation right unless it is held.
         account_for: is called with the target of a motion whose answer was lost, and how.
@@ -82,7 +81,7 @@ class JointMotion:
             permit: is asked right before the motion is written; what it raises keeps it from being sent.
 
         Raises:
-            DeviceError: as `MelfaR3.move_joints` tells.
+            DeviceError: as for `MelfaR3.move_joints`.
         """
         # An answer to the assignment that came twice keeps the motion back, and nothing moves.
         await sent_once(

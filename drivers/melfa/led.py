@@ -92,12 +92,7 @@ def require_way(way: Sequence[Pose]) -> None:
 
 
 def parted(settings: Mapping[str, Any], model: type[MelfaSettings]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the settings that go to `MelfaR3.at`, and those that go to a driver's own model.
-
-    Args:
-        settings: of both.
-        model: of the driver.
-    """
+    """Return the settings that go to `MelfaR3.at`, and those that go to a driver's own model."""
     own = model.model_fields.keys() - MelfaSettings.model_fields.keys()
     of_connections = {"stop_endpoint", "status_endpoint", "stop_sink", "guard"}
     return (

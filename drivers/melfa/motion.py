@@ -132,7 +132,7 @@ async def standstill(
     Args:
         session: where to ask.
         clock: time of the pause between two polls.
-        settings: of the driver.
+        settings: gives the pause and the tolerances.
         timeout_s: for all polls together, real s.
         still_polls: equal positions in a row that count as standstill.
         target: of the motion, if one was started.
@@ -271,16 +271,16 @@ async def account_for(
     Args:
         asker: is not blocked by the motion.
         clock: time of the pause between two polls.
-        settings: of the driver.
-        target: of the motion.
+        settings: gives the pause and the tolerances.
+        target: joints of the motion, deg or mm.
         lost: how the answer was lost.
         stop: stops the robot.
         still_polls: equal positions in a row that count as standstill elsewhere.
 
     Raises:
         AlarmError: an alarm is the reason.
-        NotArrivedError: the robot stands somewhere else or leaves its way; it was told to stop.
-        LinkError: the controller does not tell; the robot was told to stop.
+        NotArrivedError: the robot stands somewhere else or leaves its way; a STOP was sent.
+        LinkError: the controller does not say; a STOP was sent.
     """
     try:
         async with asyncio.timeout(settings.move_timeout_s):
@@ -314,7 +314,7 @@ async def _followed(
             status, joints = await asker.status(), await asker.joints()
         off = off_target(joints, target, settings)
         still = still + 1 if joints == last else 1
-        # A program that waits for the next way counts as running too: then only the joints tell.
+        # A program that waits for the next way counts as running too: then only the joints show it.
         stands = not off and (not status.running or still >= STILL_POLLS)
         leaves = last is not None and _leaves(last, joints, target, settings)
         if status.alarm_number or stands or leaves or still >= still_polls:

@@ -127,13 +127,13 @@ class MelfaR3(Robot):
         """Return a driver for endpoints as the cell file writes them; nothing is opened yet.
 
         Args:
-            endpoint: of the controller.
+            endpoint: where the controller answers, tcp:// or serial://.
             clock: time of the polls.
             sink: is shown all bytes of the first connection.
             stop_endpoint: of the stop connection, for controllers that serve one client a port.
             status_endpoint: of the connection for questions while the arm moves; as `endpoint` by default.
             stop_sink: is shown all bytes of the further connections; `sink` by default.
-            guard: of the arm.
+            guard: is given what stops the arm; None for tests and for whoever guards it otherwise.
             settings: fields of `MelfaSettings`.
 
         Raises:
@@ -401,13 +401,13 @@ class MelfaR3(Robot):
         """Ask where the robot is after the answer to a motion was lost; go on only if it stands at the target.
 
         Args:
-            target: of the motion.
+            target: joints of the motion, deg or mm.
             lost: how the answer was lost.
 
         Raises:
             AlarmError: an alarm is the reason.
-            NotArrivedError: the robot stands somewhere else; it was told to stop.
-            LinkError: the controller does not tell; the robot was told to stop.
+            NotArrivedError: the robot stands somewhere else; a STOP was sent.
+            LinkError: the controller does not say; a STOP was sent.
         """
         await account_for(
             self._connections.side,

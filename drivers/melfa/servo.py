@@ -14,7 +14,7 @@ async def servo_is(session: Session, clock: Clock, settings: MelfaSettings, *, o
     Args:
         session: where to ask.
         clock: time of the pause between two polls.
-        settings: of the driver.
+        settings: gives the pause and the longest wait.
         on: what was ordered.
 
     Raises:

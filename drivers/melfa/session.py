@@ -63,7 +63,6 @@ class Session:
 
     Args:
         transport: the connection.
-        settings: of the driver.
         name: what is behind it, for texts.
         set_up: runs after each opening, the first one and those that heal; may use `greet_ask` only.
         byte_s: time of one byte on a serial line, real s; 0 on a network.
@@ -126,7 +125,7 @@ class Session:
 
         Args:
             command: the command word with its argument.
-            layout: of the answer.
+            layout: how the answer is to be read.
             timeout_s: real s; the setting `answer_timeout_s` by default.
             repeat: what may be done when the answer is lost.
             permit: is asked when the request's turn has come; what it raises keeps it from being sent.
@@ -191,7 +190,7 @@ class Session:
         try:
             return await self.link.repeated(once)
         except NotSentError as exc:
-            # Only of a command does this tell its sender anything; a question may follow one that was sent.
+            # Only of a command does this mean anything to its sender; a question may follow one that was sent.
             raise LinkError(str(exc)) from exc
 
     async def greet_ask(self, command: str, layout: Layout) -> Answer:
@@ -211,7 +210,7 @@ class Session:
         return answer
 
     async def state(self) -> State:
-        """Ask STATE."""
+        """Ask for run state, stop sources and program line (STATE)."""
         return await self.question("STATE", codec.state_text, codec.parse_state)
 
     async def status(self) -> RobotStatus:

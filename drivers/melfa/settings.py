@@ -9,7 +9,7 @@ class MelfaSettings(BaseModel):
     """Settings of the R-protocol driver. Times are real seconds, except `poll_s`.
 
     Attributes:
-        expected_model: beginning of the robot type that OPEN has to tell; empty accepts every MELFA arm.
+        expected_model: beginning of the robot type that OPEN has to answer; empty accepts every MELFA arm.
         motion: `exec2` waits for the answer at the end of a motion; `exec` starts it and polls STATE, for
             controllers that do not know EXEC2 (sheet 1.9: CRn-500).
         robot_number: robot in the header of each request.

@@ -24,8 +24,8 @@ async def start_once(
     Args:
         session: that holds the operation right.
         clock: time of the pause between two looks.
-        settings: of the driver.
-        name: of the program.
+        settings: gives the pause between two looks.
+        name: by which RUN starts it.
         permit: is asked right before the start is written; what it raises keeps it from being sent.
 
     Raises:
@@ -65,14 +65,14 @@ async def _run(
 
 
 async def _runs(session: Session, name: str) -> bool:
-    """Tell whether the program runs.
+    """Return whether the program runs.
 
     Raises:
         NotReadyError: another one does.
     """
     state = await session.state()
     running = state.program.upper().partition(".")[0]
-    # A controller may tell no name.
+    # A controller may give no name.
     if state.running and running not in {"", name.upper()}:
         raise NotReadyError(
             f"{session.where}: the program {running} runs on the controller, {name} was not started: stop it there",

@@ -30,10 +30,9 @@ class Stops:
 
 
 class StopWatch:
-    """Tells whether a stop is under way, or has begun since this was made.
+    """Knows whether a stop is under way, or has begun since this was made.
 
     Args:
-        stops: of the robot.
         where: robot and endpoint, for the text.
     """
 

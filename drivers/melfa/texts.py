@@ -45,7 +45,6 @@ class ProgramEntry(DeviceText):
 
     Attributes:
         name: with extension.
-        size_bytes: of its file.
         changed: date and time on the controller's clock.
         lines: number of lines.
         positions: number of its position variables.
@@ -64,7 +63,6 @@ class LogEntry(DeviceText):
 
     Attributes:
         time: date and time on the controller's clock, such that the order of texts is that of times.
-        number: of the alarm.
         text: the controller's own words.
         level: H, L or C.
         program: where it happened, may be empty.
@@ -117,8 +115,8 @@ def parse_variable(payload: str, name: str) -> Value:
     Raises:
         ProtocolError: another variable, or no value.
     """
-    told, separator, text = payload.partition("=")
-    if not separator or told.strip().upper() != name.upper():
+    named, separator, text = payload.partition("=")
+    if not separator or named.strip().upper() != name.upper():
         raise ProtocolError(f"VAL{name} was answered by {payload[:64]!r}, which is not that variable")
     if text.startswith('"'):
         return text.strip('"')
@@ -157,7 +155,7 @@ def _listed(values: tuple[float, ...]) -> str:
 def _decimal(value: float) -> str:
     if not math.isfinite(value):
         raise ValueError(f"a variable's value must be finite, got {value}")
-    # Never a negative zero, and never an exponent: no source tells whether one is understood.
+    # Never a negative zero, and never an exponent: no source says whether one is understood.
     return f"{round(value, 6) + 0.0:.6f}".rstrip("0").rstrip(".")
 
 
@@ -165,7 +163,7 @@ def parse_directory(payload: str) -> tuple[ProgramEntry, int]:
     """Read an answer to PDIRTOP or PDIR<n>.
 
     Returns:
-        The program, and the number of programs; 0 in answers that do not tell it.
+        The program, and the number of programs; 0 in answers without it.
 
     Raises:
         ProtocolError: another layout.

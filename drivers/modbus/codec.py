@@ -105,7 +105,6 @@ class _Decoder:
     """Takes the answer to one request.
 
     Args:
-        number: of the request.
         device_id: unit identifier that was asked; 0 takes any.
         function: that was asked.
     """
@@ -199,7 +198,7 @@ class RtuDecoder(_Decoder):
         return frame[1:-2]
 
     def _length(self, frame: bytes) -> int | None:
-        """Return how long a frame is that begins so; None as long as it does not tell."""
+        """Return how long a frame is that begins so; None until that is known."""
         if len(frame) < _SHORTEST_RTU_BYTES:
             return None
         if frame[1] & _REFUSED:
@@ -213,7 +212,7 @@ class RtuDecoder(_Decoder):
 
 
 def _identification_length(answer: bytes) -> int | None:
-    """Return how long an identification is that begins so; None as long as it does not tell."""
+    """Return how long an identification is that begins so; None until that is known."""
     at = _OBJECTS
     if len(answer) < at:
         return None

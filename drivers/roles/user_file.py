@@ -47,7 +47,7 @@ def read_regular(path: Path, largest_bytes: int = LARGEST_BYTES) -> bytes:
         _require_kind(path, facts)
         _require_size(path, facts.st_size, largest_bytes)
         raw = bytearray()
-        # A file may grow meanwhile, and those of the kernel tell no size.
+        # A file may grow meanwhile, and those of the kernel have no size.
         while chunk := file.read(_CHUNK_BYTES):
             raw += chunk
             _require_size(path, len(raw), largest_bytes)

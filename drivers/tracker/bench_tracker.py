@@ -171,7 +171,7 @@ class BenchTracker(Tracker):
         self._notes = self._speeds(answer.get("speed"))
 
     def _speeds(self, bench: object) -> tuple[str, ...]:
-        """Tell of a bench whose time runs otherwise than the run's."""
+        """Warn of a bench whose time runs otherwise than the run's."""
         own = self._clock_speed
         if own is None or not isinstance(bench, int | float) or bench <= 0.0:
             return ()

@@ -66,7 +66,7 @@ class TimedSample:
 
 
 class UmdDisplay(Interferometer):
-    """Interferometer driver. The display tells no signal level: it is 1 with and 0 without a beam.
+    """Interferometer driver. The display gives no signal level: it is 1 with and 0 without a beam.
 
     Args:
         transport: the connection.

@@ -1,7 +1,7 @@
 """What a procedure keeps: a record type is a frozen dataclass, and its fields are the columns of a table."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from types import NoneType, UnionType
 from typing import Any, ClassVar, Final, Literal, get_args, get_origin, get_type_hints
@@ -91,10 +91,12 @@ class Observation(Record):
 
     Attributes:
         kind: what was observed.
+        change: name of the value that says by how much a length has changed, and its unit in µm; empty for none.
     """
 
     table: ClassVar[str] = "records"
     kind: ClassVar[str]
+    change: ClassVar[tuple[str, float]] = ("", 1.0)
 
     @classmethod
     def describe(cls, row: Row) -> str:
@@ -105,6 +107,23 @@ class Observation(Record):
         """
         del row
         return ""
+
+    @classmethod
+    def summary(cls, rows: Sequence[Row]) -> list[str]:
+        """Return what all that a run has stored come to, in texts: how often, and the largest change.
+
+        Args:
+            rows: in order, at least one.
+        """
+        changes = [change for row in rows if (change := cls._change_um(row)) is not None]
+        largest = f", largest change {max(changes, key=abs):+.1f} µm" if changes else ""
+        return [f"{len(rows)}×{largest}"]
+
+    @classmethod
+    def _change_um(cls, row: Row) -> float | None:
+        name, um = cls.change
+        value = row.get(name)
+        return value * um if isinstance(value, int | float) else None
 
 
 OBSERVATIONS: Final = Table("records", (Column("kind", "TEXT", required=True),))

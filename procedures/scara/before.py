@@ -1,11 +1,56 @@
-"""Procedures that others of this system build on."""
+"""What the procedures of this system build on, and the way that they make."""
 
 from typing import Final
 
-from catseye.procedures.kit.needs import After
+from catseye.procedures.kit.needs import After, Equipment
+from catseye.procedures.kit.procedure import Analysis, Stage
+from catseye.procedures.scara.bench import ScaraBench
+
+WARM_S: Final = 4 * 3600.0
+"""Links and drives cool down within hours."""
 
 LEVELLED: Final = After("beam-level", "levelling")
 ALIGNED: Final = After("beam-to-j4", "alignment")
+WARM: Final = After("warmup", "warm arm", fresh_for_s=WARM_S)
 
-WARM: Final = After("warmup", "warm arm", fresh_for_s=4 * 3600.0)
-"""Links and drives cool down within hours."""
+LEVELLING: Final = Stage(10, "the beam in the plane of the arm")
+ALIGNING: Final = Stage(20, "the beam through the J4 axis", renewed_by="beam-level")
+SEARCHING: Final = Stage(30, "where the reflectors stand")
+WARMING: Final = Stage(
+    40,
+    "the arm at its working temperature",
+    fresh_for_s=WARM_S,
+    covered_by="open-loop",
+    covered="the measurement is made",
+)
+MEASURING: Final = Stage(50, "the distances", since="reflector-search")
+IDENTIFY: Final = Analysis(
+    "identify",
+    gives="error maps with their uncertainty",
+    stage=Stage(60, "error maps from the distances"),
+    writes_result=True,
+    usage="{run} -o result-{run}.json",
+)
+DRIVING_A_PATH: Final = Stage(70, "a path that shows what the map is worth", since="open-loop")
+VALIDATE: Final = Analysis(
+    "validate",
+    gives="",
+    stage=Stage(80, "the error map against the path"),
+    writes_result=False,
+    usage="{result} --measured path.csv, from: catseye export {name} -o path.csv",
+)
+
+
+def _reflectors(bench: ScaraBench) -> str:
+    names = ", ".join(reflector.name for reflector in bench.reflectors)
+    return names + (", one cat's eye that is carried from nest to nest" if bench.optics.one_reflector else "")
+
+
+def _tracker(bench: ScaraBench) -> str:
+    return "in the cell file" if bench.tracker else ""
+
+
+REFLECTORS: Final = Equipment("reflectors", _reflectors)
+TRACKER: Final = Equipment(
+    "tracker", _tracker, without="none: the interferometer measures, or instrument = file"
+)

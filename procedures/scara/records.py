@@ -1,5 +1,6 @@
 """What the procedures of a SCARA keep. Directions are states of approach, 1 or -1."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -75,6 +76,7 @@ class Overlap(Observation):
     """A point that was measured again in a new segment, which ties it to an earlier one; `extra` is the distance."""
 
     kind: ClassVar[str] = "overlap"
+    change: ClassVar[tuple[str, float]] = ("difference_mm", 1e3)
     point: int
     previous_segment: int
     previous_displacement_mm: float
@@ -96,6 +98,7 @@ class ClosureVisit(Observation):
     """A visit to the reference pose; `extra` is the distance there."""
 
     kind: ClassVar[str] = "closure"
+    change: ClassVar[tuple[str, float]] = ("drift_um", 1.0)
     number: int
     point: int
     reference_displacement_mm: float
@@ -185,6 +188,19 @@ class AlignmentRound(Observation):
             f"{_number(row, 'u'):.2g} {row.get('unit', '')}{after}"
         )
 
+    @classmethod
+    def summary(cls, rows: Sequence[Row]) -> list[str]:
+        """Return each quantity before and after."""
+        texts = []
+        for quantity in dict.fromkeys(str(row.get("quantity")) for row in rows):
+            own = [row for row in rows if str(row.get("quantity")) == quantity]
+            unit = own[0].get("unit", "")
+            texts.append(
+                f"{quantity}: {_number(own[0], 'value'):+.3g} {unit} before, "
+                f"{_number(own[-1], 'value'):+.3g} {unit} after {len(own)} round(s)"
+            )
+        return texts
+
 
 @dataclass(frozen=True, kw_only=True)
 class ScrewTurn(Observation):
@@ -200,6 +216,12 @@ class ScrewTurn(Observation):
     def describe(cls, row: Row) -> str:
         """Return a stored one as a sentence."""
         return str(row.get("text") or "")
+
+    @classmethod
+    def summary(cls, rows: Sequence[Row]) -> list[str]:
+        """Return nothing: the rounds of the alignment say what came of it."""
+        del rows
+        return []
 
 
 def _number(row: Row, key: str) -> float:

@@ -41,7 +41,6 @@ class IdsError(Exception):
     """A result with an error number.
 
     Args:
-        number: of the error.
         values: what the result holds nevertheless.
     """
 

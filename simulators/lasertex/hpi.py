@@ -63,12 +63,12 @@ class Hpi:
         self._overspeeds_cleared = self.instrument.overspeed_count
 
     def distance(self) -> bytes:
-        """Return a distance frame."""
+        """Return the length since the zero, with the flags, as a frame."""
         reading = self.instrument.read()
         return frames.distance(self._lengths.shown_mm(reading), **self._flags(reading))
 
     def velocity(self) -> bytes:
-        """Return a velocity frame."""
+        """Return the rate of the length in mm/s, with the flags, as a frame."""
         reading = self.instrument.read()
         rate_mm_s = self._lengths.sign * self.instrument.bench.velocity_mm_s()
         return frames.velocity(rate_mm_s, **self._flags(reading))

@@ -63,11 +63,10 @@ Record = tuple[float, ...]
 
 
 class Datalink(Resident):
-    """The program.
+    """The program that serves the data link while it runs.
 
     Args:
         controller: where it runs.
-        name: of the program.
         number_format: how it prints numbers.
     """
 

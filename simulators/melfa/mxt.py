@@ -82,7 +82,7 @@ class MxtOptions:
 
 
 class Mxt(Resident):
-    """The program.
+    """The program that obeys set points in real time while it runs.
 
     Args:
         controller: where it runs.

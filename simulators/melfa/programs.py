@@ -60,7 +60,7 @@ class ProgramMemory:
 
     @property
     def names(self) -> list[str]:
-        """Names in order."""
+        """In alphabetical order, as the controller lists them."""
         return sorted(self._programs)
 
     @property
@@ -85,7 +85,7 @@ class ProgramMemory:
         return found is not None and found[1] in self._programs
 
     def find(self, name: str) -> Program:
-        """Return a program.
+        """Return a program by its name, in any case and with or without extension.
 
         Raises:
             Refusal: there is none of that name.

@@ -26,7 +26,7 @@ class Signals:
 
     @property
     def inputs(self) -> set[int]:
-        """Inputs that are on."""
+        """Numbers of those that are on; without pseudo input none is."""
         return self._pseudo_inputs if self.pseudo else set()
 
     @property

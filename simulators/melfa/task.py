@@ -53,7 +53,7 @@ class Task:
 
     @property
     def line_text(self) -> str:
-        """That line with its number."""
+        """The line it stands at, with its number; empty without one."""
         return self.text_of(self.line) if self.line else ""
 
     def text_of(self, number: int) -> str:

@@ -41,7 +41,7 @@ class RemoteIo:
         raise ModbusError(ILLEGAL_ADDRESS)
 
     def read_bits(self, address: int, count: int) -> list[bool]:
-        """Return coils."""
+        """Return the outputs; the door stands among them where the block reads it as a coil."""
         _require(address, count)
         shown = list(self.coils)
         if self.door_is_coil:
@@ -49,7 +49,7 @@ class RemoteIo:
         return shown[address : address + count]
 
     def read_inputs(self, address: int, count: int) -> list[bool]:
-        """Return discrete inputs."""
+        """Return the inputs, the door's contact among them."""
         _require(address, count)
         shown = [False] * COUNT
         if not self.door_is_coil:

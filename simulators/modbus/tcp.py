@@ -41,19 +41,19 @@ class Registers(Protocol):
         ...
 
     def write_words(self, address: int, words: list[int]) -> None:
-        """Write 16-bit registers."""
+        """Write 16-bit registers from an address on (functions 6 and 16)."""
         ...
 
     def read_bits(self, address: int, count: int) -> list[bool]:
-        """Return coils."""
+        """Return coils from an address on (function 1)."""
         ...
 
     def read_inputs(self, address: int, count: int) -> list[bool]:
-        """Return discrete inputs."""
+        """Return discrete inputs from an address on (function 2)."""
         ...
 
     def write_bits(self, address: int, bits: list[bool]) -> None:
-        """Write coils."""
+        """Write coils from an address on (functions 5 and 15)."""
         ...
 
 

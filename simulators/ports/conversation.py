@@ -58,9 +58,7 @@ class Conversation:
     """Hands bytes to a session and answers back, one request after the other.
 
     Args:
-        session: of this client.
         wire: leads to it.
-        faults: of the endpoint.
     """
 
     def __init__(self, session: Session, wire: Wire, faults: Faults) -> None:

@@ -164,7 +164,7 @@ class UmdSession(Session):
         """Ignore what a client sends: there are no commands."""
 
     def answer(self) -> Answer | None:
-        """Answer nothing."""
+        """Return None: there are no commands to answer."""
         return None
 
     def next_output_s(self) -> float | None:
@@ -192,8 +192,6 @@ class UmdDisplay(Emulator):
 
         Attributes:
             rate_hz: samples a second.
-            vacuum_wavelength_nm: of the laser.
-            multiplier: of the optics.
             axes: in a line.
         """
 

@@ -71,7 +71,7 @@ class Format:
             position = found.end()
 
     def fill(self, values: Mapping[str, Value], facts: Mapping[str, str]) -> str:
-        """Return a line.
+        """Return a line of output with its own line end.
 
         Args:
             values: quantities by name.

@@ -52,7 +52,6 @@ class Ptu300:
         serial: serial number.
         address: on a line with several instruments.
         form: output format.
-        pressure_unit: of the output.
         metric: °C, otherwise °F.
         interval_s: of the continuous output, bench s.
         echo: commands are repeated and prompts are shown.

@@ -24,7 +24,7 @@ class AirFault:
 
 
 class AirProbe:
-    """The probe.
+    """What the air sensors of the bench measure, right or wrong.
 
     Args:
         bench: where it stands.

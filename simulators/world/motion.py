@@ -98,7 +98,7 @@ class Motion:
 
     @property
     def end(self) -> Joints:
-        """Joints at the end."""
+        """Joints at the standstill, deg or mm."""
         return _joints(self.knots[-1])
 
     @property

@@ -25,7 +25,7 @@ class Screw:
         self._slack = self._half_play = play_turns / 2.0
 
     def turn(self, turns: float) -> float:
-        """Turn the head.
+        """Turn the head; the play of the thread is taken up first.
 
         Args:
             turns: as asked for, clockwise positive; 0 leaves the screw alone.

@@ -62,7 +62,6 @@ class Optics:
         start_height_mm: height of the arm at bench time 0.
 
     Attributes:
-        names: of the reflectors' nests.
         mount: how the beam lies.
         clearness: what dirt leaves of the signal, 0...1.
     """

@@ -1,10 +1,12 @@
-"""What is sensible after a run has ended. Light: nothing is imported for it."""
+"""What is sensible after a run has ended."""
 
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-Kind = Literal["identify", "report", "resume", "clear", "next"]
+from catseye.app.protocol.procedures import declared_by
+
+Kind = Literal["analyse", "report", "resume", "clear", "next"]
 
 
 @dataclass(frozen=True)
@@ -22,6 +24,11 @@ class Advice:
     text: str
     command: tuple[str, ...] = ()
     writes: Path | None = None
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return self.command[0] if self.kind == "analyse" else self.kind
 
 
 CLEAR = Advice("clear", "when the cause is found and removed")
@@ -44,8 +51,15 @@ def after_run(procedure: str, status: str, run: str, root: Path) -> list[Advice]
     report = Advice("report", "one page about this run", words, folder / f"report-{run_id}.html")
     if status != "complete":
         return [Advice("resume", "go on where it ended", ("resume", run)), report]
-    if procedure != "open-loop":
+    declared = declared_by(procedure)
+    analyses = [each for each in declared.analyses if each.writes_result] if declared else []
+    if not analyses:
         return [Advice("next", "Procedures (F3) shows what comes next"), report]
-    words = ("identify", run, "--runs", str(root))
     result = folder / f"result-{run_id}.json"
-    return [Advice("identify", "error maps with their uncertainty", words, result), report]
+    return [
+        *(
+            Advice("analyse", each.gives, (each.command, run, "--runs", str(root)), result)
+            for each in analyses
+        ),
+        report,
+    ]

@@ -9,7 +9,6 @@ from catseye.app.errors import StorageError
 from catseye.app.store.catalog import list_runs
 from catseye.app.store.reader import Accept, RunReader, Status
 from catseye.app.store.resumable import why_not_resumable
-from catseye.procedures.kit.needs import After
 
 
 @dataclass(frozen=True)
@@ -66,10 +65,18 @@ class CellRuns:
         run = next(found, None)
         return run if run is not None and (after is None or run.name >= after.name) else None
 
-    def last_counting(self, after: After) -> CellRun | None:
-        """Return the newest complete run of what should have been run before, if it is fresh enough."""
-        run = self.last_complete(after.procedure)
-        stale = run is not None and after.fresh_for_s is not None and run.age_s > after.fresh_for_s
+    def last_counting(
+        self, procedure: str, fresh_for_s: float | None, after: CellRun | None = None
+    ) -> CellRun | None:
+        """Return the newest complete run of a procedure, if it is fresh enough.
+
+        Args:
+            procedure: its name.
+            fresh_for_s: it counts for so long; None for ever.
+            after: an older one than this does not count.
+        """
+        run = self.last_complete(procedure, after)
+        stale = run is not None and fresh_for_s is not None and run.age_s > fresh_for_s
         return None if stale else run
 
     def named(self, name: str) -> CellRun | None:

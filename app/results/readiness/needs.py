@@ -1,50 +1,49 @@
 """What a procedure needs on a cell, whether that is met, and what to do when it is not."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
 
 from pydantic import ValidationError
 
 from catseye.app.cell.bench import bench_for
 from catseye.app.cell.model import Cell
 from catseye.app.errors import ConfigError, StorageError, UsageError
-from catseye.app.protocol.procedures import Runnable
 from catseye.app.results.numbers import age_text
 from catseye.app.results.readiness.cell_runs import CellRun, CellRuns
 from catseye.app.results.readiness.need import Need
-from catseye.app.store.basis import find_aim
+from catseye.app.store.basis import find_basis
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import ProcedureError
-from catseye.procedures.kit.needs import After
-from catseye.procedures.scara.bench import ScaraBench
-
-SEARCH: Final = "reflector-search"
+from catseye.procedures.kit.needs import After, Basis, Equipment
+from catseye.procedures.kit.procedure import Procedure
 
 
 @dataclass(frozen=True)
-class FoundAim:
-    """What a run would be aimed with.
+class CellBasis:
+    """What runs of a cell would be planned from.
 
     Attributes:
-        bench: aimed; as the cell file has it where there is nothing better.
+        bench: with what was found; as the cell file has it where there is nothing better.
         need: what is to be said about it.
-        search: the run that found it; None without one.
+        run: that found it; None without one.
     """
 
     bench: Bench
     need: Need
-    search: CellRun | None
+    run: CellRun | None
 
 
-def needs_of(procedure: Runnable, cell: Cell, bench: Bench, aim: FoundAim, runs: CellRuns) -> list[Need]:
+def needs_of(
+    procedure: Procedure, cell: Cell, bench: Bench, bases: Mapping[Basis, CellBasis], runs: CellRuns
+) -> list[Need]:
     """Return what a procedure needs on a cell.
 
     Args:
         procedure: which.
         cell: which.
         bench: as the cell file describes it.
-        aim: what it would be aimed with.
+        bases: what it would be planned from.
         runs: of this cell.
     """
     declared = procedure.needs
@@ -52,51 +51,41 @@ def needs_of(procedure: Runnable, cell: Cell, bench: Bench, aim: FoundAim, runs:
         bench_for(cell, declared.bench, procedure.name)
     except ConfigError as error:
         return [Need("cell file", "missing", str(error))]
-    needs = [*_reflectors(bench), *(_earlier(after, runs) for after in declared.after)]
-    if declared.aim:
-        needs.append(aim.need)
-    if declared.tracker:
-        needs.append(_tracker(bench))
-    needs.append(_plan(procedure, aim.bench if declared.aim else bench))
-    return needs
+    basis = None if declared.basis is None else bases[declared.basis]
+    needs = [_equipment(each, bench) for each in declared.equipment]
+    needs += [_earlier(after, runs) for after in declared.after]
+    needs += [] if basis is None else [basis.need]
+    return [*needs, _plan(procedure, bench if basis is None else basis.bench)]
 
 
-def aim_of(bench: Bench, root: Path, runs: CellRuns) -> FoundAim:
-    """Return the aim that a run would be planned with, and what is to be said about it."""
+def cell_basis(basis: Basis, bench: Bench, root: Path, runs: CellRuns) -> CellBasis:
+    """Return what a run would be planned from, and what is to be said about it."""
     try:
-        aim = find_aim(bench, root)
+        found = find_basis(basis, bench, root)
     except (UsageError, StorageError) as error:
-        return FoundAim(bench, Need("search", "missing", str(error)), None)
-    run = runs.named(aim.source)
+        return CellBasis(bench, Need(basis.what, "missing", str(error)), None)
+    run = runs.named(found.source)
     if run is None:
-        return FoundAim(aim.bench, Need("search", "advised", f"rough places only; run {SEARCH}"), None)
-    return FoundAim(aim.bench, Need("search", "met", f"run {run.id}, {age_text(run.age_s)}"), run)
+        text = f"{basis.without}; run {basis.procedure}"
+        return CellBasis(found.bench, Need(basis.what, "advised", text), None)
+    return CellBasis(found.bench, Need(basis.what, "met", f"run {run.id}, {age_text(run.age_s)}"), run)
 
 
-def _reflectors(bench: Bench) -> list[Need]:
-    if not isinstance(bench, ScaraBench):
-        return []
-    names = [reflector.name for reflector in bench.reflectors]
-    one = ", one cat's eye that is carried from nest to nest" if bench.optics.one_reflector else ""
-    return [Need("reflectors", "met", f"{', '.join(names)}{one}")]
+def _equipment(equipment: Equipment, bench: Bench) -> Need:
+    found = equipment.found(bench)
+    return Need(equipment.what, "met" if found else "advised", found or equipment.without)
 
 
 def _earlier(after: After, runs: CellRuns) -> Need:
     """Return whether a procedure that should have been run was, and lately enough."""
-    run, limit_s = runs.last_counting(after), after.fresh_for_s
+    run, limit_s = runs.last_counting(after.procedure, after.fresh_for_s), after.fresh_for_s
     if run is not None:
         return Need(after.what, "met", f"run {run.id}, {age_text(run.age_s)}")
     lately = "on this cell" if limit_s is None else f"in {limit_s / 3600:g} h"
     return Need(after.what, "advised", f"none {lately}; run {after.procedure}")
 
 
-def _tracker(bench: Bench) -> Need:
-    if bench.tracker:
-        return Need("tracker", "met", "in the cell file")
-    return Need("tracker", "advised", "none: the interferometer measures, or instrument = file")
-
-
-def _plan(procedure: Runnable, bench: Bench) -> Need:
+def _plan(procedure: Procedure, bench: Bench) -> Need:
     try:
         procedure.plan(bench, procedure.params_type())
     except ProcedureError as error:

@@ -1,7 +1,7 @@
-"""The way from an unknown bench to a validated error map, and how far a cell has come on it."""
+"""The way from an unknown bench to a validated result, and how far a cell has come on it."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -10,21 +10,14 @@ from catseye.app.files.documents import LARGEST_RESULT_BYTES, parse_json, read_d
 from catseye.app.results.numbers import age_text
 from catseye.app.results.readiness.cell_runs import CellRun, CellRuns
 from catseye.app.results.readiness.need import Need
-from catseye.app.results.readiness.needs import SEARCH
-from catseye.procedures.kit.needs import After
-
-LEVEL = "beam-level"
-ALIGNMENT = "beam-to-j4"
-WARM_UP = "warmup"
-MEASUREMENT = "open-loop"
-_PATH = "validation-path"
+from catseye.procedures.kit.procedure import Analysis, Procedure, Stage
 
 State = Literal["done", "next", "later", "left out"]
 
 
 @dataclass(frozen=True)
-class Stage:
-    """One stage of the way.
+class CellStage:
+    """One stage of the way of a cell.
 
     Attributes:
         name: of the procedure or command.
@@ -42,44 +35,39 @@ class Stage:
 
 
 def stages_of(
+    procedures: Iterable[Procedure],
     runs: CellRuns,
-    needs: dict[str, list[Need]],
-    search: CellRun | None,
-    results: dict[str, Path],
+    needs: Mapping[str, list[Need]],
+    bases: Mapping[str, CellRun | None],
+    results: Mapping[str, Path],
     cell: Path,
-    after: Iterable[After],
-) -> list[Stage]:
+) -> list[CellStage]:
     """Return the stages, at most one of them the next.
 
     Args:
+        procedures: that are installed.
         runs: of the cell.
         needs: of each procedure by name.
-        search: the run that aims a measurement now.
-        results: identified error maps by the name of the run that they hold.
+        bases: runs that plans are made from now, by the procedure that makes such runs.
+        results: by the name of the run that they hold.
         cell: cell file.
-        after: what procedures declare that should have been run before them.
     """
-    level = runs.last_complete(LEVEL)
-    aligned = runs.last_complete(ALIGNMENT, after=level)
-    measured = None if search is None else runs.last_complete(MEASUREMENT, after=search)
-    result = None if measured is None else results.get(measured.name)
-    path = None if measured is None else runs.last_complete(_PATH, after=measured)
-    warm = next((runs.last_counting(one) for one in after if one.procedure == WARM_UP), None)
-    done: list[tuple[str, str, bool, str]] = [
-        (LEVEL, "the beam in the plane of the arm", level is not None, _by(level)),
-        (ALIGNMENT, "the beam through the J4 axis", aligned is not None, _by(aligned)),
-        (SEARCH, "where the reflectors stand", search is not None, _by(search)),
-        (WARM_UP, "the arm at its working temperature", bool(warm or measured), _warmed(warm, measured)),
-        (MEASUREMENT, "the distances", measured is not None, _by(measured)),
-        ("identify", "error maps from the distances", result is not None, str(result or "")),
-        (_PATH, "a path that shows what the map is worth", path is not None, _by(path)),
-        ("validate", "the error map against the path", False, ""),
-    ]
-    return list(_with_states(done, runs, needs, _Commands(cell, measured, result, path)))
+    procedures = list(procedures)
+    counting = _Counting(runs, bases, {each.name: each.stage for each in procedures if each.stage})
+    steps: list[tuple[Stage, _Step]] = []
+    for procedure in procedures:
+        if procedure.stage is not None:
+            steps.append((procedure.stage, _on_the_bench(procedure, procedure.stage, counting, cell)))
+        steps += [
+            (analysis.stage, _on_data(analysis, counting.run(procedure.name), results))
+            for analysis in procedure.analyses
+        ]
+    ordered = [step for _, step in sorted(steps, key=lambda each: each[0].order)]
+    return list(_with_states(_with_result(ordered), runs, needs))
 
 
 def results_in(folders: Iterable[Path]) -> dict[str, Path]:
-    """Return the results of error maps by the names of the runs that they were identified from.
+    """Return results by the names of the runs that they were identified from.
 
     Args:
         folders: that are looked through, not the ones below them; the first that has one counts.
@@ -92,64 +80,113 @@ def results_in(folders: Iterable[Path]) -> dict[str, Path]:
     return found
 
 
+@dataclass(frozen=True)
+class _Step:
+    """A stage before its state is known.
+
+    Attributes:
+        name: of the procedure or command.
+        purpose: what it is for.
+        done: by what it is done; empty for not yet.
+        command: what does it; `{result}` stands for the result that the way has led to so far.
+        result: that it gave.
+    """
+
+    name: str
+    purpose: str
+    done: str
+    command: str
+    result: Path | None = None
+
+
+class _Counting:
+    """Which runs of a cell count as stages of the way.
+
+    Args:
+        runs: of the cell.
+        bases: runs that plans are made from now, by procedure.
+        stages: by procedure.
+    """
+
+    def __init__(
+        self, runs: CellRuns, bases: Mapping[str, CellRun | None], stages: Mapping[str, Stage]
+    ) -> None:
+        self.runs = runs
+        self._bases = bases
+        self._stages = stages
+
+    def run(self, name: str) -> CellRun | None:
+        """Return the run by which a stage is done; None while it is not."""
+        stage = self._stages.get(name)
+        if name in self._bases:
+            return self._bases[name]
+        if stage is None:
+            return self.runs.last_complete(name)
+        before = self.run(stage.since) if stage.since else None
+        if stage.since and before is None:
+            return None
+        renewal = self.runs.last_complete(stage.renewed_by) if stage.renewed_by else None
+        return self.runs.last_counting(name, stage.fresh_for_s, after=before or renewal)
+
+
+def _on_the_bench(procedure: Procedure, stage: Stage, counting: _Counting, cell: Path) -> _Step:
+    run = counting.run(procedure.name)
+    covered = run is None and bool(stage.covered_by) and counting.run(stage.covered_by) is not None
+    last = counting.runs.last(procedure.name)
+    command = f"catseye run {procedure.name} --cell {cell}"
+    if last is not None and last.resumable:
+        command = f"catseye resume {last.name}"
+    return _Step(procedure.name, stage.purpose, stage.covered if covered else _by(run), _plain(command))
+
+
+def _on_data(analysis: Analysis, run: CellRun | None, results: Mapping[str, Path]) -> _Step:
+    result = results.get(run.name) if run is not None and analysis.writes_result else None
+    known = {"run": run.id if run else "RUN", "name": run.name if run else "RUN", "result": "{result}"}
+    command = f"catseye {analysis.command} {analysis.usage.format(**known)}"
+    return _Step(analysis.command, analysis.stage.purpose, str(result or ""), command, result)
+
+
+def _with_result(steps: Sequence[_Step]) -> Iterable[_Step]:
+    """Yield the stages with the result that the way has led to in their commands."""
+    result: Path | None = None
+    for step in steps:
+        result = step.result or result
+        yield replace(step, command=step.command.format(result=result or "RESULT"))
+
+
 def _with_states(
-    done: list[tuple[str, str, bool, str]],
-    runs: CellRuns,
-    needs: dict[str, list[Need]],
-    commands: "_Commands",
-) -> Iterable[Stage]:
-    open_yet = True
-    for name, purpose, is_done, by in done:
+    steps: Iterable[_Step], runs: CellRuns, needs: Mapping[str, list[Need]]
+) -> Iterable[CellStage]:
+    steps, open_yet = list(steps), True
+    for number, step in enumerate(steps):
         state: State = "done"
-        text = by if is_done else purpose
-        if not is_done and name in needs and _cannot(needs[name]):
-            state, text = "left out", _cannot(needs[name])
+        text = step.done or step.purpose
+        on_bench = step.name in needs
+        if not step.done and on_bench and (why := _cannot(needs[step.name])):
+            state, text = "left out", why
         elif (
-            not is_done and name in needs and runs.last_complete(name) is None and _any_done_after(name, done)
+            not step.done
+            and on_bench
+            and runs.last_complete(step.name) is None
+            and any(later.done for later in steps[number + 1 :])
         ):
             # Whoever went on without it has decided so.
-            state, text = "left out", f"gone on without it; {purpose}"
-        elif not is_done:
+            state, text = "left out", f"gone on without it; {step.purpose}"
+        elif not step.done:
             state, open_yet = ("next" if open_yet else "later"), False
-        yield Stage(name, name in needs, state, text, commands.of(name, runs))
+        yield CellStage(step.name, on_bench, state, text, step.command)
 
 
-def _any_done_after(name: str, done: list[tuple[str, str, bool, str]]) -> bool:
-    names = [each[0] for each in done]
-    return any(is_done for _, _, is_done, _ in done[names.index(name) + 1 :])
-
-
-@dataclass(frozen=True)
-class _Commands:
-    cell: Path
-    measured: CellRun | None
-    result: Path | None
-    path: CellRun | None
-
-    def of(self, name: str, runs: CellRuns) -> str:
-        match name:
-            case "identify":
-                run = self.measured.id if self.measured else "RUN"
-                return f"catseye identify {run} -o result-{run}.json"
-            case "validate":
-                run = self.path.name if self.path else "RUN"
-                result = self.result or "RESULT"
-                return (
-                    f"catseye validate {result} --measured path.csv, from: catseye export {run} -o path.csv"
-                )
-        last = runs.last(name)
-        if last is not None and last.resumable:
-            return f"catseye resume {last.name}"
-        return f"catseye run {name} --cell {self.cell}"
+def _plain(text: str) -> str:
+    """Return a text with its braces kept, where names are filled in."""
+    return text.replace("{", "{{").replace("}", "}}")
 
 
 def _cannot(needs: list[Need]) -> str:
     """Return why a procedure cannot be planned on this cell at all; empty when it can."""
-    return next((need.text for need in needs if need.what == "plan" and need.met == "missing"), "")
-
-
-def _warmed(warm: CellRun | None, measured: CellRun | None) -> str:
-    return "the measurement is made" if warm is None and measured is not None else _by(warm)
+    return next(
+        (need.text for need in needs if need.what in {"plan", "cell file"} and need.met == "missing"), ""
+    )
 
 
 def _by(run: CellRun | None) -> str:

@@ -6,11 +6,12 @@ from pathlib import Path
 
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.load import load_cell
-from catseye.app.protocol.procedures import Runnable, load_procedure, procedure_names
+from catseye.app.protocol.procedures import bases, procedures
 from catseye.app.results.readiness.cell_runs import CellRuns, runs_of_cell
 from catseye.app.results.readiness.need import Need
-from catseye.app.results.readiness.needs import aim_of, needs_of
-from catseye.app.results.readiness.stages import Stage, results_in, stages_of
+from catseye.app.results.readiness.needs import cell_basis, needs_of
+from catseye.app.results.readiness.stages import CellStage, results_in, stages_of
+from catseye.procedures.kit.procedure import Procedure
 
 
 @dataclass(frozen=True)
@@ -22,17 +23,17 @@ class Survey:
         procedures: that are installed.
         needs: of each, by name.
         runs: of this cell.
-        stages: on the way to a validated error map.
+        stages: on the way to a validated result.
     """
 
     cell: str
-    procedures: list[Runnable]
+    procedures: list[Procedure]
     needs: dict[str, list[Need]]
     runs: CellRuns
-    stages: list[Stage]
+    stages: list[CellStage]
 
     @property
-    def next(self) -> Stage | None:
+    def next(self) -> CellStage | None:
         """The next sensible stage."""
         return next((stage for stage in self.stages if stage.state == "next"), None)
 
@@ -52,10 +53,10 @@ def survey_cell(path: Path, root: Path, now: datetime) -> Survey:
     """
     cell = load_cell(path).cell
     bench, runs = bench_of(cell), runs_of_cell(root, cell.name, now)
-    procedures = [load_procedure(name) for name in procedure_names()]
-    aim = aim_of(bench, root, runs)
-    needs = {each.name: needs_of(each, cell, bench, aim, runs) for each in procedures}
+    installed = procedures()
+    found = {basis: cell_basis(basis, bench, root, runs) for basis in bases(bench)}
+    needs = {each.name: needs_of(each, cell, bench, found, runs) for each in installed}
     results = results_in((path.parent, root.absolute().parent, root))
-    after = [one for each in procedures for one in each.needs.after]
-    stages = stages_of(runs, needs, aim.search, results, path, after)
-    return Survey(cell.name, procedures, needs, runs, stages)
+    made = {basis.procedure: each.run for basis, each in found.items()}
+    stages = stages_of(installed, runs, needs, made, results, path)
+    return Survey(cell.name, installed, needs, runs, stages)

@@ -11,7 +11,7 @@ from catseye.app.protocol.procedures import Runnable
 from catseye.app.results.numbers import age_text
 from catseye.app.results.readiness.cell_runs import CellRun
 from catseye.app.results.readiness.need import Need
-from catseye.app.results.readiness.stages import Stage
+from catseye.app.results.readiness.stages import CellStage
 from catseye.app.results.readiness.survey import Survey
 
 
@@ -58,10 +58,10 @@ class SurveyDocument(BaseModel):
 
     cell: str = ""
     procedures: tuple[ProcedureEntry, ...] = ()
-    stages: tuple[Stage, ...] = ()
+    stages: tuple[CellStage, ...] = ()
 
     @property
-    def next(self) -> Stage | None:
+    def next(self) -> CellStage | None:
         """The next sensible stage."""
         return next((stage for stage in self.stages if stage.state == "next"), None)
 
@@ -111,7 +111,7 @@ def procedure_entry(procedure: Runnable) -> ProcedureEntry:
     return ProcedureEntry(
         name=procedure.name,
         title=procedure.title,
-        needs_aim=procedure.needs.aim,
+        needs_aim=procedure.needs.basis is not None,
         params=procedure.params_type.model_json_schema()["properties"],
     )
 

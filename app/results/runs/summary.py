@@ -5,10 +5,12 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
+from catseye.app.protocol.procedures import declared_by
 from catseye.app.results.runs.event_text import between_s, device_text, gap_text
 from catseye.app.results.runs.timeline import last_signs
 from catseye.app.store.reader import RunReader
 from catseye.app.store.resumable import why_not_resumable
+from catseye.procedures.kit.records import Observation, Record, Row
 
 Entry = tuple[str, str]
 """A label and its text."""
@@ -21,6 +23,8 @@ _FEW = 20
 def summary(reader: RunReader) -> list[Entry]:
     """Return what was run, on what, how often it was interrupted, and what came out: texts with their labels."""
     meta: dict[str, Any] = dict(reader.meta)
+    declared = declared_by(str(meta.get("procedure")))
+    types = declared.records if declared else ()
     entries = [
         ("procedure", f"{meta.get('procedure')} on cell {meta.get('cell')}, operator {meta.get('operator')}"),
         ("params", json.dumps(_short(meta.get("params", {})), ensure_ascii=False)),
@@ -29,8 +33,8 @@ def summary(reader: RunReader) -> list[Entry]:
     entries += [(name, device_text(facts)) for name, facts in (meta.get("devices") or {}).items()]
     tables = ("steps", *(table.name for table in reader.tables()))
     counts = ", ".join(f"{count} {name}" for name in tables if (count := reader.count(name)))
-    entries += [("stored", counts or "nothing"), *_interruptions(reader), *_reflectors(reader)]
-    entries += [*_alignments(reader.records("alignment")), *_others(reader), *_results(reader)]
+    entries += [("stored", counts or "nothing"), *_interruptions(reader), *_reflectors(reader, types)]
+    entries += [*_observed(reader, types), *_results(reader)]
     if not why_not_resumable(reader):
         entries.append(("to go on", f"catseye resume {reader.path.name}"))
     return entries
@@ -58,8 +62,8 @@ def _interruptions(reader: RunReader) -> list[Entry]:
     ]
 
 
-def _reflectors(reader: RunReader) -> list[Entry]:
-    points = reader.rows("points")
+def _reflectors(reader: RunReader, types: Sequence[type[Record]]) -> list[Entry]:
+    points = [row for kind in types if kind.is_point for row in reader.rows(kind.table)]
     entries: list[Entry] = []
     for name in dict.fromkeys(row["reflector"] for row in points):
         own = [row for row in points if row["reflector"] == name]
@@ -69,41 +73,17 @@ def _reflectors(reader: RunReader) -> list[Entry]:
     return [*entries, ("beam lost", f"{lost}×")] if lost else entries
 
 
-def _alignments(rows: Sequence[dict[str, Any]]) -> list[Entry]:
+def _observed(reader: RunReader, types: Sequence[type[Record]]) -> list[Entry]:
+    """Return what was observed beside what the run measures."""
+    known = {each.kind: each for each in types if issubclass(each, Observation)}
+    by_kind: dict[str, list[Row]] = {}
+    for row in reader.records():
+        by_kind.setdefault(str(row["kind"]), []).append(row)
     entries: list[Entry] = []
-    for quantity in dict.fromkeys(str(row.get("quantity")) for row in rows):
-        own = [row for row in rows if str(row.get("quantity")) == quantity]
-        before, after = own[0], own[-1]
-        unit = before.get("unit", "")
-        entries.append(
-            (
-                "alignment",
-                f"{quantity}: {before['value']:+.3g} {unit} before, {after['value']:+.3g} {unit} after "
-                f"{len(own)} round(s)",
-            )
-        )
+    for kind, rows in by_kind.items():
+        texts = known[kind].summary(rows) if kind in known else [f"{len(rows)}×"]
+        entries += [(kind, text) for text in texts]
     return entries
-
-
-def _others(reader: RunReader) -> list[Entry]:
-    """Return closures, drift and whatever else was observed: how often, and the largest change in µm."""
-    rows = [row for row in reader.records() if row["kind"] not in {"alignment", "screw"}]
-    entries: list[Entry] = []
-    for kind in dict.fromkeys(str(row["kind"]) for row in rows):
-        own = [row for row in rows if row["kind"] == kind]
-        text = f"{len(own)}×"
-        found = [change for row in own if (change := _change_um(row)) is not None]
-        if found:
-            text += f", largest change {max(found, key=abs):+.1f} µm"
-        entries.append((kind, text))
-    return entries
-
-
-def _change_um(row: dict[str, Any]) -> float | None:
-    for key, scale in (("drift_um", 1.0), ("change_um", 1.0), ("difference_um", 1.0), ("difference_mm", 1e3)):
-        if isinstance(row.get(key), int | float):
-            return float(row[key]) * scale
-    return None
 
 
 def _results(reader: RunReader) -> list[Entry]:

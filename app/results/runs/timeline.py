@@ -5,12 +5,10 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
 
-from catseye.app.results.runs.event_text import between_s, device_text, event_text, gap_text
+from catseye.app.protocol.procedures import declared_by
+from catseye.app.results.runs.event_text import between_s, device_text, event_text, gap_text, texts_of
 from catseye.app.results.runs.record_text import record_text
 from catseye.app.store.reader import RunReader, StoredEvent, StoredStep
-
-_PASSING = frozenset({"map-known"})
-"""Events that tell how far a quantity has got: what counts is the last one."""
 
 _INCIDENTS = frozenset({"beam-lost", "step-dropped", "run-reopened", "walk-waived"})
 """Events that disturbed a run, or whose reason a reader of its result has to know."""
@@ -61,8 +59,13 @@ class _Entry:
 
 def timeline(reader: RunReader) -> list[Moment]:
     """Return what happened, in order; steps that follow one another without anything between share a line."""
-    points = _rows_of(reader.rows("points"))
-    records = _rows_of(reader.records())
+    declared = declared_by(str(reader.meta.get("procedure")))
+    types = declared.records if declared else ()
+    points = _rows_of(row for kind in types if kind.is_point for row in reader.rows(kind.table))
+    records = {
+        step_id: [record_text(row, types) for row in rows]
+        for step_id, rows in _rows_of(reader.records()).items()
+    }
     entries = [*_event_entries(reader), *_prompt_entries(reader)]
     steps = reader.steps()
     orders = _orders([(step.place, step.done_utc) for step in steps])
@@ -74,7 +77,7 @@ def timeline(reader: RunReader) -> list[Moment]:
         together = list(found)
         if group:
             steps = [entry.step for entry in together if entry.step is not None]
-            moments += _steps_told(group, steps, points, records)
+            moments += _step_moments(group, steps, points, records)
         else:
             moments += [Moment(entry.time_utc, entry.text) for entry in together]
     return moments
@@ -106,7 +109,7 @@ def _order(place: int | None, time_utc: str, rank: int = 0) -> _Order:
 
 
 def _calmed(entries: Iterable[_Entry]) -> list[_Entry]:
-    """Keep of what is told again and again while steps are done the last one, behind them."""
+    """Keep of what is repeated while steps are done the last one, behind them."""
     calm: list[_Entry] = []
     waiting: list[_Entry] = []
     for entry in entries:
@@ -129,6 +132,7 @@ def _rows_of(rows: Iterable[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
 def _event_entries(reader: RunReader) -> list[_Entry]:
     entries: list[_Entry] = []
     meta, devices = reader.meta, None
+    known = texts_of(str(meta.get("procedure")))
     last, events = last_signs(reader), reader.events()
     stored = [(event.place, event.time_utc) for event in events]
     orders = {event.seq: order for event, order in zip(events, _orders(stored), strict=True)}
@@ -144,26 +148,27 @@ def _event_entries(reader: RunReader) -> list[_Entry]:
                 texts = _devices(event.data.get("devices"), devices)
                 devices = event.data.get("devices")
             case _:
-                texts = [event_text(event)]
-        passing, kind = event.kind in _PASSING, event.kind
+                texts = [event_text(event, known)]
+        kind = event.kind
+        passing = kind in known and known[kind].passing
         entries += [_Entry(event.time_utc, text, order, passing=passing, kind=kind) for text in texts if text]
     return entries
 
 
 def _without_echoes(events: Iterable[StoredEvent]) -> Iterator[StoredEvent]:
-    """Yield what happened; why a life ended is stored with its state, as an error and at its end, and told once."""
-    told: set[str] = set()
+    """Yield what happened; why a life ended is stored with its state, as an error and at its end, and shown once."""
+    shown: set[str] = set()
     for event in events:
         match event.kind, event.data:
             case "run-reopened", _:
-                told.clear()
+                shown.clear()
             case "state", {"state": "STOPPING" | "ABORTING", "reason": str(reason)}:
-                told.add(reason)
-            case "error", {"text": str(text)} if text in told:
+                shown.add(reason)
+            case "error", {"text": str(text)} if text in shown:
                 continue
             case "error", {"text": str(text)}:
-                told.add(text)
-            case "run-ended", {"text": str(text)} if text in told:
+                shown.add(text)
+            case "run-ended", {"text": str(text)} if text in shown:
                 yield replace(event, data={**event.data, "text": ""})
                 continue
         yield event
@@ -263,27 +268,25 @@ def _answer_entries(prompt: dict[str, Any], asked_place: int | None) -> list[_En
         order = _order(prompt["place"], asked, 1)
         return [question, _Entry(asked, f"QUESTION {name} stayed without an answer", order)]
     after = gap_text(between_s(asked, str(answered)))
-    told = f"ANSWER {name}: “{prompt['answer']}”, {prompt['who']}, after {after}"
-    return [question, _Entry(str(answered), told, _order(prompt["place"], str(answered), 1))]
+    answer = f"ANSWER {name}: “{prompt['answer']}”, {prompt['who']}, after {after}"
+    return [question, _Entry(str(answered), answer, _order(prompt["place"], str(answered), 1))]
 
 
-def _steps_told(
+def _step_moments(
     group: str,
     steps: Sequence[StoredStep],
     points: dict[str, list[dict[str, Any]]],
-    records: dict[str, list[dict[str, Any]]],
+    records: dict[str, list[str]],
 ) -> list[Moment]:
     """Return the line of steps that follow one another, and lines of what else was recorded in them."""
-    observed = [
-        Moment(step.done_utc, record_text(row)) for step in steps for row in records.get(step.step_id, ())
-    ]
+    observed = [Moment(step.done_utc, text) for step in steps for text in records.get(step.step_id, ())]
     measured = [step for step in steps if step.step_id in points]
     if observed and not measured and all(step.step_id in records for step in steps):
         return observed
     last = steps[-1]
     took = gap_text(between_s(steps[0].started_utc, last.done_utc))
     if measured:
-        text = _points_told(steps, measured, points)
+        text = _points_text(steps, measured, points)
     elif len(steps) == 1:
         text = steps[0].title
     else:
@@ -291,15 +294,15 @@ def _steps_told(
     return [Moment(last.done_utc, f"{text}, in {took}"), *observed]
 
 
-def _points_told(
+def _points_text(
     steps: Sequence[StoredStep], measured: Sequence[StoredStep], points: dict[str, list[dict[str, Any]]]
 ) -> str:
     rows = [row for step in measured for row in points[step.step_id]]
     names = list(dict.fromkeys(str(row["reflector"]) for row in rows))
     segments = list(dict.fromkeys(int(row["segment"]) for row in rows))
-    told = f"{'/'.join(names)}: {_range([step.step_id for step in measured])} measured, segment {_span(segments)}"
+    text = f"{'/'.join(names)}: {_range([step.step_id for step in measured])} measured, segment {_span(segments)}"
     left_out = [step.step_id for step in steps if step not in measured]
-    return told + (
+    return text + (
         f"; without a distance: {', '.join(_number(name) for name in left_out)}" if left_out else ""
     )
 

@@ -14,8 +14,9 @@ from catseye.app.cell.model import Cell
 from catseye.app.cell.section import RECORD
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.points import point_columns, to_points
-from catseye.app.results.scara.result import Result, result_of
-from catseye.app.store.basis import find_aim
+from catseye.app.results.scara.result import Result
+from catseye.app.results.scara.result_of import result_of
+from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
 from catseye.app.store.software import SOFTWARE
 from catseye.calibration.scara.budget import Budget
@@ -24,6 +25,7 @@ from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.layout import ModelName
 from catseye.procedures.kit.columns import Columns
+from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.records import Distance
 
@@ -148,7 +150,7 @@ def aimed_bench(reader: RunReader, root: Path) -> ScaraBench:
     bench, source = scara_bench_of(cell_of_run(reader)), str(reader.meta.get("aim", "cell file"))
     if source == "cell file" or not (root / source).is_dir():
         return bench
-    return find_aim(bench, root, source, reader.beside).bench
+    return find_basis(SEARCHED, bench, root, source, reader.beside).bench
 
 
 def _require_one_world(readers: Sequence[RunReader]) -> None:

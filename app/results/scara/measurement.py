@@ -14,9 +14,9 @@ from catseye.app.results.runs.records import (
 )
 from catseye.app.results.runs.timeline import incidents
 from catseye.app.results.scara.path_rows import holds_distances
-from catseye.app.store.basis import search_result
 from catseye.app.store.reader import RunReader
 from catseye.app.store.seal import read_manifest
+from catseye.procedures.scara.aiming import search_result
 from catseye.procedures.scara.records import Distance, PathPosition
 
 _MEASURED_WITH = ("python", "numpy", "sqlite", "platform")

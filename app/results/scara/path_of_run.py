@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from catseye.app.errors import UsageError
+from catseye.app.protocol.procedures import analysed_by
 from catseye.app.results.scara.distance_validation import DistanceValidation, validate_on_distances
 from catseye.app.results.scara.identify import (
     MODELS,
@@ -72,11 +73,15 @@ def compare_path(reader: RunReader, root: Path) -> PathComparison:
             [f"the path cannot be compared with the models of {measured.path.name}: {error}"]
         )
     results = [
-        identified_result(one, bench, [measured.path.name], are_simulated([measured])) for one in identified
+        identified_result(identification, bench, [measured.path.name], are_simulated([measured]))
+        for identification in identified
     ]
     notes = [f"the models on the path were identified from {measured.path.name}", *found.notes]
     return PathComparison(
-        notes, [with_reference_links(one, [measured]) for one in results], found.validation, found.distances
+        notes,
+        [with_reference_links(result, [measured]) for result in results],
+        found.validation,
+        found.distances,
     )
 
 
@@ -86,16 +91,16 @@ def _compared(reader: RunReader, identified: list[Identification], bench: ScaraB
         return PathComparison(list(distances.rejected), distances=distances)
     nominal = (bench.link1_mm, bench.link2_mm)
     path = path_measurement(reader, bench.take_up_deg)
-    arms = [one.arm for one in identified]
+    arms = [identification.arm for identification in identified]
     validation = validate_on_path(path, arms, nominal)
     mirrored = mirrored_text(validation)
     return PathComparison([mirrored] if mirrored else [], validation=validation)
 
 
 def _measurement(reader: RunReader, root: Path) -> RunReader | None:
-    wanted = _bench_key(reader)
+    wanted, measuring = _bench_key(reader), {each.name for each in analysed_by("identify")}
     for run in reversed(list_runs(root)):
-        if run.procedure == "open-loop" and run.status == "complete":
+        if run.procedure in measuring and run.status == "complete":
             found = RunReader(run.path, Accept.UNCHECKED)
             if _bench_key(found) == wanted and found.count(Distance.table):
                 return reader.beside(run.path)

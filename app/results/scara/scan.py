@@ -7,9 +7,9 @@ import numpy as np
 
 from catseye.app.results.scara.distance_unit import require_millimetres
 from catseye.app.results.scara.identify import identified_result
-from catseye.app.results.scara.result import Result
-from catseye.app.results.scara.scan_part import scan_part
+from catseye.app.results.scara.result import Result, ScanPart, ScanSegments
 from catseye.app.results.scara.spooled_points import spooled_points
+from catseye.calibration.core.blockwise.residual_sums import ResidualSums
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.layout import ModelName
 from catseye.calibration.scara.scans.scan_identification import identify_scan
@@ -72,5 +72,24 @@ def identify_scan_file(
             source, model, *nodes, *links, np.array(list(places.values())), terms=terms, progress=solving
         )
     identified = found.identified
-    part = scan_part(found.residuals, identified.layout.dead_paths, len(identified.points))
+    part = _scan_part(found.residuals, identified.layout.dead_paths, len(identified.points))
     return identified_result(identified, bench, [points.name]).model_copy(update={"scan": part})
+
+
+def _scan_part(residuals: ResidualSums, dead_paths: tuple[tuple[str, int], ...], n_sample: int) -> ScanPart:
+    """Return summed residuals as a result file states them."""
+    return ScanPart(
+        n_points=residuals.rows,
+        n_sample=n_sample,
+        segments=ScanSegments(
+            reflector=[name for name, _ in dead_paths],
+            segment=[segment for _, segment in dead_paths],
+            n_points=residuals.count.tolist(),
+            mean_um=(1e3 * residuals.total_mm / residuals.count).tolist(),
+            rms_um=(1e3 * (residuals.square_mm2 / residuals.count) ** 0.5).tolist(),
+            largest_um=(1e3 * residuals.largest_mm).tolist(),
+        ),
+        histogram_from_um=-1e3 * residuals.half_width_mm,
+        histogram_to_um=1e3 * residuals.half_width_mm,
+        histogram=residuals.histogram.tolist(),
+    )

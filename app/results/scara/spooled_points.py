@@ -89,7 +89,7 @@ def spooled_points(
     Args:
         path: the file; .parquet is Parquet, anything else CSV.
         known: names of the reflectors of the cell file, each once.
-        progress: is told the share of the file that is read.
+        progress: is called with the share of the file that is read.
 
     Raises:
         UsageError: the file is missing, a column is missing, a value is wrong; names file and line.

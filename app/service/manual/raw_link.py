@@ -176,7 +176,7 @@ class RawLink:
             record,
             self._bench.folder,
             simulated=self._simulated,
-            tell=lambda text: self._bench.announce(WarningIssued(text=text)),
+            report=lambda text: self._bench.announce(WarningIssued(text=text)),
         )
 
     def _announce(self, *, on: bool, reason: str | None = None) -> None:

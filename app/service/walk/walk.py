@@ -88,7 +88,7 @@ class Walk:
     @property
     def needs(self) -> Needs:
         """It is planned as the procedure is; nothing is measured."""
-        return Needs(self.procedure.needs.bench, aim=self.procedure.needs.aim)
+        return Needs(self.procedure.needs.bench, basis=self.procedure.needs.basis)
 
     @property
     def records(self) -> Collection[type[Record]]:

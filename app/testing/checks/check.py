@@ -25,7 +25,7 @@ class Check:
 
     Attributes:
         body: does it; its docstring says what is asked of the driver.
-        kinds: of instruments that it concerns.
+        roles: of the drivers that it concerns.
         needs: what has to be there.
     """
 
@@ -35,7 +35,7 @@ class Check:
 
     @property
     def name(self) -> str:
-        """For reports."""
+        """As reports call it."""
         return self.body.__name__
 
     def obstacle(self, candidate: Candidate) -> str | None:

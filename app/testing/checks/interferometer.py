@@ -26,7 +26,7 @@ async def it_says_who_corrects_for_the_air(trial: Trial) -> None:
 
 
 async def status_and_reading_agree(trial: Trial) -> None:
-    """Readings are finite lengths, the signal lies in 0...1, and both tell of the same zero."""
+    """Readings are finite lengths, the signal lies in 0...1, and both count from the same zero."""
     async with trial.connected() as driver:
         reading, status = await trial.ask(driver), await trial.in_time(driver.status(), "status()")
         expect(math.isfinite(reading.displacement_mm), f"displacement_mm is {reading.displacement_mm!r}")
@@ -119,7 +119,7 @@ async def a_beam_lost_between_two_questions_is_seen(trial: Trial) -> None:
         trial.device.fault("block_beam")
         # A stream shows a break only in the samples that fall into it.
         until_s = trial.device.state().time_s + _INTERRUPTION_S
-        while trial.device.state().time_s < until_s:  # noqa: ASYNC110  # the bench tells its time only when asked
+        while trial.device.state().time_s < until_s:  # noqa: ASYNC110  # the bench gives its time only when asked
             await asyncio.sleep(0)
         trial.device.clear_faults()
         status = await _status_with(trial, driver, beam_ok=True)

@@ -173,7 +173,7 @@ async def overrides_out_of_range_are_refused(trial: Trial) -> None:
 
 
 async def an_alarm_is_told(trial: Trial) -> None:
-    """A motion in alarm is refused with the alarm's number, and `status` tells it with a text."""
+    """A motion in alarm is refused with the alarm's number, and `status` gives it with a text."""
     async with _ready(trial) as driver:
         target = _aside(await trial.ask(driver))
         trial.device.fault("alarm", number=50)

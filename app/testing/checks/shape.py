@@ -71,10 +71,10 @@ async def settings_are_a_strict_closed_model(trial: Trial) -> None:
 async def settings_are_described_with_units(trial: Trial) -> None:
     """Each setting stands in the docstring of `Settings`; the name of a quantity ends in its unit."""
     model = _settings(trial)
-    told = "\n".join(parent.__doc__ or "" for parent in model.__mro__ if parent is not BaseModel)
+    text = "\n".join(parent.__doc__ or "" for parent in model.__mro__ if parent is not BaseModel)
     for name, field in model.model_fields.items():
         expect(
-            re.search(rf"\b{name}\b", told) is not None,
+            re.search(rf"\b{name}\b", text) is not None,
             f"the docstring of Settings does not tell of {name!r}",
         )
         expect(

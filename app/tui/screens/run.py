@@ -101,7 +101,7 @@ class RunScreen(MainScreen):
         ),
         Binding("pageup", "earlier", "earlier steps", show=False, id="run.earlier"),
         Binding("pagedown", "later", "later steps", show=False, id="run.later"),
-        Binding("i", "after('identify')", "identify", show=False, id="run.identify", tooltip="after the end"),
+        Binding("i", "after('analyse')", "identify", show=False, id="run.identify", tooltip="after the end"),
         Binding(
             "p", "after('report')", "report", show=False, id="run.report", tooltip="a page about the run"
         ),
@@ -155,7 +155,7 @@ class RunScreen(MainScreen):
         yield SystemCommand("Earlier steps", "move the list", self.action_earlier)
         yield SystemCommand("Later steps", "move the list", self.action_later)
         yield SystemCommand("End the command", "that was begun here", self.action_back)
-        for kind in ("identify", "report", "resume", "clear"):
+        for kind in ("analyse", "report", "resume", "clear"):
             yield SystemCommand(
                 f"After the run: {kind}", "where it is sensible", partial(self.action_after, kind)
             )
@@ -373,18 +373,18 @@ class RunScreen(MainScreen):
             if event.kind == "progress":
                 self._doing = f"{event.title} {event.share:.0%}  {event.text}   Esc ends it"
 
-        self._doing = f"{advice.kind} …  Esc ends it"
+        self._doing = f"{advice.name} …  Esc ends it"
         file = await asyncio.to_thread(free_name, wanted)
         try:
-            with self.session.at_work(advice.kind):
+            with self.session.at_work(advice.name):
                 done = await self.session.work.do(*advice.command, "-o", file, heard=hear)
         finally:
             self._doing = ""
         if done.code:
-            self.catseye.show_error(f"{advice.kind} failed", done.fault)
+            self.catseye.show_error(f"{advice.name} failed", done.fault)
         else:
             self._doing = f"written: {file}"
-            self.notify(str(file), title=f"{advice.kind}: written", markup=False)
+            self.notify(str(file), title=f"{advice.name}: written", markup=False)
 
     def _plan_of(self, run: RunState | None) -> None:
         """Rehearse the run that is shown, once, to know the steps to come."""

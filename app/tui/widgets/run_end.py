@@ -11,7 +11,7 @@ from catseye.app.results.readiness.after_run import Advice
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.widgets.static_text import StaticText, lines
 
-KEYS: Final = {"identify": "i", "report": "p", "resume": "e", "clear": "x", "next": "F3"}
+KEYS: Final = {"analyse": "i", "report": "p", "resume": "e", "clear": "x", "next": "F3"}
 
 
 class RunEnd(Vertical):
@@ -47,7 +47,7 @@ class RunEnd(Vertical):
         if run is None or not ended:
             return
         shown = [
-            Content.assemble((f"{KEYS[each.kind]:>3}  ", "bold $accent"), f"{each.kind:<9} {each.text}")
+            Content.assemble((f"{KEYS[each.kind]:>3}  ", "bold $accent"), f"{each.name:<9} {each.text}")
             for each in advice
         ]
         if doing:

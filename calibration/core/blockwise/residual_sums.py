@@ -53,7 +53,7 @@ class ResidualSums:
 
     @property
     def rows(self) -> int:
-        """Number of all rows."""
+        """Over all groups."""
         return int(self.count.sum())
 
     @property

@@ -22,7 +22,7 @@ _LEAST_GAIN = 1e-9
 
 @dataclass(frozen=True)
 class Pool:
-    """Candidates.
+    """Candidates of a design, and which of them go together.
 
     Attributes:
         matrix: information that each brings, shape (m, f, f).

@@ -41,7 +41,7 @@ class Study:
 
     @property
     def reach_mm(self) -> float:
-        """Reach of the arm."""
+        """Both links stretched out, mm."""
         return self.link1_mm + self.link2_mm
 
     @property

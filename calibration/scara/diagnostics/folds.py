@@ -20,7 +20,7 @@ def cross_validation(projection: DistanceProjection, way: Way) -> CrossValidatio
     joints: a movement of J2 one way.
 
     Args:
-        projection: of the fit.
+        projection: the fit, on the space that its model cannot reach.
         way: what to leave out at a time.
     """
     return core.cross_validation(projection, _folds(projection.points, way))

@@ -6,11 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from catseye.calibration.core.projection import addition
-from catseye.calibration.core.significance import SIGNIFICANCE, adjusted
+from catseye.calibration.core.significance import Judged, adjusted
 from catseye.calibration.core.types import Bools, Floats
-from catseye.calibration.scara.diagnostics.projection import DistanceProjection
+from catseye.calibration.scara.diagnostics.projection import DistanceProjection, angles_rad
 from catseye.calibration.scara.extension import Source, Target
-from catseye.calibration.scara.pointing import beam_turn_rad
 
 _SAME = 1.0 - 1e-9
 """Two orders whose waves at the commands correlate more than this are one."""
@@ -26,7 +25,7 @@ SERIES: tuple[tuple[Target, Source], ...] = (
 
 
 @dataclass(frozen=True)
-class Harmonic:
+class Harmonic(Judged):
     """One order of one series.
 
     Attributes:
@@ -50,16 +49,6 @@ class Harmonic:
     explained_um: float
     probability: float
     probability_stated: float
-
-    @property
-    def significant(self) -> bool:
-        """White errors alone do not look like this."""
-        return self.probability < SIGNIFICANCE
-
-    @property
-    def explained(self) -> bool:
-        """The stated systematic contributors account for it."""
-        return self.probability_stated >= SIGNIFICANCE
 
 
 @dataclass(frozen=True)
@@ -85,17 +74,12 @@ def harmonic_series(
     """Return orders 1 … `orders` of every series; of orders that are one at the commands the lowest stands for all.
 
     Args:
-        projection: of the fit.
+        projection: the fit, on the space that its model cannot reach.
         nominal_mm: nominal links, mm.
         reflectors_mm: places that the beam was aimed at, mm, shape (reflectors, 2).
         orders: highest order.
     """
-    commands = projection.points.commands
-    angles: dict[Source, Floats] = {
-        "theta1": commands.theta1_rad,
-        "theta2": commands.theta2_rad,
-        "theta4": beam_turn_rad(projection.points, nominal_mm, reflectors_mm),
-    }
+    angles = angles_rad(projection.points, nominal_mm, reflectors_mm)
     found = [_series(projection, target, source, angles[source], orders) for target, source in SERIES]
     tests = sum(len(one.harmonics) for one in found)
     return [replace(one, harmonics=tuple(_corrected(h, tests) for h in one.harmonics)) for one in found]

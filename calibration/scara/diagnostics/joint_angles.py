@@ -5,17 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.calibration.core.projection import addition
-from catseye.calibration.core.significance import SIGNIFICANCE
+from catseye.calibration.core.significance import Judged
 from catseye.calibration.core.types import Floats, Ints
-from catseye.calibration.scara.diagnostics.projection import DistanceProjection
-from catseye.calibration.scara.pointing import beam_turn_rad
+from catseye.calibration.scara.diagnostics.projection import DistanceProjection, angles_rad
+from catseye.calibration.scara.extension import Source
 
 _MOST_LEVELS = 40
 _BIN_RAD = np.deg2rad(10.0)
 
 
 @dataclass(frozen=True)
-class AnglePattern:
+class AnglePattern(Judged):
     """Mean residuals over the levels of one joint's angle, with a test whether they differ.
 
     Attributes:
@@ -40,16 +40,6 @@ class AnglePattern:
     probability: float
     probability_stated: float
 
-    @property
-    def significant(self) -> bool:
-        """White errors alone do not look like this."""
-        return self.probability < SIGNIFICANCE
-
-    @property
-    def explained(self) -> bool:
-        """The stated systematic contributors account for it."""
-        return self.probability_stated >= SIGNIFICANCE
-
 
 def angle_patterns(
     projection: DistanceProjection, nominal_mm: tuple[float, float], reflectors_mm: Floats
@@ -57,17 +47,13 @@ def angle_patterns(
     """Return the residuals against θ1, θ2 and θ4.
 
     Args:
-        projection: of the fit.
+        projection: the fit, on the space that its model cannot reach.
         nominal_mm: nominal links, mm.
         reflectors_mm: places that the beam was aimed at, mm, shape (reflectors, 2).
     """
-    points = projection.points
-    angles = {
-        1: points.commands.theta1_rad,
-        2: points.commands.theta2_rad,
-        4: beam_turn_rad(points, nominal_mm, reflectors_mm),
-    }
-    return [_pattern(projection, joint, angle) for joint, angle in angles.items()]
+    angles = angles_rad(projection.points, nominal_mm, reflectors_mm)
+    joints: dict[int, Source] = {1: "theta1", 2: "theta2", 4: "theta4"}
+    return [_pattern(projection, joint, angles[source]) for joint, source in joints.items()]
 
 
 def _pattern(projection: DistanceProjection, joint: int, angle_rad: Floats) -> AnglePattern:

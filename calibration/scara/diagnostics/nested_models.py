@@ -7,7 +7,7 @@ import numpy as np
 
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.core.projection import Projection
-from catseye.calibration.core.significance import SIGNIFICANCE, adjusted, aicc, bic, f_test
+from catseye.calibration.core.significance import Judged, adjusted, aicc, bic, f_test
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.diagnostics.projection import projection_of
@@ -31,7 +31,7 @@ class Extension:
 
 
 @dataclass(frozen=True)
-class ComparedModel:
+class ComparedModel(Judged):
     """One model beside the one that it extends.
 
     Attributes:
@@ -69,12 +69,7 @@ class ComparedModel:
     @property
     def significant(self) -> bool:
         """White errors alone do not look like this."""
-        return not self.refused and self.probability < SIGNIFICANCE
-
-    @property
-    def explained(self) -> bool:
-        """The stated systematic contributors account for it."""
-        return self.probability_stated >= SIGNIFICANCE
+        return not self.refused and super().significant
 
 
 @dataclass(frozen=True)

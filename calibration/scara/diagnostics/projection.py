@@ -1,10 +1,14 @@
 """A fit of distances seen as a projection."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from catseye.calibration.core.projection import Projection, project
+from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Geometry
+from catseye.calibration.scara.extension import Source
 from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.pointing import beam_turn_rad
 from catseye.calibration.scara.points import Points
 
 
@@ -20,7 +24,7 @@ class DistanceProjection(Projection):
 
     @property
     def points(self) -> Points:
-        """The distances."""
+        """That the identification was made from, in their order."""
         return self.geometry.points
 
 
@@ -31,3 +35,20 @@ def projection_of(identified: Identification) -> DistanceProjection:
     return DistanceProjection(
         found.weights, found.orthonormal, found.residuals, found.effects, model.geometry(values)
     )
+
+
+def angles_rad(
+    points: Points, nominal_mm: tuple[float, float], reflectors_mm: Floats
+) -> Mapping[Source, Floats]:
+    """Return the angles that errors may follow: of both joints, and of the beam against link 2; rad, shape (n,).
+
+    Args:
+        points: where the arm was sent.
+        nominal_mm: nominal links, mm.
+        reflectors_mm: places that the beam was aimed at, mm, shape (reflectors, 2).
+    """
+    return {
+        "theta1": points.commands.theta1_rad,
+        "theta2": points.commands.theta2_rad,
+        "theta4": beam_turn_rad(points, nominal_mm, reflectors_mm),
+    }

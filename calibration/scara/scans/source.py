@@ -37,7 +37,6 @@ class SlicedPoints:
 
     Attributes:
         points: all distances.
-        rows: of a block.
     """
 
     points: Points

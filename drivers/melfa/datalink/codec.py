@@ -44,7 +44,7 @@ def encode(number: int, command: int, values: tuple[float, ...] = ()) -> bytes:
     """Return the bytes of a request.
 
     Args:
-        number: tells this request from others.
+        number: distinguishes this request from others.
         command: see the program.
         values: up to four; missing ones are 0.
 

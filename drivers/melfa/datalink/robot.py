@@ -279,7 +279,7 @@ class MelfaDatalink(LedArm):
         Raises:
             AlarmError: an alarm is active.
             RefusedError: the program refuses, nothing moves.
-            LinkError: program or arm stands, or the controller does not tell.
+            LinkError: program or arm stands, or the controller does not say.
             ProtocolError: garbage came, or the controller refused a question.
         """
         drive = asyncio.ensure_future(

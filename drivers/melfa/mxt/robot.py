@@ -252,7 +252,7 @@ class MelfaMxt(LedArm):
             await self._controller.account_for(way[-1], lost)
             return
         if off := off_target(reached, way[-1], self._settings):
-            # The program may be told to stop now.
+            # The program may be stopped now.
             self._halted = True
             away = NotArrivedError(f"{self._stream.where}: the motion is over, but {off}: {LOOK_WHY}")
             await self._controller.account_for(way[-1], away)

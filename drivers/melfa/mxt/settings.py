@@ -17,7 +17,7 @@ class MxtSettings(MelfaSettings):
         mxt_cycle_ms: cycle of the controller: 7.1 (CR750, CR751, CR800-Q) or 3.5 (CR800-R, CR800-D).
         mxt_timeout_s: how long the controller is to wait for a set point (parameter MXTTOUT); -1 for ever. The
             parameter itself is read before the first motion: for ever, or longer than 0.5 s, moves no real arm.
-        mxt_timeout_unit_ms: what MXTTOUT counts in, ms. The sheet does not tell; by default cycles of the controller,
+        mxt_timeout_unit_ms: what MXTTOUT counts in, ms. The sheet does not say; by default cycles of the controller,
             in which the controller counts its time without reception (TCount).
         reply_timeout_s: for the answer to one set point.
         most_lost: so many answers in a row may be lost before the arm is stopped.

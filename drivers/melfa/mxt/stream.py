@@ -28,7 +28,6 @@ class SetPointStream:
     Args:
         transport: the datagrams.
         clock: measures the controller's cycle.
-        settings: of the driver.
         name: what is behind it, for texts.
     """
 

@@ -2,12 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Final, Literal
 
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import BeamLostError
+from catseye.procedures.kit.event_text import Data, EventText, EventTexts, plain_text
 from catseye.procedures.kit.records import Json
 from catseye.procedures.kit.tasks import ClearBeam
 
@@ -221,3 +222,20 @@ class BeamLoss:
             target=goal,
         )
         return prompt if may_skip else replace(prompt, choices=("retry", "stop"))
+
+
+def _lost_text(data: Data) -> str:
+    where = f" {data['reflector']}" if data.get("reflector") else ""
+    if isinstance(data.get("point"), int):
+        where += f", on the way to point {data['point'] + 1}"
+    elif data.get("where"):
+        where += f", {data['where']}"
+    known = ("reflector", "point", "where", "segment", "cause")
+    rest = {key: value for key, value in data.items() if key not in known}
+    text = f"BEAM LOST:{where}; segment {data.get('segment')} ends"
+    if data.get("cause"):
+        text += f"; cause: {data['cause']}"
+    return text + (f" ({plain_text('', rest).removeprefix(': ')})" if rest else "")
+
+
+LOSS_TEXTS: Final[EventTexts] = {"beam-lost": EventText(_lost_text)}

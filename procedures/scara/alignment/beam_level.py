@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -14,8 +13,10 @@ from catseye.procedures.kit.errors import AlignmentError, BeamLostError, PlanErr
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import way_refusal
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Record, Row
+from catseye.procedures.kit.procedure import Procedure
+from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import numbers_of
+from catseye.procedures.scara import texts
 from catseye.procedures.scara.alignment.beam_to_j4 import named_reflectors
 from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw
 from catseye.procedures.scara.beam.beam_scan import (
@@ -26,6 +27,7 @@ from catseye.procedures.scara.beam.beam_scan import (
     signal_live,
 )
 from catseye.procedures.scara.beam.nests import Nests
+from catseye.procedures.scara.before import LEVELLING, REFLECTORS
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
@@ -77,13 +79,15 @@ class BeamLevelPlan:
     params: BeamLevelParams
 
 
-class BeamLevel:
+class BeamLevel(Procedure):
     """Measures the beam's pitch and guides the vertical screw until the beam is level."""
 
     name = "beam-level"
     title = "Levelling of the beam"
-    needs: ClassVar[Needs] = Needs(ScaraBench)
-    records: ClassVar[tuple[type[Record], ...]] = (AlignmentRound, ScrewTurn)
+    needs = Needs(ScaraBench, equipment=(REFLECTORS,))
+    stage = LEVELLING
+    records = (AlignmentRound, ScrewTurn)
+    event_texts = texts.HEIGHT
     params_type = BeamLevelParams
 
     def __init__(self) -> None:

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain
-from typing import ClassVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -24,12 +23,13 @@ from catseye.procedures.kit.errors import (
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import require_clear_way
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Record, Row
+from catseye.procedures.kit.procedure import Procedure
+from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
 from catseye.procedures.scara.beam.nests import Nests
-from catseye.procedures.scara.before import LEVELLED
+from catseye.procedures.scara.before import ALIGNING, LEVELLED, REFLECTORS
 from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
@@ -91,13 +91,14 @@ class BeamToJ4Plan:
         )
 
 
-class BeamToJ4:
+class BeamToJ4(Procedure):
     """Measures how far the beam passes the J4 axis and guides the screw of the stage until it does not."""
 
     name = "beam-to-j4"
     title = "Alignment of the beam to the J4 axis"
-    needs: ClassVar[Needs] = Needs(ScaraBench, after=(LEVELLED,))
-    records: ClassVar[tuple[type[Record], ...]] = (AlignmentRound, ScrewTurn)
+    needs = Needs(ScaraBench, equipment=(REFLECTORS,), after=(LEVELLED,))
+    stage = ALIGNING
+    records = (AlignmentRound, ScrewTurn)
     params_type = BeamToJ4Params
 
     def plan(self, bench: ScaraBench, params: BeamToJ4Params) -> BeamToJ4Plan:
@@ -127,9 +128,6 @@ class BeamToJ4:
         await ctx.step(
             "result", "offset of the beam from the J4 axis", lambda: _result(ctx, guided.turned, row)
         )
-
-    async def teardown(self, ctx: Context) -> None:
-        """Leave the arm where it stands."""
 
 
 def stage_screw(bench: ScaraBench) -> Screw:

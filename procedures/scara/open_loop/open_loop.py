@@ -1,18 +1,17 @@
 """The automated open-loop tracking measurement."""
 
 from dataclasses import replace
-from typing import ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.motion.bench_time import BenchTime
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Record
-from catseye.procedures.scara.before import ALIGNED, WARM
+from catseye.procedures.kit.procedure import Procedure
+from catseye.procedures.scara import texts
+from catseye.procedures.scara.aiming import SEARCHED
+from catseye.procedures.scara.before import ALIGNED, IDENTIFY, MEASURING, REFLECTORS, WARM
 from catseye.procedures.scara.bench import ScaraBench
-from catseye.procedures.scara.open_loop.campaign import ReflectorCampaign
-from catseye.procedures.scara.open_loop.live_knowledge import Knowledge
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, Rules, plan_open_loop
 from catseye.procedures.scara.records import ClosureVisit, Distance, Overlap
 
@@ -38,13 +37,17 @@ class OpenLoopParams(BaseModel):
     )
 
 
-class OpenLoop:
+class OpenLoop(Procedure):
     """Visits every node from both sides with the beam on each reflector in turn and records the distances."""
 
     name = "open-loop"
     title = "Automated open-loop tracking measurement"
-    needs: ClassVar[Needs] = Needs(ScaraBench, after=(ALIGNED, WARM), aim=True)
-    records: ClassVar[tuple[type[Record], ...]] = (Distance, Overlap, ClosureVisit)
+    needs = Needs(ScaraBench, equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
+    stage = MEASURING
+    records = (Distance, Overlap, ClosureVisit)
+    analyses = (IDENTIFY,)
+    event_texts = texts.MEASUREMENT
+    demo = ()
     params_type = OpenLoopParams
 
     def plan(self, bench: ScaraBench, params: OpenLoopParams) -> OpenLoopPlan:
@@ -70,6 +73,9 @@ class OpenLoop:
             BeamLostError: the beam stays away and the operator ends the run.
             WayBlockedError: the arm cannot be led to a point from where it stands.
         """
+        from catseye.procedures.scara.open_loop.campaign import ReflectorCampaign
+        from catseye.procedures.scara.open_loop.live_knowledge import Knowledge
+
         time = BenchTime(ctx, plan.duration_s)
         reflectors = tuple(part.reflector for part in plan.reflectors)
         knowledge = Knowledge(ctx, plan.bench, reflectors, plan.rules.stop_at_mdeg)
@@ -85,9 +91,6 @@ class OpenLoop:
                 break
         if left_out:
             await ctx.warn(f"{len(left_out)} points were left out: {'; '.join(left_out)}")
-
-    async def teardown(self, ctx: Context) -> None:
-        """Leave the arm where it stands."""
 
 
 async def _tell_enough(ctx: Context, plan: OpenLoopPlan, time: BenchTime) -> None:

@@ -1,7 +1,7 @@
 """A straight path both ways, measured by an independent instrument (Sec. 4.3 of the SCARA paper) or by distances."""
 
 from functools import partial
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -11,8 +11,11 @@ from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import ArmMovedError, TableFileError
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Record, Row
-from catseye.procedures.scara.before import ALIGNED
+from catseye.procedures.kit.procedure import Procedure
+from catseye.procedures.kit.records import Row
+from catseye.procedures.scara import texts
+from catseye.procedures.scara.aiming import SEARCHED
+from catseye.procedures.scara.before import ALIGNED, DRIVING_A_PATH, REFLECTORS, TRACKER, VALIDATE
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.entry import way_in
 from catseye.procedures.scara.path.joint_rows import plan_joint_rows
@@ -64,13 +67,17 @@ class PathParams(BaseModel):
     )
 
 
-class ValidationPath:
+class ValidationPath(Procedure):
     """Drives the path and records where an instrument sees the arm, or how far it is from a reflector."""
 
     name = "validation-path"
     title = "Validation path"
-    needs: ClassVar[Needs] = Needs(ScaraBench, after=(ALIGNED,), aim=True, tracker=True)
-    records: ClassVar[tuple[type[Record], ...]] = (PathPosition, Overlap)
+    needs = Needs(ScaraBench, equipment=(REFLECTORS, TRACKER), after=(ALIGNED,), basis=SEARCHED)
+    stage = DRIVING_A_PATH
+    records = (PathPosition, Overlap)
+    analyses = (VALIDATE,)
+    event_texts = texts.FOLLOWING
+    demo = ("passes=5",)
     params_type = PathParams
 
     def plan(self, bench: ScaraBench, params: PathParams) -> PathPlan:
@@ -115,9 +122,6 @@ class ValidationPath:
             await ctx.step(
                 "measured-file", "positions from the instrument's file", partial(_take_file, ctx, plan)
             )
-
-    async def teardown(self, ctx: Context) -> None:
-        """Leave the arm where it stands."""
 
 
 class _Drive:

@@ -2,16 +2,19 @@
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Record, Row
+from catseye.procedures.kit.procedure import Procedure
+from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import integer
+from catseye.procedures.scara import texts
+from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.beam.nests import Nests
-from catseye.procedures.scara.before import ALIGNED, WARM
+from catseye.procedures.scara.before import ALIGNED, REFLECTORS, WARM
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.motion.point_row import links_of
@@ -39,13 +42,14 @@ class RepeatabilityParams(BaseModel):
     reflectors: list[str] = Field([], description="names of the reflectors to see it from; all when empty")
 
 
-class Repeatability:
+class Repeatability(Procedure):
     """Attains poses from fixed run-ins with the beam kept, cycle after cycle, on each reflector in turn."""
 
     name = "repeatability"
     title = "Pose repeatability"
-    needs: ClassVar[Needs] = Needs(ScaraBench, after=(ALIGNED, WARM), aim=True)
-    records: ClassVar[tuple[type[Record], ...]] = (Repeat,)
+    needs = Needs(ScaraBench, equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
+    records = (Repeat,)
+    event_texts = texts.REPEATABILITY
     params_type = RepeatabilityParams
 
     def plan(self, bench: ScaraBench, params: RepeatabilityParams) -> RepeatabilityPlan:
@@ -81,9 +85,6 @@ class Repeatability:
                 ctx.progress(done_s, plan.duration_s, title)
             series += own
         await ctx.step("analyse", "repeatability of the poses", partial(analyse, ctx, plan, series))
-
-    async def teardown(self, ctx: Context) -> None:
-        """Leave the arm where it stands."""
 
 
 async def _cycle(

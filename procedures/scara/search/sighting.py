@@ -4,6 +4,7 @@ import math
 from collections import Counter
 from dataclasses import dataclass
 from statistics import median
+from typing import Final
 
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.beam.loss import Cause, LossLog
@@ -21,6 +22,9 @@ _REMEDY = "check that the beam is free, and the rough place and theta40_deg in t
 
 _MOST_QUESTIONS = 500
 """So many answers at one pose mean that nobody is there who looks at the signal."""
+
+POSE_S: Final = 15.0
+"""Expected time of a look; the run's own pace corrects it."""
 
 
 @dataclass(frozen=True)

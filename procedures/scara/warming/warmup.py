@@ -2,7 +2,7 @@
 
 import math
 from functools import partial
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -10,10 +10,13 @@ from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import NotWarmError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.needs import Needs
-from catseye.procedures.kit.records import Json, Record, Row
+from catseye.procedures.kit.procedure import Procedure
+from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.kit.stored import integer
+from catseye.procedures.scara import texts
+from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.beam.nests import Nests
-from catseye.procedures.scara.before import ALIGNED
+from catseye.procedures.scara.before import ALIGNED, REFLECTORS, WARMING
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.motion.point_row import links_of
@@ -51,13 +54,15 @@ class WarmupParams(BaseModel):
     duration_limit_min: float = Field(120.0, ge=1.0, le=1440.0, description="longest warm-up, min")
 
 
-class Warmup:
+class Warmup(Procedure):
     """Exercises the axes along tracked ways and watches a distance until its drift is below a limit."""
 
     name = "warmup"
     title = "Warm-up"
-    needs: ClassVar[Needs] = Needs(ScaraBench, after=(ALIGNED,), aim=True)
-    records: ClassVar[tuple[type[Record], ...]] = (Drift,)
+    needs = Needs(ScaraBench, equipment=(REFLECTORS,), after=(ALIGNED,), basis=SEARCHED)
+    stage = WARMING
+    records = (Drift,)
+    event_texts = texts.WARMUP
     params_type = WarmupParams
 
     def plan(self, bench: ScaraBench, params: WarmupParams) -> WarmupPlan:
@@ -100,9 +105,6 @@ class Warmup:
         await ctx.step("analyse", "drift at the reference pose", partial(_analyse, ctx, plan, watch))
         if not watch.warm:
             raise NotWarmError(_not_warm(plan, watch))
-
-    async def teardown(self, ctx: Context) -> None:
-        """Leave the arm where it stands."""
 
 
 async def _visit(ctx: Context, plan: WarmupPlan, rounds: Rounds, number: int) -> Row:

@@ -19,7 +19,6 @@ class OpenFile:
     """A file that a client has opened.
 
     Attributes:
-        name: of the program.
         mode: r or w.
         content: what is still to be read, or what has been written.
     """

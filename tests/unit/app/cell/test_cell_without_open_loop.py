@@ -15,9 +15,9 @@ from catseye.app.cell.plausible import implausible
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.engine.walked.register import geometry_digest
 from catseye.app.errors import ConfigError
-from catseye.app.protocol.procedures import load_procedure, procedure_names
+from catseye.app.protocol.procedures import bases, load_procedure, procedure_names
 from catseye.app.results.readiness.cell_runs import runs_of_cell
-from catseye.app.results.readiness.needs import aim_of, needs_of
+from catseye.app.results.readiness.needs import needs_of
 from catseye.app.service.running import plan_run
 from catseye.drivers.roles.pose import Axis
 from catseye.procedures.kit.bench import Bench
@@ -80,9 +80,9 @@ def test_readiness_names_what_is_missing(tmp_path: Path) -> None:
     cell = without(tmp_path, REFLECTORS).cell
     runs = runs_of_cell(tmp_path / "runs", cell.name, datetime(2026, 1, 1, tzinfo=UTC))
     bench = bench_of(cell)
-    aim = aim_of(bench, tmp_path / "runs", runs)
+    assert bases(bench) == []
     for name in procedure_names():
-        (need,) = needs_of(load_procedure(name), cell, bench, aim, runs)
+        (need,) = needs_of(load_procedure(name), cell, bench, {}, runs)
         assert (need.what, need.met) == ("cell file", "missing")
         assert need.text.startswith(f"{name} needs [[reflector]]")
 

@@ -2,8 +2,7 @@
 
 import pytest
 
-from catseye.app.cluster.sharing import sharing
-from catseye.app.cluster.trust import require_trusted
+from catseye.app.cluster.sharing import require_trusted, sharing
 from catseye.app.errors import ConfigError, exit_code_of
 from catseye.app.exitcode import ExitCode
 

@@ -9,7 +9,8 @@ import numpy as np
 from catseye.app.cell.model import Cell
 from catseye.app.cell.template import TEMPLATE
 from catseye.app.render.html import section_html
-from catseye.app.results.scara.result import Result, result_of
+from catseye.app.results.scara.result import Result
+from catseye.app.results.scara.result_of import result_of
 from catseye.app.results.scara.uncertainty import by_jacobian
 from catseye.app.results.uncertainty_report import uncertainty_section
 from catseye.calibration.scara.budget import Budget

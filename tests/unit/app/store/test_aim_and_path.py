@@ -9,11 +9,12 @@ import pytest
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.results.scara.path_rows import path_measurement
 from catseye.app.results.scara.validation import established_rows
-from catseye.app.store.basis import find_aim
+from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.calibration.scara.points import Commands
 from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.scara.aiming import SEARCHED
 from tests.unit.app.store.fakes import RECORDS, TickingClock
 from tests.unit.procedures.benches import bench
 
@@ -72,7 +73,7 @@ async def test_the_newest_complete_search_of_the_cell_gives_the_aim(shelf: Shelf
     await shelf.put("reflector-search", solution(655.0), off_mm=30.0)
     await shelf.put("reflector-search", None)
     await shelf.put("open-loop", None)
-    aim = find_aim(bench(), shelf.root)
+    aim = find_basis(SEARCHED, bench(), shelf.root)
     assert aim.source == newest.name
     assert (aim.bench.reflectors[0].x_mm, aim.bench.reflectors[0].y_mm) == (652.0, -401.0)
     assert aim.bench.reflectors[1:] == bench().reflectors[1:]
@@ -88,40 +89,40 @@ async def test_a_search_before_the_beam_was_moved_is_refused(shelf: Shelf, answe
     await shelf.put("beam-to-j4", None, status="failed", asked={"stage/1": "no"})
     await shelf.put("beam-to-j4", None, cell="lab-2", asked={"stage/1": "yes"})
     await shelf.put("beam-level", None, asked={"level/1": "yes"})
-    assert find_aim(bench(), shelf.root).source == search.name
+    assert find_basis(SEARCHED, bench(), shelf.root).source == search.name
     # The last question was put to hands before the process died, or they said so: the run need not be complete.
     moved = await shelf.put("beam-to-j4", None, status="stopped", asked={"stage/1": answer})
     assert before.name < search.name < moved.name
     with pytest.raises(UsageError, match=f"{moved.name} moved the beam after {search.name}.*Search again"):
-        find_aim(bench(), shelf.root)
-    assert find_aim(bench(), shelf.root, search.name).source == search.name
-    assert find_aim(bench(), shelf.root, "none").source == "cell file"
+        find_basis(SEARCHED, bench(), shelf.root)
+    assert find_basis(SEARCHED, bench(), shelf.root, search.name).source == search.name
+    assert find_basis(SEARCHED, bench(), shelf.root, "none").source == "cell file"
     again = await shelf.put("reflector-search", solution(652.0))
-    assert find_aim(bench(), shelf.root).source == again.name
+    assert find_basis(SEARCHED, bench(), shelf.root).source == again.name
 
 
 async def test_without_a_search_the_cell_file_gives_the_aim(shelf: Shelf) -> None:
-    assert find_aim(bench(), shelf.root).source == "cell file"
+    assert find_basis(SEARCHED, bench(), shelf.root).source == "cell file"
     await shelf.put("reflector-search", solution(651.0))
-    aim = find_aim(bench(), shelf.root, "none")
+    aim = find_basis(SEARCHED, bench(), shelf.root, "none")
     assert (aim.source, aim.bench) == ("cell file", bench())
 
 
 async def test_a_named_search_gives_the_aim_even_when_it_is_older(shelf: Shelf) -> None:
     older = await shelf.put("reflector-search", solution(651.0))
     await shelf.put("reflector-search", solution(652.0))
-    assert find_aim(bench(), shelf.root, older.name[-6:]).bench.reflectors[0].x_mm == 651.0
+    assert find_basis(SEARCHED, bench(), shelf.root, older.name[-6:]).bench.reflectors[0].x_mm == 651.0
 
 
 async def test_a_run_that_is_no_search_of_these_reflectors_is_refused(shelf: Shelf) -> None:
     other = await shelf.put("open-loop", None)
     with pytest.raises(UsageError, match=f"{other.name} is no complete reflector search; search first"):
-        find_aim(bench(), shelf.root, other.name)
+        find_basis(SEARCHED, bench(), shelf.root, other.name)
     foreign = await shelf.put("reflector-search", solution(651.0), off_mm=0.5)
     with pytest.raises(
         UsageError, match=f"{foreign.name} searched reflectors at other rough places.*search again"
     ):
-        find_aim(bench(), shelf.root, foreign.name)
+        find_basis(SEARCHED, bench(), shelf.root, foreign.name)
 
 
 def path_row(i: int, pass_number: int, error_mm: float) -> Row:
@@ -187,4 +188,4 @@ async def test_a_changed_search_aims_nothing(shelf: Shelf) -> None:
     (search / "wire.log").write_text("changed")
     for wanted in ("auto", search.name):
         with pytest.raises(StorageError, match=search.name):
-            find_aim(bench(), shelf.root, wanted)
+            find_basis(SEARCHED, bench(), shelf.root, wanted)

@@ -13,11 +13,11 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cli.init import init
 from catseye.app.cli.procedures import procedures as list_procedures
 from catseye.app.protocol.bench import DeviceStatus, LinkState
-from catseye.app.protocol.procedures import load_procedure, procedure_names
+from catseye.app.protocol.procedures import bases, procedure_names, procedures
 from catseye.app.results.readiness.cell_runs import runs_of_cell
 from catseye.app.results.readiness.need import Need, links_need
-from catseye.app.results.readiness.needs import aim_of
-from catseye.app.results.readiness.stages import Stage, results_in, stages_of
+from catseye.app.results.readiness.needs import cell_basis
+from catseye.app.results.readiness.stages import CellStage, results_in, stages_of
 from catseye.app.results.readiness.survey import Survey, survey_cell
 from catseye.app.store.run_store import RunStore
 from catseye.procedures.kit.records import Json
@@ -50,13 +50,14 @@ class History:
         """Return everything."""
         return survey_cell(self.cell, self.root, self.clock.now_utc())
 
-    def stages(self, later_s: float = 0.0) -> dict[str, Stage]:
+    def stages(self, later_s: float = 0.0) -> dict[str, CellStage]:
         """Return the stages by name, without the plans of all procedures: those take their time."""
         runs = runs_of_cell(self.root, "lab-1", self.clock.now_utc() + timedelta(seconds=later_s))
         needs: dict[str, list[Need]] = {name: [] for name in procedure_names()}
-        search = aim_of(self.bench, self.root, runs).search
-        after = [one for name in procedure_names() for one in load_procedure(name).needs.after]
-        found = stages_of(runs, needs, search, results_in([self.cell.parent]), self.cell, after)
+        made = {
+            each.procedure: cell_basis(each, self.bench, self.root, runs).run for each in bases(self.bench)
+        }
+        found = stages_of(procedures(), runs, needs, made, results_in([self.cell.parent]), self.cell)
         return {stage.name: stage for stage in found}
 
     def next(self, later_s: float = 0.0) -> str:

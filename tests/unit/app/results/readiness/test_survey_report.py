@@ -6,7 +6,7 @@ from catseye.app.protocol.procedures import load_procedure
 from catseye.app.render.text import report_text
 from catseye.app.results.model import Sign
 from catseye.app.results.readiness.need import Need
-from catseye.app.results.readiness.stages import Stage
+from catseye.app.results.readiness.stages import CellStage
 from catseye.app.results.readiness.survey_document import (
     LastRun,
     SurveyDocument,
@@ -29,7 +29,7 @@ LAST = LastRun(
 SURVEY = SurveyDocument(
     cell="lab-1",
     procedures=(procedure_entry(WARMUP).model_copy(update={"needs": NEEDS, "last": LAST}),),
-    stages=(Stage("warmup", True, "next", "the arm at its working temperature", "catseye run warmup"),),
+    stages=(CellStage("warmup", True, "next", "the arm at its working temperature", "catseye run warmup"),),
 )
 
 

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.results.runs.event_text import event_text
+from catseye.app.protocol.procedures import procedure_names
+from catseye.app.results.runs.event_text import event_text, texts_of
 from catseye.app.results.runs.reports import story_report
 from catseye.app.results.runs.summary import summary
 from catseye.app.results.runs.timeline import incidents, timeline
@@ -28,11 +29,11 @@ class Author:
         self._root = root
         self.store: RunStore
 
-    async def open(self, **meta: Json) -> None:
+    async def open(self, procedure: str = "open-loop", **meta: Json) -> None:
         about: dict[str, Json] = {"cell": "lab-1", "operator": "Ada", "aim": "cell file", "simulated": True}
         given: dict[str, Json] = {"devices": DEVICES, **about, **meta}
         self.store = await RunStore.create(
-            self._root, "open-loop", given, self.clock, records=RECORDS, reserve_bytes=0
+            self._root, procedure, given, self.clock, records=RECORDS, reserve_bytes=0
         )
 
     async def die(self) -> None:
@@ -136,7 +137,7 @@ async def test_what_goes_wrong_is_told_with_its_cause(author: Author) -> None:
         "BEAM LOST: P1, on the way to point 2; segment 0 ends; cause: blocked (by the column)",
         "WARNING: beam lost: look what stands in it",
         "HELD: Ada asks for a hold",
-        "front end tui (Ada) lost: closed; the run is told to hold",
+        "front end tui (Ada) lost: closed; the run is to hold",
         "control taken: Bob, before: Ada",
         "attempt 1 at P1/0001 dropped: Interrupted: Ctrl-C; 2 row(s) were not kept",
         "ERROR: the operator stopped the run",
@@ -173,6 +174,8 @@ async def test_a_question_without_an_answer_is_told_once(author: Author) -> None
 
 
 async def test_alignments_are_told_before_and_after(author: Author) -> None:
+    await author.die()
+    await author.open("beam-to-j4")
     first: dict[str, Json] = {
         "kind": "alignment",
         "quantity": "offset",
@@ -260,7 +263,8 @@ async def test_the_summary_counts_lives_distances_and_segments(author: Author) -
     ],
 )
 def test_results_read_with_units_and_few_digits(kind: str, data: dict[str, Json], text: str) -> None:
-    assert event_text(StoredEvent(1, "2026-01-02T03:04:05Z", kind, data)) == text
+    texts = {found: told for name in procedure_names() for found, told in texts_of(name).items()}
+    assert event_text(StoredEvent(1, "2026-01-02T03:04:05Z", kind, data), texts) == text
 
 
 async def test_a_clock_that_jumps_back_disorders_nothing(author: Author) -> None:

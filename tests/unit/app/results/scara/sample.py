@@ -34,8 +34,8 @@ from catseye.app.results.scara.result import (
     Provenance,
     Residuals,
     Result,
-    result_of,
 )
+from catseye.app.results.scara.result_of import result_of
 from catseye.app.results.scara.truth_tables import TruthMap, TruthTables
 from catseye.app.results.scara.validation import PathMeasurement, PathValidation, validate_on_path
 from catseye.calibration.core.types import Floats

@@ -13,7 +13,8 @@ import pytest
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.results.scara.identified_arm import arm_of
-from catseye.app.results.scara.result import Result, read_result, result_of, result_text, write_result
+from catseye.app.results.scara.result import Result, read_result, result_text, write_result
+from catseye.app.results.scara.result_of import result_of
 from catseye.calibration.scara.identification import IdentifiedArm, identify
 from tests.unit.calibration.scara.paper import (
     MDEG,

@@ -33,7 +33,7 @@ def facts(name: str, last: dict[str, Any] | None = None, **needs: tuple[str, str
     return {
         "name": name,
         "title": procedure.title,
-        "needs_aim": procedure.needs.aim,
+        "needs_aim": procedure.needs.basis is not None,
         "params": procedure.params_type.model_json_schema()["properties"],
         "needs": [{"what": what, "met": met, "text": text} for what, (met, text) in needs.items()],
         "last": last,

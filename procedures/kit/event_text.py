@@ -1,0 +1,39 @@
+"""Events and observations as sentences. They are read from old runs too: a value may be missing."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+_LONGEST = 160
+
+Data = Mapping[str, Any]
+"""What was stored with an event."""
+
+
+@dataclass(frozen=True)
+class EventText:
+    """How an event is told.
+
+    Attributes:
+        text: returns a sentence; empty where another line says it.
+        passing: it says how far a quantity has got: of several in a row the last one counts.
+    """
+
+    text: Callable[[Data], str]
+    passing: bool = False
+
+
+EventTexts = Mapping[str, EventText]
+"""By the kind of the event."""
+
+
+def plain_text(kind: str, data: Data) -> str:
+    """Return anything that was stored, by its names."""
+    parts = ", ".join(f"{key} {value_text(value)}" for key, value in data.items() if value not in (None, ""))
+    text = f"{kind}: {parts}" if parts else kind
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 1] + "…"
+
+
+def value_text(value: object) -> str:
+    """Return a stored value, numbers to six digits."""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

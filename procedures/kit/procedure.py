@@ -1,0 +1,100 @@
+"""A procedure: what happens on a bench, and everything that the application knows of it."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from pydantic import BaseModel
+
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.event_text import EventTexts
+from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.records import Record
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A place on the way from an unknown bench to a validated result.
+
+    Attributes:
+        order: places are sorted by it; steps of ten leave room for others.
+        purpose: what it is for.
+        since: procedure without whose run, or before which, a run does not count; empty for none.
+        renewed_by: procedure whose later run makes another one necessary; empty for none.
+        fresh_for_s: a run counts for so long; None for ever.
+        covered_by: procedure whose run makes it superfluous; empty for none.
+        covered: how that is told.
+    """
+
+    order: int
+    purpose: str
+    since: str = ""
+    renewed_by: str = ""
+    fresh_for_s: float | None = None
+    covered_by: str = ""
+    covered: str = ""
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """A command of the program that works on a run of a procedure.
+
+    Attributes:
+        command: its name.
+        gives: what comes out, for whoever has just made the run; empty where it takes more than the run.
+        stage: its place on the way.
+        writes_result: it writes a result file of the run.
+        usage: the words after its name: `{run}` is the id of the run, `{name}` its name, `{result}` the result that
+            the way has led to so far.
+    """
+
+    command: str
+    gives: str
+    stage: Stage
+    writes_result: bool
+    usage: str
+
+
+class Procedure(ABC):
+    """Base of procedures; one registers its class under the entry point group `catseye.procedures`.
+
+    Whoever lists procedures or reads their runs imports the module of the class: what needs scipy is imported where
+    it is used.
+
+    Attributes:
+        name: as on the command line.
+        title: one line for people.
+        params_type: what may be chosen.
+        needs: of a cell.
+        stage: its place on the way; None for none.
+        records: types of what it records.
+        analyses: commands that work on its runs, the most sensible first.
+        event_texts: of its own events.
+        demo: parameters of its run in the demonstration, as on the command line; None where it has none.
+    """
+
+    name: ClassVar[str]
+    title: ClassVar[str]
+    params_type: ClassVar[type[BaseModel]]
+    needs: ClassVar[Needs] = Needs()
+    stage: ClassVar[Stage | None] = None
+    records: ClassVar[tuple[type[Record], ...]] = ()
+    analyses: ClassVar[tuple[Analysis, ...]] = ()
+    event_texts: ClassVar[EventTexts] = {}
+    demo: ClassVar[tuple[str, ...] | None] = None
+
+    # Each procedure has a bench, parameters and a plan of types of its own.
+    @abstractmethod
+    def plan(self, bench: Any, params: Any) -> Any:
+        """Plan everything before anything moves; pure.
+
+        Raises:
+            PlanError: the plan cannot be made; the text says why and what to do.
+        """
+
+    @abstractmethod
+    async def run(self, ctx: Context, plan: Any) -> None:
+        """Carry the plan out, step by step."""
+
+    async def teardown(self, ctx: Context) -> None:  # noqa: B027  # most leave the arm where it stands
+        """Leave the bench as it should be; the robot cannot be moved after a stop."""

@@ -1,0 +1,81 @@
+"""Events of a SCARA's procedures as sentences."""
+
+from typing import Final
+
+from catseye.procedures.kit.event_text import Data, EventText, EventTexts, value_text
+
+_SHORT: Final = 90
+
+
+def _aim(data: Data) -> str:
+    verdict = "the aim holds over the whole plan" if data.get("holds") else "the aim does not hold yet"
+    worst, room = data.get("worst_uncertainty_mm"), data.get("room_mm")
+    told = f": {worst:.2f} mm at worst (k = 1), {room:.2f} mm allowed (k = 2)" if worst and room else ""
+    return f"{verdict}{told}, {data.get('poses')} poses"
+
+
+def _height(data: Data) -> str:
+    # A warning or the summary says the rest.
+    return f"beam at J3 = {float(data['j3_mm']):.2f} ± {float(data['u_j3_mm']):.2f} mm"
+
+
+def _warmup(data: Data) -> str:
+    rate, u = data.get("drift_um_per_10min"), data.get("u_drift_um_per_10min")
+    known = "drift not known" if rate is None else f"drift {rate:+.1f} ± {u or 0.0:.1f} µm in 10 min"
+    verdict = "WARM" if data.get("warm") else "NOT WARM"
+    elapsed_min = float(data.get("elapsed_min", 0.0))
+    return (
+        f"{verdict}: {known}, limit {value_text(data.get('limit_um_per_10min'))} µm in 10 min, "
+        f"{data.get('visits')} visits to {data.get('reflector')} in {elapsed_min:.0f} min"
+    )
+
+
+def _along_beam(data: Data) -> str:
+    where = f"pose {data.get('pose')}, along the beam to {data.get('reflector')}"
+    if data.get("refused"):
+        return f"{where}: no result: {data['refused']}"
+    return (
+        f"{where}: S = {data['s_um']:.1f} µm (95 %: {data['s_low_um']:.1f}…{data['s_high_um']:.1f}), "
+        f"RP = ±{data['rp_um']:.1f} µm, range {data['range_um']:.1f} µm, drift {data['drift_um']:+.1f} µm"
+    )
+
+
+def _position(data: Data) -> str:
+    if data.get("refused"):
+        return f"pose {data.get('pose')}, position: no result: {data['refused']}"
+    return f"pose {data.get('pose')}, position: RP = {data['rp_um']:.1f} ± {data['u_rp_um']:.1f} µm"
+
+
+def _entry(data: Data) -> str:
+    point, targets = int(data.get("point", 0)) + 1, data.get("targets")
+    return f"{data.get('reflector')}: the arm enters at point {point}, by {targets} targets"
+
+
+def _known(data: Data) -> str:
+    text = str(data.get("text"))
+    return text if len(text) <= _SHORT else text[: _SHORT - 1] + "…"
+
+
+def _left_out(data: Data) -> str:
+    return f"{data.get('reflector')}: point {int(data.get('point', 0)) + 1} LEFT OUT: {data.get('reason')}"
+
+
+def _closure_left_out(data: Data) -> str:
+    return f"{data.get('reflector')}: closure visit left out: {data.get('reason')}"
+
+
+AIM: Final[EventTexts] = {"aim": EventText(_aim)}
+HEIGHT: Final[EventTexts] = {"height": EventText(_height)}
+FOLLOWING: Final[EventTexts] = {"entry": EventText(_entry)}
+WARMUP: Final[EventTexts] = {**FOLLOWING, "warmup": EventText(_warmup)}
+REPEATABILITY: Final[EventTexts] = {
+    **FOLLOWING,
+    "repeatability": EventText(_along_beam),
+    "position-repeatability": EventText(_position),
+}
+MEASUREMENT: Final[EventTexts] = {
+    **FOLLOWING,
+    "point-left-out": EventText(_left_out),
+    "closure-left-out": EventText(_closure_left_out),
+    "map-known": EventText(_known, passing=True),
+}
