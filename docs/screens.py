@@ -83,7 +83,8 @@ async def _results(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> None:
     if done.code:
         raise RuntimeError(done.fault)
     app.action_go("results")
-    await _until(pilot, lambda: app.screen.query_one("#file-table", DataTable).row_count > 0)
+    # The screen is composed and its files are read after it was asked for.
+    await _until(pilot, lambda: any(t.row_count for t in app.screen.query("#file-table").results(DataTable)))
     await pilot.press("enter", "2")
     await _take(app, pilot, "results", "results")
 

@@ -83,7 +83,7 @@ class ResultsScreen(WorkScreen):
     ResultsScreen .part { height: 1fr; }
     ResultsScreen .legend { height: 1; padding: 0 1; color: $text-muted; }
     ResultsScreen .text { padding: 0 1; scrollbar-size-vertical: 1; }
-    ResultsScreen .beside { width: 52; }
+    ResultsScreen .beside { width: 62; }
     ResultsScreen .below { height: 2fr; }
     ResultsScreen .short { height: auto; max-height: 6; }
     ResultsScreen.-high .short { max-height: 9; }
@@ -121,7 +121,7 @@ class ResultsScreen(WorkScreen):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
-        self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (100, "-wide")]
+        self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (110, "-wide")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (32, "-high")]
         self._shelf: ResultFiles | None = None
         self._files: list[ResultFile] = []
@@ -306,7 +306,7 @@ class ResultsScreen(WorkScreen):
         self._show()
         self._show_files()
         if go:
-            self.action_part(1 if file.result.theta1_map is not None else 2)
+            self.action_part(1 if file.result.has_maps else 2)
 
     def _source_of(self, file: "ResultFile") -> list[str | Path]:
         """Return words that name the distances of a result; none where they are not found."""
