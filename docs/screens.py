@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from textual.pilot import Pilot
+from textual.widgets import DataTable
 
 from catseye.app.protocol.requests import Start
 from catseye.app.service.emulation import emulator_process
@@ -82,7 +83,8 @@ async def _results(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> None:
     if done.code:
         raise RuntimeError(done.fault)
     app.action_go("results")
-    await pilot.pause(5.0)
+    # The screen is composed and its files are read after it was asked for.
+    await _until(pilot, lambda: any(t.row_count for t in app.screen.query("#file-table").results(DataTable)))
     await pilot.press("enter", "2")
     await _take(app, pilot, "results", "results")
 

@@ -82,7 +82,9 @@ def _write_tables(
         raise UsageError("a table (--format kw-ssfk) holds for every path: leave --path away")
     # The controller reads one list for each axis.
     files = [output.with_name(f"{output.stem}-j{joint}{output.suffix}") for joint in (1, 2)]
-    texts = [ssfk_table(joint, one, origin) for joint, one in zip((1, 2), maps_of(arm), strict=True)]
+    texts = [
+        ssfk_table(joint, joint_map, origin) for joint, joint_map in zip((1, 2), maps_of(arm), strict=True)
+    ]
     for file, text in zip(files, texts, strict=True):
         write_atomically(file, text)
     note(

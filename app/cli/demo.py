@@ -1,4 +1,4 @@
-"""demo: the whole job, told as it goes and summed up at the end."""
+"""demo: the whole job, narrated as it goes and summed up at the end."""
 
 import asyncio
 import sys

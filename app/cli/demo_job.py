@@ -194,7 +194,9 @@ def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
     points = run_points([measured])
     write_atomically(folder / "points.csv", points_csv(points))
     identified = {model: identify_points(points, bench, model, error_budget(cell)) for model in MODELS}
-    results = {model: _result(one, bench, measured) for model, one in identified.items()}
+    results = {
+        model: _result(identification, bench, measured) for model, identification in identified.items()
+    }
     for model, result in results.items():
         write_result(result, folder / f"result-{model}.json")
     document: dict[str, Any] = read_truth(folder / "truth.json")
@@ -206,7 +208,7 @@ def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
         identified,
         results,
         compare_with_truth(identified["error-map"], document),
-        validate_on_path(path, [one.arm for one in identified.values()], nominal),
+        validate_on_path(path, [identification.arm for identification in identified.values()], nominal),
     )
 
 

@@ -38,8 +38,8 @@ def job_document(result: DemoResult, report: Path) -> JobDocument:
         truth=str(result.folder / "truth.json"),
         results={model: str(result.folder / f"result-{model}.json") for model in result.results},
         identified=[
-            IdentifiedValue(name=name, unit=unit, truth=float(true), identified=float(found), u=float(u))
-            for name, unit, true, found, u in zip(
+            IdentifiedValue(name=name, unit=unit, truth=float(true), identified=float(estimate), u=float(u))
+            for name, unit, true, estimate, u in zip(
                 truth.names, truth.units, truth.truth, truth.identified, truth.u, strict=True
             )
         ],

@@ -24,7 +24,7 @@ def engine(
 ) -> None:
     """Run an engine of its own process: idle until a client starts a procedure, it outlives clients and terminal.
 
-    Its socket is told on stdout when it is ready; docs/engine.md describes the messages.
+    It writes its socket to stdout when it is ready; docs/engine.md describes the messages.
 
     Example: catseye engine --cell cell.toml
     """

@@ -102,13 +102,13 @@ def identified(
 
 def _propagated(
     identification: Identification,
-    found: Contributions | None,
+    contributions: Contributions | None,
     method: Method,
     sharing: Callable[[], AbstractContextManager[Share]],
 ) -> Propagated:
     wanted = method.monte_carlo
     if wanted is None:
-        return by_jacobian(identification, found)
+        return by_jacobian(identification, contributions)
     bar = ProgressBar("Monte Carlo")
     with sharing() as share:
         try:

@@ -108,7 +108,7 @@ async def converse(
         traffic: shows what passes.
         encode: returns the bytes of a typed line; ValueError for one that is not sent.
         wait_s: quiet for so long after the end of stdin, the conversation is over.
-        io: tells whether the door is closed; None when nobody has to know.
+        io: says whether the door is closed; None when nobody has to know.
     """
     async with opened() as link:
         try:

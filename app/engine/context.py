@@ -20,6 +20,7 @@ from catseye.app.engine.timekeeping import Progress, StepTime
 from catseye.app.engine.waiting import cancel, uncancelled
 from catseye.app.errors import ConfigError, UnwalkedError, UsageError
 from catseye.app.files.columns import read_typed_table
+from catseye.app.protocol.bench import AxisName
 from catseye.app.protocol.prompts import MotionAfter
 from catseye.app.protocol.run_events import (
     FirstMotionData,
@@ -327,6 +328,7 @@ class RunContext:
         return MotionAfter(
             override_percent=percent,
             speed_deg_s=tuple(axis.speed * percent / 100.0 for axis in self._axes if axis.unit == "deg"),
+            axes=tuple(AxisName(name=axis.name, unit=axis.unit) for axis in self._axes),
         )
 
     def _begin(self, step_id: str, title: str) -> _OpenStep:

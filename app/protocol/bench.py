@@ -42,6 +42,17 @@ class DeviceStatus(Message):
     age_s: float | None
 
 
+class AxisName(Message):
+    """An axis of the arm: its name, and the unit of its values."""
+
+    name: str
+    unit: Literal["deg", "mm"]
+
+    def text(self, value: float) -> str:
+        """Return a value with name and unit: J1 10.00°, J3 12.5 mm."""
+        return f"{self.name} {value:.2f}°" if self.unit == "deg" else f"{self.name} {value:.1f} mm"
+
+
 class RobotStatus(Message):
     """The controller.
 
@@ -171,6 +182,7 @@ class BenchStatus(Message):
         air: the air.
         door_closed: as the interlock says.
         layout: from above; None where nobody has described how this arm looks from there.
+        axes: of the arm, from the base outwards.
         missed: messages of this kind that this one replaced for a slow client.
     """
 
@@ -183,6 +195,7 @@ class BenchStatus(Message):
     air: AirStatus | None
     door_closed: bool | None
     layout: Layout | None
+    axes: tuple[AxisName, ...] = ()
     missed: int = 0
 
     def device(self, name: str) -> DeviceStatus | None:

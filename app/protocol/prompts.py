@@ -4,11 +4,12 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
+from catseye.app.protocol.bench import AxisName
 from catseye.app.protocol.message import Message
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.tasks import Task
 
-_OF_A_MOTION = ("rests_after", "target", "override_percent", "speed_deg_s")
+_OF_A_MOTION = ("rests_after", "target", "override_percent", "speed_deg_s", "axes")
 
 
 class MotionAfter(Message):
@@ -18,10 +19,12 @@ class MotionAfter(Message):
         override_percent: speed override now.
         speed_deg_s: what the joints can reach at that override, in the order of the arm description's speeds; None
             where that is not known.
+        axes: of the arm, which name the values of a target.
     """
 
     override_percent: float
     speed_deg_s: tuple[float, ...] | None
+    axes: tuple[AxisName, ...] = ()
 
 
 class PromptFields(Message):
@@ -41,6 +44,7 @@ class PromptFields(Message):
         target: where it goes, in the order of the axes; None where the procedure does not know yet.
         override_percent: see `MotionAfter`.
         speed_deg_s: see `MotionAfter`.
+        axes: see `MotionAfter`.
     """
 
     id: str
@@ -56,6 +60,7 @@ class PromptFields(Message):
     target: tuple[float, ...] | None = None
     override_percent: float | None = None
     speed_deg_s: tuple[float, ...] | None = None
+    axes: tuple[AxisName, ...] = ()
 
     @classmethod
     def of(cls, prompt: Prompt, motion: MotionAfter) -> Self:

@@ -57,7 +57,7 @@ def svg(figure: Figure, name: str, label: str) -> str:
     Args:
         figure: what to draw.
         name: word that keeps the names inside this figure apart from those of other figures.
-        label: what a reader who cannot see it is told.
+        label: what is read to somebody who cannot see it.
     """
     buffer = io.StringIO()
     nothing = {"Creator": None, "Date": None, "Format": None, "Type": None}

@@ -47,14 +47,14 @@ def _budget(entries: Sequence[ContributorEntry]) -> Table:
         ),
         tuple(
             (
-                one.name,
-                one.kind,
-                one.stated,
-                one.distribution,
-                one.correlation,
-                (one.axis or "").upper() or NOTHING,
+                entry.name,
+                entry.kind,
+                entry.stated,
+                entry.distribution,
+                entry.correlation,
+                (entry.axis or "").upper() or NOTHING,
             )
-            for one in entries
+            for entry in entries
         ),
     )
 
@@ -69,7 +69,7 @@ def _method(part: UncertaintyPart) -> str:
     )
 
 
-def _contributions(found: ContributionTable) -> Table:
+def _contributions(contributions: ContributionTable) -> Table:
     shares = fixed(1)
     return Table(
         "contributions",
@@ -77,11 +77,11 @@ def _contributions(found: ContributionTable) -> Table:
         (
             Column("result", "result"),
             Column("u", "u", format=fixed(2)),
-            *(Column(name, name, format=shares) for name in found.contributors),
+            *(Column(name, name, format=shares) for name in contributions.contributors),
         ),
         tuple(
             (f"{row.result} / {_UNITS[row.unit]}", row.u, *(_share(share) for share in row.shares))
-            for row in found.rows
+            for row in contributions.rows
         ),
     )
 
@@ -140,15 +140,17 @@ def _intervals(part: UncertaintyPart) -> Table:
             *(Column(key, title, format=values) for key, title in _ENDS),
             Column("degrees_of_freedom", "degrees of freedom", format=COUNT),
         ),
-        tuple(_interval(one) for one in part.intervals),
+        tuple(_interval(interval) for interval in part.intervals),
     )
 
 
 _ENDS = (("value", "value"), ("u", "u"), ("low", "from"), ("high", "to"))
 
 
-def _interval(one: CoverageInterval) -> tuple[Cell, ...]:
-    unit = _UNITS[one.unit]
-    values = (Quantity(value, OF_UNIT[unit]) for value in (one.value, one.u, one.low, one.high))
-    dof = "∞" if one.degrees_of_freedom is None else number(one.degrees_of_freedom, COUNT)
-    return (f"{one.parameter} / {unit}", *values, dof)
+def _interval(interval: CoverageInterval) -> tuple[Cell, ...]:
+    unit = _UNITS[interval.unit]
+    values = (
+        Quantity(value, OF_UNIT[unit]) for value in (interval.value, interval.u, interval.low, interval.high)
+    )
+    dof = "∞" if interval.degrees_of_freedom is None else number(interval.degrees_of_freedom, COUNT)
+    return (f"{interval.parameter} / {unit}", *values, dof)

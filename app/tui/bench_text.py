@@ -202,10 +202,13 @@ def length_text(length_mm: float) -> str:
 def _joint_lines(bench: "BenchStatus", robot: "RobotStatus") -> list[str]:
     if robot.joints is None:
         return ["joints not known"]
-    one, two, three, four = (_joint_text(value) for value in robot.joints)
-    found = [f"J1 {one} deg   J2 {two} deg", f"J3 {three} mm    J4 {four} deg"]
+    values = [
+        f"{axis.name} {_joint_text(value)} {axis.unit:<3}"
+        for axis, value in zip(bench.axes, robot.joints, strict=False)
+    ]
+    found = ["   ".join(values[place : place + 2]).rstrip() for place in range(0, len(values), 2)]
     if (known := robot.known_joints) is not None and bench.layout is not None:
-        from catseye.app.tui.widgets.plan_drawing import pose_of
+        from catseye.app.tui.scara.plan_drawing import pose_of
 
         x_mm, y_mm = pose_of(bench.layout, known).place_mm
         found.append(f"X  {x_mm:9.3f} mm    Y  {y_mm:9.3f} mm")

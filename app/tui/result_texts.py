@@ -2,15 +2,12 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from catseye.app.protocol.banners import SIMULATION
 from catseye.app.render.cells import cell_text
 from catseye.app.render.text import table_text
 from catseye.app.results.model import Sign, Statement
-from catseye.app.results.numbers import EXPANDED, fixed, number
+from catseye.app.results.numbers import fixed, number
 from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.comparison import ResultComparison
 from catseye.app.results.scara.comparison_report import comparison_report
@@ -19,6 +16,7 @@ from catseye.app.results.scara.fit_text import fit_statements, identified_text, 
 from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.result_files import ResultFile
+from catseye.app.results.scara.result_report import scatter_table
 from catseye.app.results.scara.uncertainty import uncertainty_statements
 from catseye.app.results.scara.validation_document import ValidationDocument
 from catseye.app.results.scara.values import parameter_table
@@ -66,17 +64,8 @@ def value_rows(result: Result) -> list[list[str]]:
 
 
 def layout_text(result: Result) -> str:
-    """Return places of reflectors and dead paths with their uncertainties."""
-    lines = ["reflector      x mm   U(k=2)       y mm   U(k=2)"]
-    for place in result.reflectors:
-        cells = [f"{one.value:>10.3f} {EXPANDED * one.u:>8.3f}" for one in (place.x_mm, place.y_mm)]
-        lines.append(f"{place.name:<9}{cells[0]} {cells[1]}")
-    lines += ["", "dead path       length mm   U(k=2)"]
-    for dead in result.dead_paths:
-        name = f"{dead.reflector}, segment {dead.segment}"
-        lines.append(f"{name:<15}{dead.length_mm.value:>10.3f} {EXPANDED * dead.length_mm.u:>8.3f}")
-    lines += ["", f"L1 {result.link1_mm.value:.3f} mm, L2 {result.link2_mm.value:.3f} mm", result.gauge]
-    return "\n".join(lines)
+    """Return links, places of reflectors and dead paths with their uncertainties."""
+    return f"{table_text(parameter_table(result, ('arm', 'reflector', 'dead path')))}\n\n{result.gauge}"
 
 
 def fit_sentences(result: Result, diagnosis: DiagnosisDocument | None) -> list[Statement]:
@@ -118,18 +107,8 @@ def _signed(value: float | None, width: int) -> str:
 
 
 def _scatter(result: Result) -> list[str]:
-    if result.residuals is None:
-        return []
-    values, names = np.array(result.residuals.residual_um), np.array(result.residuals.reflector)
-    return [
-        f"{name:<6} {int(np.sum(names == name)):>5} distances   rms {_rms(values[names == name]):>6.1f} µm   "
-        f"largest {np.max(np.abs(values[names == name])):>6.1f} µm"
-        for name in dict.fromkeys(result.residuals.reflector)
-    ]
-
-
-def _rms(values: "np.ndarray[Any, np.dtype[np.float64]]") -> float:
-    return float(np.sqrt(np.mean(values**2)))
+    table = scatter_table(result)
+    return [] if table is None else table_text(table).splitlines()
 
 
 def path_text(found: ValidationDocument) -> str:

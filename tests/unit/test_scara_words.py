@@ -45,13 +45,10 @@ NOT_YET = {
     "app/tui/jog_client.py": "keys of the jog",
     "app/tui/jog_text.py": "keys of the jog",
     "app/tui/pointing.py": "turns J4 to a reflector",
-    "app/tui/result_texts.py": "a SCARA's result",
     "app/tui/screens/jog.py": "keys of the jog",
-    "app/tui/screens/results.py": "a SCARA's result",
     "app/tui/setup/reflector_rows.py": "a SCARA's reflectors",
     "app/tui/widgets/plan_drawing.py": "draws a SCARA from above",
     "app/tui/widgets/prompt_panel.py": "the first motion",
-    "app/tui/widgets/result_parts.py": "a SCARA's result",
     "calibration/__init__.py": "public names of the SCARA's models",
 }
 """Files that still name them, and for what; the list only shrinks."""

@@ -24,19 +24,19 @@ def between_s(first_utc: str, last_utc: str) -> float:
 
 
 def event_text(event: StoredEvent, texts: EventTexts) -> str:
-    """Return what happened, as a sentence; empty when another line of the timeline tells it.
+    """Return what happened, as a sentence; empty when another line of the timeline says it.
 
     Args:
         event: of a run.
         texts: what `texts_of` returns for the run's procedure.
     """
-    told = texts.get(event.kind)
-    return told.text(event.data) if told else plain_text(event.kind, event.data)
+    phrase = texts.get(event.kind)
+    return phrase.text(event.data) if phrase else plain_text(event.kind, event.data)
 
 
 @cache
 def texts_of(procedure: str) -> EventTexts:
-    """Return how the events of a procedure's runs are told; by their names where it is not installed."""
+    """Return how the events of a procedure's runs are phrased; by their names where it is not installed."""
     declared = declared_by(procedure)
     return {**_ENGINES, **LOSS_TEXTS, **(declared.event_texts if declared else {})}
 
@@ -54,12 +54,12 @@ def _pose_text(pose: list[float]) -> str:
 
 def device_text(facts: Data) -> str:
     """Return who answered."""
-    told = (
+    parts = (
         facts.get("model"),
         facts.get("firmware"),
         f"no. {facts['serial']}" if facts.get("serial") else "",
     )
-    return " ".join(str(part) for part in told if part)
+    return " ".join(str(part) for part in parts if part)
 
 
 def _state(data: Data) -> str:
@@ -80,7 +80,7 @@ def _control(data: Data) -> str:
 
 def _client_lost(data: Data) -> str:
     client, who = data.get("client"), data.get("who")
-    return f"front end {client} ({who}) lost: {data.get('reason')}; the run is told to {data.get('policy')}"
+    return f"front end {client} ({who}) lost: {data.get('reason')}; the run is to {data.get('policy')}"
 
 
 def _ended(data: Data) -> str:
@@ -129,7 +129,7 @@ _ENGINES: Final[EventTexts] = {
         "reflectors-moved": _moved,
         "hands": _hands,
         "close-failed": lambda data: plain_text("NOT CLOSED", data),
-        # These are told with what belongs to them.
+        # These are shown with what belongs to them.
         "asked": lambda _data: "",
     }.items()
 }

@@ -77,7 +77,7 @@ def timeline(reader: RunReader) -> list[Moment]:
         together = list(found)
         if group:
             steps = [entry.step for entry in together if entry.step is not None]
-            moments += _steps_told(group, steps, points, records)
+            moments += _step_moments(group, steps, points, records)
         else:
             moments += [Moment(entry.time_utc, entry.text) for entry in together]
     return moments
@@ -109,7 +109,7 @@ def _order(place: int | None, time_utc: str, rank: int = 0) -> _Order:
 
 
 def _calmed(entries: Iterable[_Entry]) -> list[_Entry]:
-    """Keep of what is told again and again while steps are done the last one, behind them."""
+    """Keep of what is repeated while steps are done the last one, behind them."""
     calm: list[_Entry] = []
     waiting: list[_Entry] = []
     for entry in entries:
@@ -156,19 +156,19 @@ def _event_entries(reader: RunReader) -> list[_Entry]:
 
 
 def _without_echoes(events: Iterable[StoredEvent]) -> Iterator[StoredEvent]:
-    """Yield what happened; why a life ended is stored with its state, as an error and at its end, and told once."""
-    told: set[str] = set()
+    """Yield what happened; why a life ended is stored with its state, as an error and at its end, and shown once."""
+    shown: set[str] = set()
     for event in events:
         match event.kind, event.data:
             case "run-reopened", _:
-                told.clear()
+                shown.clear()
             case "state", {"state": "STOPPING" | "ABORTING", "reason": str(reason)}:
-                told.add(reason)
-            case "error", {"text": str(text)} if text in told:
+                shown.add(reason)
+            case "error", {"text": str(text)} if text in shown:
                 continue
             case "error", {"text": str(text)}:
-                told.add(text)
-            case "run-ended", {"text": str(text)} if text in told:
+                shown.add(text)
+            case "run-ended", {"text": str(text)} if text in shown:
                 yield replace(event, data={**event.data, "text": ""})
                 continue
         yield event
@@ -268,11 +268,11 @@ def _answer_entries(prompt: dict[str, Any], asked_place: int | None) -> list[_En
         order = _order(prompt["place"], asked, 1)
         return [question, _Entry(asked, f"QUESTION {name} stayed without an answer", order)]
     after = gap_text(between_s(asked, str(answered)))
-    told = f"ANSWER {name}: “{prompt['answer']}”, {prompt['who']}, after {after}"
-    return [question, _Entry(str(answered), told, _order(prompt["place"], str(answered), 1))]
+    answer = f"ANSWER {name}: “{prompt['answer']}”, {prompt['who']}, after {after}"
+    return [question, _Entry(str(answered), answer, _order(prompt["place"], str(answered), 1))]
 
 
-def _steps_told(
+def _step_moments(
     group: str,
     steps: Sequence[StoredStep],
     points: dict[str, list[dict[str, Any]]],
@@ -286,7 +286,7 @@ def _steps_told(
     last = steps[-1]
     took = gap_text(between_s(steps[0].started_utc, last.done_utc))
     if measured:
-        text = _points_told(steps, measured, points)
+        text = _points_text(steps, measured, points)
     elif len(steps) == 1:
         text = steps[0].title
     else:
@@ -294,15 +294,15 @@ def _steps_told(
     return [Moment(last.done_utc, f"{text}, in {took}"), *observed]
 
 
-def _points_told(
+def _points_text(
     steps: Sequence[StoredStep], measured: Sequence[StoredStep], points: dict[str, list[dict[str, Any]]]
 ) -> str:
     rows = [row for step in measured for row in points[step.step_id]]
     names = list(dict.fromkeys(str(row["reflector"]) for row in rows))
     segments = list(dict.fromkeys(int(row["segment"]) for row in rows))
-    told = f"{'/'.join(names)}: {_range([step.step_id for step in measured])} measured, segment {_span(segments)}"
+    text = f"{'/'.join(names)}: {_range([step.step_id for step in measured])} measured, segment {_span(segments)}"
     left_out = [step.step_id for step in steps if step not in measured]
-    return told + (
+    return text + (
         f"; without a distance: {', '.join(_number(name) for name in left_out)}" if left_out else ""
     )
 

@@ -64,7 +64,7 @@ def _quantities(places: Floats, nominal_mm: float, clockwise: Bools, counter: Bo
     return circular(error[clockwise], error[counter])
 
 
-def _row(name: str, found: Circular) -> tuple[Cell, ...]:
-    ranges = (found.clockwise, found.counter_clockwise, found.bidirectional)
-    errors = (found.largest, found.smallest, found.mean)
+def _row(name: str, circle: Circular) -> tuple[Cell, ...]:
+    ranges = (circle.clockwise, circle.counter_clockwise, circle.bidirectional)
+    errors = (circle.largest, circle.smallest, circle.mean)
     return (name, *(1e3 * one for one in (*ranges, *errors)))

@@ -99,7 +99,7 @@ class ResultComparison:
     def normalised(self) -> Floats:
         """Every difference that has an uncertainty, in combined standard uncertainties."""
         single = [one.normalised for one in (*self.values, *self.reflectors)]
-        columns = [one.normalised.ravel() for one in self.maps]
+        columns = [joint_map.normalised.ravel() for joint_map in self.maps]
         found = np.concatenate([np.array([value for value in single if value is not None]), *columns])
         return np.asarray(found[np.isfinite(found)], dtype=np.float64)
 

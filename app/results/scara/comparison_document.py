@@ -58,34 +58,34 @@ class ComparisonDocument(Document):
     verdict: str
 
 
-def comparison_document(found: ResultComparison, first: Path, second: Path) -> ComparisonDocument:
+def comparison_document(comparison: ResultComparison, first: Path, second: Path) -> ComparisonDocument:
     """Return a comparison as plain values; what is not stated is null."""
-    within, count = found.within
+    within, count = comparison.within
     return ComparisonDocument(
         first=str(first),
         second=str(second),
-        values=[DifferencePart.model_validate(one) for one in found.values],
-        maps=[_map(one) for one in found.maps],
-        reflectors=[DifferencePart.model_validate(one) for one in found.reflectors],
-        turn_mdeg=found.turn_mdeg,
+        values=[DifferencePart.model_validate(value) for value in comparison.values],
+        maps=[_map(joint_map) for joint_map in comparison.maps],
+        reflectors=[DifferencePart.model_validate(reflector) for reflector in comparison.reflectors],
+        turn_mdeg=comparison.turn_mdeg,
         within_2u=within,
         compared=count,
-        remarks=list(found.remarks),
-        verdict=comparison_statement(found).text,
+        remarks=list(comparison.remarks),
+        verdict=comparison_statement(comparison).text,
     )
 
 
-def _map(one: MapDifference) -> MapDifferencePart:
+def _map(difference: MapDifference) -> MapDifferencePart:
     positive, negative = (
         DirectionPart(
-            first_mdeg=one.first_mdeg[row].tolist(),
-            second_mdeg=one.second_mdeg[row].tolist(),
-            difference_mdeg=one.difference_mdeg[row].tolist(),
-            u_mdeg=one.u_mdeg[row].tolist(),
-            normalised=one.normalised[row].tolist(),
+            first_mdeg=difference.first_mdeg[row].tolist(),
+            second_mdeg=difference.second_mdeg[row].tolist(),
+            difference_mdeg=difference.difference_mdeg[row].tolist(),
+            u_mdeg=difference.u_mdeg[row].tolist(),
+            normalised=difference.normalised[row].tolist(),
         )
         for row in (0, 1)
     )
     return MapDifferencePart(
-        joint=one.joint, node_deg=one.node_deg.tolist(), positive=positive, negative=negative
+        joint=difference.joint, node_deg=difference.node_deg.tolist(), positive=positive, negative=negative
     )

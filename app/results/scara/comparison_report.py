@@ -19,34 +19,39 @@ _COLUMNS = (
 )
 
 
-def comparison_report(found: ResultComparison, names: tuple[str, str], origin: Origin) -> Report:
+def comparison_report(comparison: ResultComparison, names: tuple[str, str], origin: Origin) -> Report:
     """Return what a comparison says.
 
     Args:
-        found: second minus first result.
+        comparison: second minus first result.
         names: of their files.
         origin: of the report.
     """
-    remarks = (Statement(Sign.NEUTRAL, f"{text[:1].upper()}{text[1:]}.") for text in found.remarks)
-    figures = [map_differences(found, in_u=in_u) for in_u in (False, True)] if found.maps else []
+    remarks = (Statement(Sign.NEUTRAL, f"{text[:1].upper()}{text[1:]}.") for text in comparison.remarks)
+    figures = [map_differences(comparison, in_u=in_u) for in_u in (False, True)] if comparison.maps else []
     return Report(
         f"{names[1]} minus {names[0]}",
         origin,
         (
-            section("verdict", "Verdict", [comparison_statement(found), *_turn(found), *remarks], brief=True),
-            section("differences", "Differences", [_table(found)], brief=True),
+            section(
+                "verdict",
+                "Verdict",
+                [comparison_statement(comparison), *_turn(comparison), *remarks],
+                brief=True,
+            ),
+            section("differences", "Differences", [_table(comparison)], brief=True),
             section("maps", "Differences of the maps", figures),
         ),
     )
 
 
-def comparison_statement(found: ResultComparison) -> Statement:
+def comparison_statement(comparison: ResultComparison) -> Statement:
     """Return how many differences lie within what their uncertainties account for."""
-    within, count = found.within
+    within, count = comparison.within
     if not count:
         text = "No uncertainty is stated that the differences could be compared with."
         return Statement(Sign.NEUTRAL, text)
-    name, size = _largest(found)
+    name, size = _largest(comparison)
     share = within / count
     return Statement(
         Sign.GOOD if share >= SHARE_EXPECTED else Sign.BAD,
@@ -55,71 +60,84 @@ def comparison_statement(found: ResultComparison) -> Statement:
     )
 
 
-def _largest(found: ResultComparison) -> tuple[str, float]:
+def _largest(comparison: ResultComparison) -> tuple[str, float]:
     """Return the difference that is largest in combined standard uncertainties: name and size."""
-    sizes = [(one.name, one.normalised) for one in _differences(found)]
+    sizes = [(difference.name, difference.normalised) for difference in _differences(comparison)]
     stated = [(name, size) for name, size in sizes if size is not None]
     return max(stated, key=lambda item: abs(item[1]))
 
 
-def _turn(found: ResultComparison) -> list[Statement]:
-    if abs(found.turn_mdeg) < 5e-3:
+def _turn(comparison: ResultComparison) -> list[Statement]:
+    if abs(comparison.turn_mdeg) < 5e-3:
         return []
-    turn = number(found.turn_mdeg, _ANGLE)
+    turn = number(comparison.turn_mdeg, _ANGLE)
     text = f"The second result was turned by {turn} mdeg into the frame of the first."
     return [Statement(Sign.NEUTRAL, text)]
 
 
-def _differences(found: ResultComparison) -> list[Difference]:
+def _differences(comparison: ResultComparison) -> list[Difference]:
     """Return links, every node of the maps, and reflectors as one list."""
-    return [*found.values, *(one for table in found.maps for one in _nodes(table)), *found.reflectors]
-
-
-def _nodes(one: MapDifference) -> list[Difference]:
     return [
-        Difference(
-            node_name(one.joint, node, direction), "mdeg", *(float(values[row, i]) for values in columns)
-        )
-        for columns in [(one.first_mdeg, one.second_mdeg, one.u_mdeg)]
-        for row, direction in enumerate((1, -1))
-        for i, node in enumerate(one.node_deg.tolist())
+        *comparison.values,
+        *(node for table in comparison.maps for node in _nodes(table)),
+        *comparison.reflectors,
     ]
 
 
-def _table(found: ResultComparison) -> Table:
-    rows = tuple(_row(one) for one in _differences(found))
+def _nodes(difference: MapDifference) -> list[Difference]:
+    return [
+        Difference(
+            node_name(difference.joint, node, direction),
+            "mdeg",
+            *(float(values[row, i]) for values in columns),
+        )
+        for columns in [(difference.first_mdeg, difference.second_mdeg, difference.u_mdeg)]
+        for row, direction in enumerate((1, -1))
+        for i, node in enumerate(difference.node_deg.tolist())
+    ]
+
+
+def _table(comparison: ResultComparison) -> Table:
+    rows = tuple(_row(difference) for difference in _differences(comparison))
     return Table("differences", "Second minus first result", _COLUMNS, rows)
 
 
-def _row(one: Difference) -> tuple[Cell, ...]:
-    form = OF_UNIT[one.unit]
+def _row(difference: Difference) -> tuple[Cell, ...]:
+    form = OF_UNIT[difference.unit]
     return (
-        one.name,
-        one.unit,
-        Quantity(one.first, form),
-        Quantity(one.second, form),
-        Quantity(one.difference, Format(form.style, form.digits, signed=True)),
-        Quantity(one.u, form),
-        one.normalised,
+        difference.name,
+        difference.unit,
+        Quantity(difference.first, form),
+        Quantity(difference.second, form),
+        Quantity(difference.difference, Format(form.style, form.digits, signed=True)),
+        Quantity(difference.u, form),
+        difference.normalised,
     )
 
 
-def map_differences(found: ResultComparison, *, in_u: bool) -> Figure:
+def map_differences(comparison: ResultComparison, *, in_u: bool) -> Figure:
     """Return the differences of the maps: in mdeg with bars, or in combined standard uncertainties."""
     unit = "combined standard uncertainties" if in_u else "mdeg"
-    told = "lines at ±2" if in_u else "bars: standard uncertainty of the difference (k = 1)"
+    shown = "lines at ±2" if in_u else "bars: standard uncertainty of the difference (k = 1)"
     return Figure(
         "differences-in-u" if in_u else "differences",
         f"Differences of the maps in {unit}",
-        f"Second minus first map of each joint, in {unit}; {told}.",
-        (tuple(_panel(one, in_u=in_u) for one in found.maps),),
+        f"Second minus first map of each joint, in {unit}; {shown}.",
+        (tuple(_panel(joint_map, in_u=in_u) for joint_map in comparison.maps),),
     )
 
 
-def _panel(one: MapDifference, *, in_u: bool) -> Panel:
-    values = one.normalised if in_u else one.difference_mdeg
+def _panel(difference: MapDifference, *, in_u: bool) -> Panel:
+    values = difference.normalised if in_u else difference.difference_mdeg
     marks = (
-        Points(one.node_deg, values[row], ink, label, None if in_u else one.u_mdeg[row], joined=True)
+        Points(
+            difference.node_deg,
+            values[row],
+            ink,
+            label,
+            None if in_u else difference.u_mdeg[row],
+            joined=True,
+        )
         for row, (ink, label) in enumerate(
             ((Role.POSITIVE, "positive direction"), (Role.NEGATIVE, "negative direction"))
         )
@@ -127,8 +145,8 @@ def _panel(one: MapDifference, *, in_u: bool) -> Panel:
     limits = (-EXPANDED, EXPANDED) if in_u else (0.0,)
     levels = (Level(at, Role.AXIS, dash="dashed") for at in limits)
     return Panel(
-        f"J{one.joint}",
-        Axis(f"command θ{one.joint} / °"),
-        Axis(f"Δθ{one.joint} difference / {'u' if in_u else 'mdeg'}"),
+        f"J{difference.joint}",
+        Axis(f"command θ{difference.joint} / °"),
+        Axis(f"Δθ{difference.joint} difference / {'u' if in_u else 'mdeg'}"),
         (*levels, *marks),
     )

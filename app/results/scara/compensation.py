@@ -77,7 +77,7 @@ def compensate_path(
 
     Positions leave the states of approach free: they are those that the corrected path itself brings about, which
     near a turning point are not always those of the uncorrected one. Joint commands come with states that somebody
-    brings about: they are kept, and a step that goes against one is told.
+    brings about: they are kept, and a step that goes against one is a warning.
 
     Args:
         arm: the identified arm.

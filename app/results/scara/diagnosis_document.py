@@ -246,14 +246,16 @@ def diagnosis_document(diagnosis: Diagnosis, names: Sequence[str]) -> DiagnosisD
     validations = (diagnosis.reflectors, diagnosis.sweeps, diagnosis.segments)
     return DiagnosisDocument(
         sources=list(names),
-        findings=[DiagnosisFinding(kind=_KINDS[one.sign], text=one.text) for one in findings(diagnosis)],
+        findings=[
+            DiagnosisFinding(kind=_KINDS[finding.sign], text=finding.text) for finding in findings(diagnosis)
+        ],
         fit=_fit(diagnosis),
-        models=[_model(one) for one in diagnosis.models],
+        models=[_model(model) for model in diagnosis.models],
         outliers=_outliers(diagnosis),
-        changes=[ChangePart.model_validate(one) for one in diagnosis.changes],
-        patterns=[_pattern(one) for one in diagnosis.patterns],
-        harmonics=[_series(one) for one in diagnosis.harmonics],
-        cross_validation=[_validation(one) for one in validations if one],
+        changes=[ChangePart.model_validate(change) for change in diagnosis.changes],
+        patterns=[_pattern(pattern) for pattern in diagnosis.patterns],
+        harmonics=[_series(harmonic) for harmonic in diagnosis.harmonics],
+        cross_validation=[_validation(validation) for validation in validations if validation],
         nodes=_nodes(diagnosis.nodes),
         figures=tuple(diagnosis_figures(diagnosis)),
     )
@@ -271,26 +273,26 @@ def _fit(diagnosis: Diagnosis) -> DiagnosedFit:
     )
 
 
-def _model(one: ComparedModel) -> ModelPart:
+def _model(model: ComparedModel) -> ModelPart:
     return ModelPart(
-        name=one.name,
-        base=one.base,
-        refused=one.refused or None,
-        n_parameters=one.free,
-        rms_um=one.rms_um,
-        aicc=one.aicc,
-        bic=one.bic,
-        explained_um=one.explained_um,
-        f_ratio=one.ratio,
-        probability=one.probability,
-        probability_stated=one.probability_stated,
-        significant=one.significant,
-        explained_by_stated=one.significant and one.explained,
+        name=model.name,
+        base=model.base,
+        refused=model.refused or None,
+        n_parameters=model.free,
+        rms_um=model.rms_um,
+        aicc=model.aicc,
+        bic=model.bic,
+        explained_um=model.explained_um,
+        f_ratio=model.ratio,
+        probability=model.probability,
+        probability_stated=model.probability_stated,
+        significant=model.significant,
+        explained_by_stated=model.significant and model.explained,
         terms=[
             ModelTerm(
                 name=term.name, unit="mdeg" if term.unit == "mdeg" else "um", value=term.value, u=term.u
             )
-            for term in coefficients(one)
+            for term in coefficients(model)
         ],
     )
 
@@ -323,62 +325,62 @@ def _outlier(diagnosis: Diagnosis, row: int) -> Outlier:
     )
 
 
-def _pattern(one: AnglePattern) -> PatternPart:
+def _pattern(pattern: AnglePattern) -> PatternPart:
     return PatternPart(
-        joint=one.joint,
-        angle_deg=np.round(one.angle_deg, 6).tolist(),
-        mean_um=np.round(one.mean_um, 4).tolist(),
-        count=one.count.tolist(),
-        explained_um=one.explained_um,
-        f_ratio=one.ratio,
-        probability=one.probability,
-        probability_stated=one.probability_stated,
+        joint=pattern.joint,
+        angle_deg=np.round(pattern.angle_deg, 6).tolist(),
+        mean_um=np.round(pattern.mean_um, 4).tolist(),
+        count=pattern.count.tolist(),
+        explained_um=pattern.explained_um,
+        f_ratio=pattern.ratio,
+        probability=pattern.probability,
+        probability_stated=pattern.probability_stated,
     )
 
 
-def _series(one: HarmonicSeries) -> HarmonicsPart:
-    length = one.target == "length"
+def _series(series: HarmonicSeries) -> HarmonicsPart:
+    length = series.target == "length"
     factor = 1e3 if length else MDEG_PER_RAD
     return HarmonicsPart(
-        target=one.target,
-        source=one.source,
+        target=series.target,
+        source=series.source,
         unit="um" if length else "mdeg",
-        absorbed_orders=list(one.absorbed),
-        orders=[_harmonic(harmonic, factor) for harmonic in one.harmonics],
+        absorbed_orders=list(series.absorbed),
+        orders=[_harmonic(harmonic, factor) for harmonic in series.harmonics],
     )
 
 
-def _harmonic(one: Harmonic, factor: float) -> HarmonicPart:
+def _harmonic(harmonic: Harmonic, factor: float) -> HarmonicPart:
     return HarmonicPart(
-        order=one.order,
-        aliases=list(one.aliases),
-        amplitude=factor * one.amplitude,
-        u=factor * one.u,
-        explained_um=one.explained_um,
-        false_alarm_probability=one.probability,
-        false_alarm_probability_stated=one.probability_stated,
+        order=harmonic.order,
+        aliases=list(harmonic.aliases),
+        amplitude=factor * harmonic.amplitude,
+        u=factor * harmonic.u,
+        explained_um=harmonic.explained_um,
+        false_alarm_probability=harmonic.probability,
+        false_alarm_probability_stated=harmonic.probability_stated,
     )
 
 
-def _validation(one: CrossValidation) -> CrossValidationPart:
+def _validation(validation: CrossValidation) -> CrossValidationPart:
     return CrossValidationPart(
-        left_out=one.way,
-        predicted_um=one.predicted_um,
-        in_sample_um=one.in_sample_um,
-        expected_um=one.expected_um,
-        folds=[_fold(fold) for fold in one.folds],
+        left_out=validation.way,
+        predicted_um=validation.predicted_um,
+        in_sample_um=validation.in_sample_um,
+        expected_um=validation.expected_um,
+        folds=[_fold(fold) for fold in validation.folds],
     )
 
 
-def _fold(one: Fold) -> FoldPart:
+def _fold(fold: Fold) -> FoldPart:
     return FoldPart(
-        name=one.name,
-        distances=one.rows,
-        identified=one.identified,
-        predicted_um=one.predicted_um,
-        in_sample_um=one.in_sample_um,
-        expected_um=one.expected_um,
-        probability=one.probability,
+        name=fold.name,
+        distances=fold.rows,
+        identified=fold.identified,
+        predicted_um=fold.predicted_um,
+        in_sample_um=fold.in_sample_um,
+        expected_um=fold.expected_um,
+        probability=fold.probability,
     )
 
 
@@ -390,17 +392,17 @@ def _nodes(nodes: NodeSpacing) -> NodesPart:
         best_aicc=nodes.by_aicc.name,
         best_bic=nodes.by_bic.name,
         best_prediction=None if best is None else best.name,
-        grids=[_grid(one) for one in nodes.grids],
+        grids=[_grid(grid) for grid in nodes.grids],
     )
 
 
-def _grid(one: Grid) -> GridPart:
+def _grid(grid: Grid) -> GridPart:
     return GridPart(
-        name=one.name,
-        refused=one.refused or None,
-        n_parameters=one.free,
-        rms_um=one.rms_um,
-        aicc=one.aicc,
-        bic=one.bic,
-        predicted_um=one.predicted_um,
+        name=grid.name,
+        refused=grid.refused or None,
+        n_parameters=grid.free,
+        rms_um=grid.rms_um,
+        aicc=grid.aicc,
+        bic=grid.bic,
+        predicted_um=grid.predicted_um,
     )

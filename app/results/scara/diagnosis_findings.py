@@ -33,7 +33,7 @@ def findings(diagnosis: Diagnosis) -> list[Statement]:
         *_single_distances(diagnosis),
         *_changes(diagnosis.changes),
         *_patterns(diagnosis),
-        *[_harmonics(one) for one in diagnosis.harmonics],
+        *[_harmonics(harmonic) for harmonic in diagnosis.harmonics],
         *[_prediction(one) for one in (diagnosis.reflectors, diagnosis.sweeps, diagnosis.segments) if one],
         *_nodes(diagnosis.nodes),
     ]
@@ -53,38 +53,38 @@ def _fit(diagnosis: Diagnosis) -> Statement:
 
 
 def _models(models: Sequence[ComparedModel]) -> Statement:
-    error_map = next(one for one in models if one.name == ERROR_MAP)
+    error_map = next(model for model in models if model.name == ERROR_MAP)
     parts = [_error_map(error_map)]
-    extensions = [one for one in models if one.name not in {CONVENTIONAL, ERROR_MAP, TOGETHER}]
-    parts += [_extension(one) for one in extensions]
-    beyond = any(one.significant and not one.explained for one in extensions)
+    extensions = [model for model in models if model.name not in {CONVENTIONAL, ERROR_MAP, TOGETHER}]
+    parts += [_extension(extension) for extension in extensions]
+    beyond = any(extension.significant and not extension.explained for extension in extensions)
     return Statement(Sign.BAD if beyond else Sign.GOOD, "; ".join(parts) + ".")
 
 
-def _error_map(one: ComparedModel) -> str:
-    if one.significant:
-        return f"The error map explains {one.explained_um:.1f} µm that the conventional model leaves"
+def _error_map(model: ComparedModel) -> str:
+    if model.significant:
+        return f"The error map explains {model.explained_um:.1f} µm that the conventional model leaves"
     return "The error map explains nothing beyond the conventional model"
 
 
-def _extension(one: ComparedModel) -> str:
-    if one.refused:
-        return f"{one.name} cannot be told from these distances"
-    if not one.significant:
-        return f"no {one.name} ({_clearest(one)})"
-    text = f"{one.name} adds {one.explained_um:.1f} µm, significant"
-    return f"{text}, {_EXPLAINED}" if one.explained else text
+def _extension(model: ComparedModel) -> str:
+    if model.refused:
+        return f"{model.name} cannot be told from these distances"
+    if not model.significant:
+        return f"no {model.name} ({_clearest(model)})"
+    text = f"{model.name} adds {model.explained_um:.1f} µm, significant"
+    return f"{text}, {_EXPLAINED}" if model.explained else text
 
 
-def _clearest(one: ComparedModel) -> str:
+def _clearest(model: ComparedModel) -> str:
     """Return the clearest coefficient with its uncertainty."""
-    place = int(np.argmax(np.abs(one.coefficients) / one.u))
-    return _coefficient_text(one, place)
+    place = int(np.argmax(np.abs(model.coefficients) / model.u))
+    return _coefficient_text(model, place)
 
 
-def _coefficient_text(one: ComparedModel, place: int) -> str:
+def _coefficient_text(model: ComparedModel, place: int) -> str:
     """Return a coefficient of a model with its name, unit and standard uncertainty."""
-    found = coefficients(one)[place]
+    found = coefficients(model)[place]
     return f"{found.name}: {found.value:.2f} ± {found.u:.2f} {found.unit}"
 
 
@@ -123,7 +123,7 @@ def _single_distances(diagnosis: Diagnosis) -> list[Statement]:
 
 
 def _changes(changes: Sequence[Change]) -> list[Statement]:
-    found = [one for one in changes if one.significant]
+    found = [change for change in changes if change.significant]
     if found:
         return [Statement(Sign.BAD, change_text(one)) for one in found]
     if not changes:
@@ -138,20 +138,20 @@ def _changes(changes: Sequence[Change]) -> list[Statement]:
     ]
 
 
-def change_text(one: Change) -> str:
+def change_text(change: Change) -> str:
     """Return a change in words."""
-    where = f"segment {one.segment} of reflector {one.reflector}"
-    size = f"{one.size_um:+.1f} ± {one.u_um:.1f} µm"
-    if one.kind == "drift":
-        return f"Drift: over {where} ({one.rows} distances) the measured distance grows by {size}."
+    where = f"segment {change.segment} of reflector {change.reflector}"
+    size = f"{change.size_um:+.1f} ± {change.u_um:.1f} µm"
+    if change.kind == "drift":
+        return f"Drift: over {where} ({change.rows} distances) the measured distance grows by {size}."
     return (
-        f"Jump: in {where} the measured distance steps by {size} at its distance {one.within} (row {one.row}): the "
-        "counter slipped, or reflector or arm moved. Give what follows a segment of its own, or measure it anew."
+        f"Jump: in {where} the measured distance steps by {size} at its distance {change.within} (row {change.row}): "
+        "the counter slipped, or reflector or arm moved. Give what follows a segment of its own, or measure it anew."
     )
 
 
 def _patterns(diagnosis: Diagnosis) -> list[Statement]:
-    found = [one for one in diagnosis.patterns if one.significant]
+    found = [pattern for pattern in diagnosis.patterns if pattern.significant]
     if not found:
         return [Statement(Sign.GOOD, "No pattern of the residuals along θ1, θ2 or θ4.")]
     parts = [
@@ -173,9 +173,9 @@ def _harmonics(series: HarmonicSeries) -> Statement:
             f"Harmonics, {what}: nothing can be said, the map takes up every order at these commands; measure "
             "between the nodes.",
         )
-    found = [one for one in series.harmonics if one.significant]
+    found = [harmonic for harmonic in series.harmonics if harmonic.significant]
     if not found:
-        highest = max(one.order for one in series.harmonics)
+        highest = max(harmonic.order for harmonic in series.harmonics)
         return Statement(
             Sign.GOOD, f"Harmonics, {what}: none left among orders up to {highest}{_aliases(series)}."
         )
@@ -187,15 +187,17 @@ def _harmonics(series: HarmonicSeries) -> Statement:
     return Statement(Sign.NEUTRAL if stated else Sign.BAD, f"Harmonics, {what}: {listed}{more}{tail}.")
 
 
-def harmonic_text(one: Harmonic) -> str:
+def harmonic_text(harmonic: Harmonic) -> str:
     """Return an order with its amplitude."""
-    factor, unit = (1e3, "µm") if one.target == "length" else (MDEG_PER_RAD, "mdeg")
-    alias = f" (or {', '.join(str(order) for order in one.aliases[:3])}, …)" if one.aliases else ""
-    return f"order {one.order}{alias}: {factor * one.amplitude:.2f} ± {factor * one.u:.2f} {unit}"
+    factor, unit = (1e3, "µm") if harmonic.target == "length" else (MDEG_PER_RAD, "mdeg")
+    alias = f" (or {', '.join(str(order) for order in harmonic.aliases[:3])}, …)" if harmonic.aliases else ""
+    return (
+        f"order {harmonic.order}{alias}: {factor * harmonic.amplitude:.2f} ± {factor * harmonic.u:.2f} {unit}"
+    )
 
 
 def _aliases(series: HarmonicSeries) -> str:
-    aliased = [one for one in series.harmonics if one.aliases]
+    aliased = [harmonic for harmonic in series.harmonics if harmonic.aliases]
     if not aliased:
         return ""
     one = aliased[0]
@@ -203,18 +205,20 @@ def _aliases(series: HarmonicSeries) -> str:
     return f" (higher ones look alike at these commands: {one.order} is also {listed}, …)"
 
 
-def _prediction(one: CrossValidation) -> Statement:
-    lost = [fold.name for fold in one.folds if not fold.identified or fold.weak]
+def _prediction(validation: CrossValidation) -> Statement:
+    lost = [fold.name for fold in validation.folds if not fold.identified or fold.weak]
     open_text = f" Hardly or not determined without it: {listed(lost)}." if lost else ""
-    if not np.isfinite(one.predicted_um):
-        return Statement(Sign.NEUTRAL, f"Leave one {one.way} out: the others do not determine the model.")
+    if not np.isfinite(validation.predicted_um):
+        return Statement(
+            Sign.NEUTRAL, f"Leave one {validation.way} out: the others do not determine the model."
+        )
     text = (
-        f"Leave one {one.way} out: the others predict it to {one.predicted_um:.1f} µm rms, in the fit the same "
-        f"distances have {one.in_sample_um:.1f} µm; expected {one.expected_um:.1f} µm"
+        f"Leave one {validation.way} out: the others predict it to {validation.predicted_um:.1f} µm rms, in the fit "
+        f"the same distances have {validation.in_sample_um:.1f} µm; expected {validation.expected_um:.1f} µm"
     )
     failing = [
         f"{fold.name} ({fold.predicted_um:.1f} µm, expected {fold.expected_um:.1f})"
-        for fold in one.folds
+        for fold in validation.folds
         if fold.fails
     ]
     if failing:

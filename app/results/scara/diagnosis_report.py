@@ -25,8 +25,8 @@ def diagnosis_section(diagnosis: Diagnosis | None) -> Section:
     """Return findings, tables and figures; empty without a diagnosis."""
     if diagnosis is None:
         return section("diagnosis", "Diagnosis", ())
-    refused = [(one.name, one.refused) for one in diagnosis.models]
-    refused += [(one.name, one.refused) for one in diagnosis.nodes.grids]
+    refused = [(model.name, model.refused) for model in diagnosis.models]
+    refused += [(grid.name, grid.refused) for grid in diagnosis.nodes.grids]
     texts = tuple(f"{name}: {why}" for name, why in refused if why)
     return section(
         "diagnosis",
@@ -61,23 +61,30 @@ def _models(models: Sequence[ComparedModel]) -> Table:
             Column("probability_stated", "p, as stated", format=PROBABILITY),
             Column("verdict", "verdict"),
         ),
-        tuple(_model(one) for one in models),
+        tuple(_model(model) for model in models),
     )
 
 
-def _model(one: ComparedModel) -> tuple[Cell, ...]:
-    if one.refused:
-        return (one.name, *[None] * 8, _NOT_IDENTIFIABLE)
-    row = (one.name, one.free, one.rms_um, one.aicc, one.bic)
-    if one.base is None:
+def _model(model: ComparedModel) -> tuple[Cell, ...]:
+    if model.refused:
+        return (model.name, *[None] * 8, _NOT_IDENTIFIABLE)
+    row = (model.name, model.free, model.rms_um, model.aicc, model.bic)
+    if model.base is None:
         return (*row, *[None] * 4, "")
-    return (*row, one.explained_um, one.ratio, one.probability, one.probability_stated, _judged(one))
+    return (
+        *row,
+        model.explained_um,
+        model.ratio,
+        model.probability,
+        model.probability_stated,
+        _judged(model),
+    )
 
 
-def _judged(one: ComparedModel) -> str:
-    if not one.significant:
+def _judged(model: ComparedModel) -> str:
+    if not model.significant:
         return "not significant"
-    return "significant, as stated" if one.explained else "significant"
+    return "significant, as stated" if model.explained else "significant"
 
 
 def _coefficients(models: Sequence[ComparedModel]) -> Table | None:
@@ -115,16 +122,16 @@ def _predictions(diagnosis: Diagnosis) -> Table:
     )
 
 
-def _left_out(one: CrossValidation) -> list[tuple[Cell, ...]]:
+def _left_out(validation: CrossValidation) -> list[tuple[Cell, ...]]:
     """Return a row for each part that was left out, and one for all; sweeps are too many to be listed."""
-    used = [fold for fold in one.folds if fold.identified and not fold.weak]
+    used = [fold for fold in validation.folds if fold.identified and not fold.weak]
     rows: list[tuple[Cell, ...]] = [
         (fold.name, fold.rows, fold.predicted_um, fold.in_sample_um, fold.expected_um)
-        for fold in (one.folds if one.way != "sweep" else ())
+        for fold in (validation.folds if validation.way != "sweep" else ())
     ]
-    name = f"each {one.way} in turn ({len(used)} of {len(one.folds)})"
+    name = f"each {validation.way} in turn ({len(used)} of {len(validation.folds)})"
     count = sum(fold.rows for fold in used)
-    return [*rows, (name, count, one.predicted_um, one.in_sample_um, one.expected_um)]
+    return [*rows, (name, count, validation.predicted_um, validation.in_sample_um, validation.expected_um)]
 
 
 def _grids(grids: Sequence[Grid]) -> Table:
@@ -141,9 +148,9 @@ def _grids(grids: Sequence[Grid]) -> Table:
             Column("verdict", ""),
         ),
         tuple(
-            (one.name, *[None] * 5, _NOT_IDENTIFIABLE)
-            if one.refused
-            else (one.name, one.free, one.rms_um, one.aicc, one.bic, one.predicted_um, "")
-            for one in grids
+            (grid.name, *[None] * 5, _NOT_IDENTIFIABLE)
+            if grid.refused
+            else (grid.name, grid.free, grid.rms_um, grid.aicc, grid.bic, grid.predicted_um, "")
+            for grid in grids
         ),
     )

@@ -1,4 +1,4 @@
-"""Whether distances of a file are in mm: the rough places of the reflectors tell about how they change."""
+"""Whether distances of a file are in mm: the rough places of the reflectors give about how they change."""
 
 from pathlib import Path
 
@@ -17,7 +17,7 @@ _UNIT_SHARE = 0.1
 """Rough places (20 mm of some 500) change the ratio by a few percent; units differ by more than twice."""
 
 _FEWEST = 4
-"""Distances of a dead path that can tell anything."""
+"""Distances of a dead path that can show anything."""
 
 
 def require_millimetres(file: Path, points: Points, bench: ScaraBench) -> None:

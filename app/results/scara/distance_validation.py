@@ -106,10 +106,13 @@ def validate_on_distances(path: DistancePath, identified: list[Identification]) 
         UsageError: a model does not know a reflector of the path.
         InsufficientPointsError: no segment has three rows to compare.
     """
-    for one in identified:
-        _require_reflectors(one, path)
+    for identification in identified:
+        _require_reflectors(identification, path)
     usable: Bools = np.logical_and.reduce(
-        [path.established, *(inside_range(one.arm, path.points.commands) for one in identified)]
+        [
+            path.established,
+            *(inside_range(identification.arm, path.points.commands) for identification in identified),
+        ]
     )
     compared, rejected = _without_short_segments(path.points, usable)
     if not compared.any():
@@ -117,7 +120,7 @@ def validate_on_distances(path: DistancePath, identified: list[Identification]) 
             f"no segment of the path has {_FEWEST} distances inside the identified range and with an established "
             "direction of approach: nothing can be compared"
         )
-    models = tuple(_on_distances(path, one, compared) for one in identified)
+    models = tuple(_on_distances(path, identification, compared) for identification in identified)
     return DistanceValidation(path, compared, models, rejected)
 
 
@@ -173,7 +176,7 @@ def _transferred(identified: Identification, points: Points) -> tuple[DistanceMo
     parameters = np.zeros(layout.size)
     parameters[: own.reflectors.stop] = identified.parameters[: own.reflectors.stop]
     if any(term.source == "theta4" for term in own.terms):
-        # The beam meets its reflector, so the identified places tell where it was aimed.
+        # The beam meets its reflector, so the identified places show where it was aimed.
         links, places = parameters[:2].tolist(), parameters[own.reflectors].reshape(-1, 2)
         seen = replace(seen, theta4_rad=beam_turn_rad(seen, (links[0], links[1]), places))
     design = arm_design(layout, seen.commands, seen.theta4_rad, elapsed=None)

@@ -52,7 +52,7 @@ def run_export(reader: RunReader) -> Export:
     if not rows:
         raise UsageError(
             f"{reader.path.name} holds nothing to export: it is {reader.status} and has measured nothing; "
-            f"catseye show {reader.path.name} tells what happened"
+            f"catseye show {reader.path.name} shows what happened"
         )
     about = {"run": reader.path.name, "meta": reader.meta}
     return Export(reader.path.name, about, content, rows, _run_csv(reader, content, rows), reader.unverified)
@@ -98,12 +98,12 @@ def result_rows(result: Result) -> list[Row]:
     """Return every parameter as a row: quantity, node_deg, direction, value, unit, u (k = 1)."""
     return [
         {
-            "quantity": one.quantity,
-            "node_deg": one.node_deg,
-            "direction": one.direction,
-            "value": one.value,
-            "unit": one.unit,
-            "u": one.u,
+            "quantity": value.quantity,
+            "node_deg": value.node_deg,
+            "direction": value.direction,
+            "value": value.value,
+            "unit": value.unit,
+            "u": value.u,
         }
-        for one in result_values(result)
+        for value in result_values(result)
     ]

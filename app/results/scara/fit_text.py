@@ -6,6 +6,7 @@ import numpy as np
 
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import (
+    EXPANDED,
     OF_UNIT,
     THREE_DIGITS,
     counted,
@@ -22,6 +23,14 @@ from catseye.app.results.scara.robust import robust_text
 from catseye.calibration.core.significance import SIGNIFICANCE
 
 _SIGNED = fixed(1, signed=True)
+
+
+def no_map_text(result: Result) -> str:
+    """Return what a model without maps has instead; empty for one with maps."""
+    offset = result.theta20_mdeg
+    if offset is None:
+        return ""
+    return f"no map: θ20 = {offset.value:.2f} mdeg, U = {EXPANDED * offset.u:.2f}"
 
 
 def identified_text(result: Result) -> str:

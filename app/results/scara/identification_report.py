@@ -5,7 +5,7 @@ from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.fit_text import fit_statements, left_out_statements
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.uncertainty import uncertainty_statements
-from catseye.app.results.scara.values import parameter_table
+from catseye.app.results.scara.values import KINDS, parameter_table
 
 
 def identification_report(result: Result) -> Report:
@@ -28,7 +28,8 @@ def identification_report(result: Result) -> Report:
             section(
                 "parameters",
                 "Identified arm",
-                [parameter_table(result, short=result.scan is not None)],
+                # Streamed distances have thousands of dead paths.
+                [parameter_table(result, KINDS if result.scan is None else ("arm", "reflector"))],
                 brief=True,
             ),
         ),

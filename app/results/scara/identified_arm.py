@@ -79,7 +79,7 @@ def _covariance(part: Covariance, layout: Layout) -> Floats:
 
 
 def arm_remarks(result: Result) -> list[str]:
-    """Return what a reader of predictions from this result has to know: what it does not tell."""
+    """Return what a reader of predictions from this result has to know: what it does not state."""
     remarks = unverified_texts(result)
     remarks += [remark] if (remark := nominal_of(result)[1]) else []
     if result.covariance is None:
@@ -87,7 +87,7 @@ def arm_remarks(result: Result) -> list[str]:
             "the result holds no covariance: its standard uncertainties are taken as uncorrelated, which makes those "
             "of positions too large as a rule"
         )
-    targets = [one for one in result.extension or [] if one.source == "elapsed"]
+    targets = [term for term in result.extension or [] if term.source == "elapsed"]
     if targets:
         remarks.append("the links grew over the measurement: they are taken as in its middle")
     return remarks
@@ -102,21 +102,21 @@ def nominal_of(result: Result) -> tuple[tuple[float, float], str]:
     """Return the links that command positions are calculated with, mm, and a warning if the result does not.
 
     Raises:
-        UsageError: the result does not tell them and its arm is none that the program knows.
+        UsageError: the result does not state them and its arm is none that the program knows.
     """
     if result.nominal is not None:
         return (result.nominal.link1_mm, result.nominal.link2_mm), ""
     found = (result.link1_mm.value, result.link2_mm.value)
     if max(abs(a - b) for a, b in zip(found, CATALOGUE_MM, strict=True)) > _SAME_ROBOT_MM:
         raise UsageError(
-            f'the result does not tell the nominal links (key "nominal"), and {found[0]:g} and {found[1]:g} mm '
+            f'the result does not state the nominal links (key "nominal"), and {found[0]:g} and {found[1]:g} mm '
             "are not those of an RH-3FRH5515: identify again, or add nominal.link1_mm and nominal.link2_mm"
         )
-    return CATALOGUE_MM, "the result does not tell the nominal links: 325 and 225 mm (RH-3FRH5515) are taken"
+    return CATALOGUE_MM, "the result does not state the nominal links: 325 and 225 mm (RH-3FRH5515) are taken"
 
 
 def _layout(result: Result) -> Layout:
-    terms = tuple(Term(one.target, one.source, one.part, one.order) for one in result.extension or [])
+    terms = tuple(Term(term.target, term.source, term.part, term.order) for term in result.extension or [])
     if result.model == "conventional":
         if result.theta20_mdeg is None:
             raise UsageError("the result is of the conventional model but holds no theta20_mdeg")
@@ -141,8 +141,8 @@ def _estimates(result: Result) -> tuple[Floats, Floats]:
         if table is not None and not conventional:
             values += [value * _MDEG for value in (*table.positive_mdeg, *table.negative_mdeg)]
             u += [value * _MDEG for value in (*table.u_positive_mdeg, *table.u_negative_mdeg)]
-    for one in result.extension or []:
-        unit = term_unit(Term(one.target, one.source, one.part, one.order))
-        values.append(one.value / unit)
-        u.append(one.u / unit)
+    for term in result.extension or []:
+        unit = term_unit(Term(term.target, term.source, term.part, term.order))
+        values.append(term.value / unit)
+        u.append(term.u / unit)
     return np.array(values), np.array(u)

@@ -1,4 +1,4 @@
-"""A measurement whose frame is left-handed: told by what remains when x and y are exchanged."""
+"""A measurement whose frame is left-handed: known by what remains when x and y are exchanged."""
 
 from catseye.app.results.scara.validation import PathValidation
 from catseye.calibration.scara.comparison import compare

@@ -73,11 +73,15 @@ def compare_path(reader: RunReader, root: Path) -> PathComparison:
             [f"the path cannot be compared with the models of {measured.path.name}: {error}"]
         )
     results = [
-        identified_result(one, bench, [measured.path.name], are_simulated([measured])) for one in identified
+        identified_result(identification, bench, [measured.path.name], are_simulated([measured]))
+        for identification in identified
     ]
     notes = [f"the models on the path were identified from {measured.path.name}", *found.notes]
     return PathComparison(
-        notes, [with_reference_links(one, [measured]) for one in results], found.validation, found.distances
+        notes,
+        [with_reference_links(result, [measured]) for result in results],
+        found.validation,
+        found.distances,
     )
 
 
@@ -87,7 +91,7 @@ def _compared(reader: RunReader, identified: list[Identification], bench: ScaraB
         return PathComparison(list(distances.rejected), distances=distances)
     nominal = (bench.link1_mm, bench.link2_mm)
     path = path_measurement(reader, bench.take_up_deg)
-    arms = [one.arm for one in identified]
+    arms = [identification.arm for identification in identified]
     validation = validate_on_path(path, arms, nominal)
     mirrored = mirrored_text(validation)
     return PathComparison([mirrored] if mirrored else [], validation=validation)

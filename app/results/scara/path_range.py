@@ -48,7 +48,8 @@ def lines_text(lines: Sequence[int], chosen: Bools) -> str:
     rows = np.flatnonzero(chosen)
     stretches = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
     texts = [
-        f"{lines[one[0]]}" if one.size == 1 else f"{lines[one[0]]}–{lines[one[-1]]}" for one in stretches
+        f"{lines[stretch[0]]}" if stretch.size == 1 else f"{lines[stretch[0]]}–{lines[stretch[-1]]}"
+        for stretch in stretches
     ]
     shown = ", ".join(texts[:_FEW]) + (", …" if len(texts) > _FEW else "")
     return f"{'line' if rows.size == 1 else 'lines'} {shown}"

@@ -94,7 +94,7 @@ def _established(rows: Sequence[Mapping[str, Any]], commands: Commands, take_up_
 
 
 def _travel(rows: Sequence[Mapping[str, Any]]) -> Ints:
-    """Return 1 on the way there and -1 on the way back; points may be missing, so the ends tell them apart."""
+    """Return 1 on the way there and -1 on the way back; points may be missing, so the ends distinguish them."""
     travel = np.ones(len(rows), dtype=np.int64)
     pass_number, place = _column(rows, "pass_number"), _command_mm(rows)
     for number in np.unique(pass_number):

@@ -29,15 +29,15 @@ def repeat_blocks(validation: PathValidation) -> list[Block]:
     rows = [
         (
             ", ".join(number(round(float(value), 3), PLAIN) for value in path.command_mm[row]),
-            one.n,
-            1e3 * one.accuracy,
-            1e3 * one.repeatability,
+            pose.n,
+            1e3 * pose.accuracy,
+            1e3 * pose.repeatability,
             1e3 * float(off),
         )
-        for row, one, off in zip(found.rows, found.poses, found.model_mm, strict=True)
+        for row, pose, off in zip(found.rows, found.poses, found.model_mm, strict=True)
     ]
-    rp_um = [1e3 * one.repeatability for one in found.poses]
-    counts = sorted({one.n for one in found.poses})
+    rp_um = [1e3 * pose.repeatability for pose in found.poses]
+    counts = sorted({pose.n for pose in found.poses})
     text = (
         f"{len(rows)} poses were attained {counts[0]}{f' to {counts[-1]}' if len(counts) > 1 else ''} times (the "
         f"standard test has 30 cycles); RP {np.median(rp_um):.1f} µm in the median, {max(rp_um):.1f} µm at most. AP: "

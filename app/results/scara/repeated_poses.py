@@ -50,7 +50,7 @@ def repeated_poses(path: PathMeasurement, model: ModelOnPath) -> RepeatedPoses:
     arrived = np.append(True, np.any(np.diff(key, axis=0) != 0.0, axis=1))
     group = np.unique(key, axis=0, return_inverse=True)[1]
     members = [np.flatnonzero((group == i) & arrived) for i in range(int(group.max()) + 1)]
-    repeated = sorted((one for one in members if one.size > 1), key=lambda one: int(one[0]))
+    repeated = sorted((member for member in members if member.size > 1), key=lambda one: int(one[0]))
     poses = tuple(pose(model.comparison.aligned_mm[one], path.command_mm[one[0]]) for one in repeated)
     off = [
         float(np.hypot(*(found.barycentre - model.prediction.position_mm[one[0]])))

@@ -54,7 +54,7 @@ class Reference:
 def reference(fit: Fit) -> Reference:
     """Return what the residuals of a fit are compared with.
 
-    χ² / dof counts in squares of the stated white uncertainty; what it is expected to be tells how far systematic
+    χ² / dof counts in squares of the stated white uncertainty; what it is expected to be shows how far systematic
     contributors widen that.
     """
     scatter_um = fit.sigma0_um if fit.lack_of_fit is None else fit.lack_of_fit.pure_um

@@ -212,6 +212,11 @@ class Result(_Part):
     scan: ScanPart | None = None
     provenance: Provenance
 
+    @property
+    def has_maps(self) -> bool:
+        """The model has a map of each joint."""
+        return self.theta1_map is not None and self.theta2_map is not None
+
 
 def result_text(result: Result) -> str:
     """Return the text of a result file."""

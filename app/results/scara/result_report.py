@@ -3,6 +3,8 @@
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
 from catseye.app.results.figures import Figure
 from catseye.app.results.model import (
     Block,
@@ -183,6 +185,7 @@ def fit_section(models: Sequence[Result]) -> Section:
             _statistics(models),
             Bullets("Left out", rejected) if rejected else None,
             *residual_figures(models[-1]),
+            scatter_table(models[-1]),
         ],
     )
 
@@ -239,6 +242,28 @@ def _lack_rows(lack: LackOfFitPart | None) -> dict[str, tuple[float | None, Form
         ("probability of a larger F, as stated", PROBABILITY),
     )
     return {name: (value, form) for (name, form), value in zip(rows, values, strict=True)}
+
+
+def scatter_table(model: Result) -> Table | None:
+    """Return how far the distances to each reflector scatter about the model; None where no residuals were kept."""
+    if model.residuals is None or not model.residuals.residual_um:
+        return None
+    values, names = np.array(model.residuals.residual_um), np.array(model.residuals.reflector)
+    own = {name: values[names == name] for name in dict.fromkeys(model.residuals.reflector)}
+    return Table(
+        "scatter",
+        "Residuals by reflector",
+        (
+            Column("reflector", "reflector"),
+            Column("distances", "distances", format=COUNT),
+            Column("rms_um", "rms", "µm", fixed(1)),
+            Column("max_um", "largest", "µm", fixed(1)),
+        ),
+        tuple(
+            (name, one.size, float(np.sqrt(np.mean(one**2))), float(np.max(np.abs(one))))
+            for name, one in own.items()
+        ),
+    )
 
 
 def residual_figures(model: Result) -> list[Figure]:

@@ -128,7 +128,7 @@ def _identified(reader: RunReader, root: Path) -> tuple[list[Result], list[str]]
 
 
 def _diagnosed(reader: RunReader, root: Path) -> Diagnosis | None:
-    """Return what speaks for and against the error map; None where there is none, which the notes tell."""
+    """Return what speaks for and against the error map; None where there is none, which the notes explain."""
     if not reader.rows(Distance.table):
         return None
     bench, budget = bench_of_runs([reader], root), error_budget(cell_of_run(reader))

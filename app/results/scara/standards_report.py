@@ -18,14 +18,15 @@ def standards_section(result: Result | None) -> Section:
     return section("standards", "Positioning quantities of the joints", blocks, brief=True)
 
 
-def _table(one: JointMap) -> Table:
-    low, high = (number(float(end), PLAIN) for end in np.rad2deg(one.nodes_rad[[0, -1]]))
-    quantities = one.quantities()
+def _table(joint_map: JointMap) -> Table:
+    low, high = (number(float(end), PLAIN) for end in np.rad2deg(joint_map.nodes_rad[[0, -1]]))
+    quantities = joint_map.quantities()
     decimals = decimals_for((quantity.u for quantity in quantities), fallback=2)
     form, changed = fixed(decimals), fixed(decimals, signed=True)
     return Table(
-        f"iso230_2_{one.joint}",
-        f"J{one.joint}: quantities of ISO 230-2 from the map's {one.nodes_rad.size} nodes, {low}° … {high}°",
+        f"iso230_2_{joint_map.joint}",
+        f"J{joint_map.joint}: quantities of ISO 230-2 from the map's {joint_map.nodes_rad.size} nodes, "
+        f"{low}° … {high}°",
         (
             Column("symbol", "quantity"),
             Column("name", ""),
@@ -58,7 +59,7 @@ def _notes(maps: Sequence[JointMap]) -> list[str]:
         "need repeated approaches of each joint by itself; distances along a beam mix both joints, so they are not "
         "stated here."
     ]
-    left_out = [name for one in maps for name in one.left_out]
+    left_out = [name for joint_map in maps for name in joint_map.left_out]
     if left_out:
         notes.append(
             f"Not part of a joint's own quantities, as they depend on the other joint: {', '.join(left_out)}."

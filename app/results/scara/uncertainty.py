@@ -85,8 +85,8 @@ def by_monte_carlo(
     """
     require_draws(draws)
     work = chunks(identified, draws, seed)
-    told = None if done is None else (lambda count: done(min(draws, count * CHUNK)))
-    solved = joined(share.map(solve_chunk, work, told))
+    advanced = None if done is None else (lambda count: done(min(draws, count * CHUNK)))
+    solved = joined(share.map(solve_chunk, work, advanced))
     found = contributions(identified)
     shortest = [shortest_interval(column, COVERAGE) for column in solved.parameters.T]
     drawn = with_draws(identified, solved.parameters)
@@ -156,10 +156,10 @@ def _largest(row: ContributionRow, names: Sequence[str]) -> str:
 
 
 def _part(
-    method: str, identified: Identification, found: Contributions, intervals: Sequence[Interval]
+    method: str, identified: Identification, contributions: Contributions, intervals: Sequence[Interval]
 ) -> UncertaintyPart:
     layout, scales = identified.layout, _scales(identified.layout)
-    dof = found.effective_dof(found.variances)
+    dof = contributions.effective_dof(contributions.variances)
     rows = zip(
         layout.names(),
         scales,
@@ -187,7 +187,7 @@ def _part(
                 )
                 for name, (unit, factor), value, u, limits, one_dof in rows
             ],
-            "contributions": contribution_table(identified, found),
+            "contributions": contribution_table(identified, contributions),
             "correlations": _strongest(identified),
         }
     )
@@ -201,9 +201,9 @@ def _scales(layout: Layout) -> list[tuple[str, float]]:
     return [("mm", 1.0)] * 2 + [("mdeg", MDEG_PER_RAD)] * angles + terms + [("mm", 1.0)] * rest
 
 
-def _calculated(identified: Identification, found: Contributions) -> list[Interval]:
+def _calculated(identified: Identification, contributions: Contributions) -> list[Interval]:
     """Return the intervals of the law of propagation."""
-    dof = found.effective_dof(found.variances)
+    dof = contributions.effective_dof(contributions.variances)
     expanded = coverage_factor(COVERAGE, dof) * identified.standard_uncertainty
     return [
         Interval(float(value - half), float(value + half))
@@ -237,10 +237,10 @@ def _validation(
     return rows
 
 
-def contribution_table(identified: Identification, found: Contributions) -> ContributionTable:
+def contribution_table(identified: Identification, contributions: Contributions) -> ContributionTable:
     """Return how much each contributor makes of links, offset, maps and the worst reflector."""
-    rows = [_row(*one) for one in _results(identified.layout, found.variances)]
-    return ContributionTable(contributors=list(found.names), rows=rows)
+    rows = [_row(*result) for result in _results(identified.layout, contributions.variances)]
+    return ContributionTable(contributors=list(contributions.names), rows=rows)
 
 
 def _results(layout: Layout, variances: Floats) -> list[tuple[str, Floats, str, float]]:

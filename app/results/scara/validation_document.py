@@ -134,48 +134,48 @@ class ValidationDocument(Document):
 
 
 def validation_document(
-    found: FileValidation, limit_um: float | None, figures: Sequence[Figure]
+    file: FileValidation, limit_um: float | None, figures: Sequence[Figure]
 ) -> ValidationDocument:
     """Return what a validation found as plain values.
 
     Args:
-        found: what was compared.
+        file: what was compared.
         limit_um: 2-D rms that may be left.
         figures: of the path.
     """
-    validation = found.validation
+    validation = file.validation
     left_um = validation.models[-1].comparison.rms_2d_um
     return ValidationDocument(
         rows=int(validation.compared.size),
         compared=int(validation.compared.sum()),
-        left_out=found.left_out,
-        warnings=found.remarks,
-        models=[_model(model, found) for model in validation.models],
+        left_out=file.left_out,
+        warnings=file.remarks,
+        models=[_model(model, file) for model in validation.models],
         ratio=validation.ratio,
         limit_um=limit_um,
         within_limit=None if limit_um is None else left_um <= limit_um,
         iso230_2=[
             JointQuantityPart(
-                joint=one.joint,
+                joint=joint_map.joint,
                 symbol=quantity.symbol,
                 name=quantity.name,
                 value_mdeg=quantity.value,
                 u_mdeg=quantity.u,
                 excess_mdeg=quantity.excess,
             )
-            for one in found.maps
-            for quantity in one.quantities()
+            for joint_map in file.maps
+            for quantity in joint_map.quantities()
         ],
-        iso9283=_repeats(found),
-        path=_path(found),
+        iso9283=_repeats(file),
+        path=_path(file),
         verdict=[agreement_text(model) for model in validation.models],
         figures=tuple(figures),
     )
 
 
-def _model(model: ModelOnPath, found: FileValidation) -> ModelOnPathPart:
+def _model(model: ModelOnPath, validation: FileValidation) -> ModelOnPathPart:
     comparison, judged = model.comparison, model.agreement
-    first_um = found.validation.models[0].comparison.rms_2d_um
+    first_um = validation.validation.models[0].comparison.rms_2d_um
     rms_x, rms_y = comparison.rms_um
     return ModelOnPathPart(
         model=model.model,
@@ -185,7 +185,7 @@ def _model(model: ModelOnPath, found: FileValidation) -> ModelOnPathPart:
         rms_y_um=rms_y,
         rms_um=comparison.rms_2d_um,
         max_um=comparison.max_um,
-        max_line=found.lines[comparison.worst],
+        max_line=validation.lines[comparison.worst],
         ratio=comparison.rms_2d_um / first_um if first_um > 0.0 else 1.0,
         median_u_um=model.median_u_um,
         expected_um=judged.expected_um,
@@ -205,15 +205,15 @@ def _alignment(model: ModelOnPath) -> AlignmentPart:
     return AlignmentPart(rotation_mdeg=rotation, shift_x_mm=x, shift_y_mm=y)
 
 
-def _path(found: FileValidation) -> PathPart:
-    validation = found.validation
+def _path(file: FileValidation) -> PathPart:
+    validation = file.validation
     axis, rows = path_axis(validation.path), validation.compared
     measured_mm = validation.models[-1].comparison.measured_error_mm[rows]
     left_mm = [model.comparison.difference_mm[rows] for model in validation.models]
     return PathPart(
         axis=axis.label,
         axis_mm=axis.values_mm[rows].tolist(),
-        line=[line for line, compared in zip(found.lines, rows.tolist(), strict=True) if compared],
+        line=[line for line, compared in zip(file.lines, rows.tolist(), strict=True) if compared],
         way_there=there(validation.path)[rows].tolist(),
         models=[model_title(model) for model in validation.models],
         deviations=[
@@ -230,18 +230,18 @@ def _path(found: FileValidation) -> PathPart:
     )
 
 
-def _repeats(found: FileValidation) -> list[RepeatedPosePart]:
-    path, repeats = found.validation.path, found.repeats
+def _repeats(validation: FileValidation) -> list[RepeatedPosePart]:
+    path, repeats = validation.validation.path, validation.repeats
     return [
         RepeatedPosePart(
             theta1_deg=float(np.rad2deg(path.commands.theta1_rad[row])),
             theta2_deg=float(np.rad2deg(path.commands.theta2_rad[row])),
             direction1=int(path.commands.direction1[row]),
             direction2=int(path.commands.direction2[row]),
-            n=one.n,
-            ap_um=1e3 * one.accuracy,
-            rp_um=1e3 * one.repeatability,
+            n=pose.n,
+            ap_um=1e3 * pose.accuracy,
+            rp_um=1e3 * pose.repeatability,
             ap_to_model_um=1e3 * float(off),
         )
-        for row, one, off in zip(repeats.rows, repeats.poses, repeats.model_mm, strict=True)
+        for row, pose, off in zip(repeats.rows, repeats.poses, repeats.model_mm, strict=True)
     ]

@@ -83,7 +83,7 @@ def validate_files(
 
 
 def _nominal(files: Sequence[Path], results: Sequence[Result]) -> tuple[float, float]:
-    found = [nominal_of(one)[0] for one in results]
+    found = [nominal_of(result)[0] for result in results]
     if found[0] != found[-1]:
         raise UsageError(
             f"{files[0]} and {files[-1]} were identified with other nominal links ({found[0][0]:g}, {found[0][1]:g} "
@@ -93,7 +93,7 @@ def _nominal(files: Sequence[Path], results: Sequence[Result]) -> tuple[float, f
 
 
 def _titles(files: Sequence[Path], results: Sequence[Result]) -> list[str]:
-    """Return names where the models alone do not tell the results apart."""
+    """Return names where the models alone do not distinguish the results."""
     if len(results) < 2 or results[0].model != results[1].model:
         return []
     return [file.stem for file in files]
@@ -107,7 +107,7 @@ def _left_out(arms: Sequence[IdentifiedArm], validation: PathValidation, lines: 
         texts.append(
             f"{int(loose.sum())} of {loose.size} rows are left out because a joint has moved less than "
             f"{TAKE_UP_DEG:g}° since it reversed or set off, so that no direction of approach holds "
-            f"({lines_text(lines, loose)}). A result file does not tell the arm's take-up angle; {TAKE_UP_DEG:g}° is "
-            "what a cell file has by default"
+            f"({lines_text(lines, loose)}). A result file does not state the arm's take-up angle; {TAKE_UP_DEG:g}° "
+            "is what a cell file has by default"
         )
     return list(dict.fromkeys(text for text in texts if text))

@@ -1,7 +1,8 @@
 """Every parameter of a result, one a row."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 from catseye.app.results.model import Column, Quantity, Table
 from catseye.app.results.numbers import EXPANDED, OF_UNIT, fixed
@@ -12,6 +13,7 @@ from catseye.calibration.scara.extension import Term
 
 Unit = Literal["mm", "mdeg", "µm"]
 Kind = Literal["arm", "map", "reflector", "dead path"]
+KINDS: Final[tuple[Kind, ...]] = ("arm", "map", "reflector", "dead path")
 
 
 @dataclass(frozen=True)
@@ -91,14 +93,13 @@ def _map_values(joint: int, table: MapTable) -> list[ResultValue]:
     ]
 
 
-def parameter_table(result: Result, *, short: bool = False) -> Table:
-    """Return every parameter, nominal and identified, with its standard and its expanded uncertainty.
+def parameter_table(result: Result, kinds: Collection[Kind] = KINDS) -> Table:
+    """Return parameters, nominal and identified, with their standard and their expanded uncertainties.
 
     Args:
         result: identified model.
-        short: without maps and dead paths, which of streamed distances are thousands.
+        kinds: of the parameters.
     """
-    kinds = {"arm", "reflector"} if short else {"arm", "map", "reflector", "dead path"}
     form = fixed(4)
     return Table(
         "values",
@@ -113,11 +114,14 @@ def parameter_table(result: Result, *, short: bool = False) -> Table:
         ),
         tuple(
             (
-                one.name,
-                one.unit,
-                *(Quantity(x, OF_UNIT[one.unit]) for x in (one.nominal, one.value, one.u, EXPANDED * one.u)),
+                value.name,
+                value.unit,
+                *(
+                    Quantity(x, OF_UNIT[value.unit])
+                    for x in (value.nominal, value.value, value.u, EXPANDED * value.u)
+                ),
             )
-            for one in result_values(result)
-            if one.kind in kinds
+            for value in result_values(result)
+            if value.kind in kinds
         ),
     )

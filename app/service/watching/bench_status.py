@@ -6,6 +6,7 @@ from catseye.app.cell.air import AirRule
 from catseye.app.cell.axes import may_move_an_arm
 from catseye.app.protocol.bench import (
     AirStatus,
+    AxisName,
     BeamStatus,
     BenchStatus,
     DeviceStatus,
@@ -46,6 +47,7 @@ def bench_status(
         air=_air(latest, facts.air),
         door_closed=None if door is None else door.value,
         layout=_layout(facts, None if latest.joints is None else latest.joints.value),
+        axes=tuple(AxisName(name=axis.name, unit=axis.unit) for axis in facts.bench.arm.axes),
     )
 
 

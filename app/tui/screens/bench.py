@@ -10,11 +10,11 @@ from textual.content import Content
 
 from catseye.app.tui.bench_text import air_lines, engine_lines, robot_lines, troubles
 from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.scara.plan_view import PlanView
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.beam_panel import BeamPanel
 from catseye.app.tui.widgets.device_list import DeviceList
-from catseye.app.tui.widgets.plan_view import PlanView
 from catseye.app.tui.widgets.static_text import StaticText, lines
 
 if TYPE_CHECKING:

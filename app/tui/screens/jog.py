@@ -22,10 +22,10 @@ from catseye.app.tui.jog_text import (
     jog_percent_text,
     jog_reason,
 )
+from catseye.app.tui.scara.plan_view import PlanView
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.beam_panel import BeamPanel
-from catseye.app.tui.widgets.plan_view import PlanView
 from catseye.app.tui.widgets.static_text import StaticText, lines
 
 _MOVES: Final[tuple[tuple[str, Joint, Way, str], ...]] = (
@@ -236,7 +236,7 @@ class JogScreen(MainScreen):
         if joints is None or engine.bench is None or engine.bench.layout is None:
             self._say("the joints that are known are too old")
             return
-        from catseye.app.tui.pointing import pointing_j4_deg, turn_of_j4
+        from catseye.app.tui.scara.pointing import pointing_j4_deg, turn_of_j4
 
         target_deg = pointing_j4_deg(engine.bench.layout, joints, aim)
         if target_deg is None:

@@ -18,6 +18,7 @@ from textual.content import Content
 from textual.timer import Timer
 from textual.widgets import ContentSwitcher, DataTable
 
+from catseye.app.results.numbers import counted
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.path_questions import newest_path_run, path_fault, reference_of
@@ -82,7 +83,7 @@ class ResultsScreen(WorkScreen):
     ResultsScreen .part { height: 1fr; }
     ResultsScreen .legend { height: 1; padding: 0 1; color: $text-muted; }
     ResultsScreen .text { padding: 0 1; scrollbar-size-vertical: 1; }
-    ResultsScreen .beside { width: 52; }
+    ResultsScreen .beside { width: 62; }
     ResultsScreen .below { height: 2fr; }
     ResultsScreen .short { height: auto; max-height: 6; }
     ResultsScreen.-high .short { max-height: 9; }
@@ -120,7 +121,7 @@ class ResultsScreen(WorkScreen):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
-        self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (100, "-wide")]
+        self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (110, "-wide")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (32, "-high")]
         self._shelf: ResultFiles | None = None
         self._files: list[ResultFile] = []
@@ -305,7 +306,7 @@ class ResultsScreen(WorkScreen):
         self._show()
         self._show_files()
         if go:
-            self.action_part(1 if file.result.theta1_map is not None else 2)
+            self.action_part(1 if file.result.has_maps else 2)
 
     def _source_of(self, file: "ResultFile") -> list[str | Path]:
         """Return words that name the distances of a result; none where they are not found."""
@@ -439,7 +440,9 @@ class ResultsScreen(WorkScreen):
         file = self._file
         if file is None or file.result is None:
             where = "Enter shows one" if self._files else "none yet: identify on Runs (F7), i"
-            self.query_one("#heading", StaticText).set_text(Content(f"{len(self._files)} results; {where}"))
+            self.query_one("#heading", StaticText).set_text(
+                Content(f"{counted(len(self._files), 'result')}; {where}")
+            )
             return
         from catseye.app.tui import result_texts as texts
 

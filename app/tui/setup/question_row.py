@@ -6,27 +6,12 @@ from typing import ClassVar
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
-from textual.content import Content
 from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Input, Label, Select
 
 from catseye.app.cell.wizard.question import Question
-from catseye.app.tui.widgets.static_text import StaticText
-
-
-class Fault(StaticText):
-    """What is wrong, below what it is about."""
-
-    DEFAULT_CSS = """
-    Fault { height: auto; color: $error; display: none; padding-left: 2; }
-    Fault.shown { display: block; }
-    """
-
-    def show_fault(self, text: str) -> None:
-        """Show a fault; an empty text hides it."""
-        self.set_class(bool(text), "shown")
-        self.set_text(Content(f"✗ {text}" if text else ""))
+from catseye.app.tui.widgets.fault import Fault
 
 
 class Choice(Select[str], inherit_bindings=False):

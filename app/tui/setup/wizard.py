@@ -15,8 +15,9 @@ from textual.timer import Timer
 from catseye.app.cell.wizard.draft import Draft, default_text
 from catseye.app.cell.wizard.pages import PAGES, Page
 from catseye.app.engine.instruments import require_drivers
-from catseye.app.tui.setup.question_row import Answered, Fault, QuestionRow
-from catseye.app.tui.setup.reflector_rows import HELP, ReflectorRows
+from catseye.app.tui.scara.reflector_rows import HELP, ReflectorRows
+from catseye.app.tui.setup.question_row import Answered, QuestionRow
+from catseye.app.tui.widgets.fault import Fault
 from catseye.app.tui.widgets.static_text import StaticText, lines
 
 _PAUSE_S: Final = 0.15

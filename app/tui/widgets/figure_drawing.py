@@ -1,16 +1,18 @@
 """Figures drawn with letters and braille dots: panels, one legend, note and caption."""
 
 import textwrap
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, TypeAlias
+from typing import Final
 
 import numpy as np
 
-from catseye.app.results.figures import Axis, Figure, Heat, Panel, Points
-from catseye.app.tui.widgets.chart import AXIS, Chart, Ends, Frame, label_cells
+from catseye.app.results.figures import Figure, Heat, Points
+from catseye.app.tui.widgets.chart import AXIS, Chart, Frame, label_cells
+from catseye.app.tui.widgets.figure_scales import Placed, Scales, panels_of
 from catseye.app.tui.widgets.inks import Line, ink_name
-from catseye.app.tui.widgets.mark_drawing import SEVERAL, SHADES, draw, ends_of, layer, sample, value_ends
+from catseye.app.tui.widgets.mark_drawing import SHADES, draw, layer
+from catseye.app.tui.widgets.mark_signs import SEVERAL, sample, value_ends
 
 _NARROWEST: Final = 34
 """Panels that would be narrower stand below each other."""
@@ -18,11 +20,7 @@ _NARROWEST: Final = 34
 _LOW_ROWS: Final = 3
 _HIGH_ROWS: Final = 8
 _SQUARE_ROWS: Final = 14
-_MARGIN: Final = 0.04
 _BETWEEN: Final[Line] = [("  ", "")]
-
-_Placed: TypeAlias = tuple[int, int]
-"""Row and place of a panel in its figure."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,7 @@ class _Strip:
         broken: the figure has more panels in this row.
     """
 
-    places: tuple[_Placed | None, ...]
+    places: tuple[Placed | None, ...]
     share: float
     broken: bool
 
@@ -53,7 +51,7 @@ def draw_figure(figure: Figure, width: int, height: int) -> list[Line]:
     frames = [_frames(figure, strip) for strip in strips]
     room = height - len(above) - len(below)
     heights = _heights(figure, strips, frames, room)
-    scales = _Scales(figure)
+    scales = Scales(figure)
     drawn = [
         line
         for strip, own, rows in zip(strips, frames, heights, strict=True)
@@ -69,59 +67,6 @@ def rows_needed(figure: Figure, width: int) -> int:
     strips = _strips(figure, width)
     other = len(_legend(figure, width)) + len(_below(figure, width))
     return other + sum(_least(figure, strip, _frames(figure, strip)) for strip in strips)
-
-
-class _Scales:
-    """Ends of the axes of each panel; those that share a scale hold the marks of all."""
-
-    def __init__(self, figure: Figure) -> None:
-        self._figure = figure
-        self._x = self._shared("x", lambda row, place: (row + 1, place))
-        self._y = self._shared("y", lambda row, place: (row, place - 1))
-
-    def of(self, place: _Placed) -> tuple[Ends, Ends]:
-        """Return the ends across and upwards."""
-        return self._x[place], self._y[place]
-
-    def _shared(self, name: str, neighbour: Callable[[int, int], _Placed]) -> dict[_Placed, Ends]:
-        panels = dict(_panels(self._figure))
-        groups: dict[_Placed, list[_Placed]] = {}
-        for place in panels:
-            first = place
-            while _axis(panels[first], name).shared and neighbour(*first) in panels:
-                first = neighbour(*first)
-            groups.setdefault(first, []).append(place)
-        return {
-            place: _ends([panels[each] for each in members], name)
-            for members in groups.values()
-            for place in members
-        }
-
-
-def _axis(panel: Panel, name: str) -> Axis:
-    return panel.x if name == "x" else panel.y
-
-
-def _ends(panels: Sequence[Panel], name: str) -> Ends:
-    """Return the ends of an axis: those that are given, else of all marks with a margin."""
-    every = [ends_of(mark)[name == "y"] for panel in panels for mark in panel.marks]
-    values = np.concatenate([np.zeros(0), *(np.asarray(part, dtype=np.float64).ravel() for part in every)])
-    values = values[np.isfinite(values)]
-    low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
-    margin = _MARGIN * (high - low)
-    lows = [axis.low for panel in panels if (axis := _axis(panel, name)).low is not None]
-    highs = [axis.high for panel in panels if (axis := _axis(panel, name)).high is not None]
-    return (
-        low - margin if not lows or lows[0] is None else lows[0],
-        high + margin if not highs or highs[0] is None else highs[0],
-    )
-
-
-def _panels(figure: Figure) -> Iterator[tuple[_Placed, Panel]]:
-    for row, panels in enumerate(figure.rows):
-        for place, panel in enumerate(panels):
-            if panel is not None:
-                yield (row, place), panel
 
 
 def _strips(figure: Figure, width: int) -> list[_Strip]:
@@ -180,7 +125,7 @@ def _heights(
 
 
 def _draw_strip(
-    figure: Figure, strip: _Strip, frames: Sequence[Frame | None], scales: _Scales, width: int, rows: int
+    figure: Figure, strip: _Strip, frames: Sequence[Frame | None], scales: Scales, width: int, rows: int
 ) -> list[Line]:
     """Return panels side by side, each as wide as the others."""
     count = len(strip.places)
@@ -198,13 +143,13 @@ def _draw_strip(
 
 
 def _draw_panel(
-    figure: Figure, place: _Placed, frame: Frame, scales: _Scales, columns: int, rows: int
+    figure: Figure, place: Placed, frame: Frame, scales: Scales, columns: int, rows: int
 ) -> list[Line]:
     panel = figure.rows[place[0]][place[1]]
     x, y = scales.of(place)
     if frame.y_numbers:
         # Panels above each other begin in one column.
-        above = [scales.of(each)[1] for each, _ in _panels(figure) if each[1] == place[1]]
+        above = [scales.of(each)[1] for each, _ in panels_of(figure) if each[1] == place[1]]
         left = max(label_cells(ends, max(rows - frame.other_rows, 1)) for ends in above)
         frame = Frame(frame.title, frame.x_label, frame.x_numbers, True, left, frame.equal)
     chart = Chart(columns, rows, x, y, frame)
@@ -221,7 +166,7 @@ def _blank(columns: int, rows: int) -> list[Line]:
 def _legend(figure: Figure, width: int) -> list[Line]:
     """Return each label of the marks once, with what stands for it, in as many lines as it takes."""
     entries: dict[str, tuple[str, str]] = {}
-    for _, panel in _panels(figure):
+    for _, panel in panels_of(figure):
         for mark in panel.marks:
             label, ink = getattr(mark, "label", ""), getattr(mark, "ink", AXIS)
             if isinstance(mark, Heat):

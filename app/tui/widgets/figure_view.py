@@ -23,6 +23,11 @@ class FigureView(Widget):
         self._drawn_at: tuple[int, int] | None = None
         self._content = Content("")
 
+    @property
+    def figures(self) -> tuple[Figure, ...]:
+        """What is shown."""
+        return self._figures
+
     def show(self, figures: tuple[Figure, ...]) -> None:
         """Show figures instead of those before."""
         self._figures, self._drawn_at = figures, None

@@ -310,12 +310,13 @@ def _motion_text(asked: "PromptAsked") -> Content:
         return Content("")
     where = "to the next pose of the plan" if asked.kind in {"confirm", "choice"} else "as the answer says"
     if asked.target:
-        one, two, three, four = asked.target
-        where = f"to J1 {one:.2f}°, J2 {two:.2f}°, J3 {three:.1f} mm, J4 {four:.2f}°"
+        named = zip(asked.axes, asked.target, strict=False)
+        where = f"to {', '.join(axis.text(value) for axis, value in named)}"
     shown = [Content(f"THE ARM MOVES then, {where}")]
     if asked.override_percent is not None:
         speeds = ", ".join(f"{speed:.0f}" for speed in asked.speed_deg_s or ())
-        fast = f"; joints up to {speeds} deg/s (J1, J2, J4)" if speeds else ""
+        turning = ", ".join(axis.name for axis in asked.axes if axis.unit == "deg")
+        fast = f"; joints up to {speeds} deg/s ({turning})" if speeds else ""
         shown.append(Content(f"at {asked.override_percent:g} % override{fast}"))
     return lines(*shown)
 

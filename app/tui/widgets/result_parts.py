@@ -29,12 +29,12 @@ class MapsPart(Vertical):
     def show(self, result: "Result") -> None:
         """Show the maps of a result; of a conventional model its offset."""
         from catseye.app.results.scara.figures.maps import map_figure
+        from catseye.app.results.scara.fit_text import no_map_text
 
         self.query_one(Figures).show(map_figure(result))
-        offset = result.theta20_mdeg
-        text = "" if offset is None else f"θ20 = {offset.value:.2f} mdeg, U = {2.0 * offset.u:.2f}"
-        self.query_one("#no-map").display = offset is not None
-        _write(self, "#no-map", f"no map: {text}")
+        text = no_map_text(result)
+        self.query_one("#no-map").display = bool(text)
+        _write(self, "#no-map", text)
 
 
 class LayoutPart(Horizontal):

@@ -25,7 +25,7 @@ class CommandChoice:
         layout: the reflectors.
         kept: commands that are measured, shape (n,).
         cost: what the plan of them says.
-        information: what they tell about the arm.
+        information: that they give about the arm.
         asked: how many were asked for.
     """
 
@@ -48,7 +48,7 @@ def choose(layout: Layout, count: int) -> CommandChoice:
     problem = layout.problem
     rows = [problem.study.rows(sight) for sight in layout.sights]
     kept = choose_commands(CommandPool.of(rows), count, problem.criterion)
-    parts = [one.of(kept).information() for one in rows]
+    parts = [row.of(kept).information() for row in rows]
     total = parts[0]
     for one in parts[1:]:
         total = total + one

@@ -24,7 +24,7 @@ from catseye.calibration.scara.arm import arm_design
 from catseye.calibration.scara.points import Commands
 
 Done = Callable[[float, float, str], None]
-"""Is told how much of how much is done, and what is under way."""
+"""Called with how much of how much is done, and what is under way."""
 
 _FRONT_COUNTS = (1, 2, 3, 4)
 _FRONT_SHARES = (0.25, 0.5, 0.75, 1.0)
@@ -132,7 +132,7 @@ def design(problem: Problem, wanted: Wanted, share: Share, done: Done) -> Design
 
 def _known(problem: Problem, name: str, places_mm: Floats) -> Layout:
     """Judge a known layout; reflectors that the cell file describes look where it says."""
-    facing = {tuple(one.xy_mm): one.facing_deg for one in problem.bench.reflectors}
+    facing = {tuple(reflector.xy_mm): reflector.facing_deg for reflector in problem.bench.reflectors}
     return layout_of(problem, name, [problem.sight(xy, facing.get(tuple(xy))) for xy in places_mm])
 
 
@@ -167,10 +167,10 @@ def _compromise(task: tuple[Layout, float]) -> list[Compromise]:
     choice = choose(layout, round(part * len(problem.sequence)))
     rows = []
     for repeats in _FRONT_REPEATS:
-        told = choice.information.times(repeats)
+        information = choice.information.times(repeats)
         white, total = (
-            float(problem.criterion.value(covariances(told.matrix, effects)))
-            for effects in (None, told.effects)
+            float(problem.criterion.value(covariances(information.matrix, effects)))
+            for effects in (None, information.effects)
         )
         rows.append(
             Compromise(
@@ -246,16 +246,19 @@ def weakest(layout: Layout, each: int = 2) -> list[NodeUncertainty]:
     ]
 
 
-def exchanged_values(found: Design) -> tuple[int, Floats]:
+def exchanged_values(design: Design) -> tuple[int, Floats]:
     """Return what the criterion would be with one reflector elsewhere, as an uncertainty.
 
     Returns:
         The reflector that is missed least, counted from 0, and the value with it at each allowed place, shape (m,);
         infinite where the layout would not determine the arm.
     """
-    problem, pool = found.problem, found.places.pool
-    brought = [problem.study.rows(sight).information() for sight in found.layout.sights]
-    rests = [_sum([one for i, one in enumerate(brought) if i != k], pool) for k in range(len(brought))]
+    problem, pool = design.problem, design.places.pool
+    brought = [problem.study.rows(sight).information() for sight in design.layout.sights]
+    rests = [
+        _sum([information for i, information in enumerate(brought) if i != k], pool)
+        for k in range(len(brought))
+    ]
     values = [_value(problem, *rest) for rest in rests]
     least = int(np.argmin(values))
     matrix, effects = rests[least]
@@ -266,11 +269,17 @@ def exchanged_values(found: Design) -> tuple[int, Floats]:
 
 
 def _sum(brought: list[Information], pool: Pool) -> tuple[Floats, Floats | None]:
-    matrix = np.sum([one.matrix for one in brought], axis=0) if brought else np.zeros(pool.matrix.shape[1:])
+    matrix = (
+        np.sum([information.matrix for information in brought], axis=0)
+        if brought
+        else np.zeros(pool.matrix.shape[1:])
+    )
     if pool.effects is None:
         return matrix, None
     effects = (
-        np.sum([one.effects for one in brought], axis=0) if brought else np.zeros(pool.effects.shape[1:])
+        np.sum([information.effects for information in brought], axis=0)
+        if brought
+        else np.zeros(pool.effects.shape[1:])
     )
     return matrix, effects
 

@@ -25,7 +25,7 @@ _STARTS = 12
 
 @dataclass(frozen=True)
 class Layout:
-    """Reflectors with what they tell about the arm.
+    """Reflectors with the information that they give about the arm.
 
     Attributes:
         problem: what they were judged for.

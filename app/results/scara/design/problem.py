@@ -36,7 +36,7 @@ _MOST_OF_IT = 0.8
 """Share of the paper's path that has to lie inside the nodes for it to stand for a cell's work."""
 
 _MOST_COMMANDS = 20_000
-"""More take hours, and tell nothing about places that fewer do not."""
+"""More take hours, and show nothing about places that fewer do not."""
 
 _RING = 2.0
 """Radius of the floor where none is given, in reaches of the arm."""
@@ -134,8 +134,8 @@ def problem_of(bench: ScaraBench, budget: Budget, wish: Wish) -> Problem:
 
 def commands_of(sequence: tuple[Command, ...]) -> Commands:
     """Return commands as columns."""
-    theta = np.deg2rad([[one.theta1_deg, one.theta2_deg] for one in sequence])
-    directions = np.array([[one.direction1, one.direction2] for one in sequence], dtype=np.int64)
+    theta = np.deg2rad([[command.theta1_deg, command.theta2_deg] for command in sequence])
+    directions = np.array([[command.direction1, command.direction2] for command in sequence], dtype=np.int64)
     return Commands(theta[:, 0], theta[:, 1], directions[:, 0], directions[:, 1])
 
 

@@ -40,40 +40,40 @@ CRITERIA: tuple[CriterionName, ...] = ("A", "D", "E", "path")
 _VALUE, _UM, _MDEG = fixed(3), fixed(1), fixed(2)
 
 
-def design_report(found: Design, cell_name: str) -> Report:
+def design_report(design: Design, cell_name: str) -> Report:
     """Return what a design says.
 
     Args:
-        found: the design.
+        design: the design.
         cell_name: of the cell that it was made for.
     """
-    sections = (_places(found), _comparison(found), _weakness(found), _commands(found), _front(found))
+    sections = (_places(design), _comparison(design), _weakness(design), _commands(design), _front(design))
     return Report(f"Design of a measurement: {cell_name}", origin_now(), sections)
 
 
-def _places(found: Design) -> Section:
-    criterion, places = found.problem.criterion, found.places
+def _places(design: Design) -> Section:
+    criterion, places = design.problem.criterion, design.places
     reasons = ", ".join(f"{count} {reason}" for reason, count in places.reasons.items())
     contents = (
         "everything that [uncertainty] states, also what does not average out"
-        if found.problem.systematic
+        if design.problem.systematic
         else "only what averages out"
     )
     texts = [
         f"Criterion {criterion.name}: {criterion.meaning}, {criterion.unit}, k = 1; it contains {contents}.",
-        f"Path: {found.problem.path_text}.",
+        f"Path: {design.problem.path_text}.",
         f"{counted(len(places.allowed), 'place')} allowed on a grid of {number(places.spacing_mm, COUNT)} mm, "
         f"{len(places.excluded)} excluded ({reasons or 'none'}); the best are then moved off the grid.",
     ]
     return section(
         "places",
         "Where to put the reflectors",
-        [*(Statement(Sign.NEUTRAL, text) for text in texts), places_figure(found), _place_table(found)],
+        [*(Statement(Sign.NEUTRAL, text) for text in texts), places_figure(design), _place_table(design)],
         brief=True,
     )
 
 
-def _place_table(found: Design) -> Table:
+def _place_table(design: Design) -> Table:
     return Table(
         "places",
         "Places",
@@ -95,38 +95,38 @@ def _place_table(found: Design) -> Table:
                 sight.seen.size,
                 sight.breaks,
             )
-            for place, sight in enumerate(found.layout.sights, 1)
+            for place, sight in enumerate(design.layout.sights, 1)
         ),
     )
 
 
-def _comparison(found: Design) -> Section:
+def _comparison(design: Design) -> Section:
     meanings = tuple(
-        f"{name}: {found.problem.with_criterion(name).meaning}, {found.problem.with_criterion(name).unit}"
+        f"{name}: {design.problem.with_criterion(name).meaning}, {design.problem.with_criterion(name).unit}"
         for name in CRITERIA
     )
     return section(
         "comparison",
         "Comparison",
         [
-            _uncertainties(found),
+            _uncertainties(design),
             Bullets("", meanings),
             Paragraph("Links count as the angles that they look like at full reach."),
-            _costs(found),
-            _plan_statement(found.layouts[0].cost),
+            _costs(design),
+            _plan_statement(design.layouts[0].cost),
         ],
         brief=True,
     )
 
 
-def _uncertainties(found: Design) -> Table:
+def _uncertainties(design: Design) -> Table:
     rows = [
-        _uncertain(found, layout, systematic=systematic)
-        for layout in found.layouts
+        _uncertain(design, layout, systematic=systematic)
+        for layout in design.layouts
         for systematic in (False, True)
     ]
-    if found.choice is not None:
-        rows += [_chosen(found, found.choice, systematic=systematic) for systematic in (False, True)]
+    if design.choice is not None:
+        rows += [_chosen(design, design.choice, systematic=systematic) for systematic in (False, True)]
     return Table(
         "uncertainties",
         "Standard uncertainties (k = 1)",
@@ -143,8 +143,8 @@ def _uncertainties(found: Design) -> Table:
     )
 
 
-def _uncertain(found: Design, layout: Layout, *, systematic: bool) -> tuple[Cell, ...]:
-    arm, u = found.problem.study.layout, layout.u(systematic=systematic)
+def _uncertain(design: Design, layout: Layout, *, systematic: bool) -> tuple[Cell, ...]:
+    arm, u = design.problem.study.layout, layout.u(systematic=systematic)
     return (
         layout.name,
         _errors(systematic=systematic),
@@ -155,23 +155,23 @@ def _uncertain(found: Design, layout: Layout, *, systematic: bool) -> tuple[Cell
     )
 
 
-def _chosen(found: Design, choice: CommandChoice, *, systematic: bool) -> tuple[Cell, ...]:
+def _chosen(design: Design, choice: CommandChoice, *, systematic: bool) -> tuple[Cell, ...]:
     values = (choice.shown(name, systematic=systematic) for name in CRITERIA)
-    return (_choice_name(found, choice), _errors(systematic=systematic), *values, *[None] * 4)
+    return (_choice_name(design, choice), _errors(systematic=systematic), *values, *[None] * 4)
 
 
 def _errors(*, systematic: bool) -> str:
     return "all" if systematic else "random"
 
 
-def _choice_name(found: Design, choice: CommandChoice) -> str:
-    return f"{found.layout.name}, {int(choice.kept.sum())} commands"
+def _choice_name(design: Design, choice: CommandChoice) -> str:
+    return f"{design.layout.name}, {int(choice.kept.sum())} commands"
 
 
-def _costs(found: Design) -> Table:
-    costs = [(layout.name, layout.cost) for layout in found.layouts]
-    if found.choice is not None:
-        costs.append((_choice_name(found, found.choice), found.choice.cost))
+def _costs(design: Design) -> Table:
+    costs = [(layout.name, layout.cost) for layout in design.layouts]
+    if design.choice is not None:
+        costs.append((_choice_name(design, design.choice), design.choice.cost))
     return Table(
         "costs",
         "At the bench, as the plan of open-loop says; times are estimates without search and set-up",
@@ -201,38 +201,38 @@ def _plan_statement(cost: BenchCost) -> Statement:
     )
 
 
-def _weakness(found: Design) -> Section:
-    worst = ", ".join(map(_weak_text, weakest(found.layout)))
+def _weakness(design: Design) -> Section:
+    worst = ", ".join(map(_weak_text, weakest(design.layout)))
     return section(
         "weakness",
         "Where the map is weak",
         [
             Statement(Sign.NEUTRAL, f"Most uncertain: {worst}."),
-            node_figure(found),
-            position_figure(found),
+            node_figure(design),
+            position_figure(design),
         ],
         brief=True,
     )
 
 
-def _weak_text(one: NodeUncertainty) -> str:
-    return f"{node_name(one.joint, one.node_deg, one.direction)} {one.u_mdeg:.2f} mdeg"
+def _weak_text(node: NodeUncertainty) -> str:
+    return f"{node_name(node.joint, node.node_deg, node.direction)} {node.u_mdeg:.2f} mdeg"
 
 
-def _commands(found: Design) -> Section:
-    choice = found.choice
+def _commands(design: Design) -> Section:
+    choice = design.choice
     if choice is None:
         return section("commands", "Which commands", ())
-    problem = found.problem
+    problem = design.problem
     criterion = problem.criterion
     whole, chosen = (
         number(one.shown(criterion.name, systematic=problem.systematic), _VALUE)
-        for one in (found.layout, choice)
+        for one in (design.layout, choice)
     )
     texts = [
         f"{int(choice.kept.sum())} of {choice.kept.size} commands: criterion {criterion.name} {chosen} "
         f"{criterion.unit} instead of {whole} {criterion.unit}, bench time {duration_text(choice.cost.duration_s)} "
-        f"instead of {duration_text(found.layout.cost.duration_s)}.",
+        f"instead of {duration_text(design.layout.cost.duration_s)}.",
         "Open-loop measures whole grids of nodes; a choice of commands is for programs of your own, or a hint which "
         "nodes may be left out.",
     ]
@@ -244,7 +244,7 @@ def _commands(found: Design) -> Section:
         [
             *statements,
             Statement(Sign.ATTENTION, too_few) if too_few else None,
-            _command_table(found, choice),
+            _command_table(design, choice),
         ],
         brief=True,
     )
@@ -257,7 +257,7 @@ def _too_few(choice: CommandChoice) -> str:
     return f"{choice.asked} commands leave parameters undetermined; the fewest that do not are {kept}."
 
 
-def _command_table(found: Design, choice: CommandChoice) -> Table:
+def _command_table(design: Design, choice: CommandChoice) -> Table:
     signs = (("+ +", 1, 1), ("+ −", 1, -1), ("− +", -1, 1), ("− −", -1, -1))
     return Table(
         "commands",
@@ -267,25 +267,27 @@ def _command_table(found: Design, choice: CommandChoice) -> Table:
             *(Column(f"theta2_deg {name}", f"θ2 / °, directions {name}") for name, _, _ in signs),
         ),
         tuple(
-            (number(node, PLAIN), *(_kept(found, choice, node, one, two) for _, one, two in signs))
-            for node in found.problem.bench.nodes1_deg
+            (number(node, PLAIN), *(_kept(design, choice, node, one, two) for _, one, two in signs))
+            for node in design.problem.bench.nodes1_deg
         ),
     )
 
 
-def _kept(found: Design, choice: CommandChoice, theta1_deg: float, direction1: int, direction2: int) -> str:
+def _kept(design: Design, choice: CommandChoice, theta1_deg: float, direction1: int, direction2: int) -> str:
     return ", ".join(
-        f"{one.theta2_deg:g}"
-        for one, keep in zip(found.problem.sequence, choice.kept, strict=True)
-        if keep and (one.theta1_deg, one.direction1, one.direction2) == (theta1_deg, direction1, direction2)
+        f"{command.theta2_deg:g}"
+        for command, keep in zip(design.problem.sequence, choice.kept, strict=True)
+        if keep
+        and (command.theta1_deg, command.direction1, command.direction2)
+        == (theta1_deg, direction1, direction2)
     )
 
 
-def _front(found: Design) -> Section:
+def _front(design: Design) -> Section:
     title = "Bench time against uncertainty"
-    if not found.compromises:
+    if not design.compromises:
         return section("front", title, ())
-    unit = found.problem.criterion.unit
+    unit = design.problem.criterion.unit
     table = Table(
         "front",
         "Compromises nothing beats",
@@ -299,10 +301,10 @@ def _front(found: Design) -> Section:
         ),
         tuple(
             (row.reflectors, row.commands, row.repeats, row.time_s, row.u_white, row.u_total)
-            for row in found.compromises
+            for row in design.compromises
             if row.front
         ),
     )
-    beaten = sum(not row.front for row in found.compromises)
+    beaten = sum(not row.front for row in design.compromises)
     text = f"{beaten} further compromises are beaten in time and uncertainty; --json lists them too."
-    return section("front", title, [front_figure(found), table, Statement(Sign.NEUTRAL, text)], brief=True)
+    return section("front", title, [front_figure(design), table, Statement(Sign.NEUTRAL, text)], brief=True)

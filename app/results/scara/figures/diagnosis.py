@@ -27,7 +27,7 @@ _NUMBERED = 9
 def diagnosis_figures(diagnosis: Diagnosis) -> list[Figure]:
     """Return all figures; without harmonics that the maps leave there is none of them."""
     figures = [order_figure(diagnosis), pattern_figure(diagnosis)]
-    shown = [one for one in diagnosis.harmonics if one.harmonics]
+    shown = [harmonic for harmonic in diagnosis.harmonics if harmonic.harmonics]
     return [*figures, harmonic_figure(shown)] if shown else figures
 
 
@@ -43,9 +43,9 @@ def order_figure(diagnosis: Diagnosis) -> Figure:
         marks.append(Level(start + 1.5, Role.MUTED, vertical=True, dash="dotted", width=0.6))
     marks += [Level(sign * limit, Role.CHANGE, dash="dashed") for sign in (-1.0, 1.0)]
     marks += [
-        Level(one.row - 0.5, Role.CHANGE, vertical=True, width=1.4)
-        for one in diagnosis.changes
-        if one.significant and one.kind == "jump"
+        Level(change.row - 0.5, Role.CHANGE, vertical=True, width=1.4)
+        for change in diagnosis.changes
+        if change.significant and change.kind == "jump"
     ]
     marks += [
         Text(str(place), (float(row[at]), float(external[at])), Role.CHANGE)
@@ -66,7 +66,7 @@ def pattern_figure(diagnosis: Diagnosis) -> Figure:
     """Return mean residuals against the angles of J1, J2 and the beam."""
     sigma_um = diagnosis.identified.fit.sigma0_um
     panels = tuple(
-        _pattern(letter, one, sigma_um) for letter, one in zip("abc", diagnosis.patterns, strict=True)
+        _pattern(letter, pattern, sigma_um) for letter, pattern in zip("abc", diagnosis.patterns, strict=True)
     )
     return Figure(
         "diagnosis-angles",
@@ -78,17 +78,17 @@ def pattern_figure(diagnosis: Diagnosis) -> Figure:
     )
 
 
-def _pattern(letter: str, one: AnglePattern, sigma_um: float) -> Panel:
-    order = np.argsort(one.angle_deg)
-    angle, mean = one.angle_deg[order], one.mean_um[order]
-    scatter = 2.0 * sigma_um / np.sqrt(one.count[order])
+def _pattern(letter: str, pattern: AnglePattern, sigma_um: float) -> Panel:
+    order = np.argsort(pattern.angle_deg)
+    angle, mean = pattern.angle_deg[order], pattern.mean_um[order]
+    scatter = 2.0 * sigma_um / np.sqrt(pattern.count[order])
     marks = (
         Band(angle, -scatter, scatter, Role.MUTED),
         Level(0.0, Role.AXIS, width=0.6),
         Points(angle, mean, Role.NEGATIVE, marker="o", size=3.2, joined=True),
     )
     upwards = Axis("mean residual / µm") if letter == "a" else Axis(shared=True)
-    return Panel(f"{letter}) against θ{one.joint}", Axis(f"θ{one.joint} / °"), upwards, marks)
+    return Panel(f"{letter}) against θ{pattern.joint}", Axis(f"θ{pattern.joint} / °"), upwards, marks)
 
 
 def harmonic_figure(shown: list[HarmonicSeries]) -> Figure:
@@ -106,10 +106,10 @@ def harmonic_figure(shown: list[HarmonicSeries]) -> Figure:
     )
 
 
-def _spectrum(letter: str, one: HarmonicSeries, *, last: bool) -> Panel:
-    order = np.array([harmonic.order for harmonic in one.harmonics], dtype=np.float64)
-    explained = np.array([harmonic.explained_um for harmonic in one.harmonics])
-    flags = np.array([harmonic.significant for harmonic in one.harmonics])
+def _spectrum(letter: str, series: HarmonicSeries, *, last: bool) -> Panel:
+    order = np.array([harmonic.order for harmonic in series.harmonics], dtype=np.float64)
+    explained = np.array([harmonic.explained_um for harmonic in series.harmonics])
+    flags = np.array([harmonic.significant for harmonic in series.harmonics])
     marks: list[Mark] = [Stems(order, explained, Role.MUTED)]
     marks += [
         Points(order[rows], explained[rows], ink, label if flags.any() else "", size=3.0)
@@ -120,7 +120,7 @@ def _spectrum(letter: str, one: HarmonicSeries, *, last: bool) -> Panel:
         if rows.any()
     ]
     return Panel(
-        f"{letter}) {VARYING[one.target]} against {ANGLES[one.source]}",
+        f"{letter}) {VARYING[series.target]} against {ANGLES[series.source]}",
         Axis("order (periods in a turn)" if last else "", low=0.0, high=float(order.max()) + 1.0),
         Axis("µm", low=0.0),
         tuple(marks),

@@ -128,10 +128,10 @@ def _quantiles(value: Floats, sigma_um: float) -> Panel:
 
 
 def _poses(means: Sequence[PoseMeans], names: Sequence[str]) -> tuple[Panel, ...]:
-    unit = max(float(np.abs(one.mean_um).max()) for one in means) or 1.0
+    unit = max(float(np.abs(mean.mean_um).max()) for mean in means) or 1.0
     theta1, theta2 = (
         _ends(np.concatenate(columns))
-        for columns in ([one.theta1_deg for one in means], [one.theta2_deg for one in means])
+        for columns in ([mean.theta1_deg for mean in means], [mean.theta2_deg for mean in means])
     )
     return tuple(
         Panel(
@@ -159,8 +159,8 @@ def _ends(values: Floats) -> Point:
 
 
 def _pose_note(means: Sequence[PoseMeans], scatter_um: float) -> str:
-    largest = max(float(np.abs(one.mean_um).max()) for one in means)
-    count = float(np.mean(np.concatenate([one.count for one in means])))
+    largest = max(float(np.abs(mean.mean_um).max()) for mean in means)
+    count = float(np.mean(np.concatenate([mean.count for mean in means])))
     return (
         f"▲ above, ▼ below zero; area in proportion, the largest mean is {largest:.1f} µm; "
         f"the scatter of repeats alone gives {scatter_um / np.sqrt(count):.1f} µm (k = 1)"

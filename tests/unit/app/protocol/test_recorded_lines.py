@@ -33,7 +33,8 @@ CONFIRM = (
 MOTION = (
     '"id": "stage/1", "kind": "choice", "text": "Turn.", "choices": ["done", "skip"], "unit": "", "timeout_s": 60.0, '
     '"task": {"do": "turn-screw", "screw": "x", "turns": 0.5}, "safe_answer": "skip", "motion": true, '
-    '"rests_after": ["skip"], "target": null, "override_percent": 20.0, "speed_deg_s": [80.0, 72.0, 300.0]'
+    '"rests_after": ["skip"], "target": null, "override_percent": 20.0, "speed_deg_s": [80.0, 72.0, 300.0], '
+    '"axes": [{"name": "J1", "unit": "deg"}]'
 )
 LIVE = (
     '"state": "EXECUTE", "kind": "live", "data": {"name": "offset", "value": 0.43, "unit": "mm", "low": -0.1, '
@@ -52,7 +53,8 @@ BENCH = (
     '"humidity_percent": null, "refractive_index": null, "formula": "ciddor", "age_s": 2.0}, "door_closed": null, '
     '"layout": {"link1_mm": 325.0, "link2_mm": 225.0, "column_radius_mm": 100.0, "theta40_deg": 0.0, '
     '"limits_deg": {"j1": [-170.0, 170.0]}, "reflectors": [{"name": "P1", "x_mm": 1.0, "y_mm": 2.0, '
-    '"facing_deg": 90.0, "field_half_angle_deg": 60.0}], "aim": "P1"}, "missed": 2'
+    '"facing_deg": 90.0, "field_half_angle_deg": 60.0}], "aim": "P1"}, '
+    '"axes": [{"name": "J1", "unit": "deg"}], "missed": 2'
 )
 EVENTS = [
     of_run("run-started", '"procedure": "open-loop", "title": "Open loop tracking \\u03b8"'),

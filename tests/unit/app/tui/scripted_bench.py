@@ -6,6 +6,7 @@ from typing import Any
 
 from catseye.app.protocol.bench import BenchStatus
 from tests.unit.app.tui.scripted import ScriptedLink
+from tests.unit.app.tui.scripted_run import AXES
 
 
 def _device(name: str, driver: str, port: int, model: str, firmware: str, serial: str) -> dict[str, Any]:
@@ -68,6 +69,7 @@ BENCH: dict[str, Any] = {
         "age_s": 0.5,
     },
     "door_closed": None,
+    "axes": AXES,
     "layout": {
         "link1_mm": 325.0,
         "link2_mm": 225.0,

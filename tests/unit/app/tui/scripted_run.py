@@ -20,6 +20,8 @@ SNAPSHOT: Final[dict[str, Any]] = {
     "control": {"client": "tui-1", "who": "Ada"},
 }
 
+AXES: Final = [{"name": name, "unit": "mm" if name == "J3" else "deg"} for name in ("J1", "J2", "J3", "J4")]
+
 MOTION: Final[dict[str, Any]] = {
     "id": "stage/1",
     "kind": "confirm",
@@ -29,6 +31,7 @@ MOTION: Final[dict[str, Any]] = {
     "target": [-6.67, 11.67, 50.0, 2.76],
     "override_percent": 20.0,
     "speed_deg_s": [84.0, 144.0, 600.0],
+    "axes": AXES,
 }
 
 REHEARSAL: Final = Done(

@@ -7,14 +7,14 @@ from catseye.app.results.numbers import counted
 from catseye.app.results.scara.design.design import Design
 
 
-def front_figure(found: Design) -> Figure:
+def front_figure(design: Design) -> Figure:
     """Return every compromise; those that nothing beats are joined."""
-    rows = [row for row in found.compromises if row.time_s == row.time_s and row.u_total < float("inf")]
+    rows = [row for row in design.compromises if row.time_s == row.time_s and row.u_total < float("inf")]
     front = [row for row in rows if row.front]
     marks: list[Mark] = [
         Line(
             np.array([row.time_s / 60.0 for row in front]),
-            np.array([row.u(systematic=found.problem.systematic) for row in front]),
+            np.array([row.u(systematic=design.problem.systematic) for row in front]),
             Role.AXIS,
             "nothing beats these",
             width=1.0,
@@ -29,7 +29,7 @@ def front_figure(found: Design) -> Figure:
             Points(minutes, every, count - 1, counted(count, "reflector"), size=5.0),
             Points(minutes, white, count - 1, size=4.0, hollow=True, faint=True),
         ]
-    criterion = found.problem.criterion
+    criterion = design.problem.criterion
     upwards = Axis(f"criterion {criterion.name} / {criterion.unit}", low=0.0)
     return Figure(
         "front",

@@ -19,13 +19,13 @@ _FIELD_MM = 150.0
 _ORIGIN = (0.0, 0.0)
 
 
-def places_figure(found: Design) -> Figure:
+def places_figure(design: Design) -> Figure:
     """Return candidates coloured by the criterion, excluded places by reason, and the layouts."""
     known: list[Mark] = [
         Points(*columns(layout.places_mm), Role.TRUTH, layout.name, marker=marker, size=8.0, hollow=True)
-        for layout, marker in zip(found.known, "sD", strict=False)
+        for layout, marker in zip(design.known, "sD", strict=False)
     ]
-    marks = (*_arm(found), *_excluded(found), *_allowed(found), *known, *_chosen(found))
+    marks = (*_arm(design), *_excluded(design), *_allowed(design), *known, *_chosen(design))
     return Figure(
         "places",
         "Places for reflectors seen from above",
@@ -38,9 +38,9 @@ def places_figure(found: Design) -> Figure:
     )
 
 
-def _arm(found: Design) -> list[Mark]:
-    rules, study = found.problem.rules, found.problem.study
-    way = found.problem.way
+def _arm(design: Design) -> list[Mark]:
+    rules, study = design.problem.rules, design.problem.study
+    way = design.problem.way
     return [
         Shape(_ORIGIN, (rules.column_radius_mm, rules.column_radius_mm), Role.COLUMN, filled=True),
         Shape(_ORIGIN, (study.reach_mm, study.reach_mm), Role.MUTED, "reach", dashed=True),
@@ -48,24 +48,24 @@ def _arm(found: Design) -> list[Mark]:
     ]
 
 
-def _excluded(found: Design) -> list[Mark]:
+def _excluded(design: Design) -> list[Mark]:
     marks: list[Mark] = []
-    for reason, count in found.places.reasons.items():
-        places = np.array([sight.xy_mm for sight in found.places.excluded if sight.reason == reason])
+    for reason, count in design.places.reasons.items():
+        places = np.array([sight.xy_mm for sight in design.places.excluded if sight.reason == reason])
         label = f"{reason}: {counted(count, 'place')}"
         marks.append(Points(*columns(places), Role.MUTED, label, marker=_MARKERS[reason], size=4.0))
     return marks
 
 
-def _allowed(found: Design) -> list[Mark]:
-    least, values = exchanged_values(found)
+def _allowed(design: Design) -> list[Mark]:
+    least, values = exchanged_values(design)
     known = np.isfinite(values)
-    xy = np.array([sight.xy_mm for sight in found.places.allowed])[known]
+    xy = np.array([sight.xy_mm for sight in design.places.allowed])[known]
     if not len(xy):
         return []
     # A few bad places would take all the colours.
     low, high = float(values[known].min()), float(np.quantile(values[known], 0.9))
-    criterion = found.problem.criterion
+    criterion = design.problem.criterion
     return [
         Points(
             *columns(xy),
@@ -78,10 +78,10 @@ def _allowed(found: Design) -> list[Mark]:
     ]
 
 
-def _chosen(found: Design) -> list[Mark]:
-    half = float(np.rad2deg(found.problem.rules.field_half_angle_rad))
+def _chosen(design: Design) -> list[Mark]:
+    half = float(np.rad2deg(design.problem.rules.field_half_angle_rad))
     marks: list[Mark] = []
-    for place, sight in enumerate(found.layout.sights, 1):
+    for place, sight in enumerate(design.layout.sights, 1):
         facing = float(np.rad2deg(sight.facing_rad))
         where = (float(sight.xy_mm[0]), float(sight.xy_mm[1]))
         labels = ("facing", "designed, with its field") if place == 1 else ("", "")

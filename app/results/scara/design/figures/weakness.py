@@ -17,21 +17,21 @@ _ELLIPSE_MM = 70.0
 """Half axis of the largest ellipse drawn."""
 
 
-def node_figure(found: Design) -> Figure:
+def node_figure(design: Design) -> Figure:
     """Return the standard uncertainties of both maps at their nodes, of the designed and the first known layout."""
     return Figure(
         "nodes",
         "Uncertainty of the nodes of both maps",
         "Standard uncertainty of each value of the maps (k = 1), in the gauge that the J1 map has zero mean.",
-        (tuple(_nodes(found, joint) for joint in (1, 2)),),
+        (tuple(_nodes(design, joint) for joint in (1, 2)),),
         aspect=0.43,
         legend_columns=2,
     )
 
 
-def _nodes(found: Design, joint: int) -> Panel:
+def _nodes(design: Design, joint: int) -> Panel:
     marks: list[Mark] = []
-    for layout, designed in ((found.layout, True), (found.known[0], False)):
+    for layout, designed in ((design.layout, True), (design.known[0], False)):
         for direction, ink in ((1, Role.POSITIVE), (-1, Role.NEGATIVE)):
             own = [
                 one for one in node_uncertainties(layout) if one.joint == joint and one.direction == direction
@@ -44,9 +44,9 @@ def _nodes(found: Design, joint: int) -> Panel:
     return Panel(f"{'ab'[joint - 1]}) J{joint}", Axis(f"command θ{joint} / °"), upwards, tuple(marks))
 
 
-def position_figure(found: Design) -> Figure:
+def position_figure(design: Design) -> Figure:
     """Return the standard uncertainty of predicted positions in its worst direction, with ellipses at the nodes."""
-    layouts = (found.layout, found.known[0])
+    layouts = (design.layout, design.known[0])
     maps = [_largest_um(layout) for layout in layouts]
     top = max(float(worst.max()) for _, worst in maps)
     return Figure(

@@ -137,7 +137,7 @@ async def test_what_goes_wrong_is_told_with_its_cause(author: Author) -> None:
         "BEAM LOST: P1, on the way to point 2; segment 0 ends; cause: blocked (by the column)",
         "WARNING: beam lost: look what stands in it",
         "HELD: Ada asks for a hold",
-        "front end tui (Ada) lost: closed; the run is told to hold",
+        "front end tui (Ada) lost: closed; the run is to hold",
         "control taken: Bob, before: Ada",
         "attempt 1 at P1/0001 dropped: Interrupted: Ctrl-C; 2 row(s) were not kept",
         "ERROR: the operator stopped the run",

@@ -49,9 +49,14 @@ def test_fit(page: Page) -> None:
 
 
 def test_reflector_and_dead_path(page: Page) -> None:
-    places = [row for row in page.rows if row[0] == "P1"]
-    assert places[0][1:] == ["651.235", "0.012", "−401.500", "0.023"]
-    assert places[1][1:] == ["0", "812.346", "0.017"]
+    _, place, dead_path = [row for row in page.rows if row[0] == "P1"]
+    assert place[1:] == ["651.235", "0.012", "−401.500", "0.023"]
+    assert dead_path[1:] == ["0", "812.346", "0.017"]
+
+
+def test_scatter_by_reflector(page: Page) -> None:
+    first, *_ = [row for row in page.rows if row[0] == "P1"]
+    assert first[1:] == ["8", "10.8", "20.0"]
 
 
 def test_conventions_name_gauge_and_coverage(page: Page) -> None:

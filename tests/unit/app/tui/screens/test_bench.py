@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from catseye.app.tui.dialogs.text_dialog import TextDialog
+from catseye.app.tui.scara.plan_view import PlanView
 from catseye.app.tui.screens.bench import BenchScreen
 from catseye.app.tui.widgets.beam_panel import BeamPanel
-from catseye.app.tui.widgets.plan_view import PlanView
 from catseye.app.tui.widgets.strip import Strip
 from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown
 from tests.unit.app.tui.scripted_bench import BENCH, bench, publish_strip

@@ -10,11 +10,15 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import ContentSwitcher, DataTable, Input
 
+from catseye.app.results.figure_document import figures_json
+from catseye.app.results.figures import Figure
+from catseye.app.results.scara.run_report import result_file_report
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.form_dialog import FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.screens.results import ResultsScreen
+from catseye.app.tui.widgets.figure_view import FigureView
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.test_runs import settle
 from tests.unit.app.tui.scripted import ScriptedLink, compare, failed, make_app, shown, work_of
@@ -76,6 +80,21 @@ async def test_parts_as_they_are_seen(bench: Path, size: tuple[int, int]) -> Non
     async with app.run_test(size=size) as pilot:
         for name, keys in WAY_THROUGH_THE_PARTS:
             compare(f"results-{name}-{size[0]}x{size[1]}", await press(app, pilot, *keys))
+
+
+async def test_screen_shows_the_figures_of_the_page_from_the_same_data(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        await press(app, pilot, "enter", "d", "t", "enter", "1", "down", "c")
+        shown_now = [figure for view in app.screen.query(FigureView) for figure in view.figures]
+    page = result_file_report(bench / "error-map.json")
+    paged = [block for block in page.blocks() if isinstance(block, Figure)]
+    assert {figure.key for figure in paged} == {"maps", "residual-order", "residuals", "layout"}
+    by_key = {figure.key: figure for figure in shown_now}
+    assert figures_json(by_key[figure.key] for figure in paged) == figures_json(paged)
+    assert figures_json([by_key["diagnosis-order"]]) == figures_json(DIAGNOSIS.figures)
+    assert figures_json([by_key["path"]]) == figures_json(validation().figures)
+    assert "differences" in by_key
 
 
 async def test_files_newest_first_and_what_is_none_at_the_end(bench: Path) -> None:

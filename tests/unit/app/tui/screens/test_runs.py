@@ -186,7 +186,7 @@ async def test_story(root: Path) -> None:
         assert "bbbbbb" in text
 
 
-CANNOT_GO_ON = ((COMPLETE, "start a new run"), (RUNNING, "a attaches"), (DAMAGED, "v tells"))
+CANNOT_GO_ON = ((COMPLETE, "start a new run"), (RUNNING, "a attaches"), (DAMAGED, "v says"))
 
 
 async def test_what_cannot_go_on_says_so_at_once_or_when_it_is_refused(root: Path) -> None:

@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from textual.app import App
+from textual.theme import Theme
 
 from catseye.app.render.palette import SERIES
 from catseye.app.results.figures import (
@@ -23,6 +25,7 @@ from catseye.app.results.figures import (
     Stems,
     Text,
 )
+from catseye.app.tui.themes import THEMES
 from catseye.app.tui.widgets.figure_drawing import draw_figure, rows_needed
 from catseye.app.tui.widgets.inks import FIGURE_STYLES, ink_name
 from tests.unit.app.render.reports import FIGURE, MARKS
@@ -55,7 +58,10 @@ def values_at(lines: list[str], sign: str) -> list[float]:
     return [value for _, value in sorted(places)]
 
 
-def test_every_role_has_a_style_of_the_theme() -> None:
+@pytest.mark.parametrize("theme", THEMES, ids=lambda theme: theme.name)
+def test_every_ink_names_a_colour_of_the_theme(theme: Theme) -> None:
+    colours = App[None]().get_theme_variable_defaults() | theme.to_color_system().generate()
+    assert {style.split()[0].removeprefix("$") for style in FIGURE_STYLES.values()} <= set(colours)
     assert {ink_name(role) for role in Role} <= set(FIGURE_STYLES)
     assert ink_name(len(SERIES)) == ink_name(0)
 

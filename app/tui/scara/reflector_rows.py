@@ -8,7 +8,7 @@ from textual.events import DescendantFocus
 from textual.message import Message
 from textual.widgets import Input, Label
 
-from catseye.app.tui.setup.question_row import Fault
+from catseye.app.tui.widgets.fault import Fault
 
 Reflector = dict[str, str]
 

@@ -78,7 +78,7 @@ class PlanView(Widget):
     ) -> Content:
         if layout is None:
             return Content.styled("nothing is known of the bench yet", "dim")
-        from catseye.app.tui.widgets.plan_drawing import draw_plan
+        from catseye.app.tui.scara.plan_drawing import draw_plan
 
         canvas = draw_plan(layout, joints, beam_ok, self.size.width, self.size.height)
         return painted(canvas.lines(), _STYLES, faded=stale)

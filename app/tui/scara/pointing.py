@@ -7,7 +7,7 @@ import numpy as np
 
 from catseye.app.protocol.bench import Layout
 from catseye.app.tui.jog_client import Step
-from catseye.app.tui.widgets.plan_drawing import pose_of
+from catseye.app.tui.scara.plan_drawing import pose_of
 from catseye.calibration.scara.pointing import aim, beam_direction, nearest_branch
 
 _LONGEST_DEG = 90.0
