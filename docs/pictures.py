@@ -11,7 +11,7 @@ from catseye.app.results.scara.figures.maps import map_figure
 from catseye.app.results.scara.figures.path import path_figure
 from catseye.app.results.scara.figures.trajectories import trajectory_figure
 from catseye.app.results.scara.path_view import gaps
-from catseye.app.results.scara.run_content import truth_tables
+from catseye.app.results.scara.truth_tables import truth_tables
 from catseye.app.store.catalog import list_runs
 
 

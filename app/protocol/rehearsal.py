@@ -5,6 +5,7 @@ from typing import Annotated
 from pydantic import BaseModel, Field, PlainSerializer
 
 from catseye.app.protocol.message import absent
+from catseye.drivers.roles.pose import Unit
 
 
 def _rounded(digits: int) -> PlainSerializer:
@@ -15,7 +16,7 @@ class RehearsedJoint(BaseModel):
     """A joint of the arm: its name and the unit of its values."""
 
     name: str
-    unit: str
+    unit: Unit
 
 
 class RehearsedStep(BaseModel):

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING
 from catseye.app.results.model import Column, Report, Sign, Statement, Table, section
 from catseye.app.results.numbers import COUNT, counted, duration_text, fixed, listed
 from catseye.app.results.origin import origin_now
+from catseye.drivers.roles.pose import SYMBOLS
 
 if TYPE_CHECKING:
     from catseye.app.protocol.rehearsal import Rehearsal
 
 _QUESTIONS_NAMED = 8
-_UNITS = {"deg": "°", "mm": " mm"}
 
 
 def rehearsal_report(rehearsal: "Rehearsal") -> Report:
@@ -52,7 +52,9 @@ def first_target_text(rehearsal: "Rehearsal") -> str:
     if step is None:
         return "the arm does not move"
     joints = zip(rehearsal.joints, step.end, strict=True)
-    return "first to " + ", ".join(f"{joint.name} {value:.2f}{_UNITS[joint.unit]}" for joint, value in joints)
+    return "first to " + ", ".join(
+        f"{joint.name} {value:.2f}{SYMBOLS[joint.unit]}" for joint, value in joints
+    )
 
 
 def step_table(rehearsal: "Rehearsal") -> Table:

@@ -16,7 +16,8 @@ Unit = Literal["deg", "mm"]
 SAME_PLACE: Final = 0.03
 """Axes that differ by more, deg or mm, were moved by somebody else: encoders and rounding stay far below."""
 
-_SYMBOLS: Final[dict[Unit, str]] = {"deg": "°", "mm": " mm"}
+SYMBOLS: Final[dict[Unit, str]] = {"deg": "°", "mm": " mm"}
+"""What stands behind a value on screens."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class Axis:
 
     def text(self, value: float, digits: int = 2) -> str:
         """Return a value with name and unit: A1 10.00°, or 12.50 mm."""
-        return f"{self.name} {value:.{digits}f}{_SYMBOLS[self.unit]}"
+        return f"{self.name} {value:.{digits}f}{SYMBOLS[self.unit]}"
 
 
 Axes = tuple[Axis, ...]
