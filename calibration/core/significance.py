@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import special
 
 from catseye.calibration.core.types import Floats
 
@@ -46,6 +45,9 @@ class Expected:
 
     def probability(self, square: float) -> float:
         """Return the probability of a sum of squares this large."""
+        # Whoever only lists procedures imports this module too.
+        from scipy import special
+
         return float(special.chdtrc(self.dof, square * self.dof / self.mean))
 
 
@@ -108,6 +110,8 @@ def f_test(
         rest_expected: its expectation for the stated uncertainties.
         rest_dof: degrees of freedom that it leaves.
     """
+    from scipy import special
+
     left = max(rest / rest_dof, _TINY)
     ratio = gain / rank / left
     scale = max(rest, _TINY) / rest_expected.mean
