@@ -51,6 +51,12 @@ class Robot(ScaraRobot):
     # After a run that a front end started; a headless one switches them off at its end.
     drives_off_after_s: Positive = 300.0
 
+    @property
+    def further_endpoints(self) -> dict[str, str]:
+        """Endpoints of connections for paths, by their keys."""
+        given = {"datalink_endpoint": self.datalink_endpoint, "mxt_endpoint": self.mxt_endpoint}
+        return {key: endpoint for key, endpoint in given.items() if endpoint is not None}
+
     _endpoint = field_validator("endpoint")(_checked_endpoint)
     _further = field_validator("datalink_endpoint", "mxt_endpoint")(_checked_further)
 

@@ -117,10 +117,9 @@ def robot_settings(robot: Robot, record: WireRecorder) -> dict[str, Any]:
         ConfigError: no such driver is installed.
     """
     abilities = robot_driver(robot.driver).abilities
-    further = {"datalink_endpoint": robot.datalink_endpoint, "mxt_endpoint": robot.mxt_endpoint}
     settings: dict[str, Any] = {"expected_model": robot.expected_model}
     if key := abilities.further_endpoint:
-        settings |= _given(**{key: further.get(key)})
+        settings |= _given(**{key: robot.further_endpoints.get(key)})
     if abilities.following == "streamed":
         settings |= {
             "follow_speed_deg_s": robot.follow_speed_deg_s,

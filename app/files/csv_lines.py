@@ -91,7 +91,8 @@ def _table_text(path: Path, first_line: int, raw: bytes, encoding: str) -> str:
 
 def lines_of(text: str) -> list[str]:
     """Return the lines of a chunk; other signs than line feeds end none."""
-    return text.removesuffix("\n").split("\n")
+    lines = text.split("\n")
+    return lines if lines[-1] else lines[:-1]
 
 
 def csv_row(path: Path, number: int, line: str, header: list[str]) -> CsvRow:

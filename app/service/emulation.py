@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from catseye.app.cell.axes import arm_of
+from catseye.app.cell.axes import arm_of, robot_driver
 from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.model import Cell, Interferometer
 from catseye.app.cell.scara.sections import Alignment
@@ -18,6 +18,7 @@ from catseye.app.errors import ConfigError, LinkFailedError
 from catseye.app.files.documents import read_document
 from catseye.drivers.counter.profile import load_profile
 from catseye.drivers.roles.errors import ProfileError
+from catseye.drivers.roles.registry import driver_names, load_driver
 from catseye.simulators.config import (
     EmulatedDevice,
     EmulationConfig,
@@ -84,13 +85,13 @@ def emulated_devices(cell: Cell) -> tuple[EmulatedDevice, ...]:
     """
     robot, counter, air = cell.robot, cell.interferometer, cell.environment
     options = {**air.settings, "map": air.map, "pressure_address": air.pressure_register}
-    devices = [EmulatedDevice("robot", "melfa-r3", robot.endpoint)]
-    doors = {"melfa-datalink": robot.datalink_endpoint, "melfa-mxt": robot.mxt_endpoint}
-    for protocol, endpoint in doors.items():
-        if endpoint is not None:
-            # The settings are those of the driver in use.
-            used = _plain(robot.settings) if robot.driver == protocol else {}
-            devices.append(EmulatedDevice("robot", protocol, endpoint, used))
+    spoken = robot_driver(robot.driver).protocols or {"endpoint": robot.driver}
+    devices = [EmulatedDevice("robot", spoken["endpoint"], robot.endpoint)]
+    for key, endpoint in robot.further_endpoints.items():
+        driver, protocol = _speaker(key)
+        # The settings are those of the driver in use.
+        used = _plain(robot.settings) if robot.driver == driver else {}
+        devices.append(EmulatedDevice("robot", protocol, endpoint, used))
     settings = {**_lengths_of(counter), **counter.settings}
     devices.append(_device("interferometer", counter.driver, counter.endpoint, settings))
     devices.append(_device("environment", air.driver, air.endpoint, options))
@@ -98,6 +99,16 @@ def emulated_devices(cell: Cell) -> tuple[EmulatedDevice, ...]:
         devices.append(_device("io", cell.io.driver, cell.io.endpoint, cell.io.settings))
     devices += [_device(d.name, d.driver, d.endpoint, d.settings) for d in cell.device]
     return tuple(devices)
+
+
+def _speaker(key: str) -> tuple[str, str]:
+    """Return the driver of a robot that takes a further endpoint, and what it speaks there."""
+    drivers = {name: load_driver(name) for name in driver_names()}
+    return next(
+        (name, driver.protocols[key])
+        for name, driver in drivers.items()
+        if driver.role == "robot" and driver.protocols is not None and key in driver.protocols
+    )
 
 
 def _lengths_of(counter: Interferometer) -> dict[str, str]:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 from pydantic import BaseModel
 
@@ -37,6 +37,8 @@ from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.registry import load_driver
+from catseye.drivers.roles.tracker import Tracker
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.motion.clear_way import way_check
 from catseye.procedures.kit.records import Json
@@ -242,13 +244,11 @@ def _meta_of_resumption(planned: PlannedRun, speed: float) -> dict[str, Json]:
 
 
 def _hands(cell: Cell) -> SimulatedOperator | None:
-    """Return the hands of the emulated operator; the tracker of an emulated bench is its control port."""
-    tracker = cell.tracker
-    return (
-        SimulatedOperator(tracker.endpoint)
-        if tracker is not None and tracker.driver == "bench-tracker"
-        else None
-    )
+    """Return the hands of the emulated operator; None on a bench without a control port."""
+    if cell.tracker is None:
+        return None
+    driver = cast("type[Tracker]", load_driver(cell.tracker.driver, "tracker"))
+    return SimulatedOperator(cell.tracker.endpoint) if driver.has_hands else None
 
 
 def read_answers(path: Path | None) -> dict[str, str]:

@@ -173,6 +173,11 @@ class RunReader:
             return {row["key"]: json.loads(row["value"]) for row in rows}
 
     @property
+    def procedure(self) -> str:
+        """Name of what was run; empty in a run that does not say."""
+        return str(self.meta.get("procedure") or "")
+
+    @property
     def clock_speed(self) -> float | None:
         """Bench seconds in one real second; None in a run that does not say."""
         speed = self.meta.get("clock_speed")

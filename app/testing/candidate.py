@@ -10,14 +10,6 @@ from catseye.drivers.roles.registry import load_driver
 from catseye.simulators.config import Option
 from catseye.simulators.registry import emulator_names
 
-DOORS: dict[str, dict[str, str]] = {
-    "melfa-r3": {"endpoint": "melfa-r3"},
-    "melfa-datalink": {"endpoint": "melfa-r3", "datalink_endpoint": "melfa-datalink"},
-    "melfa-mxt": {"endpoint": "melfa-r3", "mxt_endpoint": "melfa-mxt"},
-    "bench-tracker": {},
-}
-"""Emulated protocols behind the endpoints of drivers that do not have just one of their own name."""
-
 _LEAST_PATIENCE_S, _MOST_PATIENCE_S = 5.0, 40.0
 _SLOW = ("move", "start", "servo", "stop")
 """Beginnings of the names of time-outs that are no question's."""
@@ -63,7 +55,8 @@ class Candidate:
     @property
     def doors(self) -> dict[str, str]:
         """Emulated protocols by the names of the endpoints that `at` takes."""
-        return DOORS.get(self.name, {"endpoint": self.name})
+        declared = self.driver.protocols
+        return {"endpoint": self.name} if declared is None else dict(declared)
 
     @property
     def patience_s(self) -> float:

@@ -15,6 +15,7 @@ from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.device import Role
 from catseye.drivers.roles.errors import DeviceError
 from catseye.simulators.config import ArmDynamics, EmulatedDevice
+from catseye.simulators.registry import load_emulator
 
 ROBOT = "robot"
 _SERVO_DELAY_S = 0.05
@@ -203,8 +204,8 @@ def _devices(candidate: Candidate) -> list[EmulatedDevice]:
     options = {**shared, **candidate.options}
     made = []
     for door, protocol in candidate.doors.items():
-        kind = "udp" if protocol == "melfa-mxt" else "tcp"
-        made.append(EmulatedDevice(_device_name(candidate, door), protocol, f"{kind}://127.0.0.1:0", options))
+        endpoint = f"{load_emulator(protocol).link}://127.0.0.1:0"
+        made.append(EmulatedDevice(_device_name(candidate, door), protocol, endpoint, options))
     return made
 
 

@@ -21,7 +21,7 @@ def read_record(path: Path) -> SoFar:
     from catseye.app.store.reader import RunReader
 
     reader = RunReader(path)
-    events, procedure = reader.events(), str(reader.meta.get("procedure"))
+    events, procedure = reader.events(), reader.procedure
     texts, declared = texts_of(procedure), declared_by(procedure)
     log = [
         LogLine(event.time_utc, _LEVELS.get(event.kind, "info"), text)

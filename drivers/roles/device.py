@@ -1,7 +1,7 @@
 """What all instruments have in common, and what a driver class declares before it is made."""
 
 from abc import abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Final, Literal, Protocol, Self, get_args
 
@@ -51,7 +51,14 @@ class Examination:
 
 
 class Device(Protocol):
-    """An instrument on a link."""
+    """An instrument on a link.
+
+    Attributes:
+        protocols: that the driver speaks, as emulators are called, by the endpoints that `at` takes; None for one of
+            the driver's own name on its only endpoint.
+    """
+
+    protocols: ClassVar[Mapping[str, str] | None] = None
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -83,10 +90,12 @@ class DriverClass(Protocol):
     Attributes:
         role: what it is a driver of.
         summary: one line for the wizard: maker, model, link.
+        protocols: see `Device`.
         Settings: pydantic model of its settings; unknown keys are refused.
     """
 
     role: ClassVar[Role]
+    protocols: ClassVar[Mapping[str, str] | None]
     summary: ClassVar[str]
     Settings: ClassVar[type[Any]]
 

@@ -23,9 +23,14 @@ class Position:
 
 
 class Tracker(Device, Protocol):
-    """An independent instrument, such as a laser tracker."""
+    """An independent instrument, such as a laser tracker.
+
+    Attributes:
+        has_hands: its endpoint is the control port of an emulated bench, which does what operators are asked for.
+    """
 
     role: ClassVar[Role] = "tracker"
+    has_hands: ClassVar[bool] = False
 
     @abstractmethod
     async def locate(self) -> Position:

@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Mapping
 from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -85,6 +86,8 @@ class BenchTracker(Tracker):
     """
 
     Settings: ClassVar[type[BenchTrackerSettings]] = BenchTrackerSettings
+    protocols: ClassVar[Mapping[str, str] | None] = {}
+    has_hands: ClassVar[bool] = True
     summary: ClassVar[str] = "the emulated bench's own; there is none for real hardware"
 
     def __init__(

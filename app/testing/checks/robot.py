@@ -1,6 +1,6 @@
 """What keeps people and machines whole in a robot's driver.
 
-Motions are small and slow: J1 by 3 degrees at 1 % override.
+Motions are small and slow: the first axis by 3 degrees at 1 % override.
 """
 
 import asyncio
@@ -10,10 +10,13 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
+from catseye.app.cell.arm import shipped_arm
+from catseye.app.cell.axes import axes_of
 from catseye.app.testing.checks.check import Check
 from catseye.app.testing.trial import Trial, expect
 from catseye.drivers.roles.device import Role
 from catseye.drivers.roles.errors import DeviceError
+from catseye.drivers.roles.pose import Axes, with_axis
 
 _ROLES: tuple[Role, ...] = ("robot",)
 _OVERRIDE_PERCENT = 1.0
@@ -23,11 +26,17 @@ _STOP_S = 3.0
 _SAME_DEG = 0.05
 _LOOK_S = 0.2
 _SETTLE_S = 0.05
-_BEYOND_J3_MM = -50.0
+_BEYOND_MM = 50.0
+_ARM = "rh-3frh5515"
+"""Description of the arm that the emulated controllers drive."""
+
+
+def _axes() -> Axes:
+    return axes_of(shipped_arm(_ARM), {})
 
 
 async def status_tells_the_state(trial: Trial) -> None:
-    """`status` has the fields of a controller's state, and `joints` four finite numbers."""
+    """`status` has the fields of a controller's state, and `joints` a finite number for each axis."""
     async with trial.connected() as driver:
         status = await trial.in_time(driver.status(), "status()")
         flags = (status.servo_on, status.running, status.emergency_stop, status.teach_mode)
@@ -37,7 +46,9 @@ async def status_tells_the_state(trial: Trial) -> None:
         expect(math.isfinite(status.override_percent), f"override_percent is {status.override_percent!r}")
         expect(isinstance(status.alarm_number, int), f"alarm_number is {status.alarm_number!r}; 0 means none")
         joints = await trial.ask(driver)
-        expect(len(joints) == 4 and all(map(math.isfinite, joints)), f"joints() returned {joints!r}")
+        expect(
+            len(joints) == len(_axes()) and all(map(math.isfinite, joints)), f"joints() returned {joints!r}"
+        )
 
 
 async def connecting_moves_nothing(trial: Trial) -> None:
@@ -134,9 +145,10 @@ async def stop_works_on_a_broken_link(trial: Trial) -> None:
 async def targets_beyond_the_limits_are_refused(trial: Trial) -> None:
     """A target that the controller refuses is an error with a text, and nothing moves."""
     async with _ready(trial) as driver:
-        j1, j2, _, j4 = await trial.ask(driver)
+        number, sliding = next((n, axis) for n, axis in enumerate(_axes()) if axis.unit == "mm")
         # The emulated quill stands at its end, so that a driver that streams set points meets the limit at once.
-        await _refused(trial, driver, (j1, j2, _BEYOND_J3_MM, j4), DeviceError, ValueError)
+        beyond = with_axis(await trial.ask(driver), number, sliding.low - _BEYOND_MM)
+        await _refused(trial, driver, beyond, DeviceError, ValueError)
 
 
 async def a_target_that_is_no_number_is_refused(trial: Trial) -> None:

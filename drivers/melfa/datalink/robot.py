@@ -6,7 +6,7 @@ stands: it is started again before the next way, or an operator has to.
 """
 
 import asyncio
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, ClassVar, Self
 
@@ -68,6 +68,10 @@ class MelfaDatalink(LedArm):
 
     Settings: ClassVar[type[DatalinkSettings]] = DatalinkSettings
     summary: ClassVar[str] = "MELFA with program CATSDL: passes targets in one motion"
+    protocols: ClassVar[Mapping[str, str] | None] = {
+        "endpoint": "melfa-r3",
+        "datalink_endpoint": "melfa-datalink",
+    }
     abilities: ClassVar[RobotAbilities] = RobotAbilities(
         following="blended", jogs=True, takes_guard=True, further_endpoint="datalink_endpoint"
     )

@@ -8,7 +8,7 @@ so that nothing streams while the arm is at rest.
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Self
 
 from catseye.drivers.links.endpoint import open_transport
@@ -55,6 +55,7 @@ class MelfaMxt(LedArm):
 
     Settings: ClassVar[type[MxtSettings]] = MxtSettings
     summary: ClassVar[str] = "MELFA with program CATSMXT: streams set points"
+    protocols: ClassVar[Mapping[str, str] | None] = {"endpoint": "melfa-r3", "mxt_endpoint": "melfa-mxt"}
     abilities: ClassVar[RobotAbilities] = RobotAbilities(
         following="streamed", jogs=True, takes_guard=True, further_endpoint="mxt_endpoint"
     )

@@ -13,7 +13,7 @@ APP = Path(app.__path__[0])
 
 ALLOWED = {
     "results/scara": "the room of that system: its remedies name its procedures",
-    "cell/uncertainty.py": "a contributor to the budget of that name",
+    "cell/scara": "the room of that system; a contributor to its budget has such a name",
     "cell/template.py": "comments of the cell file of that system",
     "cell/wizard/pages.py": "questions about the cell file of that system",
 }

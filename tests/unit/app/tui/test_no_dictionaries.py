@@ -15,7 +15,7 @@ FOREIGN = {
     "start.py": 1,  # a file that may be anything
     "stopping.py": 1,  # a stop depends on no model
     "setup/emulators.py": 1,  # a file that may be anything
-    "setup/reflector_rows.py": 1,  # what is typed into a form
+    "scara/reflector_rows.py": 1,  # what is typed into a form
     "screens/procedures.py": 2,  # what is typed into a form
     "widgets/parameter_form.py": 4,  # a JSON schema
 }
