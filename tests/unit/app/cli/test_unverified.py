@@ -78,8 +78,7 @@ async def test_a_report_says_on_top_that_its_run_was_changed(tmp_path: Path) -> 
     run = await changed(tmp_path)
     report(str(run), tmp_path / "page.html", None, unverified=True)
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
-    assert page.index("UNVERIFIED: made from") < page.index("<main>")
-    assert CHANGED in page
+    assert page.index(f"UNVERIFIED: {run.name}: {CHANGED}") < page.index("<main>")
 
 
 async def test_exports_say_that_their_run_was_changed(tmp_path: Path) -> None:
