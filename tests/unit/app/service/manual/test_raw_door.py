@@ -19,7 +19,7 @@ class Link:
     def __init__(self) -> None:
         self.near, self.far = pipe()
         self.watched = Watched()
-        self.told: list[str] = []
+        self.reported: list[str] = []
         self.stack = AsyncExitStack()
 
     async def begin(self, *, watched: bool = True) -> RawDoor:
@@ -28,7 +28,7 @@ class Link:
         await self.far.open()
         io = self.watched.door if watched else None
         return await self.stack.enter_async_context(
-            raw_door(io, self.near, self.watched.clock, self.told.append)
+            raw_door(io, self.near, self.watched.clock, self.reported.append)
         )
 
 
@@ -52,7 +52,7 @@ async def test_a_door_that_opens_is_a_stop_on_the_link(link: Link) -> None:
     link.watched.door.closed = False
     await link.watched.pass_s(4 * TICK_S)
     assert sent(link.far) == b"\r1;1;STOP\r"
-    assert link.told == ["the door is open: no motion; close it when nobody is inside"]
+    assert link.reported == ["the door is open: no motion; close it when nobody is inside"]
     with pytest.raises(SafetyError, match="door is open"):
         door.require_closed()
 
@@ -69,12 +69,12 @@ async def test_each_opening_is_a_stop_of_its_own(link: Link) -> None:
     assert stops == [b"\r1;1;STOP\r"] * 2
 
 
-async def test_a_link_that_takes_no_stop_calls_for_the_emergency_stop(link: Link) -> None:
+async def test_a_link_not_taking_stop_calls_for_the_emergency_stop(link: Link) -> None:
     await link.begin()
     await link.near.close()
     link.watched.door.closed = False
     await link.watched.pass_s(2 * TICK_S)
-    assert "PRESS THE EMERGENCY STOP" in link.told[-1]
+    assert "PRESS THE EMERGENCY STOP" in link.reported[-1]
 
 
 async def test_without_a_watched_door_bytes_pass(link: Link) -> None:
@@ -84,13 +84,13 @@ async def test_without_a_watched_door_bytes_pass(link: Link) -> None:
 
 
 @pytest.mark.parametrize(
-    ("fault", "told"),
+    ("fault", "why"),
     [
         (RuntimeError("a fault of the program"), "a fault of the program"),
         (asyncio.CancelledError(), "the watch was cancelled"),
     ],
 )
-async def test_a_watch_that_ends_counts_as_an_open_door(link: Link, fault: BaseException, told: str) -> None:
+async def test_a_watch_that_ends_counts_as_an_open_door(link: Link, fault: BaseException, why: str) -> None:
     door = await link.begin()
 
     async def fail() -> bool:
@@ -99,5 +99,5 @@ async def test_a_watch_that_ends_counts_as_an_open_door(link: Link, fault: BaseE
     link.watched.door.door_closed = fail  # type: ignore[method-assign]  # a driver with a fault
     await link.watched.pass_s(4 * TICK_S)
     assert sent(link.far) == b"\r1;1;STOP\r"
-    with pytest.raises(SafetyError, match=f"watched no more: {told}"):
+    with pytest.raises(SafetyError, match=f"watched no more: {why}"):
         door.require_closed()
