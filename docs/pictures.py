@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from catseye.app.cli.demo_job import evaluate
+from catseye.app.cli.scara.demo_job import evaluate
 from catseye.app.files.documents import read_truth
 from catseye.app.render.canvas import svg
 from catseye.app.render.mpl import drawn

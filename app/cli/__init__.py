@@ -11,7 +11,6 @@ from typing import Annotated, Any
 
 import typer
 
-from catseye.app.cli.commands import COMMANDS
 from catseye.app.cli.lazy import LazyGroup, add_commands
 from catseye.app.cli.reporting import open_channel
 
@@ -51,7 +50,7 @@ cli = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-add_commands(cli, COMMANDS)
+add_commands(cli)
 
 
 def _show_version(wanted: bool) -> None:

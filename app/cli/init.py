@@ -16,7 +16,7 @@ def init(
 
     Example: catseye init cell.toml
     """
-    from catseye.app.cell.template import TEMPLATE
+    from catseye.app.cell.scara.template import TEMPLATE
     from catseye.app.files.atomic import write_atomically
 
     if file.exists():

@@ -1,13 +1,13 @@
 """A group of commands that imports a command only when it is called."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from importlib import import_module
-from typing import Any, Final
+from typing import Any
 
 import typer
 from typer.core import TyperGroup
 
-_ROOM: Final = "catseye.app.cli"
+from catseye.app.cli.commands import COMMANDS
 
 
 class LazyGroup(TyperGroup):
@@ -22,15 +22,17 @@ class LazyGroup(TyperGroup):
         return name, stub if name is None else load_command(name), rest
 
 
-def add_commands(cli: typer.Typer, commands: Mapping[str, str]) -> None:
-    """Register a stub for each name, with the summary that the help shows for it."""
-    for name, summary in commands.items():
-        cli.command(name, help=summary)(_stub)
+def add_commands(cli: typer.Typer) -> None:
+    """Register a stub for each command, with the summary that the help shows for it."""
+    for name, command in COMMANDS.items():
+        cli.command(name, help=command.summary)(_stub)
 
 
 def declaration_of(name: str) -> Callable[..., None] | typer.Typer:
     """Return what the command's module declares: a function, or a Typer with commands of its own."""
-    declared: Callable[..., None] | typer.Typer = getattr(import_module(f"{_ROOM}.{name}"), name)
+    declared: Callable[..., None] | typer.Typer = getattr(
+        import_module(f"{COMMANDS[name].package}.{name}"), name
+    )
     return declared
 
 

@@ -11,7 +11,7 @@ from scipy import linalg
 
 from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cluster.share import InThisProcess
 from catseye.app.results.scara.design.layouts import Places, best_layouts, candidate_places
 from catseye.app.results.scara.design.problem import Problem, Wish, problem_of

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.protocol.procedures import load_procedure, parse_params
 from catseye.app.service.emulation import emulated_devices
 from catseye.app.service.running import carry_out, plan_run

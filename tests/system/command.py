@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.guard.lock import lock_path
 from catseye.app.service.emulation import emulated_devices
 from catseye.drivers.links.endpoint import SerialEndpoint, TcpEndpoint, parse_endpoint

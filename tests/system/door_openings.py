@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.store.reader import RunReader
 from tests.system.command import Emulated, begun
 from tests.system.test_ways_of_following import ALL_THETA2, FEW_NODES

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from tests.system.command import Emulated, emulated
 
 _FURTHER = """

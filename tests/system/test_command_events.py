@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.protocol.commands import CommandEvent, CommandFailed
 from catseye.app.tui.work import Commands
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from tests.patience import HANG_S
 from tests.system.command import catseye, environment
 

@@ -19,7 +19,7 @@ from catseye.app.cli.commands import COMMANDS
 help_text = CliRunner().invoke(cli, ["--help"]).output
 print([name for name in COMMANDS if f"  {{name}} " not in help_text])
 print([name for name in {HEAVY!r} if name in sys.modules])
-print([name for name in COMMANDS if f"catseye.app.cli.{{name}}" in sys.modules])
+print([name for name in COMMANDS if f"{{COMMANDS[name].package}}.{{name}}" in sys.modules])
 """
     command = [sys.executable, "-c", code]
     done = subprocess.run(command, env=environment(), capture_output=True, text=True, check=True)

@@ -11,7 +11,7 @@ from typing import IO, Any
 
 import pytest
 
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.store.reader import RunReader
 from tests.patience import HANG_S
 from tests.system.command import Emulated, begun, emulated

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.engine.walked.register import own_legs
 from catseye.app.exitcode import ExitCode
 from catseye.app.store.reader import RunReader

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from tests.free_ports import at_ports, free_ports
 from tests.patience import HANG_S
 

@@ -23,14 +23,8 @@ PROTOCOL = "drivers/melfa/"
 """Its axes are named J1 to J8 on the wire."""
 
 NOT_YET = {
-    "app/cell/template.py": "the text of a SCARA's cell file, comments included",
     "app/cell/wizard/pages.py": "keys of that file, and what to enter",
-    "app/cli/compensate.py": "commands of a SCARA",
-    "app/cli/compensation.py": "commands of a SCARA",
-    "app/cli/demo_job.py": "the demo measures a SCARA",
-    "app/cli/design.py": "designs a SCARA's measurement",
     "app/cli/emulate.py": "emulates a SCARA's bench",
-    "app/cli/identify.py": "identifies a SCARA",
     "app/cli/options.py": "hand of a SCARA",
     "app/engine/walked/register.py": "binding key of [robot]",
     "app/protocol/bench.py": "layout from above, as it is on the socket",
@@ -38,11 +32,9 @@ NOT_YET = {
     "app/results/runs/sections.py": "texts of a SCARA's procedures",
     "app/service/emulation.py": "configuration of the emulated SCARA",
     "app/service/watching/bench_status.py": "layout from above, as it is on the socket",
-    "app/tui/bench_text.py": "joints in two lines",
     "app/tui/jog_client.py": "keys of the jog",
     "app/tui/jog_text.py": "keys of the jog",
     "app/tui/screens/jog.py": "keys of the jog",
-    "app/tui/widgets/prompt_panel.py": "the first motion",
     "calibration/__init__.py": "public names of the SCARA's models",
 }
 """Files that still name them, and for what; the list only shrinks."""

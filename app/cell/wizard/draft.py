@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from catseye.app.cell.load import fault_text
 from catseye.app.cell.model import Cell
 from catseye.app.cell.rewriting import CommentsLostError, plain, rewritten
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cell.wizard.pages import OPTIONAL, PAGES, Page
 from catseye.app.cell.wizard.question import Question, number_of, text_of
 from catseye.app.errors import ConfigError

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from catseye.app.cell.rewriting import rewritten
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import read_toml
 from catseye.app.tui.session import EMULATED_BENCH

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.engine.walked.register import geometry_digest
 from catseye.app.protocol.procedures import load_procedure

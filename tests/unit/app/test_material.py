@@ -7,7 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from catseye.app.cell.model import Cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.results.scara.material import with_reference_links
 from catseye.app.store.reader import RunReader
 from tests.unit.app.results.scara.sample import hand_made

@@ -14,7 +14,7 @@ APP = Path(app.__path__[0])
 ALLOWED = {
     "results/scara": "the room of that system: its remedies name its procedures",
     "cell/scara": "the room of that system; a contributor to its budget has such a name",
-    "cell/template.py": "comments of the cell file of that system",
+    "cell/scara/template.py": "comments of the cell file of that system",
     "cell/wizard/pages.py": "questions about the cell file of that system",
 }
 """Where a name may stand, and why; docstrings and the examples of help texts may name them anywhere."""

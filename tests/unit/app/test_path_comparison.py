@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from catseye.app.cell.model import Cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.results.scara.path_of_run import compare_path
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore

@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 
 from catseye import app
-from catseye.app.cell.template import TEMPLATE
-from catseye.app.cli.compensate import compensate
-from catseye.app.cli.design import design
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cli.export import export
-from catseye.app.cli.predict import predict
+from catseye.app.cli.scara.compensate import compensate
+from catseye.app.cli.scara.design import design
+from catseye.app.cli.scara.predict import predict
 from catseye.procedures.kit.records import Row
 from tests.unit.app.cli.arms import bare, estimate, stored, text_file
 from tests.unit.app.engine.fakes import point

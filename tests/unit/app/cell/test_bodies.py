@@ -8,7 +8,7 @@ from catseye.app.cell.arm import shipped_arm, shipped_arms
 from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.plausible import implausible
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.errors import ConfigError
 from catseye.app.results.scara.identify import cell_of_run
 from catseye.app.store.reader import RunReader

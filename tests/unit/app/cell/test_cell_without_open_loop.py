@@ -12,7 +12,7 @@ from catseye.app.cell.axes import axes_of
 from catseye.app.cell.bench import bench_of, scara_bench_of, system_of
 from catseye.app.cell.load import LoadedCell, load_cell
 from catseye.app.cell.plausible import implausible
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.engine.walked.register import geometry_digest
 from catseye.app.errors import ConfigError
 from catseye.app.protocol.procedures import bases, load_procedure, procedure_names

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cell.wizard.draft import Draft, default_text
 from catseye.app.cell.wizard.pages import PAGES
 from catseye.app.cell.wizard.question import numbers_of, text_of

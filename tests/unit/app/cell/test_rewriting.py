@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from catseye.app.cell.rewriting import CommentsLostError, plain, rewritten
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 
 TEXTS = st.text(st.characters(codec="utf-8"), max_size=12)
 SCALARS = TEXTS | st.booleans() | st.integers(-(10**12), 10**12) | st.floats(allow_nan=False)

@@ -8,8 +8,8 @@ import pytest
 
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cell.scara.uncertainty import Uncertainty
-from catseye.app.cell.template import TEMPLATE
 from catseye.app.errors import ConfigError
 
 HEAD = TEMPLATE[: TEMPLATE.index("# The error budget")]

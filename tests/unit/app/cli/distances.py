@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.calibration.scara.points import Points
 
 

@@ -21,7 +21,7 @@ def said(*words: str) -> tuple[int, str]:
 def test_a_summary_is_the_first_line_of_the_command(name: str) -> None:
     declared = declaration_of(name)
     text = declared.info.help if isinstance(declared, typer.Typer) else inspect.getdoc(declared)
-    assert str(text).splitlines()[0] == COMMANDS[name]
+    assert str(text).splitlines()[0] == COMMANDS[name].summary
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -29,7 +29,7 @@ def test_each_command_explains_itself(name: str) -> None:
     code, text = said(name, "--help")
     assert code == 0
     assert text.startswith(f"Usage: catseye {name} ")
-    assert COMMANDS[name][:60] in text
+    assert COMMANDS[name].summary[:60] in text
 
 
 def test_a_mistyped_command_names_the_nearest() -> None:

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from catseye.app.cell.template import TEMPLATE
-from catseye.app.cli.compensate import compensate
+from catseye.app.cell.scara.template import TEMPLATE
+from catseye.app.cli.scara.compensate import compensate
 from catseye.app.errors import LimitError, MeasurementRejectedError, UsageError
 from tests.unit.app.cli.arms import DOWN1, UP1, bare, stored, text_file
 

@@ -9,8 +9,8 @@ import pytest
 
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.reflectors import with_reflector_tables
-from catseye.app.cell.template import TEMPLATE
-from catseye.app.cli.design import design
+from catseye.app.cell.scara.template import TEMPLATE
+from catseye.app.cli.scara.design import design
 from catseye.app.errors import ConfigError, UsageError, exit_code_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.results.scara.design import commands as design_commands

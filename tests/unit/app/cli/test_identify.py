@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from catseye.app.cli.identify import identify
+from catseye.app.cli.scara.identify import identify
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.identification_report import identification_report
 from catseye.app.results.scara.result import Fit, Result, read_result

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from catseye.app.cell.template import TEMPLATE
-from catseye.app.cli.identify import identify
+from catseye.app.cell.scara.template import TEMPLATE
+from catseye.app.cli.scara.identify import identify
 from catseye.app.errors import UsageError
 from catseye.app.results.scara import scan as scan_identifying
 from catseye.app.results.scara.identified_arm import arm_of

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.cell.model import Cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cli.config import validate
 from catseye.app.cli.doctor import doctor
 from catseye.app.protocol.examination import DeviceExamination

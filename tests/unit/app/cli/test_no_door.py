@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cli.config import validate
 
 _REAL = TEMPLATE.replace("tcp://127.0.0.1:10001", "tcp://192.168.0.20:10001")

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.app.cli.predict import predict
+from catseye.app.cli.scara.predict import predict
 from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.results.scara.path_csv import directions_of, read_path_csv, start_states
 from tests.unit.app.cli.arms import bare, stored, text_file

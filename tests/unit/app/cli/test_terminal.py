@@ -6,7 +6,7 @@ import pytest
 
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cli.terminal import endpoint_of
 from catseye.app.errors import UsageError
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.cli import identify as identify_command
 from catseye.app.cli.compare import compare
 from catseye.app.cli.export import export
 from catseye.app.cli.report import report
+from catseye.app.cli.scara import identify as identify_command
 from catseye.app.cli.show import show
 from catseye.app.errors import StorageError
 from catseye.app.results.scara.identified_arm import arm_remarks

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from catseye.app.cell.scara.sections import Measurement
-from catseye.app.cli.validate import validate
+from catseye.app.cli.scara.validate import validate
 from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.results.scara.measured import travel_of
 from catseye.app.results.scara.result import write_result

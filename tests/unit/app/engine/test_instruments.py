@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from catseye.app.cell.model import Cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cli.doctor import doctor
 from catseye.app.engine.instruments import device_builder, stop_request
 from catseye.app.errors import ConfigError

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.errors import CatseyeError, ConfigError, exit_code_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.files.documents import parse_json, parse_toml, read_document

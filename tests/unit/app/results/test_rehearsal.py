@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.protocol.procedures import load_procedure
 from catseye.app.protocol.rehearsal import Rehearsal

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from catseye.app.cell.model import Cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.render.html import section_html
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.result_of import result_of

@@ -5,7 +5,7 @@ from typing import cast
 
 import pytest
 
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.engine.devices import Devices
 from catseye.app.protocol.engine_events import JogChanged
 from catseye.app.service.client_registry import ClientRegistry

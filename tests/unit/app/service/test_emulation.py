@@ -5,7 +5,7 @@ import tomllib
 import pytest
 
 from catseye.app.cell.model import Cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.service.emulation import emulation_config
 
 

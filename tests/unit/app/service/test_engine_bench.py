@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.cell.model import FurtherDevice, Material
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.engine_bench import EngineBench
 from catseye.app.service.errors import RefusedError

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.protocol.procedures import load_procedure, parse_params
 from catseye.app.service.plan_digest import plan_digest

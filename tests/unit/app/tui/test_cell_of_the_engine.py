@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.protocol.requests import Start
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from tests.unit.app.tui.screens.test_procedures import app_of, settled

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.errors import UsageError
 from catseye.app.tui import start
 from catseye.app.tui.app import CatseyeApp

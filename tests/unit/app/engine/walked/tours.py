@@ -9,7 +9,7 @@ from pydantic import BaseModel
 
 from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.engine.operator import Answer
 from catseye.app.engine.request import RunOutcome
 from catseye.app.engine.walked.register import own_legs

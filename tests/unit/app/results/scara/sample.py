@@ -10,7 +10,7 @@ import numpy as np
 
 from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.model import Cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.render.page import page_html
 from catseye.app.results.model import Origin, Report
 from catseye.app.results.runs.records import (

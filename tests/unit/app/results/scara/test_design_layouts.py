@@ -10,7 +10,7 @@ import pytest
 
 from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.model import Cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.results.scara.design.layouts import Places, candidate_places
 from catseye.app.results.scara.design.problem import Problem, Wish, problem_of
 from catseye.calibration.core.design.criteria import CriterionName

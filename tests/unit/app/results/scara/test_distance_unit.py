@@ -7,7 +7,7 @@ import pytest
 
 from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.distances import load_distances
 from catseye.app.results.scara.points import COLUMNS

@@ -4,7 +4,7 @@ import tomllib
 
 from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.model import Cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.protocol.engine_events import BenchSeen, Client
 from catseye.app.service.watching.bench_facts import facts_of
 from catseye.app.service.watching.bench_status import bench_status

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.engine.walked.register import WALK, geometry_digest, own_legs, walked_legs
 from catseye.app.engine.walked.rule import PROMPT, WAIVER
 from catseye.app.exitcode import ExitCode

@@ -9,7 +9,7 @@ from textual.pilot import Pilot
 from textual.widgets import Input, Select, Static
 
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cell.wizard.pages import PAGES
 from catseye.app.protocol.requests import Watch
 from catseye.app.results.scara.job_document import JobDocument, JobValidation

@@ -27,9 +27,15 @@ def demo(
 
     Example: catseye demo --out /tmp/demo --seed 7
     """
-    from catseye.app.cli.demo_job import DemoInterruptedError, evaluate, measure, prepare_folder, run_for
-    from catseye.app.cli.demo_report import job_document, write_demo_report
     from catseye.app.cli.failure import write_failure_texts
+    from catseye.app.cli.scara.demo_job import (
+        DemoInterruptedError,
+        evaluate,
+        measure,
+        prepare_folder,
+        run_for,
+    )
+    from catseye.app.cli.scara.demo_report import job_document, write_demo_report
     from catseye.app.render.text import statement_lines, tables_text
     from catseye.app.results.scara.job_summary import job_summary
 

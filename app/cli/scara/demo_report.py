@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from catseye.app.cli.demo_job import DemoResult, run_for
+from catseye.app.cli.scara.demo_job import DemoResult, run_for
 from catseye.app.files.documents import read_truth
 from catseye.app.render.page import write_page
 from catseye.app.results.scara.identify import MODELS

@@ -12,7 +12,7 @@ from typing import Any
 
 from catseye.app.cell.load import LoadedCell, load_cell
 from catseye.app.cell.model import Cell
-from catseye.app.cell.template import TEMPLATE
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.engine.announcer import Publish
 from catseye.app.engine.request import RunOutcome
 from catseye.app.engine.signals import loop_signals

@@ -60,7 +60,7 @@ def identify(
 
     Example: catseye identify --points points.csv --cell cell.toml -o result.json
     """
-    from catseye.app.cli.identifying import Method, MonteCarlo, identified, identified_scan
+    from catseye.app.cli.scara.identifying import Method, MonteCarlo, identified, identified_scan
     from catseye.app.cluster.sharing import sharing
     from catseye.app.files.atomic import require_output
     from catseye.app.results.scara.distances import load_distances

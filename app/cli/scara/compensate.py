@@ -10,7 +10,7 @@ from catseye.app.cli.output import note, warn, write_json
 from catseye.app.errors import UsageError
 
 if TYPE_CHECKING:
-    from catseye.app.cli.compensation import Correction
+    from catseye.app.cli.scara.compensation import Correction
     from catseye.app.results.scara.compensated_path import Origin
     from catseye.calibration.scara.identification import IdentifiedArm
 
@@ -36,7 +36,7 @@ def compensate(
 
     Example: catseye compensate result.json --path path.csv --format melfa --cell cell.toml -o path.prg
     """
-    from catseye.app.cli.compensation import correction_of, origin_of, write_correction
+    from catseye.app.cli.scara.compensation import correction_of, origin_of, write_correction
     from catseye.app.files.atomic import require_output
     from catseye.app.results.scara.identified_arm import arm_of, arm_remarks
     from catseye.app.results.scara.result import read_result

@@ -1,0 +1,1 @@
+"""Commands for a SCARA: its models, the paths and tables it is corrected with, its demonstration."""
