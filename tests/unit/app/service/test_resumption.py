@@ -119,7 +119,7 @@ async def test_a_cell_file_may_lead_to_other_endpoints_and_wait_longer(cell: Pat
     write(cell, text + "\n[environment.settings]\ntimeout_s = 5.0\n")
     rest = plan_resume(root, run.name, load_cell(cell))
     assert rest.loaded.cell.robot.endpoint == "tcp://127.0.0.1:40001"
-    assert rest.loaded.cell.environment.settings == {"timeout_s": 5.0}
+    assert rest.loaded.cell.instruments["environment"].settings == {"timeout_s": 5.0}
     assert rest.relinked
 
 
