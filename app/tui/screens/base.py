@@ -21,7 +21,7 @@ class MainScreen(Screen[None]):
     """A main screen. A subclass gives `SCREEN`, `body` and `show_state`.
 
     Args:
-        session: link, work and places; the same for all screens.
+        session: link, work and paths; the same for all screens.
     """
 
     SCREEN: ClassVar[str]

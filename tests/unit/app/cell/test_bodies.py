@@ -39,7 +39,7 @@ def written(folder: Path, text: str) -> Path:
     return path
 
 
-def test_the_shipped_arm_has_the_bodies_that_its_cell_file_tells(tmp_path: Path) -> None:
+def test_the_shipped_arm_has_the_bodies_of_the_workspace(tmp_path: Path) -> None:
     assert shipped_arms() == ["rh-3frh5515"]
     bench = scara_bench_of(load_cell(written(tmp_path, TEMPLATE)).cell)
     assert bench.workspace.bodies == WORKSPACE.bodies
