@@ -110,7 +110,7 @@ class OutputError(OSError):
 
 
 class ReaderGoneError(OutputError):
-    """Whoever read stdout has gone, which is no failure: there is nobody to tell."""
+    """Whoever read stdout has gone, which is no failure: nobody is left to read a message."""
 
 
 # The first class that fits decides, so special cases stand before their roots. A configuration that cannot
@@ -156,7 +156,7 @@ def text_of(error: BaseException, where: str = "") -> str:
 
     Args:
         error: whose text is wanted.
-        where: tells where more stands about a fault of the program; empty where nothing does.
+        where: says where to find more about a fault of the program; empty where there is nothing.
     """
     if exit_code_of(error) != ExitCode.FAULT:
         return str(error) or type(error).__name__

@@ -58,6 +58,6 @@ def _open_files() -> dict[str, str]:
 
 
 def _ends(thread: threading.Thread) -> bool:
-    """Return whether a thread has done its work: one that has told its result may still be on its way out."""
+    """Return whether a thread has done its work: one that has delivered its result may still be on its way out."""
     thread.join(_WAY_OUT_S)
     return not thread.is_alive()

@@ -79,15 +79,15 @@ def main(which: str, target: str, venv: str = ".venv") -> int:
     minors = chosen(which, list(pythons), own)
     failed = [minor for minor in minors if not _make(target, minor, pythons[minor], venv)]
     if minors:
-        _tell(f"{target}: passed on {_names(sorted({*minors} - {*failed}))}; failed on {_names(failed)}")
+        _report(f"{target}: passed on {_names(sorted({*minors} - {*failed}))}; failed on {_names(failed)}")
     else:
-        _tell(f"{target}: no Python newer than 3.{own} was found")
-    _tell(f"not found, and not tried: {_names(missing(pythons))}")
+        _report(f"{target}: no Python newer than 3.{own} was found")
+    _report(f"not found, and not tried: {_names(missing(pythons))}")
     return len(failed)
 
 
 def _make(target: str, minor: int, python: str, venv: str) -> bool:
-    _tell(f"{target} on Python 3.{minor}, {python}")
+    _report(f"{target} on Python 3.{minor}, {python}")
     command = [os.environ.get("MAKE", "make"), "--no-print-directory", target]
     return (
         subprocess.run([*command, f"PYTHON={python}", f"VENV={venv}-3.{minor}"], check=False).returncode == 0
@@ -98,7 +98,7 @@ def _names(minors: Iterable[int]) -> str:
     return ", ".join(f"Python 3.{minor}" for minor in minors) or "none"
 
 
-def _tell(text: str) -> None:
+def _report(text: str) -> None:
     sys.stderr.write(f"{text}\n")
 
 

@@ -119,7 +119,7 @@ class Io(Section):
 
 
 class Material(Section):
-    """[material]: temperature and expansion of the links; the result then tells them at 20 °C too."""
+    """[material]: temperature and expansion of the links; the result then gives them at 20 °C too."""
 
     sensor: Name
     cte_per_k: Annotated[float, Field(ge=-1e-4, le=1e-4, allow_inf_nan=False)]

@@ -5,7 +5,7 @@ from catseye.app.cli.output import note, warn, write_json, write_line
 from catseye.app.cli.progress import ProgressBar
 
 _STEPS = 20
-"""About how many steps a diagnosis tells of; the bar need not be exact."""
+"""About how many steps a diagnosis reports; the bar need not be exact."""
 
 
 def diagnose(

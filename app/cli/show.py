@@ -1,4 +1,4 @@
-"""show: a run's story."""
+"""show: a run's timeline."""
 
 from catseye.app.cli.options import AsJson, Runs, StoredRun, Unverified
 from catseye.app.cli.output import write_json, write_line

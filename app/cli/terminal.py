@@ -60,13 +60,14 @@ def terminal(
             )
         if not may_send:
             note(f"listening only: what is sent may move the robot; --arm {known.name} lets it pass")
-        io = None
+        io, stop = None, None
         if may_send and _moves(known, device):
-            link = partial(guarded, endpoint, _stop(known, device), traffic)
+            stop = _stop(known, device)
+            link = partial(guarded, endpoint, stop, traffic)
             io = device_builder(known, SystemClock())(_ignore).io
         else:
             link = partial(plain_connection, endpoint, traffic.show)
-        asyncio.run(converse(link, traffic, encode if may_send else _refusal(known), wait, io))
+        asyncio.run(converse(link, traffic, encode if may_send else _refusal(known), wait, io, stop))
 
 
 def endpoint_of(cell: "Cell", device: str) -> str:

@@ -9,7 +9,7 @@ from catseye.drivers.roles.robot import Robot
 from catseye.procedures.kit.bench import Arm
 
 _SAME = 0.01
-"""Controllers tell their limits with two decimals, deg or mm."""
+"""Controllers report their limits with two decimals, deg or mm."""
 
 
 def beyond(arm: Arm, own: Sequence[Range]) -> list[str]:
@@ -38,9 +38,7 @@ async def require_within_controller(robot: Robot, arm: Arm) -> str:
     try:
         own = await robot.joint_limits()
     except (RefusedError, ProtocolError) as error:
-        return (
-            f"the controller does not tell its joint limits (MEJAR), so the cell's were not compared: {error}"
-        )
+        return f"the controller does not report its joint limits (MEJAR), so the cell's were not compared: {error}"
     if own is not None and (troubles := beyond(arm, own)):
         raise LimitError(f"{'; '.join(troubles)}: nothing was moved")
     return ""

@@ -79,7 +79,7 @@ class DryRunContext:
     """Implements `catseye.procedures.kit.context.Context` for an ideal arm.
 
     Attributes:
-        system: tells how long moves take and where the beam goes; the limits of its axes are checked at every move.
+        system: knows how long moves take and where the beam goes; the limits of its axes are checked at every move.
         declared: types of records that the procedure declares.
         pose: where the arm stands; set it to where it starts.
         done: results of steps that an interrupted run has done; they are not rehearsed.

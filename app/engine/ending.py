@@ -22,7 +22,7 @@ EndStatus = Literal["complete", "stopped", "aborted", "failed"]
 
 
 class DeviceFaultError(CatseyeError):
-    """A device or the program failed during a run; the cause tells which.
+    """A device or the program failed during a run; the cause says which.
 
     Args:
         cause: what failed.

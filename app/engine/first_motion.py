@@ -20,7 +20,7 @@ _SAME_PLACE = 0.01
 
 
 async def require_rest(
-    robot: Robot, clock: Clock, speed: float, tell: Callable[[str], Awaitable[None]]
+    robot: Robot, clock: Clock, speed: float, warn: Callable[[str], Awaitable[None]]
 ) -> Pose:
     """Wait until the arm stands and no program but our own runs; return where it stands.
 
@@ -28,26 +28,26 @@ async def require_rest(
         robot: the controller.
         clock: of the run.
         speed: seconds of the clock in one real second.
-        tell: takes why it takes so long, once.
+        warn: called once with the reason when the arm is not at rest.
 
     Raises:
         SafetyError: it does not come to rest, or another program runs.
-        DeviceError: the controller does not tell.
+        DeviceError: the controller does not answer.
     """
     begun_s = clock.monotonic_s()
     place = await robot.joints()
     since_s = clock.monotonic_s()
-    told = False
+    warned = False
     while clock.monotonic_s() - begun_s <= PATIENCE_S * speed:
         await clock.sleep(_POLL_S * speed)
-        # An answer that takes long, or is asked for again, tells nothing of the time that it took.
+        # An answer that takes long, or is asked for again, says nothing about the time that it took.
         asked_s = clock.monotonic_s()
         here = await robot.joints()
         if not is_at(here, place, _SAME_PLACE):
             place, since_s = here, clock.monotonic_s()
-            if not told:
-                told = True
-                await tell("the arm is moving and nothing of this run moves it: waiting until it stands")
+            if not warned:
+                warned = True
+                await warn("the arm is moving and nothing of this run moves it: waiting until it stands")
         elif asked_s - since_s >= REST_S * speed:
             _require_no_program(robot, await robot.status())
             return place
@@ -63,7 +63,7 @@ def _require_no_program(robot: Robot, status: RobotStatus) -> None:
         return
     own = robot.own_program
     name = status.program.upper().partition(".")[0]
-    # A driver whose program is started by the operator does not know its name, and a controller may tell none.
+    # A driver whose program is started by the operator does not know its name, and a controller may report none.
     if own is None or (own and name and name != own):
         raise SafetyError(
             f"the program {name or '(without a name)'} runs on the controller and may move the arm at any time: "

@@ -39,14 +39,14 @@ class MotionGate:
     Args:
         robot: the controller.
         axes: with the ranges of the cell.
-        blocked: tells why bodies are in the way of a motion.
+        blocked: says why bodies are in the way of a motion.
         override_cap_percent: highest speed override that the cell allows.
         conditions: of the surroundings that come back by themselves: the air.
         door: of the cell; None where no door is watched.
 
     Attributes:
-        on_override: is told each override that was lowered on request and read back, percent.
-        permit: raises when a stop has begun: nothing is told to the controller then, not even a lower override.
+        on_override: called with each override that was lowered on request and read back, percent.
+        permit: raises when a stop has begun: nothing is sent to the controller then, not even a lower override.
         walk_rule: refuses what was not walked; None where nothing has to be.
     """
 

@@ -449,7 +449,7 @@ class _Run:
         self._announcer.publish(WarningIssued(text=text))
 
     def _report(self, ending: Ending, error: BaseException) -> None:
-        # The traceback is for the log of the run; people are told the text.
+        # The traceback is for the log of the run; people are shown the text.
         _log.error(ending.text, exc_info=error)
         self._store.post("error", {"text": ending.text, "type": type(error).__name__})
         self._announcer.publish(ErrorReported(text=ending.text, exit_code=int(ending.exit_code)))

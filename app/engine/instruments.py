@@ -137,7 +137,7 @@ def stop_request(driver: str, device: str, settings: Mapping[str, Any]) -> bytes
     Raises:
         ConfigError: the driver is not installed or a setting is wrong.
     """
-    with _told_of(device):
+    with _configuration_errors(device):
         if load_driver(driver).role != "robot":
             return None
         made = robot_driver(driver)
@@ -178,12 +178,12 @@ def _make(
 
     if wrong := sorted(settings.keys() & {"endpoint", "clock", "sink"}):
         raise ConfigError(f"[{device}]: {wrong[0]} is no setting of a driver: leave it out of the settings")
-    with _told_of(device):
+    with _configuration_errors(device):
         return load_driver(driver, role).at(endpoint, clock, sink, **settings)
 
 
 @contextmanager
-def _told_of(device: str) -> Iterator[None]:
+def _configuration_errors(device: str) -> Iterator[None]:
     """Make an error of the configuration of what a driver raises.
 
     Raises:

@@ -80,7 +80,7 @@ def dwell_interval_s(dwell_time_s: float, readings: int) -> float:
 
 
 async def unless_dark(counter: Interferometer, question: Coroutine[Any, Any, T]) -> T:
-    """Ask a length counter for a zero or a reading; tell a refusal for want of a beam from any other.
+    """Ask a length counter for a zero or a reading; distinguish a refusal for want of a beam from any other.
 
     Raises:
         NoBeamError: it refuses, and its beam is or was away.
@@ -104,7 +104,7 @@ async def measure(
 ) -> Measurement:
     """Average readings spread over a dwell; joints and air are read meanwhile, the beam afterwards.
 
-    The beam comes last since its latches tell whether it was there during all readings.
+    The beam comes last since its latches show whether it was there during all readings.
 
     Args:
         robot: whose joints are read.
@@ -112,7 +112,7 @@ async def measure(
         clock: of the run.
         dwell_time_s: from the first to the last reading, s.
         readings: how many, at least 1.
-        waited: is told how long the dwell took, s of the clock.
+        waited: called with how long the dwell took, s of the clock.
 
     Raises:
         MeasurementRejectedError: the program has to correct for the air and does not know it.

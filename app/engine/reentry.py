@@ -46,8 +46,8 @@ class Reentry:
 
         Another controller drives another arm, another interferometer sends another beam (offset from its axis,
         direction, reference length), and another tracker has another frame. No answer of an operator makes such
-        points belong together, so this is refused and not asked. A device that does not tell its model or serial
-        number cannot be compared; one that only serves the surroundings may be exchanged, which is told.
+        points belong together, so this is refused and not asked. A device that does not state its model or serial
+        number cannot be compared; one that only serves the surroundings may be exchanged, which is reported.
 
         Args:
             present: identities, as a run stores them.
@@ -133,7 +133,7 @@ def _uncleared_abort(events: list[StoredEvent]) -> str | None:
             case "state", {"state": ControlState.CLEARING}:
                 cause = None
             case "run-ended", {"status": "aborted", **rest}:
-                cause = cause or str(rest.get("text") or "unknown: the record does not tell")
+                cause = cause or str(rest.get("text") or "unknown: the record does not say")
     return cause
 
 

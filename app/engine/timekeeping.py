@@ -47,7 +47,7 @@ class Progress:
         """Return elapsed and remaining time, s.
 
         Steps that were done before a resumption took no time now, so the pace counts from the first call. Waiting
-        for people tells nothing about the pace.
+        for people says nothing about the pace.
 
         Args:
             done_s: expected seconds of what is done.

@@ -119,7 +119,7 @@ class ArmGuard:
         self._released.discard(word)
         if process is None:
             return
-        self._tell(process, f"release {word}")
+        self._send(process, f"release {word}")
         deadline_s = time.monotonic() + _ANSWER_S
         while word not in self._released and not process.gone:
             # Whoever holds the duplicate of a serial line keeps it busy.
@@ -199,9 +199,9 @@ class ArmGuard:
             raise GuardError(
                 f"the guard process does not start ({error}): nothing moves without it"
             ) from error
-        self._tell(process, f"own {_word(lock.arm)} {len(lock.descriptors)}", lock.descriptors)
+        self._send(process, f"own {_word(lock.arm)} {len(lock.descriptors)}", lock.descriptors)
         if self._log is not None:
-            self._tell(process, "log", [self._log])
+            self._send(process, "log", [self._log])
         for name in self._links:
             self._hand_over(name)
         if not await self._answers(process):
@@ -213,9 +213,9 @@ class ArmGuard:
     def _hand_over(self, name: str) -> None:
         if self._process is not None:
             descriptor, stop = self._links[name]
-            self._tell(self._process, f"protect {name} {stop.hex()}", [descriptor])
+            self._send(self._process, f"protect {name} {stop.hex()}", [descriptor])
 
-    def _tell(self, process: GuardProcess, text: str, descriptors: Sequence[int] = ()) -> None:
+    def _send(self, process: GuardProcess, text: str, descriptors: Sequence[int] = ()) -> None:
         """Send what the process has to know; one that does not take it is no guard any more."""
         if not process.say(text, descriptors):
             self._give_up(process)
@@ -256,7 +256,7 @@ class ArmGuard:
             case ["stopped", utc, *why]:
                 self._stop(f"the guard stopped the arm at {utc}: {' '.join(why)}")
                 if self._process is not None:
-                    self._tell(self._process, "understood")
+                    self._send(self._process, "understood")
 
     def _gone(self) -> None:
         if self._motions:

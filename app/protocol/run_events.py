@@ -108,7 +108,7 @@ class DrivesLeft(Event):
 
 
 class Happened(Event):
-    """Something that a procedure or the engine has stored; `story` has the words for it.
+    """Something that a procedure or the engine has stored; `event_text` puts it into words.
 
     Attributes:
         state: of the run.

@@ -1,4 +1,4 @@
-"""A dead-man switch made of key presses alone: terminals do not tell when a key is let go."""
+"""A dead-man switch made of key presses alone: terminals do not report when a key is released."""
 
 from dataclasses import dataclass
 from typing import Final, Generic, TypeVar

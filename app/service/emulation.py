@@ -198,7 +198,9 @@ async def fetch_truth(control: str) -> dict[str, Any]:
     try:
         return (await ask(control, ReadTruth(), _READY_TIMEOUT_S)).truth
     except (OSError, ValueError) as error:
-        raise LinkFailedError(f"the emulated bench at {control} does not tell its truth: {error}") from error
+        raise LinkFailedError(
+            f"the emulated bench at {control} does not reveal its truth: {error}"
+        ) from error
 
 
 async def _endpoints(process: asyncio.subprocess.Process, stderr: BinaryIO) -> dict[str, str]:

@@ -54,7 +54,7 @@ class EngineProcess:
 
     Attributes:
         registry: of its clients.
-        by_hand: what they do by hand between runs.
+        manual: what they do by hand between runs.
     """
 
     def __init__(self, cell: Path, root: Path) -> None:
@@ -62,12 +62,12 @@ class EngineProcess:
         self._errors = SparseLog(_log, self._clock)
         self.registry = ClientRegistry(self._clock, waits=True)
         self._bench = EngineBench(self.registry, self._clock, cell, root)
-        self.by_hand = ManualControl(self.registry, self._bench.for_hands(), self._require_idle, self._abort)
+        self.manual = ManualControl(self.registry, self._bench.for_hands(), self._require_idle, self._abort)
         self._drives = RestingDrives(
             self._bench.idle,
             self._clock,
             self._announce_drives,
-            self.by_hand,
+            self.manual,
             self._bench.owned,
         )
         self._server = Server(self.registry, self._clock, self, telemetry=self._bench.telemetry)
@@ -153,11 +153,11 @@ class EngineProcess:
 
     def stop(self, reason: str) -> bool:
         """Stop the arm that is moved by hand, keep a run from beginning; return whether there was either."""
-        return self.by_hand.stop(reason) or self._drop(reason)
+        return self.manual.stop(reason) or self._drop(reason)
 
     def abort(self, reason: str) -> bool:
         """The same; what was moved by hand has to be cleared before anything begins."""
-        return self.by_hand.abort(reason) or self._drop(reason)
+        return self.manual.abort(reason) or self._drop(reason)
 
     def _drop(self, reason: str) -> bool:
         """Keep a run from beginning; return whether there was one that was about to.
@@ -207,7 +207,7 @@ class EngineProcess:
 
     def _begin(self, request: Start | Resume) -> "asyncio.Future[Answer]":
         self._require_idle()
-        if (occupied := self.by_hand.occupied) is not None:
+        if (occupied := self.manual.occupied) is not None:
             raise RefusedError(occupied)
         opened: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
         self.registry.beginning, self._planning, self._dropped = True, True, ""
@@ -392,7 +392,7 @@ class EngineProcess:
                 # It is still being planned; a run that has begun was aborted by the signal, and seals its record.
                 self._job.cancel()
             await asyncio.wait({self._job})
-        await self.by_hand.end("the engine ends")
+        await self.manual.end("the engine ends")
         await self._drives.end()
         await self._bench.end()
         await self._server.end()

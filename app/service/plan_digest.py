@@ -13,7 +13,7 @@ from pydantic import BaseModel
 from catseye.procedures.kit.bench import Bench
 
 _DECIMALS = 6
-"""Of mm and deg: far below what an arm tells apart, far above what another processor rounds differently."""
+"""Of mm and deg: far below what an arm resolves, far above what another processor rounds differently."""
 
 
 def plan_digest(plan: object) -> str:

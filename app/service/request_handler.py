@@ -35,7 +35,7 @@ class Engine(Protocol):
     """An engine that outlives its runs."""
 
     @property
-    def by_hand(self) -> ManualControl:
+    def manual(self) -> ManualControl:
         """What is done by hand between runs."""
         ...
 
@@ -116,7 +116,7 @@ class RequestHandler:
                 return self._engine_or_refuse().resume(request)
             case JogMode() | JogStep() | JogHold() | Raw() | Send():
                 self._registry.lease.require(member)
-                return self._by_hand(member, request)
+                return self._manual(member, request)
             case WalkFeed():
                 self._registry.lease.require(member)
                 self._feed(on=request.on)
@@ -126,21 +126,21 @@ class RequestHandler:
                 raise RefusedError(f"this engine does not do {request.op!r}")
         return Answer()
 
-    def _by_hand(
+    def _manual(
         self, member: Member, request: JogMode | JogStep | JogHold | Raw | Send
     ) -> "Answer | asyncio.Future[Answer]":
-        by_hand = self._engine_or_refuse().by_hand
+        manual = self._engine_or_refuse().manual
         match request:
             case JogMode():
-                return by_hand.jog(member, request)
+                return manual.jog(member, request)
             case JogStep():
-                return by_hand.step(member, request)
+                return manual.step(member, request)
             case JogHold():
-                return by_hand.hold(request)
+                return manual.hold(request)
             case Raw():
-                return by_hand.raw(member, request)
+                return manual.raw(member, request)
             case Send():
-                return by_hand.send(request)
+                return manual.send(request)
 
     def _plain(self, member: Member | None, request: Plain) -> Answer:
         who = member.text if member else "a client without a name"

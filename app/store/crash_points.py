@@ -23,7 +23,7 @@ POINTS: Mapping[str, str] = {
     "zeroed": "the count has been zeroed",
     "prompt-open": "a question has been put and not answered",
     "before-commit": "a step has done its work and is not stored",
-    "after-commit": "a step is stored and nobody has been told",
+    "after-commit": "a step is stored and not yet published",
     "before-closing": "the run is over and has no closing record",
     "closed": "the closing record is stored, the files are open",
     "before-manifest": "the files are read-only, the manifest has not got its name",

@@ -323,7 +323,7 @@ class RunReader:
 
     @contextmanager
     def _decoding(self) -> Iterator[None]:
-        """Tell values that no writer has stored from faults of the program."""
+        """Distinguish values that no writer has stored from faults of the program."""
         try:
             yield
         except (TypeError, ValueError, LookupError, RecursionError) as error:

@@ -1,4 +1,4 @@
-"""Whether an interrupted run can go on, as far as its own record tells."""
+"""Whether an interrupted run can go on, as far as its own record says."""
 
 from collections.abc import Mapping
 from typing import Any, Final

@@ -79,8 +79,8 @@ def row_crc32(table: str, row: Mapping[str, Value]) -> int:
         ValueError: a number is not finite.
     """
     numbered = {"seq"} if table in _NUMBERED else set()
-    told = {name: row[name] for name in sorted(row.keys() - numbered) if row[name] is not None}
-    return zlib.crc32(to_json(told).encode())
+    stored = {name: row[name] for name in sorted(row.keys() - numbered) if row[name] is not None}
+    return zlib.crc32(to_json(stored).encode())
 
 
 def _insert(db: sqlite3.Connection, table: str, names: Sequence[str], values: Sequence[Value]) -> None:

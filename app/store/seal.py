@@ -70,7 +70,9 @@ class Manifest(BaseModel):
 def digest(directory: Path) -> dict[str, SealedFile]:
     """Return the digests of a run's files; links, pipes, devices and folders are none."""
     return {
-        _told(path.name): _digest_file(path) for path in _own_files(directory) if path.name not in _IGNORED
+        _manifest_name(path.name): _digest_file(path)
+        for path in _own_files(directory)
+        if path.name not in _IGNORED
     }
 
 
@@ -164,7 +166,7 @@ def _owner(directory: Path) -> str:
         return f"user {uid}"
 
 
-def _told(name: str) -> str:
+def _manifest_name(name: str) -> str:
     """Return the name of a file for the manifest: bytes that are no UTF-8 stand as escapes, which JSON takes."""
     return name.encode(errors="backslashreplace").decode()
 

@@ -1,4 +1,4 @@
-"""What the palette lists before anything is typed: places first, so that Enter alone changes nothing."""
+"""What the palette lists before anything is typed: screens first, so that Enter alone changes nothing."""
 
 from textual.command import DiscoveryHit, Hits
 from textual.system_commands import SystemCommandsProvider

@@ -83,7 +83,7 @@ class Validation:
 
     @property
     def verdict(self) -> Verdict:
-        """Whether the law of propagation may be used, as far as the draws can tell."""
+        """Whether the law of propagation may be used, as far as the draws show."""
         if self.difference <= self.tolerance:
             return "validated"
         return "not validated" if self.difference > self.tolerance + self.sampling else "too few draws"

@@ -97,7 +97,7 @@ def first_contact(
         found = _first_blocked(gaps, way, needed, legs)
         if found is not None:
             leg, share = found
-            return _told(gaps, way[leg], steps[leg], needed[:, leg], leg, share)
+            return _contact(gaps, way[leg], steps[leg], needed[:, leg], leg, share)
     return None
 
 
@@ -137,7 +137,7 @@ def cut_corners(way: Floats, passed: Bools) -> Floats:
     return np.maximum(bend[:-1], bend[1:])
 
 
-def _told(gaps: Gaps, start: Floats, step: Floats, needed: Floats, leg: int, share: float) -> Contact:
+def _contact(gaps: Gaps, start: Floats, step: Floats, needed: Floats, leg: int, share: float) -> Contact:
     """Return what there is to say about a leg that is blocked beyond a share."""
     first = int(np.argmin(gaps.at((start + share * step)[None])[:, 0] - needed))
     looks = float(gaps.levers[first] @ np.abs(step)) * (1.0 - share) / _LOOK_MM

@@ -53,7 +53,7 @@ class DistanceModel:
 
     @property
     def repeats(self) -> Ints:
-        """Number of what each distance measures, shape (n,); maps tell directions of approach apart."""
+        """Number of what each distance measures, shape (n,); maps distinguish directions of approach."""
         return self.points.repeats(bidirectional=self.layout.model == "error-map")
 
     def geometry(self, parameters: Floats) -> Geometry:

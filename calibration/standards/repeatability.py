@@ -163,12 +163,12 @@ def in_plane(direction_rad: Floats, s_um: Floats, dof: Ints) -> InPlane:
     """
     if direction_rad.size < 2:
         raise InsufficientPointsError(
-            "one beam tells nothing across itself: measure with two reflectors or more"
+            "one beam says nothing across itself: measure with two reflectors or more"
         )
     smallest = conditioning(direction_rad)
     if smallest < _PARALLEL:
         raise UnidentifiableError(
-            "the beams are too nearly parallel to tell the spread of a position: choose poses from which the "
+            "the beams are too nearly parallel to determine the spread of a position: choose poses from which the "
             "reflectors stand in clearly different directions",
             [["covariance of x and y"]],
         )

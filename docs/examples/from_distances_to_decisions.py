@@ -46,7 +46,7 @@ NODES1, NODES2 = np.deg2rad(np.arange(-140.0, 61.0, 20.0)), np.deg2rad(np.arange
 # ## An arm and its measurement
 #
 # Each joint has a map for either direction of approach; between the nodes it is linear. The J1 map has a mean of
-# zero: distances cannot see a rotation of everything about J1, so the result is told in this gauge.
+# zero: distances cannot see a rotation of everything about J1, so the result is given in this gauge.
 
 # %%
 wave1, wave2 = 14.0 * np.sin(1.4 * NODES1 + 0.6), -6.0 + 11.0 * np.sin(1.8 * NODES2)
@@ -138,7 +138,7 @@ assert 0.6 < np.sqrt(np.mean(normalised**2)) < 1.4
 # ## Uncertainty: Jacobian and Monte Carlo
 #
 # The law of propagation gives the covariance with the result. A Monte Carlo draws from the same budget and identifies
-# every draw anew. Both agree, as they should for a problem that is so nearly linear. `contributions` tells which line
+# every draw anew. Both agree, as they should for a problem that is so nearly linear. `contributions` shows which line
 # of the budget makes how much of a result.
 
 # %%

@@ -81,7 +81,7 @@ class AttocubeIds(Interferometer):
         self._firmware = ""
         self._started = False
         self._corrects = False
-        self._tells_reference = False
+        self._has_reference = False
         self._reference_pm: float | None = None
         self._link = RequestLink(
             transport,
@@ -136,7 +136,7 @@ class AttocubeIds(Interferometer):
         await self._await_start()
         self._corrects = await self._asks_unit()
         self._reference_pm = None
-        self._tells_reference = await self._can_tell_reference()
+        self._has_reference = await self._knows_reference()
         simulated = "EMULATOR" in f"{self._type}{self._firmware}".upper()
         return Identity(f"attocube {self._type}", self._firmware, "", simulated)
 
@@ -216,7 +216,7 @@ class AttocubeIds(Interferometer):
         self._latches.note(beam_lost=answer.error != 0)
         return answer
 
-    async def _can_tell_reference(self) -> bool:
+    async def _knows_reference(self) -> bool:
         try:
             await self._reference(asks=True)
         except ProtocolError:
@@ -225,7 +225,7 @@ class AttocubeIds(Interferometer):
 
     async def _reference(self, *, asks: bool = False) -> float | None:
         """Return the position at which the axis was reset or the measurement began, pm; None when it is not given."""
-        if not (asks or self._tells_reference):
+        if not (asks or self._has_reference):
             return None
         if self._settings.dialect == "ids":
             answer, place = await self._ask("displacement.getReferencePositions"), self._settings.axis
@@ -333,7 +333,7 @@ class AttocubeIds(Interferometer):
     async def _recognise(self) -> None:
         """Check on the open link that the next answer belongs to the next question: the count goes on."""
         if (await self._exchange("system.getDeviceType")).text() != self._type:
-            raise ProtocolError(f"{self._link.where}: the instrument does not tell its type")
+            raise ProtocolError(f"{self._link.where}: the instrument does not report its type")
 
     async def _exchange(self, method: str) -> codec.Answer:
         self._number += 1

@@ -54,7 +54,7 @@ class LineCounter(Interferometer):
     """
 
     Settings: ClassVar[type[CounterSettings]] = CounterSettings
-    summary: ClassVar[str] = "counter with text commands; a profile tells them (DISTAX too)"
+    summary: ClassVar[str] = "counter with text commands; a profile gives them (DISTAX too)"
 
     def __init__(
         self, transport: Transport, clock: Clock, profile: CounterProfile, *, quiet_s: float = 0.02
@@ -164,7 +164,7 @@ class LineCounter(Interferometer):
             ProtocolError: garbage came, or another unit than the profile's.
         """
         query, scale = self._profile.query, self._profile.scale
-        number, text = await self._told(query.command, partial(self._number, query.reply))
+        number, text = await self._ask_parsed(query.command, partial(self._number, query.reply))
         time_s = self._clock.monotonic_s()
         if scale.wrap_bits:
             self._last_count = codec.unwrap(round(number), self._last_count, scale.wrap_bits)
@@ -202,7 +202,7 @@ class LineCounter(Interferometer):
             except RefusedError:
                 return {"beam_lost": True}
             return {"beam_lost": False}
-        return (await self._told(status.command, partial(codec.parse_bits, status)))[0]
+        return (await self._ask_parsed(status.command, partial(codec.parse_bits, status)))[0]
 
     async def _zero(self, command: str, reply: str) -> None:
         with self._latches.zeroing():
@@ -214,7 +214,7 @@ class LineCounter(Interferometer):
         signal = self._profile.signal
         if not signal:
             return default
-        level, _ = await self._told(signal.command, partial(self._number, signal.reply))
+        level, _ = await self._ask_parsed(signal.command, partial(self._number, signal.reply))
         return min(max(level / signal.full_scale, 0.0), 1.0)
 
     def _encode(self, command: str) -> bytes:
@@ -227,7 +227,7 @@ class LineCounter(Interferometer):
         if self._profile.line.gap_s:
             await self._clock.sleep(self._profile.line.gap_s)
 
-    async def _told(self, command: str, parse: Callable[[str], T]) -> tuple[T, str]:
+    async def _ask_parsed(self, command: str, parse: Callable[[str], T]) -> tuple[T, str]:
         """Ask; return what the answer says, and its text. Asked again when the answer is lost or does not fit.
 
         A question that was garbled on its way is refused: only what is refused twice is.

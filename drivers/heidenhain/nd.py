@@ -95,7 +95,7 @@ class HeidenhainNd(Interferometer):
     @property
     def notes(self) -> tuple[str, ...]:
         """What an operator should know about this counter."""
-        return ("the display tells no signal level: it is shown as 1 with and 0 without a signal",)
+        return ("the display reports no signal level: it is shown as 1 with and 0 without a signal",)
 
     @property
     def compensated(self) -> Compensated:
@@ -254,7 +254,7 @@ class HeidenhainNd(Interferometer):
     async def _recognise(self) -> None:
         """Check on the open line that the next answer belongs to the next question: the count goes on."""
         if await self._exchange("A0000", lines=3) != self._identity:
-            raise ProtocolError(f"{self._link.where}: the display does not tell its name")
+            raise ProtocolError(f"{self._link.where}: the display does not report its name")
 
     def _check_decimals(self, shown: str) -> None:
         """Compare with the displayed value; with an error on the display there is none."""

@@ -122,7 +122,9 @@ def _parse_serial(text: str, parts: SplitResult) -> SerialEndpoint:
     values = dict(parse_qsl(parts.query, keep_blank_values=True))
     known = {"baud": "9600", "parity": "N", "bits": "8", "stopbits": "1", "handshake": "none"}
     if unknown := values.keys() - known.keys():
-        raise ValueError(f"endpoint {text!r}: unknown setting {min(unknown)!r}; known are {_words(known)}")
+        raise ValueError(
+            f"endpoint {text!r}: unknown setting {min(unknown)!r}; known are {_names_text(known)}"
+        )
     values = known | values
     if not values["baud"].isdecimal() or not int(values["baud"]):
         raise ValueError(f"endpoint {text!r}: baud must be a positive integer, got {values['baud']!r}")
@@ -135,7 +137,7 @@ def _parse_serial(text: str, parts: SplitResult) -> SerialEndpoint:
     for key, allowed in choices.items():
         if values[key] not in allowed:
             raise ValueError(
-                f"endpoint {text!r}: {key} must be one of {_words(allowed)}, got {values[key]!r}"
+                f"endpoint {text!r}: {key} must be one of {_names_text(allowed)}, got {values[key]!r}"
             )
     return SerialEndpoint(
         parts.path,
@@ -147,7 +149,7 @@ def _parse_serial(text: str, parts: SplitResult) -> SerialEndpoint:
     )
 
 
-def _words(names: Iterable[str]) -> str:
+def _names_text(names: Iterable[str]) -> str:
     return ", ".join(names)
 
 

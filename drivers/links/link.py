@@ -219,7 +219,7 @@ class RequestLink:
                 self._doubt = ""
 
     def send_urgent(self, data: bytes, *, cut: bytes) -> None:
-        """Write past the request in flight. Its answer and this one cannot be told apart afterwards.
+        """Write past the request in flight. Its answer and this one cannot be distinguished afterwards.
 
         Args:
             data: the request as sent.

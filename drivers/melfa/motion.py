@@ -38,7 +38,7 @@ LOOK_S = 0.2
 STILL_LOOKS = 5
 """Equal looks in a row after which an answer counts as lost: a second, within the two that it may take to notice."""
 
-_TELL_S = 3.0
+_LOOK_S = 3.0
 """For one look at an arm whose motion's answer is lost, real s; then it is stopped."""
 
 _JOINT_UNITS = ("deg", "deg", "mm", "deg")
@@ -289,7 +289,7 @@ async def account_for(
         await stop()
         why = str(exc) or "no answer in time, or it moves for too long"
         raise LinkError(
-            f"{asker.where}: the answer to the motion is lost ({lost}) and the controller does not tell "
+            f"{asker.where}: the answer to the motion is lost ({lost}) and the controller does not say "
             f"where the robot is ({why}): the robot was told to stop; {LOOK_WHY}"
         ) from lost
     if not off and not status.alarm_number:
@@ -310,7 +310,7 @@ async def _followed(
     last: Pose | None = None
     still = 1
     while True:
-        async with asyncio.timeout(_TELL_S):
+        async with asyncio.timeout(_LOOK_S):
             status, joints = await asker.status(), await asker.joints()
         off = off_target(joints, target, settings)
         still = still + 1 if joints == last else 1

@@ -180,9 +180,9 @@ class Session:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        return (await self._told(command, layout, parse))[0]
+        return (await self._ask_parsed(command, layout, parse))[0]
 
-    async def _told(self, command: str, layout: Layout, parse: Callable[[str], T]) -> tuple[T, Answer]:
+    async def _ask_parsed(self, command: str, layout: Layout, parse: Callable[[str], T]) -> tuple[T, Answer]:
         async def once() -> tuple[T, Answer]:
             answer = await self.ask(command, layout)
             return self.parsed(command, parse, answer), answer
@@ -215,7 +215,7 @@ class Session:
 
     async def status(self) -> RobotStatus:
         """Ask STATE, and ERROR too when an alarm is flagged."""
-        state, answer = await self._told("STATE", codec.state_text, codec.parse_state)
+        state, answer = await self._ask_parsed("STATE", codec.state_text, codec.parse_state)
         number, level = await self.alarm() if answer.alarm or state.error else (0, 0)
         number = number or state.error
         return RobotStatus(

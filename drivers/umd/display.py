@@ -119,7 +119,7 @@ class UmdDisplay(Interferometer):
     @property
     def notes(self) -> tuple[str, ...]:
         """What an operator should know about this counter."""
-        return ("the display tells no signal level: it is shown as 1 with and 0 without a beam",)
+        return ("the display reports no signal level: it is shown as 1 with and 0 without a beam",)
 
     @property
     def streams(self) -> bool:

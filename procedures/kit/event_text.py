@@ -12,7 +12,7 @@ Data = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class EventText:
-    """How an event is told.
+    """How an event reads.
 
     Attributes:
         text: returns a sentence; empty where another line says it.

@@ -23,7 +23,7 @@ class Stage:
         renewed_by: procedure whose later run makes another one necessary; empty for none.
         fresh_for_s: a run counts for so long; None for ever.
         covered_by: procedure whose run makes it superfluous; empty for none.
-        covered: how that is told.
+        covered: how to say so.
     """
 
     order: int

@@ -10,8 +10,8 @@ _SHORT: Final = 90
 def _aim(data: Data) -> str:
     verdict = "the aim holds over the whole plan" if data.get("holds") else "the aim does not hold yet"
     worst, room = data.get("worst_uncertainty_mm"), data.get("room_mm")
-    told = f": {worst:.2f} mm at worst (k = 1), {room:.2f} mm allowed (k = 2)" if worst and room else ""
-    return f"{verdict}{told}, {data.get('poses')} poses"
+    reached = f": {worst:.2f} mm at worst (k = 1), {room:.2f} mm allowed (k = 2)" if worst and room else ""
+    return f"{verdict}{reached}, {data.get('poses')} poses"
 
 
 def _height(data: Data) -> str:

@@ -119,7 +119,7 @@ class Datalink(Resident):
     def arrived(self, number: float) -> bytes:
         """Return the answer to a drive that is over."""
         self._run = None
-        return self._tell(number, 2)
+        return self._feedback(number, 2)
 
     def time_left_s(self) -> float | None:
         """Return the bench time at which the drive is over, None when it is."""
@@ -139,7 +139,7 @@ class Datalink(Resident):
     def _start(self, number: float, values: list[float]) -> bytes | Run:
         del values
         if not self._points:
-            return self._tell(number, 2)
+            return self._feedback(number, 2)
         points, self._points = self._points, []
         self._run = self._drive(points)
         return self._run
@@ -158,7 +158,7 @@ class Datalink(Resident):
 
     def _read(self, number: float, values: list[float]) -> bytes:
         del values
-        return self._tell(number, 3)
+        return self._feedback(number, 3)
 
     def _forget(self, number: float, values: list[float]) -> bytes:
         del values
@@ -181,7 +181,7 @@ class Datalink(Resident):
         self.reset()
         return _record(number, 7)
 
-    def _tell(self, number: float, command: int) -> bytes:
+    def _feedback(self, number: float, command: int) -> bytes:
         return _record(number, command, *map(self._printed, self.controller.bench.joints))
 
     def _printed(self, value: float) -> str:

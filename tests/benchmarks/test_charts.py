@@ -36,12 +36,12 @@ def test_live_trace_and_map_cost_half_of_textual_plot(tmp_path: Path) -> None:
             seen[kind].append(drawn(kind, tmp_path / kind))
     middle = {kind: medians(rounds) for kind, rounds in seen.items()}
     for kind, one in middle.items():
-        tell(
+        write(
             f"{kind}: first screen {one['first_s']:.2f} s ({one['first_cpu_s']:.2f} s of CPU), "
             f"{100.0 * one['cpu_share']:.1f} % CPU, loop late p99 {one['late_p99_ms']:.1f} ms, "
             f"largest {one['late_max_ms']:.0f} ms, {1e-3 * one['bytes'] / SECONDS:.0f} kB/s to the terminal"
         )
-    tell(f"pictures: {tmp_path}")
+    write(f"pictures: {tmp_path}")
     ours, peer = (middle[kind]["cpu_share"] - middle["none"]["cpu_share"] for kind in ("ours", "peer"))
     assert ours < 0.5 * peer
     assert middle["ours"]["first_cpu_s"] < 1.2 * middle["peer"]["first_cpu_s"]
@@ -86,5 +86,5 @@ def taken_in(descriptor: int, program: subprocess.Popen[bytes]) -> int:
     return count
 
 
-def tell(figure: str) -> None:
+def write(figure: str) -> None:
     print(f"\n{figure}")  # noqa: T201  # the figure is the result of a benchmark

@@ -120,7 +120,7 @@ class Watch:
 async def waiting_motion(bench: EmulatedBench, robot: MelfaR3, target_deg: float) -> AsyncIterator[None]:
     """A motion is under way and EXEC2 waits for its end."""
     motion = asyncio.create_task(robot.move_joints((target_deg, 0.0, 0.0, 0.0)))
-    while not bench.bench.moving:  # noqa: ASYNC110  # the bench tells nobody
+    while not bench.bench.moving:  # noqa: ASYNC110  # the bench notifies nobody
         await asyncio.sleep(0)
     yield
     with contextlib.suppress(DeviceError):

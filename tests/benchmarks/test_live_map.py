@@ -53,7 +53,7 @@ def taken_in(points: Points) -> tuple[LiveMap, list[float]]:
     return live, times
 
 
-def test_a_point_and_what_is_known_cost_a_fraction_of_solving_again() -> None:
+def test_updating_the_live_map_is_far_cheaper_than_solving() -> None:
     noise = np.random.default_rng(1).normal(0.0, WHITE_MM, 1056)
     points = paper_points(random_truth(1), noise_mm=noise, sigma_mm=WHITE_MM)
 

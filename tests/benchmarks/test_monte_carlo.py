@@ -62,7 +62,7 @@ def timed_s(work: Callable[[], object]) -> float:
     return time.process_time() - start_s
 
 
-def test_ten_thousand_identifications_in_three_seconds_and_as_the_jacobian_says() -> None:
+def test_ten_thousand_draws_take_three_seconds_and_match_the_jacobian() -> None:
     one = paper_identification()
     assert one.points.sigma_mm is not None
     weights, basis = 1.0 / one.points.sigma_mm, one.layout.gauge_basis()

@@ -42,7 +42,7 @@ found = identify_scan(
     source, "error-map", truth.nodes1_rad, truth.nodes2_rad, 325.0, 225.0, NOMINAL_REFLECTORS
 ).identified
 wall_s, cpu_s = time.perf_counter() - start_s, time.process_time() - cpu_s
-# What the kernel tells of this process alone; getrusage includes the one that started it.
+# What the kernel reports of this process alone; getrusage includes the one that started it.
 peak_kb = next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmHWM"))
 u = found.standard_uncertainty[: truth.parameters().size]
 error = (found.parameters[: u.size] - truth.parameters()) / u
@@ -95,15 +95,15 @@ def test_three_million_distances_with_nodes_every_degree(tmp_path: Path) -> None
     answer = subprocess.run(
         [sys.executable, "-c", FRESH, *arguments], cwd=ROOT, capture_output=True, text=True, check=True
     )
-    told = json.loads(answer.stdout)
+    figures = json.loads(answer.stdout)
     print(  # noqa: T201  # the figure
-        f"\n3 000 000 distances, {told['parameters']} free parameters: {told['wall_s']:.1f} s "
-        f"({told['cpu_s']:.1f} s of one core, limit 10), peak {told['peak_mb']:.0f} MB (limit 1000), "
-        f"{told['passes']} passes, χ²/dof {told['chi2']:.4f}, rms normalised error {told['normalised']:.2f}"
+        f"\n3 000 000 distances, {figures['parameters']} free parameters: {figures['wall_s']:.1f} s "
+        f"({figures['cpu_s']:.1f} s of one core, limit 10), peak {figures['peak_mb']:.0f} MB (limit 1000), "
+        f"{figures['passes']} passes, χ²/dof {figures['chi2']:.4f}, rms normalised error {figures['normalised']:.2f}"
     )
-    assert told["wall_s"] <= 10.0
-    assert told["peak_mb"] <= 1000.0
-    assert 0.9 < told["normalised"] < 1.1
+    assert figures["wall_s"] <= 10.0
+    assert figures["peak_mb"] <= 1000.0
+    assert 0.9 < figures["normalised"] < 1.1
 
 
 def test_a_row_costs_a_fraction_of_what_it_costs_scipy() -> None:
@@ -163,7 +163,7 @@ def exponent(sizes: list[int], times_s: list[float]) -> float:
     return float(np.polyfit(np.log(sizes), np.log(times_s), 1)[0])
 
 
-def test_time_grows_linearly_with_points_and_at_most_cubically_with_nodes() -> None:
+def test_solving_time_is_linear_in_points_and_cubic_in_nodes() -> None:
     truth = arm(1, 2.0)
     rows = [200_000, 400_000, 800_000, 1_600_000]
     by_rows = []

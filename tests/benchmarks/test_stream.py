@@ -61,7 +61,7 @@ async def recorded(endpoint: str) -> tuple[list[TimedSample], int]:
     return samples, driver.lost_samples
 
 
-def tell(what: str, late_s: "np.ndarray[tuple[int], np.dtype[np.float64]]") -> float:
+def report(what: str, late_s: "np.ndarray[tuple[int], np.dtype[np.float64]]") -> float:
     p50, p99 = np.percentile(late_s, [50, 99])
     print(  # noqa: T201  # the figure is the result of a benchmark
         f"{what}: {late_s.size} samples, p50 {p50 * 1e3:.3f} ms, p99 {p99 * 1e3:.3f} ms, "
@@ -83,7 +83,7 @@ async def test_stamps_are_those_of_arrival() -> None:
     late_s = np.array([s.time_s - s.sample.low_data / 1e6 for s in samples])
     assert lost == 0
     assert {b.sample.sequence - a.sample.sequence for a, b in pairwise(samples)} == {1}
-    assert tell("stamp after writing", late_s) <= STAMP_P99_S
+    assert report("stamp after writing", late_s) <= STAMP_P99_S
 
 
 @pytest.mark.timeout(DURATION_S + 60)
@@ -96,4 +96,4 @@ async def test_the_emulated_display_loses_nothing(line: str, tmp_path: Path) -> 
     assert {b.sample.sequence - a.sample.sequence for a, b in pairwise(samples)} == {1}
     time_s = np.array([s.time_s for s in samples])
     grid_s = time_s - np.arange(time_s.size) / RATE_HZ
-    tell(f"emulator over {line}, arrival after its moment", grid_s - grid_s.min())
+    report(f"emulator over {line}, arrival after its moment", grid_s - grid_s.min())

@@ -56,7 +56,7 @@ Lateness = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
 
 Watching = Callable[[int], Awaitable[bool | None]]
-"""Is told the number of each step that begins; returns whether it is watched, None where that changes meanwhile."""
+"""Takes the number of each step that begins; returns whether it is watched, None where that changes meanwhile."""
 
 
 async def measured(client: EngineClient, watching: Watching) -> tuple[Path, dict[str, bool]]:
@@ -220,7 +220,7 @@ async def test_what_one_turn_of_telling_keeps_the_loop_from(tmp_path: Path) -> N
     for member in members:
         registry.listen(member, "watch", on=True)
         registry.listen(member, "traffic", on=True)
-    told_ms: list[float] = []
+    published_ms: list[float] = []
     taken_us: list[float] = []
     for _ in range(200):
         start_s = time.thread_time()
@@ -232,24 +232,24 @@ async def test_what_one_turn_of_telling_keeps_the_loop_from(tmp_path: Path) -> N
             telemetry.traffic.record("interferometer", "rx", b"1500 1500 123456 1 0 4711 101 123456789\r\n")
         start_s = time.thread_time()
         telemetry.publish()
-        told_ms.append((time.thread_time() - start_s) * 1e3)
+        published_ms.append((time.thread_time() - start_s) * 1e3)
         for member in members:
             while len(member.mailbox):
                 message = await member.mailbox.take()
                 start_s = time.thread_time()
                 assert not isinstance(message, bytes)
                 encode_event(message)
-                told_ms.append((time.thread_time() - start_s) * 1e3)
-    p99_ms = float(np.percentile(told_ms, 99))
+                published_ms.append((time.thread_time() - start_s) * 1e3)
+    p99_ms = float(np.percentile(published_ms, 99))
     print(  # noqa: T201  # the figure
-        f"\na turn of telling, or one message written out, keeps the loop for p50 {np.median(told_ms):.3f} p99 "
+        f"\na turn of sending, or one message written out, keeps the loop for p50 {np.median(published_ms):.3f} p99 "
         f"{p99_ms:.3f} ms (limit {LIMIT_MS} ms); one sample of a stream for {np.median(taken_us):.1f} µs"
     )
     assert p99_ms <= LIMIT_MS
 
 
 async def read_out(mailbox: Mailbox) -> None:
-    """Write out what a client is told, as its session does."""
+    """Write out what a client receives, as its session does."""
     while True:
         message = await mailbox.take()
         assert not isinstance(message, bytes)

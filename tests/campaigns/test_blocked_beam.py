@@ -33,9 +33,9 @@ def require_all_recovered(story: Story, record: RunReader, blocks: int) -> None:
     causes = [event.data["cause"] for event in lost]
     segments = {(point["reflector"], point["segment"]) for point in points}
     asked = [prompt for prompt in record.prompts() if str(prompt["id"]).startswith("beam/")]
-    told = {cause: causes.count(cause) for cause in set(causes)}
+    by_cause = {cause: causes.count(cause) for cause in set(causes)}
     print(  # noqa: T201  # the figure
-        f"\n{len(points)} points, {blocks} blocks, {len(lost)} losses {told}, {len(asked)} questions, "
+        f"\n{len(points)} points, {blocks} blocks, {len(lost)} losses {by_cause}, {len(asked)} questions, "
         f"{len(record.records('overlap'))} overlaps, {len(segments)} segments, "
         f"{len(record.records('closure'))} closures"
     )
@@ -50,7 +50,7 @@ def require_all_recovered(story: Story, record: RunReader, blocks: int) -> None:
         == _POINTS
     )
     assert not [event for event in events if event.kind == "point-left-out"]
-    # A block that falls between two looks of a count that is not in use spoils nothing and is not told.
+    # A block that falls between two looks of a count that is not in use spoils nothing and is not reported.
     assert len(lost) >= blocks - 3
 
 

@@ -22,7 +22,7 @@ _ROUND_TRIP_S = 0.05
 
 
 @pytest.mark.timeout(7200)
-def test_the_arm_is_told_to_stop_in_time(tmp_path: Path) -> None:
+def test_the_arm_is_stopped_in_time(tmp_path: Path) -> None:
     with emulated(tmp_path, "--speed", str(_SPEED), edit=SLOW) as bench:
         openings, records = open_at_random(bench, tmp_path, _OPENINGS, _SEED, _SPEED)
     times_s = sorted(opening.stop_s for opening in openings)

@@ -92,7 +92,7 @@ def capped(bench: Emulated, percent: int) -> Emulated:
     return replace(bench, cell=cell)
 
 
-def tell(text: str) -> None:
+def report(text: str) -> None:
     print(f"\n{text}", flush=True)  # noqa: T201  # the figure
 
 
@@ -165,8 +165,10 @@ def test_no_arm_moves_on(found_bench: Searched, percent: int) -> None:
         assert stood + len(found) <= MOST_TRIED * MOMENTS
     for way in WAYS:
         if of_way := [moment for moment in found if moment.way == way]:
-            tell(describe(percent, of_way))
-    tell(f"{(time.monotonic() - begun_s) / len(found):.1f} s a moment; {stood} more stood before the trouble")
+            report(describe(percent, of_way))
+    report(
+        f"{(time.monotonic() - begun_s) / len(found):.1f} s a moment; {stood} more stood before the trouble"
+    )
     assert max(moment.stop_s for moment in found) <= STOPPED_WITHIN_S
     assert all(moment.stop_s <= KILLED_WITHIN_S for moment in found if moment.way == "killed")
     assert max(moment.rest_s for moment in found if not moment.arrived) <= AT_REST_WITHIN_S
@@ -196,5 +198,7 @@ def test_no_sound_run_is_stopped(tmp_path: Path) -> None:
         log = (tmp_path / "catseye-runs" / LOG_NAME).read_text(encoding="utf-8")
         took_s = (time.monotonic() - begun_s) / SOUND_RUNS
         false = len(log.splitlines())
-        tell(f"{SOUND_RUNS} sound runs, {took_s:.1f} s each, all cores busy ({load()}): {false} false STOPs")
+        report(
+            f"{SOUND_RUNS} sound runs, {took_s:.1f} s each, all cores busy ({load()}): {false} false STOPs"
+        )
     assert log == ""

@@ -150,7 +150,7 @@ def true_along_the_beam_um(config: EmulationConfig, theta40_deg: float) -> dict[
     }
 
 
-def test_the_j4_map_is_the_radial_error_motion_along_the_beam(measured: Measured) -> None:
+def test_the_j4_map_matches_the_true_radial_error_motion(measured: Measured) -> None:
     true = true_along_the_beam_um(measured.config, measured.truth["theta40_deg"])
     found = {
         (term["part"], term["order"]): (term["value"], term["u"])

@@ -31,7 +31,7 @@ NODES = {
 
 KILLED = -signal.SIGKILL
 SAME_MM = 2e-6
-"""Of distances on a bench without measuring errors: the counter tells nanometres, and two of them are subtracted."""
+"""Of distances on a bench without measuring errors: the counter shows nanometres, and two of them are subtracted."""
 
 SAME_MAP = 0.01
 """Of maps on that bench, in units of their combined standard uncertainty.
@@ -115,7 +115,7 @@ def worst_normalised(one: dict[str, Any], other: dict[str, Any]) -> float:
     )
 
 
-def tell(text: str) -> None:
+def report(text: str) -> None:
     print(f"\n{text}", flush=True)  # noqa: T201  # the figure
 
 
@@ -132,8 +132,8 @@ def test_killed_at_random_moments_with_every_error_of_the_bench(bench: Emulated,
         require_whole(story, reference.reader)
         points += len(story.lives[0].points)
         worst = max(worst, worst_normalised(identified(story.reader, tmp_path), expected))
-    tell(
-        f"{KILLS} kills at random (seed {SEED}), {points} points told before them, all stored; every command was "
+    report(
+        f"{KILLS} kills at random (seed {SEED}), {points} points reported before them, all stored; every command was "
         f"measured once; maps differ from the uninterrupted run's by at most {worst:.2f} of their combined standard "
         "uncertainties"
     )
@@ -159,7 +159,7 @@ def test_killed_at_every_named_place_on_a_bench_without_errors(quiet_bench: Emul
         require_whole(story, reference.reader)
         worst_mm = max(worst_mm, *map(abs, differences_mm(story.reader, reference.reader)))
         worst = max(worst, worst_normalised(identified(story.reader, tmp_path), expected))
-    tell(
+    report(
         f"{len(POINTS)} named places: distances differ from the uninterrupted run's by at most {worst_mm:.1e} mm, "
         f"maps by {worst:.1e} of their combined standard uncertainties"
     )
@@ -181,7 +181,7 @@ def test_the_papers_plan_killed_in_the_middle(tmp_path: Path) -> None:
         first, second = (identified(one.reader, tmp_path) for one in (reference, story))
         shown = catseye("show", str(story.path), cwd=tmp_path)
     worst = worst_normalised(first, second)
-    tell(
+    report(
         f"{shown.stdout}\nthe paper's plan killed after {len(killed.points)} points: maps differ from the "
         f"uninterrupted run's by at most {worst:.2f} combined standard uncertainties"
     )

@@ -35,8 +35,8 @@ def test_memory_does_not_grow_with_the_number_of_runs(tmp_path: Path) -> None:
         emulated(tmp_path, "--speed", str(SPEED)) as bench,
     ):
         patch.setenv("XDG_RUNTIME_DIR", runtime)
-        with begun("engine", "--cell", bench.cell, cwd=tmp_path) as (process, told):
-            resident = _resident_after_each(process.pid, told.readline())
+        with begun("engine", "--cell", bench.cell, cwd=tmp_path) as (process, output):
+            resident = _resident_after_each(process.pid, output.readline())
     counted = np.arange(RUNS)[int(WARM_SHARE * RUNS) :]
     slope_kb = 1024.0 * float(np.polyfit(counted, resident[counted], 1)[0])
     print(f"\n{RUNS} runs: {resident[0]:.1f} → {resident[-1]:.1f} MB, {slope_kb:+.1f} kB a run")  # noqa: T201  # the figure

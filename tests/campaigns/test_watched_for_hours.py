@@ -32,14 +32,14 @@ def _held_bytes() -> int:
 
 async def _watched(folder: Path) -> tuple[int, int]:
     """Return what is held when a tenth of the time is over, and at its end, bytes."""
-    hub, cell, clock = ClientRegistry(VirtualClock()), PulledCell(), VirtualClock()
-    telemetry = Telemetry(hub, clock, folder, disk)
+    registry, cell, clock = ClientRegistry(VirtualClock()), PulledCell(), VirtualClock()
+    telemetry = Telemetry(registry, clock, folder, disk)
     telemetry.describe(facts_of(cell_from_template(), bench_from_template()))
     bench = DevicePool(lambda: cell.made(telemetry.latest), telemetry.latest, clock, print)
     telemetry.on_watched = bench.watched
-    member = hub.join("test", "Ada", Mailbox(), lambda _reason: None)
-    hub.listen(member, "watch", on=True)
-    hub.listen(member, "traffic", on=True)
+    member = registry.join("test", "Ada", Mailbox(), lambda _reason: None)
+    registry.listen(member, "watch", on=True)
+    registry.listen(member, "traffic", on=True)
     telemetry.wake()
     early_bytes = 0
     for tenth in range(10):

@@ -18,7 +18,7 @@ HERE = Path(__file__).parent
 PYTHON = HERE.parents[1] / ".venv-peers" / "bin" / "python"
 
 
-async def told(script: str, *arguments: str) -> Any:
+async def output_of(script: str, *arguments: str) -> Any:
     """Return the last line that a client prints, as data."""
     command = [str(PYTHON), str(HERE / "clients" / script), *arguments]
     done = await asyncio.to_thread(
@@ -35,7 +35,7 @@ async def test_set_points_of_melfapy_lead_the_arm() -> None:
         bench.controller.switch_servo_on()
         bench.bench.advance(2.0)
         port = bench.endpoints[0].endpoint.rpartition(":")[2]
-        before, after = await told("set_points.py", "127.0.0.1", port, "-30", "30")
+        before, after = await output_of("set_points.py", "127.0.0.1", port, "-30", "30")
         bench.keeper.sync()
         assert bench.controller.alarm == 0
     assert after[:3] == pytest.approx([before[0] - 30.0, before[1] + 30.0, before[2]], abs=0.01)
@@ -47,7 +47,7 @@ async def test_the_makers_api_reads_displacements() -> None:
     # The API knows one port.
     device = EmulatedDevice("interferometer", "attocube-ids", "tcp://127.0.0.1:9090", {"dialect": "sen"})
     async with EmulatedBench(replace(QUIET, devices=(device,), truth=truth)):
-        said = await told("displacements.py", "127.0.0.1")
+        said = await output_of("displacements.py", "127.0.0.1")
     assert said["mode"] == "measurement running"
     assert said["enabled"] is True
     warning, displacement_pm = said["displacement_pm"]

@@ -48,12 +48,12 @@ def random_blocks(seed: int, count: int, steps: int, lasting: int) -> list[Block
 
 @dataclass(frozen=True)
 class Story:
-    """What a run told on its stdout.
+    """What a run wrote to its stdout.
 
     Attributes:
         code: of its exit.
         events: as JSON.
-        stderr: what it told people.
+        stderr: what it wrote for people.
     """
 
     code: int

@@ -136,7 +136,7 @@ def only(reflector: str) -> dict[str, str]:
 
 
 def _endpoints(cell: Path) -> list[str]:
-    """Return the endpoints of a cell's devices in the order in which the emulator tells them."""
+    """Return the endpoints of a cell's devices in the order in which the emulator lists them."""
     loaded = load_cell(cell).cell
     assert loaded.tracker is not None
     return [*(device.endpoint for device in emulated_devices(loaded)), loaded.tracker.endpoint]

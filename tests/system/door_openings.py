@@ -67,13 +67,13 @@ def open_once(bench: Emulated, wait_s: float, speed: int) -> Opening | None:
     while bench.ask(op="state")["moving"]:
         time.sleep(_POLL_S)
     time.sleep(0.3)
-    told = requests(bench, before_s)
+    asked = requests(bench, before_s)
     bench.ask(op="fault", name="door", open=False)
-    stops = [number for number, (_, text) in enumerate(told) if "STOP" in text]
+    stops = [number for number, (_, text) in enumerate(asked) if "STOP" in text]
     if not stops:
         # The motion was over in the moment in which the door was opened.
         return None
-    return Opening((told[stops[0]][0] - before_s) / speed, [text for _, text in told[stops[0] :]])
+    return Opening((asked[stops[0]][0] - before_s) / speed, [text for _, text in asked[stops[0] :]])
 
 
 def open_at_random(
@@ -91,14 +91,14 @@ def open_at_random(
     moments, found, records = random.Random(seed), list[Opening](), list[RunReader]()
     options = ["--speed", str(speed), "--search", "none", "--json", "--param", 'reflectors=["P2"]']
     while len(found) < count:
-        with begun("run", "open-loop", "--cell", bench.cell, *options, cwd=folder) as (process, told):
-            while json.loads(told.readline())["event"] != "step-started":
+        with begun("run", "open-loop", "--cell", bench.cell, *options, cwd=folder) as (process, output):
+            while json.loads(output.readline())["event"] != "step-started":
                 pass
             for _ in range(min(_OF_A_RUN, count - len(found))):
                 opening = open_once(bench, moments.uniform(0.0, 1.0 / speed), speed)
                 if opening is not None:
                     found.append(opening)
-            event = [json.loads(line) for line in told][-1]
+            event = [json.loads(line) for line in output][-1]
             process.wait(_LONGEST_S)
             assert event["event"] == "run-ended"
             assert event["status"] == "complete", event

@@ -26,10 +26,10 @@ Command = tuple[object, ...]
 
 @dataclass(frozen=True)
 class Moment:
-    """When a process is to end: busy machines are slow, so its life is counted in what it tells.
+    """When a process is to end: busy machines are slow, so its life is counted in its events.
 
     Attributes:
-        event: so many events have been told; 0 counts from its start.
+        event: so many events have been published; 0 counts from its start.
         delay_s: real seconds after that.
     """
 
@@ -49,10 +49,10 @@ class Process:
 
     Attributes:
         returncode: how the process ended.
-        points: commands whose distances it told as stored.
-        steps: steps that it told as done.
+        points: commands whose distances it reported as stored.
+        steps: steps that it reported as done.
         stderr: what it said.
-        events: how many it told.
+        events: how many it published.
     """
 
     returncode: int
@@ -93,7 +93,7 @@ class Story:
         moment: "Moment | None" = None,
         number: int = signal.SIGKILL,
     ) -> Process:
-        """Begin the run, or go on with it, until it ends or dies; what has been told has to be stored.
+        """Begin the run, or go on with it, until it ends or dies; what has been reported has to be stored.
 
         Args:
             options: of the command.
@@ -126,7 +126,7 @@ class Story:
         return life
 
     def _check(self, life: Process) -> None:
-        """Nothing that was told is missing, nothing that was done is undone, and the record is sound."""
+        """Nothing that was reported is missing, nothing that was done is undone, and the record is sound."""
         try:
             reader = RunReader(self.path) if self.path is not None else None
         except StorageError:
@@ -140,10 +140,10 @@ class Story:
             return
         done = [step.step_id for step in reader.steps()]
         assert done[: len(self._done)] == self._done, "a step that was done is gone"
-        assert set(life.steps) <= set(done), "a step that was told as done is not stored"
-        told = {command for each in self.lives for command in each.points}
+        assert set(life.steps) <= set(done), "a step that was reported as done is not stored"
+        reported = {command for each in self.lives for command in each.points}
         stored = commands(reader)
-        assert told <= set(stored), "a point that was told is not stored"
+        assert reported <= set(stored), "a point that was reported is not stored"
         assert len(stored) == len(set(stored)), "a point is stored twice"
         assert verify(reader.path).problems == ()
         self._done = done
@@ -180,7 +180,7 @@ def _number(value: object) -> float:
 def _until_its_end(
     process: forked.Forked, lines: Iterable[str], moment: Moment | None, number: int
 ) -> tuple[int, list[dict[str, Any]]]:
-    """Return the exit code, and what it told on stdout."""
+    """Return the exit code, and what it wrote to stdout."""
     with contextlib.ExitStack() as stack:
 
         def end_after(delay_s: float, number: int) -> None:

@@ -25,13 +25,13 @@ class Lines:
         self._lines.close()
         self._socket.close()
 
-    def tell(self, op: str, **fields: object) -> None:
+    def send(self, op: str, **fields: object) -> None:
         """Put a request whose answer `until` may wait for."""
         self._socket.sendall(json.dumps({"v": 1, "id": op, "op": op, **fields}).encode() + b"\n")
 
     def ask(self, op: str, **fields: object) -> dict[str, Any]:
         """Put a request and return its answer; events before it are passed over."""
-        self.tell(op, **fields)
+        self.send(op, **fields)
         return self.until(re=op)
 
     def until(self, **fields: object) -> dict[str, Any]:

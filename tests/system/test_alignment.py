@@ -24,27 +24,27 @@ def mount(bench: Emulated) -> dict[str, Any]:
     return state
 
 
-def texts(told: list[dict[str, Any]], kind: str) -> list[str]:
-    return [str(event["text"]) for event in told if event["event"] == kind]
+def texts(events_seen: list[dict[str, Any]], kind: str) -> list[str]:
+    return [str(event["text"]) for event in events_seen if event["event"] == kind]
 
 
-def exit_code(told: list[dict[str, Any]]) -> int:
-    return int(next(event["exit_code"] for event in told if event["event"] == "run-ended"))
+def exit_code(events_seen: list[dict[str, Any]]) -> int:
+    return int(next(event["exit_code"] for event in events_seen if event["event"] == "run-ended"))
 
 
-def test_a_badly_mounted_beam_is_levelled_and_brought_to_the_axis(tmp_path: Path) -> None:
+def test_a_badly_mounted_beam_is_levelled_and_centred(tmp_path: Path) -> None:
     with emulated(tmp_path, "--unaligned", "--seed", "7", "--screw-sense", "reversed") as bench:
         before = mount(bench)
         assert abs(before["pitch_mrad"]) > 0.5
         assert abs(before["offset_mm"]) > 0.3
 
-        told = run(bench, "beam-level")
-        assert exit_code(told) == ExitCode.DONE
+        events_seen = run(bench, "beam-level")
+        assert exit_code(events_seen) == ExitCode.DONE
         assert abs(mount(bench)["pitch_mrad"]) < 0.2
         # The screw acts the other way than the cell file has it: that was noticed, and how.
-        assert any("the screw acts the other way" in text for text in texts(told, "warning"))
-        assert any(event["event"] == "prompt" and event["id"] == "level-sense/1" for event in told)
-        (advice,) = (re.search(r"set j3_mm = ([\d.]+)", text) for text in texts(told, "warning")[-1:])
+        assert any("the screw acts the other way" in text for text in texts(events_seen, "warning"))
+        assert any(event["event"] == "prompt" and event["id"] == "level-sense/1" for event in events_seen)
+        (advice,) = (re.search(r"set j3_mm = ([\d.]+)", text) for text in texts(events_seen, "warning")[-1:])
         assert advice is not None
         # In the middle of the beams of 130 to 1253 mm the pitch that is left lifts the beam by as much.
         left_mm = 1e-3 * mount(bench)["pitch_mrad"] * 690.0
@@ -52,29 +52,32 @@ def test_a_badly_mounted_beam_is_levelled_and_brought_to_the_axis(tmp_path: Path
         text = bench.cell.read_text(encoding="utf-8")
         bench.cell.write_text(re.sub(r"(?m)^j3_mm = [\d.]+", f"j3_mm = {advice[1]}", text), encoding="utf-8")
 
-        told = run(bench, "beam-to-j4")
-        assert exit_code(told) == ExitCode.DONE
+        events_seen = run(bench, "beam-to-j4")
+        assert exit_code(events_seen) == ExitCode.DONE
         assert abs(mount(bench)["offset_mm"]) < 0.1
-        assert any('set stage_clockwise = "-y"' in text for text in texts(told, "warning"))
-        lives = [event["data"] for event in told if event.get("kind") == "live"]
+        assert any('set stage_clockwise = "-y"' in text for text in texts(events_seen, "warning"))
+        lives = [event["data"] for event in events_seen if event.get("kind") == "live"]
         offsets = [live for live in lives if live["name"] == "offset of the beam from the J4 axis"]
         assert [live["accepted"] for live in offsets] == [False, False, True]
         assert {"signal", "J4"} <= {live["name"] for live in lives}
 
 
-def test_a_process_that_dies_at_the_screw_does_not_have_it_turned_twice(tmp_path: Path) -> None:
+def test_a_crash_at_the_screw_does_not_turn_it_twice(tmp_path: Path) -> None:
     with emulated(tmp_path, "--unaligned", "--seed", "3") as bench:
         offset_mm = mount(bench)["offset_mm"]
         # Hands have turned the screw and said so; the step that was to keep it is the second one.
-        told = run(bench, "beam-to-j4", crash="before-commit:2")
-        assert not any(event["event"] == "run-ended" for event in told)
+        events_seen = run(bench, "beam-to-j4", crash="before-commit:2")
+        assert not any(event["event"] == "run-ended" for event in events_seen)
         turned_mm = mount(bench)["offset_mm"]
         assert abs(turned_mm) < 0.2 * abs(offset_mm)
         died = last_run(tmp_path, "beam-to-j4")
-        told = events(catseye("resume", died, "--json", cwd=tmp_path).stdout)
-        assert exit_code(told) == ExitCode.DONE
-        assert not any(event["event"] == "prompt" and event["id"].startswith("stage") for event in told)
+        events_seen = events(catseye("resume", died, "--json", cwd=tmp_path).stdout)
+        assert exit_code(events_seen) == ExitCode.DONE
+        assert not any(
+            event["event"] == "prompt" and event["id"].startswith("stage") for event in events_seen
+        )
         assert any(
-            "interrupted while the stage screw was to be turned" in text for text in texts(told, "warning")
+            "interrupted while the stage screw was to be turned" in text
+            for text in texts(events_seen, "warning")
         )
         assert mount(bench)["offset_mm"] == turned_mm

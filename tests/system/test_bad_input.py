@@ -89,7 +89,7 @@ def files(folder: Path) -> set[str]:
         ('format = "catseye-cell/1"', 'format = "catseye-cell/1', ("not a TOML file", "line 4")),
     ],
 )
-def test_a_wrong_cell_file_is_told_with_line_and_key(
+def test_a_wrong_cell_file_is_reported_with_line_and_key(
     tmp_path: Path, old: str, new: str, parts: tuple[str, ...]
 ) -> None:
     path = put_cell(tmp_path, (old, new))
@@ -104,7 +104,7 @@ def test_a_wrong_cell_file_is_told_with_line_and_key(
     assert files(tmp_path) == {"cell.toml"}
 
 
-def test_a_missing_cell_file_is_told_with_the_command_that_writes_one(tmp_path: Path) -> None:
+def test_a_missing_cell_file_names_the_command_that_writes_one(tmp_path: Path) -> None:
     for command in (("doctor", "no.toml"), ("config", "validate", "no.toml")):
         assert_refused(
             catseye(tmp_path, *command), 2, "no.toml: there is no such file", "catseye init no.toml"
@@ -186,7 +186,7 @@ def web_server() -> Iterator[int]:
             thread.join()
 
 
-def test_a_wrong_device_behind_the_port_is_told(tmp_path: Path) -> None:
+def test_a_wrong_device_behind_the_port_is_reported(tmp_path: Path) -> None:
     with web_server() as port:
         put_cell(tmp_path, *at_ports([port] * 4))
         said = catseye(tmp_path, "doctor", "cell.toml", "--json")
@@ -239,7 +239,7 @@ def test_a_wrong_device_behind_the_port_is_told(tmp_path: Path) -> None:
         ([], ["open-loop", "--answers", "none.toml"], 2, ("none.toml",)),
     ],
 )
-def test_a_plan_that_cannot_be_carried_out_is_refused_before_any_device_is_touched(
+def test_an_impossible_plan_is_refused_before_touching_any_device(
     tmp_path: Path, changes: list[tuple[str, str]], arguments: list[str], code: int, parts: tuple[str, ...]
 ) -> None:
     put_cell(tmp_path, *changes, *at_ports(free_ports(4)))

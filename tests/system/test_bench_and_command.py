@@ -43,7 +43,7 @@ def test_doctor_says_what_to_do_about_an_alarm(bench: Emulated) -> None:
     assert "robot" in done.stderr
 
 
-def test_dry_run_tells_steps_and_time_and_touches_no_device(bench: Emulated) -> None:
+def test_dry_run_lists_steps_and_time_without_touching_devices(bench: Emulated) -> None:
     done = catseye("run", "open-loop", "--cell", bench.cell, "--dry-run", "--json", cwd=bench.cell.parent)
     assert done.returncode == 0, done.stderr
     table = json.loads(done.stdout)

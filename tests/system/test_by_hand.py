@@ -1,4 +1,4 @@
-"""Engines whose clients move the arm by hand: the log of the controller's emulator tells what it does, and when."""
+"""Engines whose clients move the arm by hand: the log of the controller's emulator shows what it does, and when."""
 
 import contextlib
 import json
@@ -92,7 +92,7 @@ class Engine:
         return bool(self.bench.ask(op="state")["moving"])
 
     def log(self, *kinds: str) -> list[tuple[float, str]]:
-        """Return times and texts of what the controller was told and did since this engine began."""
+        """Return times and texts of what the controller received and did since this engine began."""
         entries = self.bench.ask(op="log", device="robot")["entries"]
         return [
             (e["time_s"], e["text"]) for e in entries if e["kind"] in kinds and e["time_s"] > self.begun_s
@@ -123,8 +123,8 @@ def engine_of(bench: Emulated) -> Iterator[Engine]:
     """Run an idle engine."""
     # An engine that was killed leaves them on.
     bench.ask(op="fault", name="servo_off")
-    with begun("engine", "--cell", bench.cell, cwd=bench.cell.parent) as (process, told):
-        made = Engine(bench, process, json.loads(told.readline())["socket"])
+    with begun("engine", "--cell", bench.cell, cwd=bench.cell.parent) as (process, output):
+        made = Engine(bench, process, json.loads(output.readline())["socket"])
         try:
             yield made
         finally:
@@ -175,7 +175,7 @@ def stepped(client: Lines, **fields: object) -> dict[str, Any]:
 
     def live() -> None:
         while not over.wait(0.1):
-            client.tell("ping")
+            client.send("ping")
 
     thread = threading.Thread(target=live)
     thread.start()
@@ -186,7 +186,7 @@ def stepped(client: Lines, **fields: object) -> dict[str, Any]:
         thread.join()
 
 
-def test_a_joint_moves_while_it_is_fed_and_stands_soon_after(engine: Engine) -> None:
+def test_a_joint_moves_while_fed_and_stops_soon_after(engine: Engine) -> None:
     client = engine.steering()
     before = engine.joints()
     assert fed(client, "j2", 1, 1.0)["ok"]
@@ -205,7 +205,7 @@ def test_a_joint_moves_while_it_is_fed_and_stands_soon_after(engine: Engine) -> 
     assert engine.drives_off()
 
 
-def test_a_key_that_is_let_go_stops_the_joint_at_once(engine: Engine) -> None:
+def test_releasing_a_key_stops_the_joint_at_once(engine: Engine) -> None:
     client = engine.steering()
     assert fed(client, "j2", -1, 0.5)["ok"]
     asked_s = engine.now_s()
@@ -256,7 +256,7 @@ def test_after_an_abort_nothing_moves_until_it_is_cleared(engine: Engine) -> Non
     assert client.ask("jog", on=False)["ok"]
 
 
-def test_a_joint_is_stopped_ahead_of_the_limit_of_the_cell(engine: Engine) -> None:
+def test_a_joint_stops_before_the_cells_limit(engine: Engine) -> None:
     client = engine.steering()
     assert stepped(client, joint="j1", by=1.0 - engine.joints()[0])["ok"]
     refused = fed(client, "j1", 1, 30.0)
@@ -282,7 +282,7 @@ def test_a_step_whose_client_falls_silent_is_stopped(engine: Engine) -> None:
     assert "no sign of life for 0.5 s" in stopped["error"]
     assert 0.45 < engine.requests("STOP")[0] - asked_s < 0.9
     assert not engine.moving()
-    # The error was told, and the end of the jog; then the arm is ready for another one.
+    # The error was published, and the end of the jog; then the arm is ready for another one.
     until(lambda: bool(client.ask("jog", on=True)["ok"]))
     assert client.ask("jog", on=False)["ok"]
     assert engine.drives_off()
@@ -300,13 +300,13 @@ def test_the_beam_is_stepped_at_a_reflector(engine: Engine) -> None:
     assert beside["joints"] == pytest.approx([0.0, 0.0, 50.0, 0.44], abs=0.015)
 
 
-def test_an_emergency_stop_ends_the_jog_and_is_told(engine: Engine) -> None:
+def test_an_emergency_stop_ends_the_jog_and_is_reported(engine: Engine) -> None:
     try:
         with feeder(engine, "j2"):
             engine.bench.ask(op="fault", name="emergency_stop", on=True)
-            told = engine.client.until(event="error")
-            assert told["exit_code"] == 5
-            assert engine.client.until(event="jog", on=False)["reason"] in told["text"]
+            error = engine.client.until(event="error")
+            assert error["exit_code"] == 5
+            assert engine.client.until(event="jog", on=False)["reason"] in error["text"]
             assert not engine.moving()
         assert engine.client.ask("control")["ok"]
         assert engine.client.ask("jog", on=True)["exit_code"] == 5
@@ -334,7 +334,7 @@ def test_an_engine_that_is_killed_is_followed_by_a_stop(engine: Engine) -> None:
         until(lambda: bool(engine.requests("STOP")))
 
 
-def test_no_run_during_a_jog_and_no_jog_of_somebody_without_control(engine: Engine) -> None:
+def test_runs_and_jogs_without_control_are_refused_during_a_jog(engine: Engine) -> None:
     client = engine.steering()
     refused = client.ask("start", procedure="open-loop")
     assert "moves the arm by hand: end that first" in refused["error"]
@@ -367,7 +367,7 @@ def test_raw_bytes_get_an_answer_and_the_driver_comes_back(engine: Engine) -> No
     assert engine.steering().ask("jog-step", joint="j4", by=-1.0)["ok"]
 
 
-def test_raw_bytes_to_a_robot_need_the_cells_name_until_it_is_known_to_be_emulated(engine: Engine) -> None:
+def test_raw_bytes_to_a_robot_need_the_cells_name(engine: Engine) -> None:
     client = engine.client
     assert client.ask("control")["ok"]
     refused = client.ask("raw", device="robot")

@@ -31,7 +31,7 @@ async def test_warnings_come_as_they_are_reported(tmp_path: Path) -> None:
     assert all(f"warning: {text}" in done.talk for text in done.warnings)
 
 
-async def test_arguments_that_are_not_understood_are_told_by_stderr() -> None:
+async def test_arguments_that_are_not_understood_are_reported_by_stderr() -> None:
     done = await Commands().do("config", "validate", "--unheard-of")
     assert done.code == 2
     assert done.events == ()

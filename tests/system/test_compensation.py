@@ -23,8 +23,8 @@ def measured(folder: Path, profile: str) -> dict[str, Any]:
     folder.mkdir()
     edit = {**_FEW_NODES, **only("P2"), 'profile = "default"': f'profile = "{profile}"'}
     with emulated(folder, "--seed", "3", edit=edit) as bench:
-        told = catseye("doctor", bench.cell, cwd=folder).stdout
-        assert ("The program corrects" if profile == "vacuum" else "The instrument corrects") in told
+        output = catseye("doctor", bench.cell, cwd=folder).stdout
+        assert ("The program corrects" if profile == "vacuum" else "The instrument corrects") in output
         for procedure in ("reflector-search", "open-loop"):
             done = catseye("run", procedure, "--cell", bench.cell, "--speed", SPEED, cwd=folder)
             assert done.returncode == 0, done.stderr

@@ -72,7 +72,7 @@ def test_conforms(name: str, module: str, examined: dict[tuple[str, str], "Async
     examined[name, module].get(HANG_S)
 
 
-def test_every_check_has_a_name_of_its_own_within_a_role_and_says_what_it_asks() -> None:
+def test_checks_are_documented_and_uniquely_named_within_a_role() -> None:
     for role in ROLES:
         names = [check.name for check in ALL if role in check.roles]
         assert len(names) == len(set(names))

@@ -29,7 +29,7 @@ class Lax(LineCounter):
     """Has settings that take anything, and an argument without unit."""
 
     class Settings(BaseModel):  # that is the fault
-        """Nothing is told."""
+        """Nothing is reported."""
 
         model_config = ConfigDict(extra="ignore")
 

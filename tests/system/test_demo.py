@@ -37,9 +37,7 @@ def emulators(folder: Path) -> set[str]:
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
-def test_a_demo_ended_between_two_runs_says_so_and_leaves_no_emulator(
-    tmp_path: Path, number: int, code: int
-) -> None:
+def test_a_demo_ended_between_runs_leaves_no_emulator(tmp_path: Path, number: int, code: int) -> None:
     process = start("demo", "--out", tmp_path / "demo", cwd=tmp_path)
     assert process.stderr is not None
     for line in process.stderr:

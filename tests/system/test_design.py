@@ -15,7 +15,7 @@ from tests.system.command import catseye, environment
 
 
 @pytest.mark.slow
-def test_the_designed_cell_is_valid_and_its_plan_is_what_the_design_said(tmp_path: Path) -> None:
+def test_the_designed_cell_is_valid_and_planned_as_designed(tmp_path: Path) -> None:
     (tmp_path / "cell.toml").write_text(TEMPLATE)
     design = catseye(
         "design", "--cell", "cell.toml", "--write-cell", "new.toml", "-o", "page.html", "--json", cwd=tmp_path
@@ -28,11 +28,11 @@ def test_the_designed_cell_is_valid_and_its_plan_is_what_the_design_said(tmp_pat
         "run", "open-loop", "--cell", "new.toml", "--param", "closures=0", "--dry-run", "--json", cwd=tmp_path
     )
     assert plan.returncode == 0, plan.stderr
-    told, layout = json.loads(plan.stdout), found["layouts"][0]
-    assert sum(step["measurements"] for step in told["steps"]) == layout["points"]
-    # The rehearsal also tells of the way to the first point and of set-up.
-    assert told["total_s"] == pytest.approx(layout["bench_s"], rel=0.05)
-    broken = [text for text in told["warnings"] if "cannot be kept" in text]
+    rehearsed, layout = json.loads(plan.stdout), found["layouts"][0]
+    assert sum(step["measurements"] for step in rehearsed["steps"]) == layout["points"]
+    # The rehearsal also includes the way to the first point and set-up.
+    assert rehearsed["total_s"] == pytest.approx(layout["bench_s"], rel=0.05)
+    broken = [text for text in rehearsed["warnings"] if "cannot be kept" in text]
     assert len(broken) == sum(one["breaks"] > 0 for one in found["reflectors"])
     assert layout["planned_breaks"] == sum(one["breaks"] for one in found["reflectors"])
     assert "<svg" in (tmp_path / "page.html").read_text()
@@ -63,7 +63,7 @@ def alive_in_group(group: int) -> list[str]:
     return [row[2] for row in rows if int(row[0]) == group and not row[1].startswith("Z")]
 
 
-def test_ctrl_c_in_the_midst_of_a_sweep_leaves_no_process_and_no_traceback(tmp_path: Path) -> None:
+def test_ctrl_c_during_a_sweep_leaves_no_process_or_traceback(tmp_path: Path) -> None:
     (tmp_path / "cell.toml").write_text(TEMPLATE)
     words = ["design", "--cell", "cell.toml", "--criterion", "D", "--places", "2000", "--workers", "2"]
     with subprocess.Popen(

@@ -11,7 +11,7 @@ from tests.patience import HANG_S
 from tests.system.command import catseye, emulated
 
 
-def test_the_controller_tells_the_axes_and_ends_as_a_client_needs_it(tmp_path: Path) -> None:
+def test_the_controller_answers_with_chosen_axes_and_suffix(tmp_path: Path) -> None:
     with emulated(tmp_path, "--axes", "8", "--suffix", "crlf") as bench:
         at = urlsplit(load_cell(bench.cell).cell.robot.endpoint)
         with socket.create_connection((str(at.hostname), int(at.port or 0)), timeout=HANG_S) as robot:
@@ -23,7 +23,7 @@ def test_the_controller_tells_the_axes_and_ends_as_a_client_needs_it(tmp_path: P
     assert answer.endswith(b"J8;0.00;;****,****;100;0.00;00000000\r\n")
 
 
-def test_a_beam_as_mounted_and_screws_that_turn_the_other_way(tmp_path: Path) -> None:
+def test_the_unaligned_bench_has_an_offset_and_reversed_screws(tmp_path: Path) -> None:
     with emulated(tmp_path, "--unaligned", "--screw-sense", "reversed", "--seed", "4") as bench:
         before = bench.ask(op="state")["mount"]
         bench.ask(op="turn_screw", screw="stage", turns=1.0)

@@ -24,7 +24,7 @@ def test_a_process_serves_the_template_on_free_ports(catseye_process: Callable[.
     assert bench.journal("robot")[-1].text == "1;1;OPEN=TEST"
 
 
-def test_the_process_is_gone_after_the_context_even_after_a_failure() -> None:
+def test_the_process_ends_with_its_context_even_on_failure() -> None:
     controls: list[str] = []
 
     def use_it_and_fail() -> None:
@@ -39,7 +39,7 @@ def test_the_process_is_gone_after_the_context_even_after_a_failure() -> None:
         socket.create_connection((host, int(port)), timeout=HANG_S)
 
 
-def test_a_cell_file_that_cannot_be_used_is_told(tmp_path: Path) -> None:
+def test_a_cell_file_that_cannot_be_used_is_reported(tmp_path: Path) -> None:
     cell = tmp_path / "cell.toml"
     cell.write_text("name = 7" + os.linesep, encoding="utf-8")
     with pytest.raises(RuntimeError, match=r"cell\.toml"), bench_in_process(cell):

@@ -74,8 +74,8 @@ def detached(bench: Emulated, *options: str, folder: Path | None = None) -> Path
         *options,
         cwd=folder or bench.cell.parent,
     )  # fmt: skip - a command line
-    with starter as (_, told):
-        return Path(told.readline().strip())
+    with starter as (_, output):
+        return Path(output.readline().strip())
 
 
 def held(bench: Emulated, *options: str) -> Path:
@@ -106,8 +106,8 @@ def joined(bench: Emulated, run: Path, *options: str) -> subprocess.Popen[str]:
     return client
 
 
-def told(client: subprocess.Popen[str], event: str, **fields: object) -> dict[str, Any]:
-    """Wait until a client is told something."""
+def received(client: subprocess.Popen[str], event: str, **fields: object) -> dict[str, Any]:
+    """Wait until a client receives an event."""
     assert client.stdout is not None
     watchdog = threading.Timer(HANG_S, client.kill)
     watchdog.start()
@@ -156,13 +156,13 @@ def nothing_moves(bench: Emulated) -> None:
     assert motions(bench) == before
 
 
-def story(bench: Emulated, run: Path) -> dict[str, Any]:
+def show_json(bench: Emulated, run: Path) -> dict[str, Any]:
     shown = catseye("show", str(run), "--json", cwd=bench.cell.parent)
     found: dict[str, Any] = json.loads(shown.stdout)
     return found
 
 
-def test_a_killed_client_leaves_the_arm_held_and_another_goes_on(bench: Emulated) -> None:
+def test_another_client_continues_the_run_a_killed_client_held(bench: Emulated) -> None:
     """A client that stands still holds up neither."""
     run = held(bench)
     path = find_socket(run)
@@ -171,30 +171,30 @@ def test_a_killed_client_leaves_the_arm_held_and_another_goes_on(bench: Emulated
     assert stat.S_IMODE(path.parent.stat().st_mode) == 0o700
     steering, watching, stalled = joined(bench, run, "--control"), joined(bench, run), joined(bench, run)
     for client in (steering, watching, stalled):
-        told(client, "snapshot")
+        received(client, "snapshot")
     stalled.send_signal(signal.SIGSTOP)
     # An answer is no event; it names the request as the program did.
     ask(steering, id="mine", op="override", percent=100)
-    assert "only ever lowered" in told(steering, "snapshot", re="mine")["error"]
+    assert "only ever lowered" in received(steering, "snapshot", re="mine")["error"]
     ask(steering, op="unhold")
-    told(steering, "step-done")
+    received(steering, "step-done")
     while_the_arm_moves(bench)
     steering.kill()
     ended(steering)
-    assert "is lost" in told(watching, "state", state="HOLDING")["reason"]
-    told(watching, "state", state="HELD")
+    assert "is lost" in received(watching, "state", state="HOLDING")["reason"]
+    received(watching, "state", state="HELD")
     nothing_moves(bench)
     with at_a_terminal(bench, "attach", str(run), "--control") as terminal:
         terminal.shows("HELD; control: you")
         terminal.type("g\n")
         terminal.shows("run complete")
         assert terminal.process.wait(HANG_S) == 0
-    assert told(watching, "run-ended")["status"] == "complete"
+    assert received(watching, "run-ended")["status"] == "complete"
     assert ended(watching) == 0
     stalled.send_signal(signal.SIGCONT)
     # What it missed waited for it in its own connection.
     assert ended(stalled) == 0
-    found = story(bench, run)
+    found = show_json(bench, run)
     assert found["status"] == "complete"
     kinds = [event["kind"] for event in found["events"]]
     assert kinds.count("client-lost") == 1
@@ -261,18 +261,18 @@ def at_a_terminal(bench: Emulated, *arguments: str) -> Iterator[Terminal]:
         terminal.end()
 
 
-def test_a_closed_terminal_leaves_the_arm_held_and_a_stop_ends_it(bench: Emulated) -> None:
+def test_a_run_held_by_a_closed_terminal_can_be_stopped(bench: Emulated) -> None:
     run = held(bench)
     watching = joined(bench, run)
-    told(watching, "snapshot")
+    received(watching, "snapshot")
     with at_a_terminal(bench, "attach", str(run), "--control") as terminal:
         terminal.shows("control: you")
         terminal.type("g\n")
         while_the_arm_moves(bench)
         terminal.close()
         terminal.process.wait(HANG_S)
-    assert "is lost" in told(watching, "state", state="HOLDING")["reason"]
-    told(watching, "state", state="HELD")
+    assert "is lost" in received(watching, "state", state="HOLDING")["reason"]
+    received(watching, "state", state="HELD")
     nothing_moves(bench)
     with at_a_terminal(bench, "attach", str(run), "--control") as terminal:
         terminal.shows("HELD; control: you")
@@ -285,10 +285,10 @@ def test_a_closed_terminal_leaves_the_arm_held_and_a_stop_ends_it(bench: Emulate
     assert "is over, its state is stopped: go on with it with: catseye resume" in over.stderr
 
 
-def test_a_killed_engine_is_told_with_the_remedy(bench: Emulated) -> None:
+def test_a_killed_engine_is_reported_with_the_remedy(bench: Emulated) -> None:
     run = held(bench)
     watching = joined(bench, run)
-    os.kill(told(watching, "snapshot")["snapshot"]["pid"], signal.SIGKILL)
+    os.kill(received(watching, "snapshot")["snapshot"]["pid"], signal.SIGKILL)
     _, said = watching.communicate(timeout=HANG_S)
     assert watching.returncode == 3
     assert f"if it died: catseye resume {run.name}" in said
@@ -304,10 +304,10 @@ def test_a_run_detaches_in_a_folder_with_strangers_packages(bench: Emulated, tmp
         (tmp_path / name / "__init__.py").write_text("raise ImportError('a stranger')\n", encoding="utf-8")
     run = detached(bench, folder=tmp_path)
     assert catseye("attach", str(run), "--json", cwd=tmp_path).returncode == 0
-    assert story(bench, run)["status"] == "complete"
+    assert show_json(bench, run)["status"] == "complete"
 
 
-def test_what_cannot_be_started_is_told_by_the_starter(bench: Emulated) -> None:
+def test_what_cannot_be_started_is_reported_by_the_starter(bench: Emulated) -> None:
     options = ("--cell", bench.cell, "--detach")
     wrong = catseye("run", "open-loop", *options, "--param", "nope=1", cwd=bench.cell.parent)
     assert (wrong.returncode, wrong.stdout) == (2, "")
@@ -399,5 +399,5 @@ def test_questions_are_answered_at_the_terminal_of_the_run(bench: Emulated) -> N
         # The end of the line may have come with its beginning.
         line += "" if "\n" in line else terminal.shows("\n")
         run = bench.cell.parent / line.split()[0]
-    answers = [(prompt["answer"], prompt["who"]) for prompt in story(bench, run)["prompts"]]
+    answers = [(prompt["answer"], prompt["who"]) for prompt in show_json(bench, run)["prompts"]]
     assert answers == [("yes", getpass.getuser())] * 2 + [(None, None)]

@@ -15,8 +15,8 @@ _SPEED = "5"
 def test_a_resume_does_not_drive_into_a_moving_arm(tmp_path: Path) -> None:
     with emulated(tmp_path, "--speed", _SPEED, edit=SLOW) as bench:
         options = ["--speed", _SPEED, "--search", "none", "--json", "--param", 'reflectors=["P2"]']
-        with begun("run", "open-loop", "--cell", bench.cell, *options, cwd=tmp_path) as (process, told):
-            while json.loads(told.readline())["event"] != "step-done":
+        with begun("run", "open-loop", "--cell", bench.cell, *options, cwd=tmp_path) as (process, output):
+            while json.loads(output.readline())["event"] != "step-done":
                 pass
             while not bench.ask(op="state")["moving"]:
                 pass

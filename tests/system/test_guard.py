@@ -174,8 +174,8 @@ def test_second_program_is_refused_and_disturbs_nothing(bench: Emulated) -> None
         assert "_open-loop_" in second.stderr
         # Reading moves nothing.
         assert catseye("doctor", bench.cell, cwd=bench.cell.parent).returncode == 0
-        told = [text for time_s, text in requests(bench) if time_s > now_s]
-        assert not [word for word in told if word.startswith(("STOP", "SRV", "CNTL", "OVRD="))]
+        asked = [text for time_s, text in requests(bench) if time_s > now_s]
+        assert not [word for word in asked if word.startswith(("STOP", "SRV", "CNTL", "OVRD="))]
         assert run.process.poll() is None
 
 

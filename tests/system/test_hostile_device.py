@@ -19,7 +19,7 @@ def harmless(raw: bytes) -> bool:
 
 
 def plain(text: str) -> bool:
-    """Tell whether lines hold nothing but what can be printed."""
+    """Return whether lines hold nothing but what can be printed."""
     return all(line.isprintable() for line in text.split("\n"))
 
 

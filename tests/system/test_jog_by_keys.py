@@ -1,4 +1,4 @@
-"""The arm moved by keys in a real terminal: the controller's emulator tells where it is, and when it stands."""
+"""The arm moved by keys in a real terminal: the controller's emulator shows where it is, and when it stands."""
 
 import tempfile
 import time
@@ -74,7 +74,7 @@ def hold(bench: Emulated, screen: Screen, key: str) -> None:
         time.sleep(REPEAT_S)
 
 
-def test_a_step_is_as_long_as_it_says_and_esc_gives_the_arm_back(bench: Emulated, screen: Screen) -> None:
+def test_steps_have_the_chosen_length_and_esc_releases_the_arm(bench: Emulated, screen: Screen) -> None:
     start_deg = j1_deg(bench)
     screen.press("3", "left")
     settled(bench, lambda: abs(j1_deg(bench) - start_deg - 1.0) < 0.01 and not moving(bench))
@@ -90,7 +90,7 @@ def test_a_step_is_as_long_as_it_says_and_esc_gives_the_arm_back(bench: Emulated
     assert abs(j1_deg(bench) - start_deg) < 0.01
 
 
-def test_a_tap_moves_nothing_and_a_held_key_moves_until_it_is_let_go(bench: Emulated, screen: Screen) -> None:
+def test_only_a_held_key_moves_in_hold_mode(bench: Emulated, screen: Screen) -> None:
     start_deg = j1_deg(bench)
     screen.press("m")
     screen.shows("[hold]")

@@ -94,7 +94,7 @@ async def test_our_driver_of_the_block(cell: ModbusCell) -> None:
     await io.close()
 
 
-async def test_a_late_answer_over_a_serial_line_is_not_taken_for_the_next_one() -> None:
+async def test_a_late_serial_answer_is_not_taken_for_the_next() -> None:
     """RTU answers carry no number: two registers of one question look like two of another one."""
     loop = asyncio.get_running_loop()
     master, slave = os.openpty()
@@ -125,8 +125,8 @@ def test_nothing_moves_while_the_door_is_open(cell: ModbusCell) -> None:
     bench = cell.emulated
     bench.ask(op="fault", name="door", open=True)
     try:
-        told = catseye("doctor", bench.cell, cwd=bench.cell.parent)
-        assert "the door is open: nothing will move" in told.stdout
+        examined = catseye("doctor", bench.cell, cwd=bench.cell.parent)
+        assert "the door is open: nothing will move" in examined.stdout
         done = catseye("run", "reflector-search", "--cell", bench.cell, cwd=bench.cell.parent)
     finally:
         bench.ask(op="fault", name="clear_faults")

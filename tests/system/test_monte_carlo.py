@@ -36,12 +36,10 @@ def identified(folder: Path, *arguments: str) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("count", ["1", "2"])
-def test_ctrl_c_during_the_draws_ends_with_130_and_leaves_files_as_they_were(
-    folder: Path, count: str
-) -> None:
+def test_ctrl_c_during_draws_exits_130_and_leaves_files_unchanged(folder: Path, count: str) -> None:
     (folder / "result.json").write_text("an earlier one", encoding="utf-8")
     before = sorted(path.name for path in folder.iterdir())
-    # The first tenth takes half a second, and is told; nine more are left to be interrupted.
+    # The first tenth takes half a second, and is reported; nine more are left to be interrupted.
     process = start(*SMALL, "--draws", "100000", "--workers", count, "-o", "result.json", cwd=folder)
     with process:
         assert process.stderr is not None

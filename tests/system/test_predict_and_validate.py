@@ -109,28 +109,28 @@ def test_predicted_positions_are_those_of_the_true_arm(seen: Seen) -> None:
     options = ("--path", "path.csv", "-o", "predicted.csv", "--json")
     done = catseye("predict", "result.json", *options, cwd=seen.folder)
     assert done.returncode == 0, done.stderr
-    told, rows = json.loads(done.stdout), table_of(seen.folder / "predicted.csv")
-    assert told["rows"] == told["predicted"] == len(rows) == len(seen.table) == 66
+    facts, rows = json.loads(done.stdout), table_of(seen.folder / "predicted.csv")
+    assert facts["rows"] == facts["predicted"] == len(rows) == len(seen.table) == 66
     predicted = column(rows, "x_pred_mm") + 1j * column(rows, "y_pred_mm")
     assert np.abs(predicted - seen.true_mm).max() < 2e-6
     one = np.deg2rad(column(rows, "theta1_deg"))
     both = one + np.deg2rad(column(rows, "theta2_deg"))
     error_um = 1e3 * (seen.true_mm - 325.0 * np.exp(1j * one) - 225.0 * np.exp(1j * both))
     assert np.abs(column(rows, "ex_um") + 1j * column(rows, "ey_um") - error_um).max() < 2e-3
-    assert told["rms_um"] == pytest.approx(np.sqrt(np.mean(np.abs(error_um) ** 2)), rel=1e-6)
+    assert facts["rms_um"] == pytest.approx(np.sqrt(np.mean(np.abs(error_um) ** 2)), rel=1e-6)
     # The result has no uncertainty, so nothing predicted from it has any.
     assert not column(rows, "u_ex_um").any()
 
 
-def test_validate_finds_the_frame_and_leaves_what_the_model_cannot_know(seen: Seen) -> None:
+def test_validation_finds_the_frame_and_the_expected_residual(seen: Seen) -> None:
     options = ("--measured", "tracker.csv", "--reference", "nominal.json", "-o", "page.html", "--json")
     done = catseye("validate", "result.json", *options, cwd=seen.folder)
     assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
-    nominal, model = told["models"]
+    facts = json.loads(done.stdout)
+    nominal, model = facts["models"]
     rows = established(seen.table)
     n = int(rows.sum())
-    assert (told["rows"], told["compared"]) == (66, n)
+    assert (facts["rows"], facts["compared"]) == (66, n)
     assert 50 < n < 66
     # The best turn of one set of points onto another is the phase of their product as complex numbers.
     model_mm, seen_mm = seen.true_mm[rows], seen.seen_mm[rows]
@@ -150,8 +150,8 @@ def test_validate_finds_the_frame_and_leaves_what_the_model_cannot_know(seen: Se
     assert model["share_explained"] == pytest.approx((expected_um / model["rms_um"]) ** 2, rel=1e-6)
     # Repeatability (10 µm) and tracker scatter in x and y; radial error motions of 12 µm follow the path.
     assert expected_um * 1.3 < model["rms_um"] < 35.0
-    assert told["ratio"] == pytest.approx(model["rms_um"] / nominal["rms_um"])
-    assert told["ratio"] < 0.4
+    assert facts["ratio"] == pytest.approx(model["rms_um"] / nominal["rms_um"])
+    assert facts["ratio"] < 0.4
     page = (seen.folder / "page.html").read_text(encoding="utf-8")
     assert f"{model['rms_um']:.1f}" in page
 

@@ -26,7 +26,7 @@ SMALL = {
 
 KILLED = -signal.SIGKILL
 SAME_MM = 2e-6
-"""Of distances on a bench without measuring errors: the counter tells nanometres, and two of them are subtracted."""
+"""Of distances on a bench without measuring errors: the counter shows nanometres, and two of them are subtracted."""
 
 
 @pytest.fixture(scope="module")
@@ -60,9 +60,7 @@ def require_same(story: Story, reference: RunReader) -> None:
     assert max(map(abs, differences_mm(story.reader, reference))) <= SAME_MM
 
 
-def test_a_run_killed_at_every_named_place_goes_on_to_the_same_result(
-    bench: Emulated, reference: RunReader
-) -> None:
+def test_a_run_killed_at_any_crash_point_resumes_identically(bench: Emulated, reference: RunReader) -> None:
     story = Story(bench)
     at_the_end = ["before-closing", "closed", "before-manifest"]
     begun_anew = ["directory-made", "sealed"]
@@ -75,9 +73,7 @@ def test_a_run_killed_at_every_named_place_goes_on_to_the_same_result(
     require_same(story, reference)
 
 
-def test_a_run_killed_at_random_moments_goes_on_to_the_same_result(
-    bench: Emulated, uninterrupted: Story
-) -> None:
+def test_a_run_killed_at_random_moments_resumes_identically(bench: Emulated, uninterrupted: Story) -> None:
     moments, story = random.Random(SEED), Story(bench)
     for _ in range(4):
         # A quarter of a life each, so that the last one has something left to do.
@@ -88,7 +84,7 @@ def test_a_run_killed_at_random_moments_goes_on_to_the_same_result(
     require_same(story, uninterrupted.reader)
 
 
-def test_a_run_that_died_before_it_described_itself_is_no_run_and_one_that_died_sealed_is_complete(
+def test_runs_killed_undescribed_or_sealed_are_absent_or_complete(
     bench: Emulated, reference: RunReader
 ) -> None:
     story = Story(bench)
@@ -101,9 +97,7 @@ def test_a_run_that_died_before_it_described_itself_is_no_run_and_one_that_died_
     assert "complete" in refused.stderr
 
 
-def test_an_aborted_run_goes_on_when_its_operator_has_cleared_it(
-    bench: Emulated, uninterrupted: Story
-) -> None:
+def test_an_aborted_run_resumes_after_the_operator_clears_it(bench: Emulated, uninterrupted: Story) -> None:
     story, reference = Story(bench), uninterrupted.reader
     halfway = Moment(uninterrupted.lives[0].events // 2, 0.0)
     assert story.live(moment=halfway, number=signal.SIGTERM).returncode == 143

@@ -165,7 +165,7 @@ def test_dask_gives_the_same_numbers_and_the_same_errors(scheduler: str) -> None
 
 
 @pytest.mark.slow
-def test_workers_that_all_go_are_told_and_nothing_hangs(
+def test_workers_that_all_go_are_reported_and_nothing_hangs(
     scheduler: str, workers: subprocess.Popen[bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("catseye.app.cluster.machines._LOOK_S", 0.4)
@@ -184,13 +184,13 @@ def pausing(_: object) -> None:
 
 
 @pytest.mark.slow
-def test_a_scheduler_without_workers_is_told(scheduler: str) -> None:
+def test_a_scheduler_without_workers_is_reported(scheduler: str) -> None:
     with pytest.raises(ConfigError, match="has no workers"), sharing(1, scheduler):
         pass
 
 
 @pytest.mark.slow
-def test_an_address_where_nobody_answers_is_told_in_bounded_time(tmp_path: Path) -> None:
+def test_an_unanswered_address_is_reported_in_bounded_time(tmp_path: Path) -> None:
     address = f"tcp://127.0.0.1:{free_port()}"
     script = tmp_path / "connect.py"
     script.write_text(CONNECTING)

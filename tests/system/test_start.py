@@ -16,8 +16,8 @@ import sys
 from typer.testing import CliRunner
 from catseye.app.cli import cli
 from catseye.app.cli.commands import COMMANDS
-told = CliRunner().invoke(cli, ["--help"]).output
-print([name for name in COMMANDS if f"  {{name}} " not in told])
+help_text = CliRunner().invoke(cli, ["--help"]).output
+print([name for name in COMMANDS if f"  {{name}} " not in help_text])
 print([name for name in {HEAVY!r} if name in sys.modules])
 print([name for name in COMMANDS if f"{{COMMANDS[name].package}}.{{name}}" in sys.modules])
 """

@@ -34,9 +34,9 @@ def running(bench: Emulated) -> subprocess.Popen[str]:
 def wait_for(process: subprocess.Popen[str], event: str) -> dict[str, Any]:
     assert process.stdout is not None
     for line in process.stdout:
-        told: dict[str, Any] = json.loads(line)
-        if told["event"] == event or told.get("state") == event:
-            return told
+        message: dict[str, Any] = json.loads(line)
+        if message["event"] == event or message.get("state") == event:
+            return message
     raise AssertionError(f"the run ended without {event}")
 
 

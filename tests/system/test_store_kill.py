@@ -55,7 +55,7 @@ def check(run: Path, acknowledged: int) -> None:
     steps = [step.step_id for step in reader.steps()]
     assert reader.status == "died"
     assert steps == [f"s{number}" for number in range(len(steps))]
-    # One step more may have been committed than the parent was told of.
+    # One step more may have been committed than the parent knows of.
     assert len(steps) >= acknowledged
     assert reader.count("search") == len(steps) * ROWS
     assert verify(run).problems == ()
@@ -77,8 +77,8 @@ def test_what_was_acknowledged_survives_a_kill_at_any_moment(tmp_path: Path) -> 
 
 
 def test_a_disk_that_refuses_stops_the_store(tmp_path: Path) -> None:
-    with child("fill", str(tmp_path)) as (process, told):
-        lines = told.read().splitlines()
+    with child("fill", str(tmp_path)) as (process, output):
+        lines = output.read().splitlines()
         assert process.wait(HANG_S) == 0
     assert lines == [str(number) for number in range(len(lines))]
     (run,) = list_runs(tmp_path)

@@ -50,7 +50,7 @@ def traffic(stdout: str, direction: str) -> bytes:
     return b"".join(bytes.fromhex(m["hex"]) for m in found if m and m["direction"] == direction)
 
 
-def test_what_is_typed_is_sent_and_what_comes_is_shown_and_logged(bench: Emulated) -> None:
+def test_typed_bytes_are_sent_and_traffic_is_shown_and_logged(bench: Emulated) -> None:
     log = bench.cell.parent / "counter.log"
     code, stdout, stderr = talk(bench.cell, "interferometer", "I\nS\n", "--log", str(log), "--wait", "0.3")
     assert code == 0, stderr
@@ -127,7 +127,7 @@ def test_it_speaks_over_a_serial_line(tmp_path: Path) -> None:
         assert traffic(stdout, "rx").startswith(b"CATSEYE LINE COUNTER EMULATOR")
 
 
-def test_a_log_without_room_is_told_before_anything_is_sent(bench: Emulated) -> None:
+def test_a_log_without_room_is_reported_before_anything_is_sent(bench: Emulated) -> None:
     code, _, stderr = talk(bench.cell, "interferometer", "I\n", "--log", "/dev/full")
     assert code == 2, stderr
     assert "--log /dev/full: cannot be written: No space left on device" in stderr

@@ -35,21 +35,21 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
 
 @dataclass
 class Run:
-    """A measurement under way, as its stdout tells it.
+    """A measurement under way, as its stdout reports it.
 
     Attributes:
         process: the command.
-        told: its stdout.
-        events: what it has told so far.
+        output: its stdout.
+        events: what it has published so far.
     """
 
     process: Forked
-    told: IO[str]
+    output: IO[str]
     events: list[dict[str, Any]] = field(default_factory=list)
 
     def until(self, **wanted: str) -> dict[str, Any]:
         """Read on until an event has these values."""
-        for line in self.told:
+        for line in self.output:
             event: dict[str, Any] = json.loads(line)
             self.events.append(event)
             if all(event.get(key) == value for key, value in wanted.items()):
@@ -76,9 +76,9 @@ def run(bench: Emulated) -> Iterator[Run]:
     try:
         with begun("run", "open-loop", "--cell", bench.cell, *options, cwd=bench.cell.parent) as (
             process,
-            told,
+            output,
         ):
-            made = Run(process, told)
+            made = Run(process, output)
             made.until(event="step-done")
             made.until(event="step-done")
             yield made
@@ -111,15 +111,15 @@ def test_an_open_door_stops_until_it_is_closed_and_acknowledged(bench: Emulated,
     assert ended["status"] == "complete"
     assert run.points() == POINTS
     assert motions(bench) > before
-    # What was told is what is stored, in the same order.
-    told = [event["state"] for event in run.events if event["event"] == "state" and "reason" in event]
+    # What was published is what is stored, in the same order.
+    published = [event["state"] for event in run.events if event["event"] == "state" and "reason" in event]
     stored = [
         event.data["state"]
         for event in RunReader(bench.cell.parent / ended["path"]).events()
         if event.kind == "state"
     ]
-    assert told == stored
-    assert told == ["STARTING", "EXECUTE", "SUSPENDING", "UNSUSPENDING", "EXECUTE", "COMPLETE"]
+    assert published == stored
+    assert published == ["STARTING", "EXECUTE", "SUSPENDING", "UNSUSPENDING", "EXECUTE", "COMPLETE"]
 
 
 def test_air_out_of_its_range_suspends_until_it_is_back(bench: Emulated, run: Run) -> None:
@@ -141,7 +141,7 @@ def test_a_robot_that_is_not_where_it_was_sent_aborts(bench: Emulated, run: Run)
     assert "look for a collision" in ended["text"]
 
 
-def test_a_counter_that_was_outrun_begins_a_new_segment_and_says_why(bench: Emulated, run: Run) -> None:
+def test_an_overspeed_begins_a_new_segment_and_names_the_override(bench: Emulated, run: Run) -> None:
     bench.ask(op="fault", name="overspeed")
     assert run.end()["status"] == "complete"
     (lost,) = run.of_kind("beam-lost")

@@ -1,4 +1,4 @@
-"""The user interface dies in every way a terminal can: the controller emulator tells what the arm does then."""
+"""The user interface dies in every way a terminal can: the controller's emulator shows what the arm does then."""
 
 import contextlib
 import signal
@@ -132,7 +132,7 @@ def test_stop_works_above_a_dialog(bench: Emulated, run: Path) -> None:
 
 
 def state_of(run: Path) -> str:
-    """Return the state that the engine of a run tells."""
+    """Return the state that the engine of a run reports."""
     path = find_socket(run)
     assert path is not None
     with contextlib.closing(Lines(str(path))) as client:

@@ -100,7 +100,7 @@ def known_arm(model: ModelName, arm: list[float], nodes: tuple[list[float], list
     return Identification(layout, parameters, np.zeros((size, size)), None, np.zeros(0), fit, [])  # type: ignore[arg-type]  # see above
 
 
-def test_distances_along_the_path_tell_the_true_map_from_the_nominal_arm(bench: Emulated) -> None:
+def test_path_distances_distinguish_the_true_map_from_the_nominal_arm(bench: Emulated) -> None:
     reader, _ = driven(bench, "--param", "instrument=interferometer")
     rows = reader.rows("path")
     assert len(rows) == 34
@@ -126,7 +126,7 @@ def test_distances_along_the_path_tell_the_true_map_from_the_nominal_arm(bench: 
     assert "compared with nothing" in (bench.cell.parent / "path.html").read_text(encoding="utf-8")
 
 
-def test_a_trackers_file_gives_the_positions_and_a_wrong_one_can_be_mended(bench: Emulated) -> None:
+def test_a_run_resumes_after_its_tracker_file_is_corrected(bench: Emulated) -> None:
     folder = bench.cell.parent
     there = [-400.0 + 50.0 * number for number in range(17)]
     # An instrument beside the robot, turned by a right angle, sees an arm that is up to 0.3 mm off.
@@ -141,9 +141,9 @@ def test_a_trackers_file_gives_the_positions_and_a_wrong_one_can_be_mended(bench
     written("metres.csv", 1e-3)
     written("good.csv", 1.0)
     options = ("--param", "instrument=file", "--param", "hold_time_s=1.0", "--answers")
-    failed, told = driven(bench, *options, "metres.csv.toml", code=4)
-    assert "metres.csv: the measured positions are spread 0.001" in told
-    assert "they seem to be in m: convert them to mm" in told
+    failed, said = driven(bench, *options, "metres.csv.toml", code=4)
+    assert "metres.csv: the measured positions are spread 0.001" in said
+    assert "they seem to be in m: convert them to mm" in said
     assert failed.rows("path") == []
     done = catseye("resume", failed.path.name, "--answers", "good.csv.toml", cwd=folder)
     assert done.returncode == 0, done.stderr
@@ -151,7 +151,7 @@ def test_a_trackers_file_gives_the_positions_and_a_wrong_one_can_be_mended(bench
         assert (row["y_mm"], row["x_meas_mm"], row["y_meas_mm"], row["u_mm"]) == (y, x_meas, y_meas, None)
 
 
-def test_the_rehearsal_tells_speeds_beam_and_miss(bench: Emulated) -> None:
+def test_the_rehearsal_states_speeds_beam_and_miss(bench: Emulated) -> None:
     arguments = (
         "run",
         "validation-path",
@@ -165,10 +165,10 @@ def test_the_rehearsal_tells_speeds_beam_and_miss(bench: Emulated) -> None:
     )
     done = catseye(*arguments, "--param", "instrument=interferometer", cwd=bench.cell.parent)
     assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
-    assert 0.05 < told["miss_mm"] <= told["max_miss_mm"] == 0.2
-    assert (told["override_percent"], told["warnings"], told["questions"]) == (20, [], [])
-    steps = told["steps"]
+    rehearsed = json.loads(done.stdout)
+    assert 0.05 < rehearsed["miss_mm"] <= rehearsed["max_miss_mm"] == 0.2
+    assert (rehearsed["override_percent"], rehearsed["warnings"], rehearsed["questions"]) == (20, [], [])
+    steps = rehearsed["steps"]
     # 20 % of 420, 720 and 3000 deg/s.
     assert all(0.0 <= step["joint_deg_s"] <= 600.0 for step in steps)
     one, two, _, _ = steps[0]["end"]

@@ -52,7 +52,7 @@ def test_a_killed_walk_goes_on_and_is_walked_once(bench: Emulated, tmp_path: Pat
     assert own_legs(walks(tmp_path)[-1]) == []
 
 
-def test_a_walk_is_told_as_a_run(bench: Emulated, tmp_path: Path) -> None:
+def test_a_walk_is_listed_as_a_run(bench: Emulated, tmp_path: Path) -> None:
     walked = catseye(*words(bench, "--speed", SPEED, "--json"), cwd=tmp_path)
     assert walked.returncode == 0, walked.stderr
     (path,) = walks(tmp_path)

@@ -105,8 +105,8 @@ def test_a_held_space_bar_walks_in_the_terminal_ui(bench: Emulated) -> None:
         screen.shows("SUSPENDED", "hold the space bar to walk on")
         assert not moving(bench)
         # Said only while it moves: looked for while the key is held.
-        told = ("Walking", "hold Space, let go to stop")
-        held_until(screen, lambda: moving(bench) and all(text in screen.text for text in told))
+        shown = ("Walking", "hold Space, let go to stop")
+        held_until(screen, lambda: moving(bench) and all(text in screen.text for text in shown))
         stands(bench)
         screen.shows("SUSPENDED")
         held_until(screen, lambda: moving(bench))

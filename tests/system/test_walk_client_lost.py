@@ -25,15 +25,15 @@ def bench(tmp_path: Path) -> Iterator[Emulated]:
 
 @pytest.fixture
 def engine(bench: Emulated) -> Iterator[Engine]:
-    with begun("engine", "--cell", bench.cell, cwd=bench.cell.parent) as (process, told):
-        made = Engine(bench, process, json.loads(told.readline())["socket"])
+    with begun("engine", "--cell", bench.cell, cwd=bench.cell.parent) as (process, output):
+        made = Engine(bench, process, json.loads(output.readline())["socket"])
         try:
             yield made
         finally:
             made.client.close()
 
 
-def test_a_client_killed_during_a_walk_leaves_an_arm_that_stands(engine: Engine) -> None:
+def test_killing_a_client_during_a_walk_stops_the_arm(engine: Engine) -> None:
     with feeder(engine, "walk") as client:
         client.kill()
         end = engine.client.until(event="run-ended")

@@ -34,8 +34,8 @@ def analysed(found: RunReader) -> dict[str, Any]:
 def bench(tmp_path_factory: pytest.TempPathFactory) -> Any:
     folder = tmp_path_factory.mktemp("warm")
     with emulated(folder) as emulator:
-        code, told = run(emulator.cell, folder, "reflector-search", "poses=4")
-        assert code == 0, told
+        code, output = run(emulator.cell, folder, "reflector-search", "poses=4")
+        assert code == 0, output
         yield emulator, folder
 
 
@@ -48,8 +48,8 @@ def test_warmup_ends_when_the_drift_is_small(bench: tuple[Emulated, Path]) -> No
         "amplitude_share=0.15",
         "limit_um_per_10min=1000.0",
     )
-    code, told = run(emulator.cell, folder, "warmup", *short)
-    assert code == 0, told
+    code, output = run(emulator.cell, folder, "warmup", *short)
+    assert code == 0, output
     found = reader(folder, "warmup")
     verdict, rows = analysed(found), found.records("drift")
     assert verdict["warm"] is True
@@ -60,20 +60,20 @@ def test_warmup_ends_when_the_drift_is_small(bench: tuple[Emulated, Path]) -> No
     assert 0.5 < max(values_um) - min(values_um) < 80.0
 
 
-def test_warmup_that_does_not_get_there_is_rejected_with_the_remedy(bench: tuple[Emulated, Path]) -> None:
+def test_an_unfinished_warmup_is_rejected_with_the_remedy(bench: tuple[Emulated, Path]) -> None:
     emulator, folder = bench
     short = ("window_min=0.5", "cycle_min=0.05", "duration_limit_min=1", "amplitude_share=0.15", "checks=1")
-    code, told = run(emulator.cell, folder, "warmup", "limit_um_per_10min=0.1", *short)
-    assert code == 1, told
-    assert "longer" in told or "larger limit" in told
+    code, output = run(emulator.cell, folder, "warmup", "limit_um_per_10min=0.1", *short)
+    assert code == 1, output
+    assert "longer" in output or "larger limit" in output
     assert analysed(reader(folder, "warmup"))["warm"] is False
 
 
 def test_repeatability_finds_the_scatter_of_the_emulated_arm(bench: tuple[Emulated, Path]) -> None:
     emulator, folder = bench
     poses = "poses=[[-20.0, 80.0], [0.0, 100.0]]"
-    code, told = run(emulator.cell, folder, "repeatability", poses, "cycles=8", 'reflectors=["P1", "P3"]')
-    assert code == 0, told
+    code, output = run(emulator.cell, folder, "repeatability", poses, "cycles=8", 'reflectors=["P1", "P3"]')
+    assert code == 0, output
     found = reader(folder, "repeatability")
     result = analysed(found)
     assert len(found.records("repeat")) == 2 * 2 * 8

@@ -41,29 +41,29 @@ def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Emulated]
 
 
 class Watcher:
-    """A client that keeps what it was told."""
+    """A client that keeps what it received."""
 
     def __init__(self, client: EngineClient) -> None:
         self.client = client
-        self.told: list[dict[str, Any]] = []
+        self.received: list[dict[str, Any]] = []
         self._task = asyncio.create_task(self._listen())
         self._news = asyncio.Event()
 
     async def _listen(self) -> None:
         async for event in self.client.events():
-            self.told.append(event.json_object())
+            self.received.append(event.json_object())
             self._news.set()
 
     async def until(
         self, seen: Callable[[dict[str, Any]], bool], event: str = "bench", ask: Plain | None = None
     ) -> dict[str, Any]:
         """Wait for the next event of which something is true; what is asked for may come before its answer."""
-        count = len(self.told)
+        count = len(self.received)
         if ask is not None:
             await self.client.request(ask)
         async with asyncio.timeout(HANG_S):
             while True:
-                for message in self.told[count:]:
+                for message in self.received[count:]:
                     count += 1
                     if message["event"] == event and seen(message):
                         return message
@@ -78,7 +78,7 @@ class Watcher:
         await cancel(self._task)
 
     def of(self, event: str) -> list[dict[str, Any]]:
-        return [message for message in self.told if message["event"] == event]
+        return [message for message in self.received if message["event"] == event]
 
     async def start(self, **more: Any) -> Path:
         """Start a measurement and return its directory."""
@@ -101,8 +101,8 @@ async def watching(socket: Path) -> AsyncIterator[Watcher]:
 
 @asynccontextmanager
 async def idle_engine(bench: Emulated) -> AsyncIterator[Watcher]:
-    with begun("engine", "--cell", bench.cell, cwd=bench.cell.parent) as (process, told):
-        line = await asyncio.to_thread(told.readline)
+    with begun("engine", "--cell", bench.cell, cwd=bench.cell.parent) as (process, output):
+        line = await asyncio.to_thread(output.readline)
         async with watching(Path(json.loads(line)["socket"])) as watcher:
             await watcher.client.take_control()
             yield watcher
@@ -163,7 +163,7 @@ async def test_after_an_abort_the_bench_is_seen_again(bench: Emulated) -> None:
         assert (await watcher.until(idle))["robot"]["age_s"] < 1.0
 
 
-async def test_a_bench_that_is_pulled_is_lost_with_a_reason_and_comes_back(bench: Emulated) -> None:
+async def test_an_unplugged_bench_is_lost_with_a_reason_and_reconnects(bench: Emulated) -> None:
     async with idle_engine(bench) as watcher:
         await watcher.until(idle)
         await watcher.client.request(Watch(op="traffic"))
@@ -174,7 +174,7 @@ async def test_a_bench_that_is_pulled_is_lost_with_a_reason_and_comes_back(bench
         for device in lost["devices"]:
             assert device["error"]
             assert device["identity"]["simulated"] is True
-        # What was seen last is told still, with its age.
+        # What was seen last is still published, with its age.
         old = await watcher.until(lambda seen: seen["robot"]["age_s"] > 2.0)
         assert old["robot"]["joints"][:2] == [0.0, 0.0]
         again = start("emulate", bench.cell, cwd=bench.cell.parent)
@@ -218,9 +218,9 @@ async def test_the_run_of_a_command_is_seen_with_its_traffic(bench: Emulated) ->
         (line["device"], line["direction"], line["hex"])
         for line in map(json.loads, (run / "wire.log").read_text().splitlines())
     }
-    told = [line for event in watcher.of("wire") for line in event["lines"]]
-    assert {line["device"] for line in told} >= {"robot", "interferometer", "environment"}
-    assert {(line["device"], line["dir"], line["hex"]) for line in told if "bytes" not in line} <= stored
+    lines = [line for event in watcher.of("wire") for line in event["lines"]]
+    assert {line["device"] for line in lines} >= {"robot", "interferometer", "environment"}
+    assert {(line["device"], line["dir"], line["hex"]) for line in lines if "bytes" not in line} <= stored
 
 
 def _open_run(folder: Path) -> tuple[Path, Path]:
@@ -252,7 +252,9 @@ async def test_every_value_of_an_instrument_that_streams_is_seen(
             await watcher.until(idle)
             first = await watcher.next("samples")
             second = await watcher.until(lambda _: len(watcher.of("samples")) > 15, "samples")
-    told = watcher.of("samples")
-    counts = [count for event in told[told.index(first) : told.index(second)] for count in event["count"]]
+    sampled = watcher.of("samples")
+    counts = [
+        count for event in sampled[sampled.index(first) : sampled.index(second)] for count in event["count"]
+    ]
     # The emulated display sends 610 a second; asked for they would be ten.
     assert sum(counts) / (0.02 * len(counts)) > 300.0

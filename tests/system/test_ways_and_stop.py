@@ -60,7 +60,7 @@ async def moving(bench: EmulatedBench) -> None:
 
 
 @pytest.mark.parametrize("which", DRIVERS)
-async def test_a_stop_halts_the_arm_on_its_way_and_the_next_way_is_driven(which: str) -> None:
+async def test_the_arm_drives_a_new_path_after_a_stop(which: str) -> None:
     async with ready(which) as (bench, robot):
         way = asyncio.create_task(robot.follow(WAY))
         await moving(bench)
@@ -75,7 +75,7 @@ async def test_a_stop_halts_the_arm_on_its_way_and_the_next_way_is_driven(which:
 
 
 @pytest.mark.parametrize("which", DRIVERS)
-async def test_a_cancelled_way_leaves_the_arm_at_rest_and_the_link_usable(which: str) -> None:
+async def test_cancelling_a_path_leaves_the_arm_at_rest_and_usable(which: str) -> None:
     async with ready(which) as (bench, robot):
         way = asyncio.create_task(robot.follow(WAY))
         await moving(bench)
@@ -92,7 +92,7 @@ async def test_a_cancelled_way_leaves_the_arm_at_rest_and_the_link_usable(which:
 
 
 @pytest.mark.parametrize("which", DRIVERS)
-async def test_an_emergency_stop_on_the_way_is_told_as_an_alarm(which: str) -> None:
+async def test_an_emergency_stop_on_a_path_raises_an_alarm(which: str) -> None:
     async with ready(which) as (bench, robot):
         way = asyncio.create_task(robot.follow(WAY))
         await moving(bench)
@@ -104,7 +104,7 @@ async def test_an_emergency_stop_on_the_way_is_told_as_an_alarm(which: str) -> N
 
 
 @pytest.mark.parametrize("which", DRIVERS)
-async def test_a_way_beyond_the_controllers_limits_is_told_and_the_arm_stays_inside(which: str) -> None:
+async def test_a_path_beyond_controller_limits_fails_with_the_arm_inside(which: str) -> None:
     async with ready(which) as (bench, robot):
         with pytest.raises(DeviceError):
             await robot.follow(((0.0, 10.0, 0.0, 0.0), (0.0, 10.0, 200.0, 0.0)))
@@ -112,7 +112,7 @@ async def test_a_way_beyond_the_controllers_limits_is_told_and_the_arm_stays_ins
         assert bench.bench.joints[2] <= 150.0 + 1e-3
 
 
-async def test_after_a_way_whose_answer_was_lost_the_program_drives_the_next_one() -> None:
+async def test_a_path_follows_one_whose_answer_was_lost() -> None:
     """The emulated controller refuses RSTPRG and RUN while the program runs, which it does then."""
     async with ready("datalink") as (bench, robot):
         _, program, _ = bench.reach.ports_of("robot")

@@ -125,7 +125,7 @@ def test_the_suite_explains_its_options(installed: Path) -> None:
     assert "--allow-motion" in done.stdout
 
 
-def test_a_host_project_keeps_its_options_and_its_own_package_named_app(tmp_path: Path) -> None:
+def test_a_host_project_keeps_its_options_and_app_package(tmp_path: Path) -> None:
     package = tmp_path / "app"
     package.mkdir()
     (package / "__init__.py").write_text("NAME = 'host'\n", encoding="utf-8")

@@ -32,10 +32,10 @@ def test_the_blocks_of_the_page_run_one_after_the_other() -> None:
 
 
 def test_every_public_name_is_there_and_on_the_page() -> None:
-    told = set(re.findall(r"\b\w+\b", " ".join(re.findall(r"`[^`]*`", API))))
+    documented = set(re.findall(r"\b\w+\b", " ".join(re.findall(r"`[^`]*`", API))))
     for name in calibration.__all__:
         assert getattr(calibration, name).__name__ == name
-        assert name in told
+        assert name in documented
 
 
 def test_what_type_checkers_see_is_what_is_imported() -> None:

@@ -36,12 +36,12 @@ async def robot_and_bench(
 
 async def seen(condition: Callable[[], bool]) -> None:
     """Wait for something on the emulated bench, in real time."""
-    while not condition():  # noqa: ASYNC110  # the bench tells nobody
+    while not condition():  # noqa: ASYNC110  # the bench notifies nobody
         await asyncio.sleep(0.002)
 
 
 def moves(bench: EmulatedBench) -> bool:
-    """Tell whether the arm moves at this moment; nobody needs to have asked the controller."""
+    """Return whether the arm moves at this moment; nobody needs to have asked the controller."""
     bench.keeper.sync()
     return bench.bench.moving
 
@@ -92,7 +92,7 @@ async def test_the_shipped_programs_can_be_loaded_and_read_back(name: str) -> No
             await controller.write_program(name, program)
 
 
-async def test_a_jog_moves_while_it_is_fed_and_stops_without_food() -> None:
+async def test_a_jog_moves_only_while_fed() -> None:
     async with robot_and_bench() as (robot, bench):
         await robot.servo(on=True)
         async with robot.controller.jog({"J1": 1, "J2": -1}) as jog:
@@ -132,7 +132,7 @@ async def test_a_jog_to_the_limit_ends_with_the_alarm() -> None:
 
 
 @pytest.mark.parametrize("stop", [b"1;1;STOP\r", b"1;1;STOP"])
-async def test_a_stop_on_the_connection_whose_exec2_waits_stops_at_once(stop: bytes) -> None:
+async def test_a_stop_overtakes_exec2_on_the_same_connection(stop: bytes) -> None:
     """Section 1.9: STOP at any moment; each command gets exactly one answer, in the order of the requests."""
     async with robot_and_bench("\r", speed=5.0, stop_overtakes=True) as (robot, bench):
         await robot.servo(on=True)

@@ -30,7 +30,7 @@ def test_a_byte_takes_what_it_takes() -> None:
     assert byte_time_s("tcp://127.0.0.1:10001") == 0.0
 
 
-def test_a_slow_line_needs_fewer_polls_for_the_same_half_second() -> None:
+def test_a_slow_line_needs_fewer_polls() -> None:
     assert unstarted_polls(0.0) == 25
     assert unstarted_polls(byte_time_s(LINE)) == 4
 
@@ -54,12 +54,12 @@ def asked(bench: EmulatedBench) -> list[str]:
 
 async def seen(condition: Callable[[], bool]) -> None:
     """Wait for something on the emulated bench, in real time."""
-    while not condition():  # noqa: ASYNC110  # the bench tells nobody
+    while not condition():  # noqa: ASYNC110  # the bench notifies nobody
         await asyncio.sleep(0.005)
 
 
 @pytest.mark.slow
-async def test_a_motion_is_started_and_polled_and_stop_goes_between_two_polls() -> None:
+async def test_a_polled_motion_is_stopped_between_polls() -> None:
     async with robot_on_the_line() as (robot, bench):
         assert any("no second connection" in note for note in robot.notes)
         assert sum(command.startswith("OPEN=") for command in asked(bench)) == 1

@@ -41,7 +41,7 @@ async def test_a_robot_moves_over_a_serial_line() -> None:
         assert bench.bench.joints == (21.0, 31.0, 0.0, 10.0)
 
 
-async def test_a_counter_reads_over_a_serial_line_and_is_found_again() -> None:
+async def test_a_counter_works_and_reconnects_over_a_serial_line() -> None:
     async with EmulatedBench(CONFIG) as bench:
         counter = LineCounter.at(endpoint_of(bench, "interferometer"), SystemClock(20.0))
         try:

@@ -112,7 +112,7 @@ class Optics(Section):
     beam_min_mm: Positive = 50.0
     beam_max_mm: Positive = 5000.0
     theta40_deg: Finite = 0.0
-    # Not every counter tells a level; those that do not read 1 while the beam returns.
+    # Not every counter reports a level; those that do not read 1 while the beam returns.
     signal_min: Annotated[float, Field(ge=0.0, lt=1.0, allow_inf_nan=False)] = 0.0
     one_reflector: bool = False
 
@@ -199,8 +199,8 @@ def _require_within(arm: ArmDescription, key: str, joint: str, low: float, high:
         raise ValueError(f"{key}: the {arm.name} turns no joint {joint}; it turns {names}")
     least, most = axis.range
     if not least <= low <= high <= most:
-        told = f"{low:g}" if low == high else f"[{low:g}, {high:g}]"
+        stated = f"{low:g}" if low == high else f"[{low:g}, {high:g}]"
         raise ValueError(
-            f"{key} = {told} goes beyond the range of {joint} of the {arm.name}, {least:g}…{most:g} {axis.unit}: "
+            f"{key} = {stated} goes beyond the range of {joint} of the {arm.name}, {least:g}…{most:g} {axis.unit}: "
             "a cell only narrows it"
         )

@@ -60,7 +60,7 @@ field_half_angle_deg = 80.0
 column_radius_mm = 110.0                # the robot's base hides the reflector behind it
 column_margin_mm = 5.0
 theta40_deg = 0.0                       # beam direction at J4 = 0, roughly; the search finds it
-signal_min = 0.1                        # weaker returns are not measured with; 0 for counters that tell no level
+signal_min = 0.1                        # weaker returns are not measured with; 0 for counters without a level
 one_reflector = false                   # true: one cat's eye is carried from nest to nest; you are asked to
 
 [alignment]                             # the screws of the interferometer's mount, for beam-level and beam-to-j4

@@ -188,7 +188,11 @@ def _environment(answer: Answer) -> list[Question]:
     ]
     return [
         Question(
-            "environment.driver", "Driver", "which sensor tells the air", "choice", drivers_of("environment")
+            "environment.driver",
+            "Driver",
+            "which sensor measures the air",
+            "choice",
+            drivers_of("environment"),
         ),
         *(modbus if driver == "modbus-air" else []),
         Question(
@@ -216,7 +220,7 @@ def _optics(_answer: Answer) -> list[Question]:
         (
             "signal_min",
             "Least signal, 0 … 1",
-            "weaker returns are not measured with; 0: counter tells no level",
+            "weaker returns are not measured with; 0: counter without a level",
         ),
     ]
     carried = Question(

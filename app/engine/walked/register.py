@@ -128,8 +128,8 @@ def _holds(path: Path, digest: str, arm: Identity, endpoint: str) -> bool:
 
 def _is_arm(meta: Mapping[str, Any], arm: Identity, endpoint: str) -> bool:
     stored = (meta.get("devices") or {}).get("robot") or {}
-    told = ("model", "serial", "simulated")
-    if any(stored.get(name) != getattr(arm, name) for name in told):
+    compared = ("model", "serial", "simulated")
+    if any(stored.get(name) != getattr(arm, name) for name in compared):
         return False
     # Controllers of one model that report no serial number are distinguished by their endpoints.
     return bool(arm.serial) or arm.simulated or _endpoint(meta) == endpoint

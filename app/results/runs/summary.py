@@ -1,4 +1,4 @@
-"""What a run came to, in a few lines above its story."""
+"""What a run came to, in a few lines above its timeline."""
 
 import json
 from collections import Counter

@@ -16,7 +16,7 @@ _INCIDENTS = frozenset({"beam-lost", "step-dropped", "run-reopened", "walk-waive
 
 @dataclass(frozen=True)
 class Moment:
-    """A line of the story.
+    """A line of the timeline.
 
     Attributes:
         time_utc: ISO 8601 UTC time.

@@ -127,7 +127,7 @@ def _changes(changes: Sequence[Change]) -> list[Statement]:
     if found:
         return [Statement(Sign.BAD, change_text(one)) for one in found]
     if not changes:
-        return [Statement(Sign.NEUTRAL, "No segment is long enough to tell a drift.")]
+        return [Statement(Sign.NEUTRAL, "No segment is long enough to determine a drift.")]
     largest = max(changes, key=lambda one: abs(one.size_um) / one.u_um)
     return [
         Statement(
@@ -256,7 +256,7 @@ def _nodes(nodes: NodeSpacing) -> list[Statement]:
         found.append(
             Statement(
                 Sign.NEUTRAL,
-                f"Whether nodes of {' and '.join(unseen)} should stand closer cannot be told: commands stand on the "
+                f"Whether nodes of {' and '.join(unseen)} should stand closer cannot be known: commands stand on the "
                 "nodes only. Measure between them.",
             )
         )

@@ -20,7 +20,7 @@ from catseye.procedures.scara.path.tables import MEASURED
 _ANGLE_UNITS = {"rad": 180.0 / np.pi, "mdeg": 1e-3}
 """What makes degrees of other units."""
 
-_TELLING_MM = 50.0
+_CONCLUSIVE_MM = 50.0
 """Smaller paths fit commands in any unit of angles."""
 
 _TURNS_BACK = -0.9
@@ -115,7 +115,7 @@ def _require_places(
     wrong = misplaced(command_mm, places)
     if wrong is None:
         return
-    if JOINTS[0] in measured and np.ptp(places, axis=0).max() > _TELLING_MM:
+    if JOINTS[0] in measured and np.ptp(places, axis=0).max() > _CONCLUSIVE_MM:
         for unit, factor in _ANGLE_UNITS.items():
             theta = np.radians(factor * measured.stacked(JOINTS))
             if misplaced(forward(theta[:, 0], theta[:, 1], *nominal), places) is None:

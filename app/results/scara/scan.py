@@ -23,7 +23,7 @@ _CHUNK_BYTES = 1_000_000
 
 
 def is_scan(points: Path) -> bool:
-    """Tell whether a points file is streamed: Parquet, or CSV of more than SCAN_ROWS lines.
+    """Return whether a points file is streamed: Parquet, or CSV of more than SCAN_ROWS lines.
 
     A file that cannot be read is none; whoever reads it then says why.
     """

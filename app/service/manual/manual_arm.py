@@ -27,7 +27,7 @@ _TICK_S = 0.05
 
 
 class MotionListener(Protocol):
-    """Is told what becomes of motions."""
+    """Called with what becomes of motions."""
 
     def moves(self, joint: str | None, reason: str) -> None:
         """Something begins to move, or stands again and why."""

@@ -16,7 +16,7 @@ class FeedLostError(CatseyeError):
 
 
 class Feed:
-    """Tells whether somebody keeps the arm going.
+    """Knows whether somebody keeps the arm going.
 
     Args:
         clock: real time.

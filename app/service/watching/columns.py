@@ -51,7 +51,7 @@ class Taken:
 
 
 class Columns:
-    """Folds samples into columns; the time is told by the caller.
+    """Folds samples into columns; the caller gives the time.
 
     Args:
         period_s: duration of a column, s.

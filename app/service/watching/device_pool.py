@@ -15,7 +15,7 @@ from catseye.app.service.watching.observed_devices import ObservedController, Ob
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.robot import Robot
 
-_MOVED_BY_HAND = ("robot", "interferometer")
+_JOG_DEVICES = ("robot", "interferometer")
 """What has to be connected before the arm is moved by hand, as far as the cell has it."""
 
 WAKING_LIMIT_S = 10.0
@@ -94,8 +94,8 @@ class DevicePool:
             RefusedError: a run is under way or begins, robot or interferometer are acquired or detached already, or
                 not connected; the text says why and what to do.
         """
-        async with self._taken(*_MOVED_BY_HAND) as devices:
-            await self._require_connected(*(name for name in _MOVED_BY_HAND if name in devices.named()))
+        async with self._taken(*_JOG_DEVICES) as devices:
+            await self._require_connected(*(name for name in _JOG_DEVICES if name in devices.named()))
             async with self._unasked("robot"):
                 yield devices
 
@@ -269,5 +269,5 @@ def _require_free(*troubles: str) -> None:
     Raises:
         RefusedError: a driver did not let it go.
     """
-    if told := "; ".join(filter(None, troubles)):
-        raise RefusedError(f"{told}: see to that device and try again", ExitCode.DEVICE)
+    if faults := "; ".join(filter(None, troubles)):
+        raise RefusedError(f"{faults}: see to that device and try again", ExitCode.DEVICE)

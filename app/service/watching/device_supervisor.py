@@ -27,7 +27,7 @@ _ROUND_LIMIT_S = 1.0
 
 
 class DeviceSupervisor:
-    """Keeps one device connected and asks it what it can tell.
+    """Keeps one device connected and asks it for its values.
 
     Args:
         device: that is kept.

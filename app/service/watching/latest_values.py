@@ -22,7 +22,7 @@ class Stamped(Generic[T_co]):
     """A value and when it came.
 
     Attributes:
-        value: as it was told.
+        value: as it was reported.
         time_s: on the clock of the latest, s.
     """
 
@@ -48,7 +48,7 @@ class LinkValues:
 
 
 class LatestValues:
-    """Keeps what devices tell, whoever asked them.
+    """Keeps what devices report, whoever asked them.
 
     Args:
         clock: real time.

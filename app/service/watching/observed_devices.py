@@ -25,7 +25,7 @@ T = TypeVar("T")
 
 
 class ObservedDevice(Device):
-    """Tells latest how the link of a device fares.
+    """Reports to `latest` how the link of a device fares.
 
     Args:
         name: of the device in the cell file.

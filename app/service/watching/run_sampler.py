@@ -33,7 +33,7 @@ class RunSampler:
     would have to be healed then.
 
     Args:
-        latest: tell how old a value is.
+        latest: give the age of each value.
         clock: real time.
 
     Attributes:

@@ -53,7 +53,7 @@ class Audience(Protocol):
 
 
 def free_bytes(folder: Path) -> int | None:
-    """Return the free space of the disk that a folder is, or will be, on; None when that cannot be told."""
+    """Return the free space of the disk that a folder is, or will be, on; None when that is not known."""
     try:
         there = next(place for place in (folder, *folder.absolute().parents) if place.exists())
         return shutil.disk_usage(there).free

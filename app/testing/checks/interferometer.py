@@ -37,7 +37,7 @@ async def status_and_reading_agree(trial: Trial) -> None:
             all(isinstance(flag, bool) for flag in flags), f"every flag of {status!r} has to be True or False"
         )
         same = reading.zero_id == status.zero_id
-        expect(same, f"read() and status() tell of different zeros: {reading!r}, {status!r}")
+        expect(same, f"read() and status() refer to different zeros: {reading!r}, {status!r}")
 
 
 async def zeros_are_numbered(trial: Trial) -> None:

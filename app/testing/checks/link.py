@@ -21,7 +21,7 @@ _ADVICE = re.compile(
 )
 
 
-async def connect_tells_who_answers(trial: Trial) -> None:
+async def connect_identifies_the_device(trial: Trial) -> None:
     """`connect` returns an identity: model, firmware, serial, and whether an emulator answers."""
     driver = trial.new_driver()
     try:
@@ -253,7 +253,7 @@ async def _until(condition: Any, text: str) -> None:
 
 
 CHECKS = (
-    Check(connect_tells_who_answers),
+    Check(connect_identifies_the_device),
     Check(close_may_be_called_any_number_of_times),
     Check(nothing_is_left_after_close, needs=("proxy",)),
     Check(a_dead_endpoint_is_a_link_error, needs=("proxy",)),

@@ -35,7 +35,7 @@ def _axes() -> Axes:
     return axes_of(shipped_arm(_ARM), {})
 
 
-async def status_tells_the_state(trial: Trial) -> None:
+async def status_has_the_state(trial: Trial) -> None:
     """`status` has the fields of a controller's state, and `joints` a finite number for each axis."""
     async with trial.connected() as driver:
         status = await trial.in_time(driver.status(), "status()")
@@ -172,7 +172,7 @@ async def overrides_out_of_range_are_refused(trial: Trial) -> None:
         expect(back == _OVERRIDE_PERCENT, f"set_override({_OVERRIDE_PERCENT:g}) returned {back!r}")
 
 
-async def an_alarm_is_told(trial: Trial) -> None:
+async def an_alarm_is_reported(trial: Trial) -> None:
     """A motion in alarm is refused with the alarm's number, and `status` gives it with a text."""
     async with _ready(trial) as driver:
         target = _aside(await trial.ask(driver))
@@ -238,7 +238,7 @@ def _aside(joints: tuple[float, ...]) -> tuple[float, ...]:
 
 
 CHECKS = (
-    Check(status_tells_the_state, _ROLES),
+    Check(status_has_the_state, _ROLES),
     Check(connecting_moves_nothing, _ROLES, ("bench",)),
     Check(a_motion_arrives, _ROLES, ("motion",)),
     Check(stop_ends_a_motion, _ROLES, ("motion",)),
@@ -249,5 +249,5 @@ CHECKS = (
     Check(targets_beyond_the_limits_are_refused, _ROLES, ("bench",)),
     Check(a_target_that_is_no_number_is_refused, _ROLES, ("motion",)),
     Check(overrides_out_of_range_are_refused, _ROLES, ("motion",)),
-    Check(an_alarm_is_told, _ROLES, ("bench",)),
+    Check(an_alarm_is_reported, _ROLES, ("bench",)),
 )

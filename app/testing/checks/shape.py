@@ -75,7 +75,7 @@ async def settings_are_described_with_units(trial: Trial) -> None:
     for name, field in model.model_fields.items():
         expect(
             re.search(rf"\b{name}\b", text) is not None,
-            f"the docstring of Settings does not tell of {name!r}",
+            f"the docstring of Settings does not describe {name!r}",
         )
         expect(
             field.annotation is not float or _has_unit(name), f"setting {name!r}: end the name in its unit"
@@ -92,7 +92,7 @@ async def an_unknown_setting_is_refused(trial: Trial) -> None:
     expect(False, "at(..., no_such_setting=1) was accepted: hand the settings to Settings(**settings)")
 
 
-async def a_wrong_endpoint_is_told(trial: Trial) -> None:
+async def a_wrong_endpoint_is_reported(trial: Trial) -> None:
     """`at` answers an endpoint that is none with a DeviceError that shows it."""
     try:
         trial.new_driver("carrier-pigeon://loft")
@@ -144,7 +144,7 @@ CHECKS = (
     Check(settings_are_a_strict_closed_model),
     Check(settings_are_described_with_units),
     Check(an_unknown_setting_is_refused),
-    Check(a_wrong_endpoint_is_told),
+    Check(a_wrong_endpoint_is_reported),
     Check(methods_are_coroutines_with_docstrings),
     Check(arguments_carry_units),
 )

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from typing import ClassVar, cast
 
 from textual.app import ComposeResult, SystemCommand
+from textual.binding import BindingType
 from textual.containers import Vertical
 from textual.screen import Screen
 from textual.worker import Worker, WorkerState
@@ -21,11 +22,14 @@ class MainScreen(Screen[None]):
     """A main screen. A subclass gives `SCREEN`, `body` and `show_state`.
 
     Args:
-        session: link, work and places; the same for all screens.
+        session: link, work and paths; the same for all screens.
     """
 
     SCREEN: ClassVar[str]
     """Name of this screen in `catseye.app.tui.main_screens`."""
+
+    BINDINGS: ClassVar[list[BindingType]] = []
+    """Keys of a subclass; every one has an id and an action in `commands`."""
 
     def __init__(self, session: Session) -> None:
         super().__init__()

@@ -26,18 +26,18 @@ class ScreenBar(Widget):
     def render(self) -> RenderResult:
         """Return the line."""
         text = Text(no_wrap=True, overflow="ellipsis")
-        for name, place in MAIN_SCREENS.items():
+        for name, entry in MAIN_SCREENS.items():
             shown = name == self._current
-            text.append(place.key.upper(), "bold reverse" if shown else "bold")
-            text.append(f" {place.title}", "reverse" if shown else "")
+            text.append(entry.key.upper(), "bold reverse" if shown else "bold")
+            text.append(f" {entry.title}", "reverse" if shown else "")
             text.append(" ")
         return text
 
     async def on_click(self, event: Click) -> None:
         """Show the screen that was clicked."""
         start = 0
-        for name, place in MAIN_SCREENS.items():
-            end = start + len(place.key) + 1 + len(place.title)
+        for name, entry in MAIN_SCREENS.items():
+            end = start + len(entry.key) + 1 + len(entry.title)
             if start <= event.x < end:
                 await self.run_action(f"app.go('{name}')")
                 return

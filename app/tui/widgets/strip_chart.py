@@ -183,7 +183,7 @@ def _still_fits(scale: Scale, low_mm: float, high_mm: float) -> bool:
 
 
 def _finest_mm(low_mm: float, high_mm: float) -> float:
-    """Return the finest step whose numbers a float still tells apart, and that anybody wants to see."""
+    """Return the finest step whose numbers a float still resolves, and that anybody wants to see."""
     return max(_FINEST_STEP_MM, _round_up(1e-12 * max(abs(low_mm), abs(high_mm))))
 
 

@@ -143,7 +143,7 @@ def aliased_orders(angle_rad: Floats, orders: Sequence[int]) -> list[tuple[int, 
 
     Args:
         angle_rad: command angles, rad, shape (n,).
-        orders: to tell apart, ascending.
+        orders: to distinguish, ascending.
 
     Returns:
         The lowest order of each group and its aliases; an order that is constant at the commands is none.

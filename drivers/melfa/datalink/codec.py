@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from catseye.drivers.roles.errors import ProtocolError
 from catseye.drivers.roles.pose import Pose
 
-ADD, DRIVE, TELL, FORGET, WHO, SPEED, FINISH = range(1, 8)
+ADD, DRIVE, FEEDBACK, FORGET, WHO, SPEED, FINISH = range(1, 8)
 UNKNOWN, REFUSED = -1, -2
 
 MAX_POINTS = 60

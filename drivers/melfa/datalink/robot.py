@@ -164,7 +164,7 @@ class MelfaDatalink(LedArm):
         """
         if self._driving or self._halted:
             return await self._controller.joints()
-        return codec.joints_of(await self._link.repeated(partial(self._ask, codec.TELL)))
+        return codec.joints_of(await self._link.repeated(partial(self._ask, codec.FEEDBACK)))
 
     async def follow(self, way: Sequence[Pose]) -> None:
         """Pass all targets and return when the robot stands at the last one; it stands at every 60th, too.
@@ -356,7 +356,7 @@ class MelfaDatalink(LedArm):
         version = round(answer.values[0])
         if version != _VERSION:
             raise WrongDeviceError(
-                f"{self._link.where}: the program tells version {version}, this driver needs {_VERSION}: load the "
+                f"{self._link.where}: the program reports version {version}, this driver needs {_VERSION}: load the "
                 "program CATSDL that is shipped with this version, see docs/controller.md"
             )
         await self._exchange(codec.SPEED, (100.0, float(self._settings.in_position_pulses)))

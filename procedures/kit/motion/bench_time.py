@@ -4,7 +4,7 @@ from catseye.procedures.kit.context import Context
 
 
 class BenchTime:
-    """Tells the progress of a plan.
+    """Reports the progress of a plan.
 
     Steps that were stored before count as done, but the pace counts from the first step that runs now. What a
     recovery takes is done and to do at once, so the end of the run moves by as much and the pace stays honest.

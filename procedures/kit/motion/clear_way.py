@@ -68,7 +68,7 @@ def legs_refusal(start: Pose, legs: Sequence[Sequence[Pose]], bench: Bench) -> s
 
 
 def way_check(bench: Bench) -> Callable[[Sequence[Pose]], str | None]:
-    """Return what tells why a way is not clear whose targets before the last one are passed; None when it is.
+    """Return a check that says why a path blended past its via points is not clear; None when it is.
 
     A gate asks before each motion: the scene is looked up once.
     """

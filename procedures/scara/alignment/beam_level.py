@@ -1,4 +1,4 @@
-"""The beam parallel to the XY plane: heights of J3 at which it meets a reflector from near and far tell its pitch."""
+"""The beam parallel to the XY plane: heights of J3 at which it meets a reflector from near and far give its pitch."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ _NEAR_MM = 200.0
 """Nearer than this the rough place leaves too much doubt about the direction."""
 
 _LEAST_BASE_MM = 100.0
-"""Distances have to differ by this much to tell a pitch."""
+"""Distances have to differ by this much to determine a pitch."""
 
 _U_HEIGHT_MM = 0.01
 """The middle of a return window in height: resolution of its edges and of J3."""
@@ -157,7 +157,7 @@ def level_screw(bench: ScaraBench) -> Screw:
         plus="up",
         minus="down",
         sense_key="level_clockwise",
-        sense_words=("up", "down"),
+        sense_values=("up", "down"),
         pitch_key="level_mrad_per_turn",
         tolerance=alignment.level_tolerance_mrad,
     )
@@ -352,13 +352,13 @@ async def _result(ctx: Context, plan: BeamLevelPlan, row: Row) -> Row:
     middle_mm = 0.5 * (nearest + farthest)
     j3_mm = round(fit.height_mm(middle_mm), 2)
     left_mm = abs(fit.pitch_rad) * 0.5 * (farthest - nearest)
-    told = (
+    advice = (
         f"set j3_mm = {j3_mm:g} in [robot]: there the beam meets the reflectors' height over beams of {nearest:.0f} "
         f"to {farthest:.0f} mm within {left_mm:.2f} mm; the cell file has {plan.bench.j3_mm:g}"
     )
-    await ctx.event("height", j3_mm=j3_mm, u_j3_mm=fit.u_height_mm(middle_mm), left_mm=left_mm, text=told)
+    await ctx.event("height", j3_mm=j3_mm, u_j3_mm=fit.u_height_mm(middle_mm), left_mm=left_mm, text=advice)
     if abs(j3_mm - plan.bench.j3_mm) > 0.1 * plan.bench.optics.acceptance_mm:
-        await ctx.warn(told)
+        await ctx.warn(advice)
     return {
         "pitch_mrad": row["value"],
         "u_pitch_mrad": row["u"],

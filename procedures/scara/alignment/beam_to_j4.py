@@ -1,4 +1,4 @@
-"""The beam through the J4 axis: small turns of J4 tell its offset, a stage takes it away (Remark 2)."""
+"""The beam through the J4 axis: small turns of J4 give its offset, a stage removes it (Remark 2)."""
 
 import math
 from collections.abc import Sequence
@@ -143,7 +143,7 @@ def stage_screw(bench: ScaraBench) -> Screw:
         plus="towards +y",
         minus="towards −y",
         sense_key="stage_clockwise",
-        sense_words=("+y", "-y"),
+        sense_values=("+y", "-y"),
         pitch_key="stage_mm_per_turn",
         tolerance=alignment.offset_tolerance_mm,
     )
@@ -272,7 +272,7 @@ class _Rounds:
         raise BeamLostError(
             f"reflector {pose.reflector.name} does not return the beam within ±{plan.params.half_range_deg:g}° of "
             f"J4 = {pose.j4_deg:.2f}° at θ1 = {pose.theta1_deg:g}°, θ2 = {pose.theta2_deg:g}°: check that the beam "
-            "is level and at this height (beam-level tells j3_mm) and free, the rough place and theta40_deg, or "
+            "is level and at this height (beam-level gives j3_mm) and free, the rough place and theta40_deg, or "
             "raise half_range_deg"
         )
 

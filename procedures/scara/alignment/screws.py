@@ -44,7 +44,7 @@ class Screw:
         plus: where the beam goes when the quantity grows.
         minus: where the beam goes when it shrinks.
         sense_key: key of the cell file with the side to which a clockwise turn moves.
-        sense_words: values of that key for a quantity that grows and shrinks with clockwise turns.
+        sense_values: values of that key for a quantity that grows and shrinks with clockwise turns.
         pitch_key: key of the cell file with the change in one turn.
         tolerance: largest accepted size of the quantity.
     """
@@ -57,12 +57,12 @@ class Screw:
     plus: str
     minus: str
     sense_key: str
-    sense_words: tuple[str, str]
+    sense_values: tuple[str, str]
     pitch_key: str
     tolerance: float
 
     def turns(self, change: float) -> float:
-        """Return the turns, clockwise positive, that change the quantity; in hundredths, as they are told."""
+        """Return the turns, clockwise positive, that change the quantity; in hundredths, as they are instructed."""
         return round(change / self.per_turn, 2)
 
     def instruction(self, value: float) -> str:
@@ -74,7 +74,7 @@ class Screw:
 
     def sense_word(self) -> str:
         """Return the value of the cell file's key for the present sense."""
-        grows, shrinks = self.sense_words
+        grows, shrinks = self.sense_values
         return grows if self.per_turn > 0.0 else shrinks
 
 
@@ -169,7 +169,7 @@ class GuidedScrew:
         self._target = target
         self._rounds: list[Observed] = []
         self._last: Row | None = None
-        self._told: list[str] = []
+        self._instructions: list[str] = []
         self._turned: float | None = None
         self._fresh = False
         self._losses = LossLog(ctx)
@@ -178,7 +178,7 @@ class GuidedScrew:
     @property
     def turned(self) -> bool:
         """Hands were sent to the screw."""
-        return bool(self._told)
+        return bool(self._instructions)
 
     async def align(self) -> Row:
         """Go on until the quantity is within its tolerance.
@@ -207,7 +207,7 @@ class GuidedScrew:
 
     async def _round(self, number: int) -> Row:
         screw = self._screw
-        done = self._told[-1] if self._told else ""
+        done = self._instructions[-1] if self._instructions else ""
         expected = None if self._turned is None else self._turned * screw.per_turn
 
         async def action() -> Row:
@@ -259,7 +259,7 @@ class GuidedScrew:
     async def _settle(
         self, number: int, found: Response, before: Observed, after: Observed, turns: float
     ) -> float:
-        """Tell what is wrong with a turn and return how the screw is taken to act."""
+        """Report what is wrong with a turn and return how the screw is taken to act."""
         screw, ctx = self._screw, self._ctx
         went = "grew" if abs(after.value) > abs(before.value) else "went"
         step = f"the {screw.quantity} {went} from {before.value:.2f} to {after.value:.2f} {screw.unit}"
@@ -302,7 +302,7 @@ class GuidedScrew:
 
     async def _turn(self, number: int) -> None:
         screw, seen = self._screw, self._rounds[-1]
-        told, turns = screw.instruction(seen.value), screw.turns(-seen.value)
+        instruction, turns = screw.instruction(seen.value), screw.turns(-seen.value)
 
         async def action() -> Row:
             # Hands may have turned it before the interruption: only a new measurement can tell.
@@ -311,22 +311,22 @@ class GuidedScrew:
                     f"the run was interrupted while the {screw.name} screw was to be turned: the {screw.quantity} is "
                     "measured again before anything else is turned"
                 )
-                return {"turns": None, "instruction": told}
-            await self._ask_to_turn(number, told, turns)
-            self._ctx.record(ScrewTurn(screw=screw.name, turns=turns, round=number, text=told))
-            return {"turns": turns, "instruction": told}
+                return {"turns": None, "instruction": instruction}
+            await self._ask_to_turn(number, instruction, turns)
+            self._ctx.record(ScrewTurn(screw=screw.name, turns=turns, round=number, text=instruction))
+            return {"turns": turns, "instruction": instruction}
 
-        row = await self._ctx.step(f"{screw.name}/{number}/turn", told, action)
-        self._told.append(str(row["instruction"]))
+        row = await self._ctx.step(f"{screw.name}/{number}/turn", instruction, action)
+        self._instructions.append(str(row["instruction"]))
         self._turned = None if row["turns"] is None else number_of(row, "turns")
 
-    async def _ask_to_turn(self, number: int, told: str, turns: float) -> None:
+    async def _ask_to_turn(self, number: int, instruction: str, turns: float) -> None:
         screw = self._screw
         answer = await self._ctx.ask(
             Prompt(
                 id=f"{screw.name}/{number}",
                 kind="confirm",
-                text=f"{told[0].upper()}{told[1:]}, then confirm.",
+                text=f"{instruction[0].upper()}{instruction[1:]}, then confirm.",
                 task=TurnScrew(screw=screw.name, turns=turns),
                 motion=True,
                 target=self._target,
@@ -346,7 +346,7 @@ class GuidedScrew:
         if blurred or screw.turns(-seen.value) == 0.0:
             raise AlignmentError(
                 f"the {screw.quantity} is {seen.value:.3f} {screw.unit} and known to {seen.u:.3f} {screw.unit} only; "
-                f"that does not tell whether it is within ±{screw.tolerance:g} {screw.unit}: measure at more "
+                f"that does not show whether it is within ±{screw.tolerance:g} {screw.unit}: measure at more "
                 "positions or raise the tolerance in [alignment]"
             )
 

@@ -12,7 +12,7 @@ class Nests:
 
     Args:
         ctx: the bench.
-        bench: tells whether one reflector serves all.
+        bench: says whether one reflector serves all.
     """
 
     def __init__(self, ctx: Context, bench: ScaraBench) -> None:

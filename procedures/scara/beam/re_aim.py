@@ -6,7 +6,7 @@ from catseye.procedures.kit.context import Context
 _FIRST_STEP = 1.0 / 12.0
 _STEP = 0.25
 _MOST_STEPS = 8
-"""Steps in half widths of the return window: the first tells the direction and is safe even near the edge."""
+"""Steps in half widths of the return window: the first gives the direction and is safe even near the edge."""
 
 _AGREEMENT = 0.25
 """Two offsets that differ by less, in half widths of the return window, are the same."""

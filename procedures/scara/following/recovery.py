@@ -3,7 +3,7 @@
 A count that was broken never becomes a point: every distance comes from a segment whose latch was looked at after its
 readings. A loss leads back to the pose that was measured last; the distance there, old and new, goes into `records`
 (kind `overlap`): the difference ties the zeros of both segments. What the beam's length is in itself nobody knows, so
-it tells nothing of a reflector that was moved along the beam; one that was moved across shows in J4, where the beam
+it says nothing about a reflector that was moved along the beam; one that was moved across shows in J4, where the beam
 comes back.
 """
 
@@ -121,7 +121,7 @@ class Recovery:
                 return self._kept(visit, result)
             if result is None:
                 return LeftOut("the operator left it out: its readings did not settle")
-            cause = await self.tell(result, visit)
+            cause = await self.report(result, visit)
             match await beam.decide(cause, where, kept=way == "tracked"):
                 case "skip":
                     return LeftOut(cause.name)
@@ -131,8 +131,8 @@ class Recovery:
                     kept = way == "tracked" and cause is not NOT_SUBDIVIDED
                     way = "back" if kept and back else "point"
 
-    async def tell(self, loss: Loss, visit: Visit) -> Cause:
-        """Find out and tell why the beam was lost; the count is given up.
+    async def report(self, loss: Loss, visit: Visit) -> Cause:
+        """Find out and report why the beam was lost; the count is given up.
 
         Args:
             loss: what is known already.
@@ -161,7 +161,7 @@ class Recovery:
             if follower.counting:
                 return "tracked"
         elif stood:
-            await self.tell(Loss(MOVED_BY_HAND), visit)
+            await self.report(Loss(MOVED_BY_HAND), visit)
         return "back" if back else "point"
 
     async def _attempt(self, visit: Visit, way: Way, step_id: str) -> Measurement | Loss | None:

@@ -101,7 +101,7 @@ class Rounds:
             where: what is measured, unique in the run.
 
         Returns:
-            None when there is no distance; `ready` then tells a lost beam from a point that the operator left out.
+            None when there is no distance; `ready` then says if the beam was lost or the operator left the point out.
         """
         try:
             measured = await settled_measurement(self._ctx, self._bench.timing, where)

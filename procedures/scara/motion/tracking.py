@@ -80,7 +80,7 @@ def plan_track(
         stops: the way.
         bench: nominal arm, optics, limits.
         reflector: what is aimed at.
-        subdivide: split legs to keep the miss within the plan's limit; False tells the miss of whole legs.
+        subdivide: split legs to keep the miss within the plan's limit; False states the miss of whole legs.
 
     Raises:
         PlanError: a leg cannot be split finely enough; the reflector is too near.

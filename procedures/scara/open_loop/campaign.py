@@ -49,7 +49,7 @@ class ReflectorCampaign:
         plan: the whole measurement.
         part: this reflector's part of it.
         knowledge: takes the points in.
-        time: tells the progress.
+        time: reports the progress.
 
     Attributes:
         left_out: titles of the points that were not measured, with the reason.
@@ -157,12 +157,12 @@ class ReflectorCampaign:
             reference, f"{self._name}/closure/{closure.number:02d}"
         )
         if isinstance(found, Loss):
-            cause = await self._recovery.tell(found, reference)
+            cause = await self._recovery.report(found, reference)
             follower.at = None
             return await self._no_closure(f"the beam was lost ({cause.name})")
         result = await self._drifted(closure, reference, known, found)
         if closure.back and (loss := await follower.track(closure.back, here)) is not None:
-            await self._recovery.tell(loss, here)
+            await self._recovery.report(loss, here)
             follower.at = None
         return result
 

@@ -1,4 +1,4 @@
-"""What the points so far say about the maps, told while measuring."""
+"""What the points so far say about the maps, published while measuring."""
 
 import math
 from collections import deque
@@ -25,7 +25,7 @@ _MEANINGLESS_MDEG = 1000.0
 
 
 class Knowledge:
-    """Takes the points of a run in, fresh and stored ones, and tells what they are good for.
+    """Takes the points of a run in, fresh and stored ones, and reports what they are good for.
 
     Args:
         ctx: the bench.
@@ -90,11 +90,11 @@ class Knowledge:
         await self._ctx.warn(
             f"{reflector} or the interferometer seems to have been moved: {sum(lately)} of the last {len(lately)} "
             f"distances lie outside ±{_COVERAGE:g}u of what all points before predict; hold the run and look; what "
-            "was moved needs a new search and a new run; if nothing was, the arm does not repeat: diagnose tells more"
+            "was moved needs a new search and a new run; if nothing was, the arm does not repeat: diagnose shows more"
         )
 
     async def row_done(self, reflector: str, command: Command, *, fresh: bool) -> bool:
-        """Tell how well the maps are known after a row of J2; return whether that is good enough to end with.
+        """Report how well the maps are known after a row of J2; return whether that is good enough to end with.
 
         Args:
             reflector: name.

@@ -87,13 +87,13 @@ class OpenLoop(Procedure):
             enough = await campaign.run()
             left_out += campaign.left_out
             if enough:
-                await _tell_enough(ctx, plan, time)
+                await _report_enough(ctx, plan, time)
                 break
         if left_out:
             await ctx.warn(f"{len(left_out)} points were left out: {'; '.join(left_out)}")
 
 
-async def _tell_enough(ctx: Context, plan: OpenLoopPlan, time: BenchTime) -> None:
+async def _report_enough(ctx: Context, plan: OpenLoopPlan, time: BenchTime) -> None:
     text = (
         f"both maps are known to {plan.rules.stop_at_mdeg:g} mdeg (stop_at_mdeg): no more points are needed"
     )

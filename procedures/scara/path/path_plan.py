@@ -166,7 +166,7 @@ def chosen_instrument(bench: ScaraBench, wanted: Instrument | None) -> Instrumen
     """Return who measures.
 
     Args:
-        bench: tells whether there is a tracker.
+        bench: says whether there is a tracker.
         wanted: by the operator; None for the cell's tracker, or the interferometer without one.
 
     Raises:

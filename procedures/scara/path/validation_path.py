@@ -117,7 +117,7 @@ class ValidationPath(Procedure):
                 title = f"x {point.x_mm:g} mm, y {point.y_mm:g} mm"
                 step_id = f"path/{pass_number}/{number:04d}"
                 await ctx.step(step_id, title, partial(drive.visit, point, pass_number, number))
-                drive.tell_progress(pass_number, number)
+                drive.report_progress(pass_number, number)
         if plan.instrument == "file":
             await ctx.step(
                 "measured-file", "positions from the instrument's file", partial(_take_file, ctx, plan)
@@ -161,8 +161,8 @@ class _Drive:
             "out who or what moves it, then go on with catseye resume"
         )
 
-    def tell_progress(self, pass_number: int, number: int) -> None:
-        """Tell how far the path is driven, in expected bench seconds."""
+    def report_progress(self, pass_number: int, number: int) -> None:
+        """Report how far the path is driven, in expected bench seconds."""
         total = self._plan.passes * len(self._plan.points)
         done = pass_number * len(self._plan.points) + number + 1
         duration_s = self._plan.duration_s
@@ -190,7 +190,7 @@ class _Drive:
         return self._left is not None and is_at(await self._ctx.joints(), self._left)
 
     async def _measured(self, point: PathPoint, prompt_id: str, attempt: int) -> Position | None:
-        """Let the instrument measure; None when it tells later, by its file."""
+        """Let the instrument measure; None when its file gives the position later."""
         if self._plan.instrument != "file":
             return await self._ctx.locate(self._plan.bench.timing.settle_time_s)
         await self._hold(point, prompt_id + (f"/again{attempt}" if attempt else ""))

@@ -1,4 +1,4 @@
-"""What repeated arrivals tell: statistics along each beam, and of the position where there are several beams."""
+"""Results of repeated arrivals: statistics along each beam, and of the position where there are several beams."""
 
 import math
 
@@ -78,7 +78,7 @@ async def analyse(ctx: Context, plan: RepeatabilityPlan, series: list[Series]) -
         beams.append(row)
         await ctx.event("repeatability", **row)
         if one is not None:
-            ctx.show(_told(own, one))
+            ctx.show(_live(own, one))
         if one is not None and one.drifts:
             await ctx.warn(
                 f"pose {own.pose + 1} drifts by {one.drift_um:+.1f} µm over the cycles along the beam to "
@@ -94,7 +94,7 @@ async def analyse(ctx: Context, plan: RepeatabilityPlan, series: list[Series]) -
     return {"beams": beams, "positions": positions}
 
 
-def _told(own: Series, one: AlongBeam) -> Live:
+def _live(own: Series, one: AlongBeam) -> Live:
     text = f"95 % interval {one.s_low_um:.1f}…{one.s_high_um:.1f} µm, RP ±{one.rp_um:.1f} µm, {one.arrivals} arrivals"
     return Live(
         f"S of pose {own.pose + 1} along the beam to {own.part.reflector.name}", one.s_um, "µm", text=text

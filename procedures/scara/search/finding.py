@@ -11,52 +11,52 @@ from catseye.procedures.kit.errors import ReflectorNotFoundError
 from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.scara.search.search_plan import SearchPlan, SearchPose
 from catseye.procedures.scara.search.search_solution import FEWEST_SIGHTINGS, Assessment, assess, weakest
-from catseye.procedures.scara.search.sighting import POSE_S, Announcement, Lookout
+from catseye.procedures.scara.search.sighting import POSE_S, Announcement, SightingRun
 
 
-async def look_further(ctx: Context, plan: SearchPlan, lookout: Lookout) -> set[SearchPose]:
+async def look_further(ctx: Context, plan: SearchPlan, run: SightingRun) -> set[SearchPose]:
     """Look from further poses until the aim holds or there is none left; stored sightings lead the same way again.
 
     Returns:
-        Poses whose sightings were told to be left out.
+        Poses whose sightings were reported as left out.
     """
     spare = list(plan.further)
-    told: set[SearchPose] = set()
-    now = assess(plan, lookout.sightings)
-    while (pose := weakest(plan, now, spare, lookout.looked)) is not None:
+    reported: set[SearchPose] = set()
+    now = assess(plan, run.sightings)
+    while (pose := weakest(plan, now, spare, run.looked)) is not None:
         spare.remove(pose)
         done = len(plan.poses) + len(plan.further) - len(spare)
         index = plan.reflectors.index(pose.reflector)
         aim_mm = now.aim_mm[index] if now.aim_mm else None
-        warnings = tuple(gone.text for gone in now.left_out if gone.pose not in told)
+        warnings = tuple(gone.text for gone in now.left_out if gone.pose not in reported)
         said = Announcement(warnings, pose.reflector.name, aim_mm, now.room_mm, done - 1)
-        await lookout.look(pose, said)
+        await run.look(pose, said)
         ctx.progress(done * POSE_S, (done + 1) * POSE_S, f"search {pose.reflector.name}, pose added")
-        told |= {gone.pose for gone in now.left_out}
-        now = assess(plan, lookout.sightings)
-    return told
+        reported |= {gone.pose for gone in now.left_out}
+        now = assess(plan, run.sightings)
+    return reported
 
 
-async def solve(ctx: Context, plan: SearchPlan, lookout: Lookout, told: set[SearchPose]) -> Row:
+async def solve(ctx: Context, plan: SearchPlan, run: SightingRun, reported: set[SearchPose]) -> Row:
     """Solve Eq. 2 for all reflectors.
 
     Args:
         ctx: the bench.
         plan: of the search.
-        lookout: its sightings.
-        told: poses whose sightings are known to be left out.
+        run: the looks so far.
+        reported: poses whose sightings are known to be left out.
 
     Raises:
         ReflectorNotFoundError: too few sightings, or an aim that would not hold over the plan.
     """
-    now = assess(plan, lookout.sightings)
+    now = assess(plan, run.sightings)
     for gone in now.left_out:
-        if gone.pose not in told:
+        if gone.pose not in reported:
             await ctx.warn(gone.text)
-    _require_sightings(plan, now, lookout.looked)
+    _require_sightings(plan, now, run.looked)
     if now.found is None:
         raise ReflectorNotFoundError(now.trouble)
-    await _require_aim(ctx, plan, now, lookout.looked)
+    await _require_aim(ctx, plan, now, run.looked)
     return _result(plan, now.found, now)
 
 

@@ -12,7 +12,7 @@ from catseye.procedures.scara.before import ALIGNED, COUNTER, REFLECTORS, SEARCH
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.records import SeenReflector
 from catseye.procedures.scara.search.search_plan import Jogging, SearchPlan, plan_search
-from catseye.procedures.scara.search.sighting import POSE_S, Lookout
+from catseye.procedures.scara.search.sighting import POSE_S, SightingRun
 
 
 class SearchParams(BaseModel):
@@ -75,9 +75,9 @@ class ReflectorSearch(Procedure):
         """
         from catseye.procedures.scara.search.finding import look_further, solve
 
-        lookout = Lookout(ctx, plan)
+        looks = SightingRun(ctx, plan)
         for number, pose in enumerate(plan.poses):
-            await lookout.look(pose)
+            await looks.look(pose)
             ctx.progress((number + 1) * POSE_S, len(plan.poses) * POSE_S, f"search {pose.reflector.name}")
-        told = await look_further(ctx, plan, lookout)
-        await ctx.step("solve", "Eq. 2 for all reflectors", lambda: solve(ctx, plan, lookout, told))
+        reported = await look_further(ctx, plan, looks)
+        await ctx.step("solve", "Eq. 2 for all reflectors", lambda: solve(ctx, plan, looks, reported))

@@ -45,7 +45,7 @@ class Sighting:
         return (self.j4_deg - self.pose.j4_deg + 180.0) % 360.0 - 180.0
 
 
-class Lookout:
+class SightingRun:
     """Looks for reflectors from one pose after the other and keeps what was found.
 
     Args:
@@ -72,7 +72,7 @@ class Lookout:
 
         Args:
             pose: from where.
-            said: why the pose was added, told when the step runs.
+            said: why the pose was added, published when the step runs.
         """
         name, number = pose.reflector.name, self.looked.total()
         self.looked[name] += 1
@@ -82,7 +82,7 @@ class Lookout:
 
         async def action() -> Row:
             if said is not None:
-                await said.tell(self._ctx)
+                await said.publish(self._ctx)
             await self._nests.place(pose.reflector, visit, self._aim(pose)[0])
             return await self._find(pose, number)
 
@@ -139,7 +139,7 @@ class Lookout:
 
 @dataclass(frozen=True)
 class Announcement:
-    """What is told when a pose is added.
+    """What is published when a pose is added.
 
     Attributes:
         warnings: about sightings that were left out.
@@ -155,8 +155,8 @@ class Announcement:
     room_mm: float
     poses: int
 
-    async def tell(self, ctx: Context) -> None:
-        """Tell it."""
+    async def publish(self, ctx: Context) -> None:
+        """Publish warnings and event."""
         for text in self.warnings:
             await ctx.warn(text)
         if self.u_mm is None:

@@ -99,7 +99,7 @@ class Warmup(Procedure):
             title = f"{plan.trip.reflector.name}: exercise, visit {number + 1}"
             row = await ctx.step(f"visit/{number:04d}", title, partial(_visit, ctx, plan, rounds, number))
             rounds.segment = max(rounds.segment, integer(row["segment"]))
-            await _tell(ctx, plan, watch, watch.take(row))
+            await _report(ctx, plan, watch, watch.take(row))
             if watch.warm or watch.elapsed_s >= plan.duration_limit_s:
                 break
         await ctx.step("analyse", "drift at the reference pose", partial(_analyse, ctx, plan, watch))
@@ -142,7 +142,7 @@ def _record(plan: WarmupPlan, segment: int, number: int, measured: Measurement) 
     )
 
 
-async def _tell(ctx: Context, plan: WarmupPlan, watch: Watch, again: bool) -> None:
+async def _report(ctx: Context, plan: WarmupPlan, watch: Watch, again: bool) -> None:
     if again:
         await ctx.warn(
             "the beam, the run or the exercise was interrupted: the drift is watched anew from here"

@@ -17,7 +17,7 @@ _PLACES = (0.0, -0.3, 0.3, -0.6, 0.6)
 _FEWEST_IN_WINDOW = 6
 
 _NAMED = 0.9
-"""An exercise smaller than this share of what was asked for is told."""
+"""An exercise smaller than this share of what was asked for is reported."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The drift at the reference pose of a warm-up, as the visits tell it."""
+"""The drift at the reference pose of a warm-up, as the visits show it."""
 
 from dataclasses import dataclass
 
@@ -26,7 +26,7 @@ class _Seen:
 
 
 class Watch:
-    """The drift as the visits tell it; a new segment begins a new series."""
+    """The drift as the visits show it; a new segment begins a new series."""
 
     def __init__(self, plan: WarmupPlan) -> None:
         self._plan = plan

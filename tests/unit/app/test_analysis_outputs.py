@@ -46,9 +46,7 @@ def test_a_file_that_is_read_is_not_overwritten(name: str, option: str, file: st
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_a_missing_folder_and_a_folder_for_a_file_are_told_before_anything_is_read(
-    name: str, folder: Path
-) -> None:
+def test_an_unusable_output_path_fails_before_reading(name: str, folder: Path) -> None:
     failure = CliRunner().invoke(cli, [*COMMANDS[name], "-o", "missing/out.html"]).exception
     assert isinstance(failure, StorageError)
     assert "there is no folder missing; make it first" in str(failure)

@@ -158,7 +158,7 @@ def test_the_uncertainty_is_what_drawn_arms_scatter_by() -> None:
     assert float(np.median(model.u_mm / scatter)) == pytest.approx(1.0, abs=0.05)
 
 
-def test_rows_beyond_the_nodes_or_just_reversed_and_short_segments_are_left_out() -> None:
+def test_uncovered_or_reversed_rows_and_short_segments_are_excluded() -> None:
     measured = path(TRUTH, [0] * 56 + [1] * 2 + [2] * 2)
     theta1 = measured.points.commands.theta1_rad.copy()
     theta1[3] = np.deg2rad(61.0)

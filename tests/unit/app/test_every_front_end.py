@@ -220,7 +220,7 @@ def over_the_wire(prompt: Prompt) -> Prompt:
 
 
 @pytest.mark.parametrize(("prompt", "answer", "moves"), MOVES)
-def test_an_answer_moves_the_arm_at_both_ends_of_the_wire(prompt: Prompt, answer: str, moves: bool) -> None:
+def test_both_ends_agree_which_answer_moves_the_arm(prompt: Prompt, answer: str, moves: bool) -> None:
     assert prompt.moves_after(answer) == moves
     assert over_the_wire(prompt) == replace(prompt, rests_after=over_the_wire(prompt).rests_after)
     assert over_the_wire(prompt).moves_after(answer) == moves
@@ -252,7 +252,7 @@ async def test_an_answers_file_moves_no_real_arm(prompt: Prompt, answer: str, mo
     assert (who == "answers file") == (not moves)
 
 
-async def test_the_terminal_ui_moves_the_arm_by_a_key_of_its_own() -> None:
+async def test_the_terminal_ui_has_an_own_key_for_motion() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
     async with app.run_test(size=(120, 40)) as pilot:
@@ -279,7 +279,7 @@ async def test_the_terminal_ui_moves_the_arm_by_a_key_of_its_own() -> None:
 @pytest.mark.parametrize(
     ("answer", "moves"), [("retry", True), ("skip", True), ("stop", False)], ids=["retry", "skip", "stop"]
 )
-async def test_the_question_about_a_lost_beam_moves_the_arm_but_for_stop(answer: str, moves: bool) -> None:
+async def test_every_answer_to_a_lost_beam_but_stop_moves(answer: str, moves: bool) -> None:
     """One policy asks it in every procedure; front ends know of it what they know of any question."""
     ctx = IdealContext(places={"P1": (1000.0, 0.0)}, answers={"beam/P1/1": "skip"})
     await loss_on(ctx, BeamLossPolicy(attempts=1, may_skip=True)).decide(GONE, "θ1 10°")

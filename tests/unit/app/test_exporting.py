@@ -32,7 +32,7 @@ def read_again(tmp_path: Path, export: Export) -> Path:
     return path
 
 
-async def test_distances_come_back_from_their_csv_to_the_last_digit_and_with_a_sigma(tmp_path: Path) -> None:
+async def test_exported_distances_round_trip_exactly_with_sigma(tmp_path: Path) -> None:
     given = [
         {
             **point(),
@@ -109,7 +109,7 @@ async def test_a_run_that_measured_nothing_says_so(tmp_path: Path) -> None:
         run_export(reader)
 
 
-def test_every_value_of_a_result_is_a_row_with_unit_and_uncertainty(tmp_path: Path) -> None:
+def test_every_result_value_has_its_unit_and_uncertainty(tmp_path: Path) -> None:
     result = sample.hand_made()
     write_result(result, tmp_path / "result.json")
     export = result_export(tmp_path / "result.json")

@@ -112,7 +112,7 @@ def test_turning_the_truth_changes_nothing(angle_deg: float) -> None:
         assert places[place["name"]] == pytest.approx(expected, abs=1e-9)
 
 
-def test_an_error_of_the_truth_shows_in_its_own_line_only() -> None:
+def test_an_error_in_the_truth_affects_only_its_line() -> None:
     plain = document(random_truth(21))
     other = copy.deepcopy(plain)
     other["theta2_map"]["negative_mdeg"][3] += 2.0

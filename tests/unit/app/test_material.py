@@ -33,7 +33,7 @@ def readers(*runs: Run) -> list[RunReader]:
     return [cast("RunReader", run) for run in runs]
 
 
-def test_links_are_told_at_20_degrees_too() -> None:
+def test_links_are_given_at_20_degrees_too() -> None:
     result = hand_made()
     found = with_reference_links(result, readers(Run(21.0, 23.0), Run(22.0)))
     assert found.link1_20c_mm is not None

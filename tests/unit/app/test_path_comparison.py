@@ -80,7 +80,7 @@ async def test_the_newest_measurement_of_the_same_bench_gives_the_models(tmp_pat
     assert found.distances.ratio < 1e-3
 
 
-async def test_a_measurement_that_determines_nothing_is_told(tmp_path: Path) -> None:
+async def test_a_measurement_that_determines_nothing_is_reported(tmp_path: Path) -> None:
     reader = await stored(tmp_path, "validation-path", distances())
     poor = await stored(tmp_path, "open-loop", measured()[:20])
     found = compare_path(reader, tmp_path)
@@ -88,7 +88,7 @@ async def test_a_measurement_that_determines_nothing_is_told(tmp_path: Path) -> 
     assert found.notes[0].startswith(f"the path cannot be compared with the models of {poor.path.name}: ")
 
 
-async def test_a_left_handed_frame_is_told(tmp_path: Path) -> None:
+async def test_a_left_handed_frame_is_reported(tmp_path: Path) -> None:
     seen = [true_place(TRUTH, row) for row in commands()]
     await stored(tmp_path, "open-loop", measured())
 

@@ -30,13 +30,13 @@ def test_a_result_of_emulated_devices_is_reported_as_such(tmp_path: Path, simula
     assert read_result(tmp_path / "result.json").provenance.simulated is simulated
 
 
-def test_the_digest_of_a_result_file_is_that_of_its_bytes(tmp_path: Path) -> None:
+def test_a_result_files_digest_is_of_its_bytes(tmp_path: Path) -> None:
     page = page_of(sample.hand_made(), tmp_path)
     digest = hashlib.sha256((tmp_path / "result.json").read_bytes()).hexdigest()
     assert page.row("result") == ["result.json", digest]
 
 
-async def test_a_run_is_reported_with_digests_of_its_files_origins_and_uncertainties(tmp_path: Path) -> None:
+async def test_a_run_report_has_digests_origins_and_uncertainties(tmp_path: Path) -> None:
     origins = {"robot.link1_mm": "file", "robot.j3_mm": "default"}
     reader = await stored(
         tmp_path, "open-loop", measured(), configuration_origins=dict(origins), operator="ada"

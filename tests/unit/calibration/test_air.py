@@ -118,7 +118,7 @@ def test_an_unknown_formula_is_refused() -> None:
         refractive_index(633.0, 20.0, 1013.25, 50.0, formula="edlen66")  # type: ignore[arg-type]  # on purpose
 
 
-def test_leaving_the_range_of_the_nist_is_told() -> None:
+def test_leaving_the_range_of_the_nist_is_reported() -> None:
     assert outside_nist_range(632.9908, 20.0, 1013.25) is None
     assert "temperature_c = -5" in (outside_nist_range(632.9908, -5.0, 1013.25) or "")
     assert "pressure_hpa = 550" in (outside_nist_range(632.9908, 20.0, 550.0) or "")

@@ -1,4 +1,4 @@
-"""Modbus servers: over the loopback, one that answers as the sheet tells, and one on an RTU line in memory."""
+"""Modbus servers: over the loopback, one that answers as the sheet says, and one on an RTU line in memory."""
 
 import asyncio
 import contextlib

@@ -42,7 +42,7 @@ async def bench(port: Port) -> AsyncIterator[tuple[BenchTracker, Peer]]:
         await tracker.close()
 
 
-async def test_it_tells_who_it_is_and_where_the_axis_is() -> None:
+async def test_identity_and_axis_position_are_answered() -> None:
     async with bench(Port()) as (tracker, peer):
         identity = await tracker.connect()
         assert (identity.model, identity.simulated) == ("catseye bench EMULATOR", True)
@@ -51,7 +51,7 @@ async def test_it_tells_who_it_is_and_where_the_axis_is() -> None:
 
 
 @pytest.mark.parametrize(
-    ("bench_speed", "own", "told"),
+    ("bench_speed", "own", "noted"),
     [
         ("400", 100.0, True),
         ("1", 50.0, True),
@@ -60,20 +60,18 @@ async def test_it_tells_who_it_is_and_where_the_axis_is() -> None:
         ('"fast"', 1.0, False),
     ],
 )
-async def test_a_bench_whose_time_runs_otherwise_than_the_runs_is_told(
-    bench_speed: str, own: float, told: bool
-) -> None:
+async def test_a_bench_speed_mismatch_is_noted(bench_speed: str, own: float, noted: bool) -> None:
     port = Port()
     port.identify = [IDENTITY.replace("}", f', "speed": {bench_speed}}}')]
     async with Peer(port.answer, endpoint="memory://control") as peer:
         settings = BenchTrackerSettings(answer_timeout_s=0.1, quiet_s=0.001)
         tracker = BenchTracker(peer.transport, settings, clock_speed=own)
         await tracker.connect()
-        assert ["give both the same --speed" in note for note in tracker.notes] == [True] * told
+        assert ["give both the same --speed" in note for note in tracker.notes] == [True] * noted
         await tracker.close()
 
 
-def test_the_runs_clock_tells_its_speed() -> None:
+def test_the_runs_clock_states_its_speed() -> None:
     tracker = BenchTracker.at("tcp://127.0.0.1:1", SystemClock(50.0))
     assert tracker._clock_speed == 50.0  # noqa: SLF001  # nothing is opened, nothing else shows it
 
@@ -95,7 +93,7 @@ async def test_a_silent_port_is_a_timeout() -> None:
             await tracker.connect()
 
 
-async def test_a_lost_answer_is_asked_for_again_on_a_healed_link() -> None:
+async def test_a_lost_answer_is_requested_again_after_healing() -> None:
     port = Port()
     port.tracker = [[], [POSITION]]
     async with bench(port) as (tracker, peer):

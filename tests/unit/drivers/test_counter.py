@@ -57,7 +57,7 @@ async def connected(
         await counter.close()
 
 
-async def test_connecting_tells_who_is_there() -> None:
+async def test_connecting_returns_the_identity() -> None:
     async with connected(connect=False) as (counter, _, peer, _):
         identity = await counter.connect()
         assert identity.model == "line counter: EMULATOR line counter 1"
@@ -133,7 +133,7 @@ async def test_overspeed_stays_until_the_next_zero() -> None:
         assert not (await counter.status()).overspeed
 
 
-async def test_a_latch_that_the_zero_does_not_clear_is_told() -> None:
+async def test_a_latch_that_the_zero_does_not_clear_is_reported() -> None:
     async with connected() as (counter, device, _, _):
         device.bits = "11"
         await counter.zero()
@@ -182,8 +182,8 @@ async def test_a_zero_refused_after_a_lost_answer_spoils_the_count() -> None:
         assert (await counter.status()).beam_lost
 
 
-async def test_after_a_zero_without_its_answer_the_count_is_not_trusted() -> None:
-    """The instrument may have zeroed, and nothing tells, since the link heals in place."""
+async def test_an_unanswered_zero_invalidates_the_count() -> None:
+    """The instrument may have zeroed, and nothing shows it, since the link heals in place."""
     async with connected(used=profile(line={"timeout_s": 0.1})) as (counter, device, _, _):
         await counter.zero()
         device.lines["Z"] = list
@@ -312,7 +312,7 @@ async def test_a_stranger_is_named_by_its_first_bytes(first: str) -> None:
         assert not peer.transport.is_open
 
 
-async def test_a_counter_that_has_no_value_without_beam_can_be_connected() -> None:
+async def test_a_counter_without_beam_or_value_can_connect() -> None:
     device = Counter()
     device.shown = "E02"
     async with connected(device, connect=False) as (counter, _, _, _):
@@ -334,11 +334,11 @@ async def test_a_lost_answer_is_asked_for_again_after_healing() -> None:
     async with connected(device, profile(line={"timeout_s": 0.1})) as (counter, _, peer, _):
         assert (await counter.read()).displacement_mm == 2.0
         assert peer.requests == [b"I\r\n", b"R\r\n", b"R\r\n", b"I\r\n", b"R\r\n"]
-        # The instrument has told its name on the open link: its count has gone on.
+        # The instrument has reported its name on the open link: its count has gone on.
         assert not (await counter.status()).beam_lost
 
 
-async def test_a_count_that_lived_through_a_healed_link_is_not_trusted() -> None:
+async def test_a_count_is_invalid_after_the_link_healed() -> None:
     """The counter started anew meanwhile: it shows 0 and a clean status, and only a zero makes that good."""
     async with connected(used=profile(line={"timeout_s": 0.1})) as (counter, device, peer, _):
         await counter.zero()
@@ -353,7 +353,7 @@ async def test_a_count_that_lived_through_a_healed_link_is_not_trusted() -> None
         assert not (await counter.status()).beam_lost
 
 
-async def test_a_count_before_a_new_connection_is_not_trusted_after_it() -> None:
+async def test_a_new_connection_invalidates_the_count() -> None:
     async with connected() as (counter, _, _, _):
         await counter.zero()
         await counter.close()
@@ -375,8 +375,8 @@ async def test_a_connection_that_failed_has_no_count_to_lose() -> None:
         assert not (await counter.status()).beam_lost
 
 
-async def test_a_link_that_heals_between_status_and_level_is_told_at_once() -> None:
-    """A counter that tells no name proves nothing on the open link: it is opened again."""
+async def test_healing_between_status_and_level_loses_the_beam() -> None:
+    """A counter that reports no name proves nothing on the open link: it is opened again."""
     answers = iter([[], ["87"]])
     device = Counter()
     device.lines["L"] = lambda: next(answers)
@@ -395,7 +395,7 @@ async def test_another_counter_after_healing_is_refused() -> None:
             await counter.read()
 
 
-def test_wrong_settings_are_told_before_anything_is_opened() -> None:
+def test_wrong_settings_are_reported_before_anything_is_opened() -> None:
     with pytest.raises(ProfileError, match="built-in profiles: default, distax"):
         LineCounter.at("tcp://127.0.0.1:1", StepClock(), profile="nothing")
     assert LineCounter.at("tcp://127.0.0.1:1", StepClock(), profile="distax").notes

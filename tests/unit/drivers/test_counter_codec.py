@@ -206,7 +206,7 @@ def test_status_bits_may_be_decimal_inverted_and_missing() -> None:
 
 
 @pytest.mark.parametrize("decoder", [codec.LineDecoder, codec.StreamDecoder])
-def test_empty_lines_of_a_flood_are_left_out_in_one_go(
+def test_a_flood_of_empty_lines_is_skipped_at_once(
     decoder: type[codec.LineDecoder | codec.StreamDecoder], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Each one looked at by itself holds the event loop, and a STOP, for long."""

@@ -71,7 +71,7 @@ def test_every_value_of_the_distax_template_asks_to_be_confirmed() -> None:
     assert [line for line in values if "with the manual" not in line.partition("#")[2]] == []
 
 
-def test_the_distax_template_differs_from_the_default_in_its_claims_only() -> None:
+def test_the_distax_template_differs_only_in_its_claims() -> None:
     claims = {"title", "remark", "confirmed", "compensated"}
     assert load_profile("distax").model_dump(exclude=claims) == load_profile("default").model_dump(
         exclude=claims

@@ -75,7 +75,7 @@ async def test_a_stream_is_started_read_and_stopped() -> None:
         assert peer.requests == [b"GO\r\n", b"HALT\r\n"]
 
 
-async def test_whoever_watches_sees_each_value_since_the_zero_and_no_error() -> None:
+async def test_listeners_receive_values_since_zero_but_no_errors() -> None:
     async with connected() as (counter, peer):
         seen_mm: list[float] = []
         counter.listen(lambda _time_s, displacement_mm: seen_mm.append(displacement_mm))
@@ -85,7 +85,7 @@ async def test_whoever_watches_sees_each_value_since_the_zero_and_no_error() -> 
         assert seen_mm == pytest.approx([2e-3, 1e-6, 3e-6])
 
 
-async def test_an_error_in_the_stream_is_a_lost_beam_until_zero() -> None:
+async def test_a_streamed_error_loses_the_beam_until_zero() -> None:
     async with connected() as (counter, peer):
         status = await asked(counter.status(), peer, b"E07\r\n")
         assert (status.beam_ok, status.beam_lost, status.signal) == (False, True, 0.0)
@@ -103,7 +103,7 @@ async def test_a_stream_that_stops_is_an_error() -> None:
             await counter.read()
 
 
-async def test_a_stranger_is_told() -> None:
+async def test_a_stranger_is_reported() -> None:
     async with Peer(lambda _data: []) as peer:
         counter = StreamedCounter(peer.transport, StepClock(), parse_profile(STREAM, "test"))
         with pytest.raises(WrongDeviceError, match="does not fit the profile"):
@@ -151,7 +151,7 @@ def test_streams_that_cannot_be_are_refused(change: tuple[str, str], fault: str)
         parse_profile(STREAM.replace(*change), "test")
 
 
-async def test_without_a_status_an_error_in_place_of_a_value_is_a_lost_beam() -> None:
+async def test_without_a_status_query_error_values_lose_the_beam() -> None:
     tables = load_profile("default").model_dump(exclude={"status", "signal"}, exclude_none=True)
     tables["start"] = {"init": ["ON", "FAST"], "shutdown": ["OFF"]}
     shown = "+1.0 mm"

@@ -57,25 +57,25 @@ class Program:
 
     def usual(self, number: int, command: int, values: tuple[float, ...]) -> str:
         """Do what the program does."""
-        told: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+        answered: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
         match command:
             case 1:
                 self.points.append(values)
-                told = (len(self.points), 0.0, 0.0, 0.0)
+                answered = (len(self.points), 0.0, 0.0, 0.0)
             case 2:
                 self.driven, self.points = self.points, []
                 if self.moves:
                     self.controller.at = self.driven[-1]
-                told = self.controller.at
+                answered = self.controller.at
             case 3:
-                told = self.controller.at
+                answered = self.controller.at
             case 4:
                 self.points = []
             case 5:
                 return f"{number},5,{self.version},4,0,0"
             case 6:
-                told = values
-        return f"{number},{command}," + ",".join(self.form.format(value) for value in told)
+                answered = values
+        return f"{number},{command}," + ",".join(self.form.format(value) for value in answered)
 
 
 @dataclass
@@ -125,7 +125,7 @@ async def test_a_way_is_sent_and_driven_in_one_go(form: str) -> None:
         assert await bench.robot.joints() == pytest.approx(WAY[-1])
 
 
-async def test_a_way_of_more_targets_than_the_program_keeps_is_driven_in_parts() -> None:
+async def test_a_path_exceeding_the_program_buffer_is_split() -> None:
     way: list[Pose] = [(0.1 * number, 0.0, 0.0, 0.0) for number in range(1, 126)]
     driven: list[tuple[float, ...]] = []
     async with linked() as bench:
@@ -156,7 +156,7 @@ async def test_a_program_of_another_version_is_not_used() -> None:
             await robot.connect()
 
 
-async def test_a_lost_answer_to_a_way_is_asked_about_and_the_way_is_not_sent_again() -> None:
+async def test_a_path_is_not_resent_after_a_lost_answer() -> None:
     async with linked() as bench:
         bench.program.silent = {2}
         await bench.robot.follow(WAY)
@@ -164,7 +164,7 @@ async def test_a_lost_answer_to_a_way_is_asked_about_and_the_way_is_not_sent_aga
 
 
 async def test_a_lost_answer_to_a_way_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The program runs on while it waits for the next request: only the joints tell that the way is over."""
+    """The program runs on while it waits for the next request: only the joints show that the path is over."""
     monkeypatch.setattr("catseye.drivers.melfa.datalink.robot._LOOK_S", 0.005)
     async with linked(move_timeout_s=1e3) as bench:
         bench.program.silent = {2}
@@ -185,7 +185,7 @@ async def test_a_lost_answer_with_the_arm_elsewhere_stops_it() -> None:
 async def test_a_program_that_somebody_else_stopped_is_not_waited_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """A STOP of the pendant is no alarm; STATE tells that nothing runs (sheet, section 1.10)."""
+    """A STOP of the pendant is no alarm; STATE says that nothing runs (sheet, section 1.10)."""
     monkeypatch.setattr("catseye.drivers.melfa.datalink.robot._LOOK_S", 0.005)
     async with linked(move_timeout_s=30.0) as bench:
         bench.program.silent = {2}
@@ -234,7 +234,7 @@ async def test_an_answer_with_another_number_is_no_answer() -> None:
             await bench.robot.joints()
 
 
-async def test_what_the_program_refuses_is_told_with_its_number() -> None:
+async def test_what_the_program_refuses_is_reported_with_its_number() -> None:
     async with linked() as bench:
         bench.program.replies[1] = lambda number: f"{number},-2,3120,0,0,0"
         with pytest.raises(RefusedError, match="3120") as caught:
@@ -258,7 +258,7 @@ async def test_standing_elsewhere_at_the_end_is_an_error() -> None:
             await bench.robot.follow(WAY)
 
 
-async def test_after_a_stop_the_program_is_started_again_before_the_next_way() -> None:
+async def test_the_first_path_after_a_stop_restarts_the_program() -> None:
     async with linked() as bench:
         await bench.robot.stop()
         assert not any(b"RUN" in request for request in bench.main.requests)
@@ -268,7 +268,7 @@ async def test_after_a_stop_the_program_is_started_again_before_the_next_way() -
         assert bench.program.driven == [pytest.approx(target) for target in WAY]
 
 
-async def test_a_port_that_refuses_right_after_the_start_is_tried_again(
+async def test_a_port_refusing_after_the_start_is_retried(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     async with linked() as bench:
@@ -312,7 +312,7 @@ async def test_a_program_is_asked_nothing_before_it_runs() -> None:
         assert bench.program.driven == [pytest.approx(target) for target in WAY]
 
 
-async def test_a_stop_before_the_port_opens_ends_the_wait_for_it() -> None:
+async def test_a_stop_ends_waiting_for_the_port() -> None:
     async with linked() as bench:
         await bench.robot.stop()
         before = len(bench.program.requests)
@@ -348,7 +348,7 @@ async def test_a_way_that_a_stop_overtakes_is_not_driven() -> None:
         assert bench.program.driven == []
 
 
-async def test_a_stop_while_the_program_is_started_again_is_not_forgotten() -> None:
+async def test_a_stop_while_restarting_the_program_is_obeyed() -> None:
     async with linked() as bench:
         await bench.robot.stop()
         bench.controller.replies["RUNCATSDL;1"] = list
@@ -378,7 +378,7 @@ async def test_a_program_is_not_started_behind_a_stop() -> None:
         assert b"1;1;RUNCATSDL;1\r" not in bench.main.requests
 
 
-async def test_a_lost_answer_to_a_reset_of_the_program_is_no_event() -> None:
+async def test_a_lost_answer_to_the_program_reset_is_harmless() -> None:
     async with linked() as bench:
         await bench.robot.stop()
         lost: Iterator[list[str]] = iter([[]])
@@ -402,7 +402,7 @@ def run_unanswered(bench: Linked, flags: str) -> None:
     bench.controller.replies["RUNCATSDL;1"] = reply
 
 
-async def test_a_lost_answer_to_a_start_is_no_event_when_the_program_runs() -> None:
+async def test_a_lost_start_answer_is_harmless_once_running() -> None:
     async with linked() as bench:
         await bench.robot.stop()
         run_unanswered(bench, "E0060")
@@ -436,7 +436,7 @@ async def test_a_program_that_does_not_run_is_not_started_twice() -> None:
         assert bench.program.driven == []
 
 
-async def test_after_a_lost_answer_to_a_way_the_running_program_is_left_alone() -> None:
+async def test_a_lost_path_answer_leaves_the_program_running() -> None:
     async with linked() as bench:
         bench.program.silent = {2}
         await bench.robot.follow(WAY)
@@ -486,7 +486,7 @@ async def test_a_stop_while_the_guard_is_asked_counts() -> None:
         assert bench.program.driven == []
 
 
-async def test_a_data_link_program_that_stands_since_an_earlier_run_is_started_before_the_first_way() -> None:
+async def test_a_stopped_data_link_program_starts_before_the_path() -> None:
     async with linked(flags="A0060") as bench:
         assert not any(b"RUN" in request for request in bench.main.requests)
         assert bench.program.requests == []
@@ -525,7 +525,7 @@ def test_a_missing_data_link_endpoint_is_named() -> None:
         MelfaDatalink.at("tcp://127.0.0.1:1", StepClock())
 
 
-async def test_a_jog_stops_the_program_that_has_the_arm_and_the_next_way_starts_it_again() -> None:
+async def test_a_jog_stops_the_program_until_the_next_path() -> None:
     async with linked() as bench:
         async with bench.robot.jogging({"J1": 1}) as jog:
             # A controller refuses JOG while a program runs.
@@ -538,7 +538,7 @@ async def test_a_jog_stops_the_program_that_has_the_arm_and_the_next_way_starts_
         assert bench.program.driven == [pytest.approx(target) for target in WAY]
 
 
-async def test_a_jog_while_no_program_runs_needs_no_stop_before_it() -> None:
+async def test_a_jog_without_a_running_program_needs_no_stop() -> None:
     async with linked(flags="A0060") as bench:
         async with bench.robot.jogging({"J4": -1}):
             assert not any(b"STOP" in request for request in bench.aside.requests)

@@ -39,7 +39,7 @@ def test_any_text_is_printable_and_bounded(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "told",
+    "report",
     [
         Identity(HOSTILE, HOSTILE, HOSTILE, True),
         RobotStatus(True, False, True, False, False, 10.0, 7, HOSTILE, HOSTILE),
@@ -48,10 +48,10 @@ def test_any_text_is_printable_and_bounded(text: str) -> None:
         ProgramEntry(HOSTILE, 1, HOSTILE, 1, 1),
         LogEntry(HOSTILE, 1, HOSTILE, HOSTILE, HOSTILE, HOSTILE, HOSTILE),
     ],
-    ids=lambda told: type(told).__name__,
+    ids=lambda report: type(report).__name__,
 )
-def test_values_of_instruments_are_harmless(told: object) -> None:
-    texts = [value for value in vars(told).values() if isinstance(value, str)]
+def test_values_of_instruments_are_harmless(report: object) -> None:
+    texts = [value for value in vars(report).values() if isinstance(value, str)]
     assert texts
     assert all(text.isprintable() and "owned" in text for text in texts)
 

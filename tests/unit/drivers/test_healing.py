@@ -29,7 +29,7 @@ class Time:
 
 
 def link_to(transport: Transport, *, named: bool = True, stays_writable: bool = False) -> RequestLink:
-    """A link to a device that tells its name."""
+    """A link to a device that reports its name."""
 
     async def ask_name() -> None:
         if await made.exchange(b"who?", Line(), LONG_S) != "device":
@@ -124,7 +124,7 @@ async def test_a_device_that_is_gone_is_not_asked_again() -> None:
     assert calls == 1
 
 
-async def test_the_last_attempt_tells_what_was_wrong() -> None:
+async def test_the_last_attempt_says_what_was_wrong() -> None:
     calls = 0
 
     async def work() -> None:
@@ -211,14 +211,14 @@ class Bytes:
 
 
 @pytest.mark.parametrize(
-    ("chunk", "told"),
+    ("chunk", "message"),
     [
         (bytes(MOST_BYTES_A_SECOND // 64), "more than 4000000 bytes come within a second"),
         (b"\r\n" * 8192, "more than 65536 bytes come without a value"),
     ],
     ids=["fast", "empty"],
 )
-async def test_a_stream_that_floods_is_closed_and_named(chunk: bytes, told: str) -> None:
+async def test_a_stream_that_floods_is_closed_and_named(chunk: bytes, message: str) -> None:
     async with Peer(lambda _data: []) as peer:
 
         async def greet() -> None:
@@ -235,13 +235,13 @@ async def test_a_stream_that_floods_is_closed_and_named(chunk: bytes, told: str)
         await link.open()
         for _ in range(66):
             await peer.far.write(chunk)
-        with pytest.raises(LinkError, match=f"display at memory://device: {told}"):
+        with pytest.raises(LinkError, match=f"display at memory://device: {message}"):
             await link.wait(lambda: False, LONG_S, "frame")
         assert not peer.transport.is_open
         await link.close()
 
 
-async def test_an_order_to_a_stream_is_given_again_until_it_is_acknowledged() -> None:
+async def test_an_order_is_repeated_until_acknowledged() -> None:
     acknowledged = asyncio.Event()
 
     def answer(data: bytes) -> Iterable[bytes]:

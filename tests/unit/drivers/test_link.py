@@ -83,7 +83,7 @@ async def test_answers_belong_to_their_questions() -> None:
     assert peer.requests == [b"who?", b"0?", b"1?", b"2?", b"3?", b"4?"]
 
 
-async def test_without_healing_the_next_answer_would_belong_to_the_previous_question() -> None:
+async def test_a_bare_exchange_gets_the_previous_answer() -> None:
     async with Peer(Slow().answer) as peer:
         link = make(peer.transport)
         await link.open()
@@ -94,7 +94,7 @@ async def test_without_healing_the_next_answer_would_belong_to_the_previous_ques
         await link.close()
 
 
-async def test_a_timeout_is_healed_by_a_new_connection_and_a_greeting() -> None:
+async def test_a_timeout_is_healed_by_reconnecting_and_greeting() -> None:
     slow = Slow()
     async with Peer(slow.answer, on_hang_up=slow.hang_up) as peer:
         link = make(peer.transport)
@@ -109,7 +109,7 @@ async def test_a_timeout_is_healed_by_a_new_connection_and_a_greeting() -> None:
     assert peer.requests == [b"who?", b"slow?", b"who?", b"speed?"]
 
 
-async def test_a_late_answer_on_a_line_that_cannot_hang_up_is_found_by_the_greeting() -> None:
+async def test_the_greeting_detects_a_late_serial_answer() -> None:
     """On a serial line the answer comes although the port was opened anew."""
     async with Peer(Slow().answer) as peer:
         link = make(peer.transport)
@@ -138,7 +138,7 @@ async def test_cancellation_poisons_the_link_too() -> None:
         await link.close()
 
 
-async def test_garbage_is_a_protocol_error_with_device_and_last_bytes_and_poisons() -> None:
+async def test_garbage_poisons_the_link_and_is_quoted() -> None:
     async with Peer(lambda data: [b"!\x00\xff"] if data == b"bad?" else echo(data)) as peer:
         link = make(peer.transport)
         await link.open()
@@ -190,7 +190,7 @@ async def test_silence_ends_an_answer_that_may_end() -> None:
         await link.close()
 
 
-async def test_questions_may_be_asked_twice_when_told() -> None:
+async def test_questions_may_be_asked_twice_on_request() -> None:
     answers = iter([[], [b"second\n"]])
     async with Peer(lambda data: next(answers) if data == b"q?" else echo(data)) as peer:
         link = make(peer.transport)
@@ -210,7 +210,7 @@ async def test_commands_are_not_sent_twice() -> None:
     assert peer.requests.count(b"go") == 1
 
 
-async def test_a_request_that_must_not_heal_is_not_sent_on_a_poisoned_link() -> None:
+async def test_a_bound_request_is_not_sent_on_a_poisoned_link() -> None:
     async with Peer(lambda data: [] if data == b"slow?" else echo(data)) as peer:
         link = make(peer.transport)
         await link.open()
@@ -235,7 +235,7 @@ async def test_a_hang_up_between_requests_is_healed() -> None:
         await link.close()
 
 
-async def test_a_shout_leaves_the_link_out_of_step_even_if_the_answer_comes() -> None:
+async def test_an_urgent_send_always_leaves_the_link_in_doubt() -> None:
     def answer(data: bytes) -> Iterable[bytes]:
         return [] if data == b"wait?" else echo(data)
 
@@ -250,15 +250,15 @@ async def test_a_shout_leaves_the_link_out_of_step_even_if_the_answer_comes() ->
         await link.close()
 
 
-async def test_a_shout_into_a_greeting_leaves_the_link_out_of_step() -> None:
+async def test_an_urgent_send_during_the_greeting_fails_it() -> None:
     """Its answer may come late and would be taken for that to the first request."""
     slow = Slow()
-    shouts = iter([True])
+    urgent = iter([True])
 
     async def greet() -> None:
         asking = asyncio.create_task(link.exchange(b"who?", Line(), LONG_S))
         await asyncio.sleep(0)
-        if next(shouts, False):
+        if next(urgent, False):
             link.send_urgent(b"slow?", cut=b"\n")
         assert await asking == "answer to who"
         await link.exchange(b"what?", Line(), LONG_S)

@@ -141,7 +141,7 @@ def test_what_cannot_be_known_ends_with_silence() -> None:
     assert decoder.end().payload == "100"
 
 
-def test_silence_does_not_end_an_answer_whose_layout_shows_that_more_must_come() -> None:
+def test_silence_does_not_end_an_incomplete_answer() -> None:
     decoder = AnswerDecoder(codec.state_text)
     assert decoder.feed(STATE_IDLE[:-1].encode()) is None
     assert not decoder.may_end
@@ -264,7 +264,7 @@ def test_open_fields() -> None:
     assert (opened.firmware, opened.copyright, opened.serial) == ("Ver.K9b", "COPYRIGHT(C) someone", "1")
 
 
-def test_open_without_its_tail_still_tells_the_robot() -> None:
+def test_open_without_its_tail_still_names_the_robot() -> None:
     opened = codec.parse_open(OPEN_RV1A.rsplit(";", 4)[0])
     assert (opened.model, opened.serial) == ("RV-1A", "")
 

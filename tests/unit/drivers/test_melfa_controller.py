@@ -70,7 +70,7 @@ def test_composites_of_the_sheet_are_read(flags: str) -> None:
     assert state.error == (4220 if "4220" in meaning else 0)
 
 
-def test_stop_sources_are_told_in_words() -> None:
+def test_stop_sources_are_described_in_text() -> None:
     """Section 1.12: stop 1 T/B, 2 PC, 4 I/O, 8 O/P; emergency 1 I/O, 2 O/P, 4 T/B."""
     assert texts.parse_stop_sources("0;0") == StopSources((), ())
     sources = texts.parse_stop_sources("B;5")
@@ -106,7 +106,7 @@ def test_random_texts_are_understood_or_a_protocol_error(read: Callable[[str], o
 
 
 @given(st.one_of(st.floats(-1e6, 1e6), st.tuples(*[st.floats(-1e4, 1e4)] * 4)))
-def test_a_value_that_is_written_is_the_one_that_is_read(value: float | tuple[float, ...]) -> None:
+def test_written_values_round_trip(value: float | tuple[float, ...]) -> None:
     text = texts.value_text(value)
     assert "e" not in text.lower()
     assert "-0)" not in text
@@ -200,7 +200,7 @@ async def test_a_refused_line_leaves_the_program_as_it_was() -> None:
 
 
 @pytest.mark.parametrize("line", ["MOV P1", "10", "10 " + "A" * 128, "10 \u00e4"])
-async def test_lines_that_cannot_be_sent_are_found_before_anything_is_changed(line: str) -> None:
+async def test_unsendable_lines_are_refused_before_any_change(line: str) -> None:
     async with asked({}) as (b, controller):
         before = list(b.said)
         with pytest.raises(ValueError, match=r"begins with|at most 127|ASCII"):
@@ -292,7 +292,7 @@ async def hold(b: Bench, *, fail: bool = False) -> None:
         await asyncio.Event().wait()
 
 
-async def test_a_jog_goes_on_while_it_is_fed_and_stops_at_the_end() -> None:
+async def test_a_jog_continues_while_fed_and_ends_stopped() -> None:
     async with bench() as b:
         async with b.robot.controller.jog({"J1": 1}) as jog:
             await asyncio.sleep(0)
@@ -302,9 +302,9 @@ async def test_a_jog_goes_on_while_it_is_fed_and_stops_at_the_end() -> None:
             assert "STOP" not in b.said_aside
         assert "STOP" in b.said_aside
         assert b.said.index("CNTLON") < b.said.index("JOG00;00;00;01;00")
-        told = jogs(b)
+        sent = jogs(b)
         await asyncio.sleep(0)
-        assert jogs(b) == told
+        assert jogs(b) == sent
 
 
 def test_a_jog_that_is_not_fed_falls_silent() -> None:
@@ -327,10 +327,10 @@ def test_a_stop_ends_a_jog_although_it_is_fed() -> None:
             held = asyncio.create_task(feeding(b))
             await asyncio.sleep(0.12)
             await b.robot.stop()
-            told = jogs(b)
+            sent = jogs(b)
             with pytest.raises(RefusedError, match="stop overtook"):
                 await held
-            assert jogs(b) == told > 0
+            assert jogs(b) == sent > 0
 
     async def feeding(b: Bench) -> None:
         async with b.robot.controller.jog({"J1": 1}) as jog:
@@ -351,7 +351,7 @@ async def test_a_refused_telegram_ends_the_jog_with_its_reason() -> None:
         assert asyncio.current_task().cancelling() == 0  # type: ignore[union-attr]  # a test runs in a task
 
 
-def test_a_jog_that_ends_in_the_middle_of_a_telegram_sends_no_other() -> None:
+def test_a_jog_ended_during_a_telegram_sends_no_other() -> None:
     """Its answer is waited for while STOP goes past it, also on its own connection, which is healed then."""
 
     async def end_early() -> None:
@@ -375,7 +375,7 @@ def test_a_jog_that_ends_in_the_middle_of_a_telegram_sends_no_other() -> None:
 
 
 @pytest.mark.parametrize("by", ["stop", "end"])
-def test_a_telegram_that_waits_for_its_turn_is_not_sent_behind_a_stop(by: str) -> None:
+def test_a_queued_telegram_is_not_sent_after_a_stop(by: str) -> None:
     async def overtaken() -> None:
         controller = Controller()
         controller.replies["TIME"] = list

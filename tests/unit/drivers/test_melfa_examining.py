@@ -31,7 +31,7 @@ async def test_sources_of_a_stop_call_for_something() -> None:
     assert len(found.advice) == 1
 
 
-async def test_a_controller_that_does_not_answer_a_question_can_be_used() -> None:
+async def test_a_controller_not_answering_a_question_is_usable() -> None:
     async with asked(QUIET | {"STPSIG": "QeR601000000", "ERRORLOGTOP": "QoK", "ERRORLOGEND": "QoK"}) as (
         _,
         controller,

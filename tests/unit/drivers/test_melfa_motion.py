@@ -55,7 +55,7 @@ async def test_a_definition_that_leaves_an_alarm_is_reset() -> None:
     assert b.said[2:6] == ["EXECDEF JNT JCATSEY1", "ERROR", "RSTALRM", "ERROR"]
 
 
-async def test_a_refused_motion_tells_meaning_and_remedy_and_moves_nothing() -> None:
+async def test_a_refused_motion_names_meaning_and_remedy_and_moves_nothing() -> None:
     """Section 5.3: L2602 destination out of range; no alarm stays."""
     controller = Controller()
     controller.replies["EXEC2"] = lambda: ["QeR260200000"]
@@ -71,7 +71,7 @@ async def test_a_refused_motion_tells_meaning_and_remedy_and_moves_nothing() -> 
     "number",
     [50, 51, 60, 61, 70, 71, 75, 1680, 1681, 2000, 5000, 5130, 5610, 5630, 6020, 6060],
 )
-async def test_a_controller_that_an_operator_has_to_look_at_is_not_ready(number: int) -> None:
+async def test_errors_needing_an_operator_mean_not_ready(number: int) -> None:
     controller = Controller()
     controller.replies["EXEC2"] = lambda: [f"QeR{number:04d}00000"]
     async with bench(controller) as b:
@@ -92,9 +92,7 @@ async def test_drives_that_are_off_with_an_alarm_stay_an_alarm() -> None:
 
 
 @pytest.mark.parametrize(("reply", "not_ready"), [("QeR561000000", False), ("QeR005000000", True)])
-async def test_only_the_stop_of_this_program_is_no_matter_for_an_operator(
-    reply: str, not_ready: bool
-) -> None:
+async def test_only_our_own_stop_needs_no_operator(reply: str, not_ready: bool) -> None:
     """Section 5.3: C5610 STOP on. An emergency stop during a stop of this program stays one."""
     controller = Controller()
     controller.replies["EXEC2"] = list
@@ -123,7 +121,7 @@ async def test_a_motion_that_a_stop_overtakes_does_not_begin() -> None:
         assert not any("MOV" in said for said in b.said)
 
 
-async def test_stop_that_is_on_long_after_the_stop_of_this_program_is_somebody_elses() -> None:
+async def test_a_stop_signal_long_after_ours_is_foreign() -> None:
     controller = Controller()
     controller.replies["EXEC2"] = lambda: ["QeR561000000"]
     async with bench(controller) as b:
@@ -146,7 +144,7 @@ async def test_an_alarm_during_a_motion_is_raised_with_its_text() -> None:
         assert caught.value.number == 2171
 
 
-async def test_a_rejection_while_an_alarm_is_active_tells_both() -> None:
+async def test_a_rejection_during_an_alarm_names_both() -> None:
     """Section 5.3: L5600 alarm present."""
     controller = Controller()
     controller.alarm = "50"
@@ -183,7 +181,7 @@ async def test_only_finite_targets_are_sent(bad: float) -> None:
         assert not [c for c in b.said if c.startswith("EXEC")]
 
 
-async def test_a_lost_answer_to_a_motion_is_looked_up_and_not_sent_again() -> None:
+async def test_a_motion_with_a_lost_answer_is_not_resent() -> None:
     controller = Controller()
 
     def moves_without_answer() -> Iterable[str]:
@@ -198,7 +196,7 @@ async def test_a_lost_answer_to_a_motion_is_looked_up_and_not_sent_again() -> No
         assert "STOP" not in b.said_aside + b.said
 
 
-async def test_a_lost_answer_of_a_robot_that_did_not_arrive_stops_and_raises() -> None:
+async def test_a_lost_answer_without_arrival_stops_and_raises() -> None:
     controller = Controller()
     controller.replies["EXEC2"] = list
     async with bench(controller, move_timeout_s=0.5) as b:
@@ -221,7 +219,7 @@ async def test_an_arm_that_still_approaches_its_target_is_waited_for() -> None:
         assert "STOP" not in b.said_aside + b.said
 
 
-async def test_an_arm_under_way_behind_a_doubled_answer_is_waited_for() -> None:
+async def test_a_doubled_answer_does_not_end_the_motion_early() -> None:
     """The double of the answer to the assignment comes behind the motion and is taken for that to it."""
     places = iter([START] * 5 + [(share * 10.0, share * -20.5, 0.0, share * 30.25) for share in (0.1, 0.5)])
     controller = Controller()
@@ -245,7 +243,7 @@ async def test_an_arm_that_leaves_its_way_is_stopped() -> None:
         assert "STOP" in b.said_aside
 
 
-def test_a_motion_that_is_not_answered_is_noticed_within_two_seconds() -> None:
+def test_an_unanswered_motion_is_noticed_within_two_seconds() -> None:
     """The arm has long arrived, and nobody waits for the whole time that a motion may take."""
 
     async def moved() -> float:
@@ -266,7 +264,7 @@ def test_a_motion_that_is_not_answered_is_noticed_within_two_seconds() -> None:
     assert run(moved()) < 2.0
 
 
-async def test_a_motion_that_lasts_is_looked_at_beside_the_stop_connection() -> None:
+async def test_status_during_a_motion_uses_the_third_connection() -> None:
     controller = Controller()
     controller.replies["EXEC2"] = list
     controller.flags = "E0060"
@@ -304,7 +302,7 @@ async def test_a_lost_assignment_is_made_again() -> None:
         assert b.said.count("EXEC2=MOV JCATSEY1") == 1
 
 
-async def test_garbage_instead_of_the_end_of_a_motion_is_looked_up_too() -> None:
+async def test_a_motion_answered_by_garbage_is_not_resent() -> None:
     controller = Controller()
 
     def garbles() -> Iterable[str]:
@@ -317,7 +315,7 @@ async def test_garbage_instead_of_the_end_of_a_motion_is_looked_up_too() -> None
         assert b.said.count("EXEC2=MOV JCATSEY1") == 1
 
 
-async def test_a_lost_answer_and_a_silent_controller_is_an_error_of_the_link() -> None:
+async def test_a_motion_on_a_silent_controller_is_a_link_error() -> None:
     controller = Controller()
     controller.replies["EXEC2"] = list
     for command in ("STATE", "JPOSF"):
@@ -358,7 +356,7 @@ async def test_motions_can_be_polled_for_controllers_without_exec2() -> None:
     assert "EXECMOV JCATSEY1" in b.said
 
 
-async def test_a_question_refused_during_a_polled_motion_is_accounted_for_and_the_motion_stays_one() -> None:
+async def test_a_refused_query_does_not_repeat_a_polled_motion() -> None:
     controller = Controller()
     async with bench(controller, motion="exec") as b:
         refusals = iter([["QeR601000000"]])

@@ -132,7 +132,7 @@ async def test_status_takes_one_request() -> None:
 
 
 @pytest.mark.parametrize(("flags", "teach", "stop"), [("09060", True, False), ("80010", False, True)])
-async def test_status_tells_teach_mode_and_emergency_stop(flags: str, teach: bool, stop: bool) -> None:
+async def test_status_reports_teach_mode_and_emergency_stop(flags: str, teach: bool, stop: bool) -> None:
     """Section 1.10: run bit 08, stop bit 01."""
     controller = Controller()
     controller.flags = flags
@@ -201,7 +201,7 @@ async def test_the_drives_go_off_without_having_been_used_before() -> None:
     assert b.said[1:4] == ["CNTLON", "SRVOFF", "STATE"]
 
 
-async def test_a_refused_right_is_told_and_leaves_the_state_readable() -> None:
+async def test_a_refused_right_is_reported_and_leaves_the_state_readable() -> None:
     """Section 1.7: nobody knows when CNTLON is refused; TEACH must be reported rather than a closed door."""
     controller = Controller()
     controller.flags = "09060"

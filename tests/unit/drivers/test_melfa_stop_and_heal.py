@@ -60,7 +60,7 @@ async def test_healing_lowers_the_override_but_never_raises_it(found: str, left:
         assert b.said[before:] == ["OPEN=CATSEYE", "CNTLON", "OVRD", *lowered, "JPOSF"]
 
 
-async def test_a_right_that_was_refused_while_healing_comes_back_with_the_override() -> None:
+async def test_a_right_refused_while_healing_returns_with_the_override() -> None:
     controller = Controller()
     async with bench(controller) as b:
         await b.robot.set_override(15)
@@ -78,7 +78,7 @@ async def test_a_right_that_was_refused_while_healing_comes_back_with_the_overri
         assert b.robot.notes == ()
 
 
-async def test_a_right_refused_while_healing_for_a_motion_is_taken_first() -> None:
+async def test_a_right_refused_while_healing_is_retaken_before_motion() -> None:
     """Else the motion would go out without the right, at whatever override is in force by now."""
     controller = Controller()
     async with bench(controller) as b:
@@ -119,7 +119,7 @@ async def test_nothing_moves_while_the_override_cannot_be_restored() -> None:
     assert not [c for c in b.said if c.startswith("EXEC")]
 
 
-async def test_a_new_connection_has_forgotten_the_override_of_the_old_one() -> None:
+async def test_a_new_connection_forgets_the_old_override() -> None:
     controller = Controller()
     async with bench(controller) as b:
         await b.robot.set_override(15)
@@ -149,7 +149,7 @@ async def test_questions_are_asked_again() -> None:
         assert await b.robot.joints() == START
 
 
-async def test_an_answer_of_another_layout_makes_the_driver_distrust_the_link() -> None:
+async def test_an_unexpected_answer_layout_puts_the_link_in_doubt() -> None:
     controller = Controller()
     controller.suffix = "\r"
     controller.replies["JPOSF"] = lambda: ["QoK100"]
@@ -180,7 +180,7 @@ async def test_stop_goes_past_a_motion_that_waits() -> None:
             await moving
 
 
-async def test_stop_is_a_request_of_its_own_where_segments_end_requests() -> None:
+async def test_stop_is_a_separate_request_without_a_terminator() -> None:
     """Behind a request that was not read yet it would be its continuation (section 1.2)."""
     controller = Controller()
     controller.replies["EXEC2"] = list
@@ -216,7 +216,7 @@ async def test_stop_that_is_not_followed_by_standstill_says_so() -> None:
             await b.robot.stop()
 
 
-async def test_cancelling_a_motion_stops_the_robot_and_leaves_the_link_to_be_healed() -> None:
+async def test_cancelling_a_motion_stops_the_robot_and_heals_later() -> None:
     controller = Controller()
     controller.replies["EXEC2"] = list
     async with bench(controller) as b:
@@ -233,7 +233,7 @@ async def test_cancelling_a_motion_stops_the_robot_and_leaves_the_link_to_be_hea
     assert behind[:4] == ["STOP", "OPEN=CATSEYE", "CNTLON", "JPOSF"]
 
 
-async def test_a_stop_that_fails_is_told_although_the_motion_was_cancelled() -> None:
+async def test_a_failed_stop_is_raised_despite_the_cancellation() -> None:
     controller = Controller()
     controller.replies["EXEC2"] = list
     async with bench(controller, stop_timeout_s=0.02) as b:
@@ -245,7 +245,7 @@ async def test_a_stop_that_fails_is_told_although_the_motion_was_cancelled() -> 
             await moving
 
 
-async def test_without_a_second_connection_motions_are_polled_and_stop_goes_between() -> None:
+async def test_a_single_connection_polls_motions_and_still_stops() -> None:
     """Section 1.15: one source claims that a port serves one client only."""
     controller = Controller()
     async with Peer(controller.answer, endpoint="memory://robot") as main:
@@ -267,7 +267,7 @@ async def test_without_a_second_connection_motions_are_polled_and_stop_goes_betw
     assert not [data for data in main.requests if b"EXEC2" in data]
 
 
-async def test_with_a_broken_stop_connection_stop_goes_out_on_the_first() -> None:
+async def test_a_broken_stop_connection_falls_back_to_the_first() -> None:
     controller = Controller()
     controller.replies["EXEC2"] = list
     async with bench(controller) as b:
@@ -296,7 +296,7 @@ async def test_stop_that_cannot_be_sent_calls_for_the_emergency_stop() -> None:
             await peer.far.open()
 
 
-async def test_stop_goes_out_as_soon_as_a_link_is_open_again() -> None:
+async def test_stop_is_sent_as_soon_as_the_link_reopens() -> None:
     """The one connection is closed for healing when STOP is called; its greeting is not answered for a while."""
     controller = Controller()
     async with Peer(controller.answer, endpoint="memory://robot") as main:
@@ -308,7 +308,7 @@ async def test_stop_goes_out_as_soon_as_a_link_is_open_again() -> None:
         await main.transport.close()
         stopping = asyncio.create_task(robot.stop())
         # Real time passes here, as between two STOPs.
-        while b"1;1;STOP\r" not in main.requests and not stopping.done():  # noqa: ASYNC110  # a list tells nobody
+        while b"1;1;STOP\r" not in main.requests and not stopping.done():  # noqa: ASYNC110  # a list notifies nobody
             await asyncio.sleep(0.01)
         controller.replies["OPEN"] = lambda: [OPEN.format(copyright="c")]
         await main.say(b"?")
@@ -329,7 +329,7 @@ async def test_close_does_not_wait_for_a_motion(monkeypatch: pytest.MonkeyPatch)
             await moving
 
 
-async def test_stop_is_written_before_a_byte_of_a_flood_is_read() -> None:
+async def test_stop_is_written_before_reading_a_flood() -> None:
     """On every connection, before anything is waited for."""
     seen: list[tuple[str, str, bytes]] = []
     controller = Controller()
@@ -374,7 +374,7 @@ async def test_stop_goes_on_until_the_arm_is_seen_to_stand() -> None:
         await stopping
 
 
-async def test_a_question_in_flight_does_not_keep_stop_from_being_sent() -> None:
+async def test_stop_does_not_wait_for_a_pending_answer() -> None:
     controller = Controller()
     controller.replies["JPOSF"] = list
     async with bench(controller) as b:
@@ -391,7 +391,7 @@ async def test_a_question_in_flight_does_not_keep_stop_from_being_sent() -> None
         await asyncio.gather(*asking, return_exceptions=True)
 
 
-async def test_a_right_whose_answer_is_lost_while_healing_is_claimed_again() -> None:
+async def test_a_right_unanswered_while_healing_is_claimed_again() -> None:
     controller = Controller()
     async with bench(controller) as b:
         await b.robot.set_override(15)

@@ -25,10 +25,10 @@ def test_the_datagram_that_comes() -> None:
 
 def test_records_that_go_out() -> None:
     assert records.encode(7, records.ADD, (10.0, -20.5, 75.125, 90.0)) == melfa_datalink.ADD
-    assert records.encode(8, records.TELL) == melfa_datalink.TELL
+    assert records.encode(8, records.FEEDBACK) == melfa_datalink.ASK_FEEDBACK
 
 
-@pytest.mark.parametrize("line", melfa_datalink.TOLD.values(), ids=melfa_datalink.TOLD)
+@pytest.mark.parametrize("line", melfa_datalink.ANSWERS.values(), ids=melfa_datalink.ANSWERS)
 def test_feedback_in_every_notation(line: bytes) -> None:
     record = RecordDecoder().feed(line)
     assert record == Record(8, 3, melfa_datalink.FEEDBACK)

@@ -66,7 +66,7 @@ async def test_a_sample_is_one_request() -> None:
     assert air.notes == ()
 
 
-async def test_a_quantity_without_register_is_none_and_told() -> None:
+async def test_a_quantity_without_register_is_none_and_reported() -> None:
     air = vaisala(Sensor(AIR))
     sample = await air.sample()
     assert (sample.temperature_c, sample.pressure_hpa) == (20.25, None)
@@ -84,7 +84,7 @@ async def test_nan_is_none_for_that_quantity_only() -> None:
     assert (sample.temperature_c, sample.humidity_percent) == (20.25, None)
 
 
-async def test_a_sensor_that_does_not_let_one_read_across_gaps_is_read_one_by_one() -> None:
+async def test_a_sensor_refusing_gaps_is_read_one_by_one() -> None:
     sensor = Sensor(AIR, gaps=False)
     air = vaisala(sensor, pressure_address=0x2C)
     assert (await air.sample()).pressure_hpa == 1013.25
@@ -98,7 +98,7 @@ async def test_registers_far_apart_are_read_one_by_one() -> None:
     assert len(sensor.reads) == 3
 
 
-async def test_another_refusal_is_told() -> None:
+async def test_another_refusal_is_reported() -> None:
     sensor = Sensor({}, gaps=False)
     with pytest.raises(RefusedError):
         await vaisala(sensor).sample()
@@ -111,7 +111,7 @@ async def test_implausible_air_names_endpoint_register_and_remedy() -> None:
         await vaisala(Sensor(AIR), word_order="big").sample()
 
 
-async def test_connecting_tells_who_is_there() -> None:
+async def test_connecting_returns_the_identity() -> None:
     """Sheet, section 1a: 43/14 gives vendor, model, version and, at 0x80, the serial number."""
     sensor = Sensor(AIR)
     air = vaisala(sensor)

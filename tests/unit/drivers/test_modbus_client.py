@@ -142,7 +142,7 @@ async def test_a_flooding_device_is_closed_and_named() -> None:
         await client.close()
 
 
-async def test_a_flood_has_no_more_than_its_share_of_a_turn() -> None:
+async def test_a_flood_takes_only_its_share_of_a_turn() -> None:
     turn = 0
     taken: dict[int, int] = {}
 

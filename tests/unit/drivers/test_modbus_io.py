@@ -49,7 +49,7 @@ async def test_the_door_is_one_input() -> None:
     assert block.reads == [(2, 3, 1)] * 2
 
 
-async def test_a_contact_that_opens_when_the_door_closes_and_stands_among_the_coils() -> None:
+async def test_an_inverted_door_contact_may_be_a_coil() -> None:
     block = Block()
     io = ModbusIo(
         block,
@@ -75,7 +75,7 @@ async def test_one_lamp_is_lit() -> None:
         assert [n for n, bit in enumerate(block.bits[1]) if bit] == lit
 
 
-async def test_connecting_tells_who_is_there() -> None:
+async def test_connecting_returns_the_identity() -> None:
     block = Block()
     identity = await ModbusIo(block, IoSettings()).connect()
     assert (identity.model, identity.firmware, identity.simulated) == ("Maker block", "2.0", False)
@@ -103,7 +103,7 @@ def test_a_datagram_endpoint_is_refused() -> None:
         ModbusIo.at("udp://127.0.0.1:502", StepClock())
 
 
-def test_an_answer_may_not_take_so_long_that_none_is_asked_again() -> None:
+def test_the_answer_timeout_is_limited_to_allow_a_retry() -> None:
     assert IoSettings().answer_timeout_s == 0.1
     with pytest.raises(ValidationError, match=r"less than or equal to 0\.1"):
         IoSettings(answer_timeout_s=0.2)

@@ -25,7 +25,7 @@ def rates(start: Pose, points: list[Pose]) -> tuple[np.ndarray, np.ndarray]:
 
 
 @given(joints, joints)
-def test_a_straight_way_stays_within_the_bounds_and_ends_at_its_target(start: Pose, target: Pose) -> None:
+def test_a_straight_path_respects_bounds_and_reaches_its_target(start: Pose, target: Pose) -> None:
     points = WayProfile(start, [target], BOUNDS).set_points(CYCLE_S)
     if max(abs(b - a) for a, b in zip(start, target, strict=True)) < 1e-9:
         assert points == []

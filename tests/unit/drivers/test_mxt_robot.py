@@ -140,7 +140,7 @@ async def test_set_points_lead_from_rest_to_rest_through_every_target() -> None:
         assert await bench.robot.joints() == pytest.approx(WAY[-1], abs=1e-4)
 
 
-async def test_a_controller_with_a_shorter_cycle_than_the_setting_is_not_led() -> None:
+async def test_a_controller_with_another_cycle_time_is_refused() -> None:
     """Section 2: 7.1 or 3.5 ms; the same set points would go out at twice the speed."""
     async with led(mxt_cycle_ms=7.1) as bench:
         bench.port.cycle_s = 0.0035
@@ -155,11 +155,11 @@ async def test_the_override_bounds_the_set_points() -> None:
         await bench.robot.follow(WAY)
         points = bench.port.set_points
         fastest = max(abs(two[3] - one[3]) for one, two in itertools.pairwise(points)) / 0.0071
-        # STATE of the scripted controller tells an override of 20 %.
+        # STATE of the scripted controller reports an override of 20 %.
         assert fastest == pytest.approx(2.0, rel=0.01)
 
 
-async def test_single_losses_are_counted_and_no_set_point_is_sent_twice_on_the_way() -> None:
+async def test_single_losses_are_counted_without_repeating_set_points() -> None:
     async with led() as bench:
         bench.port.lose = lambda number: number % 20 == 7
         await bench.robot.follow(WAY)
@@ -168,14 +168,14 @@ async def test_single_losses_are_counted_and_no_set_point_is_sent_twice_on_the_w
         assert "answers to set points were lost" in " ".join(bench.robot.notes)
 
 
-async def test_an_arm_that_does_not_follow_is_not_where_it_was_sent() -> None:
+async def test_an_arm_not_following_does_not_arrive() -> None:
     async with led() as bench:
         bench.port.frozen = True
         with pytest.raises(NotArrivedError):
             await bench.robot.follow(WAY)
 
 
-async def test_a_lost_answer_while_the_arm_comes_to_rest_is_a_loss_like_others() -> None:
+async def test_lost_answers_while_coming_to_rest_are_tolerated() -> None:
     async with led() as bench:
         at_rest: list[int] = []
 
@@ -201,7 +201,7 @@ async def test_single_garbled_answers_are_losses_like_others() -> None:
         assert bench.robot.notes[-1] == "2 answers to set points were lost"
 
 
-async def test_garbage_on_the_real_time_port_is_told_as_such() -> None:
+async def test_garbage_on_the_real_time_port_is_reported_as_such() -> None:
     async with led() as bench:
         bench.port.garbage = 1000
         with pytest.raises(NotArrivedError, match="an MXT datagram has 196 bytes, this one has 1"):
@@ -209,7 +209,7 @@ async def test_garbage_on_the_real_time_port_is_told_as_such() -> None:
         assert bench.port.set_points == []
 
 
-async def test_a_program_that_stands_since_an_earlier_run_is_started_before_the_first_way() -> None:
+async def test_only_a_stopped_program_is_started_for_the_path() -> None:
     async with led(flags="A0060") as bench:
         assert not any(b"RUN" in request for request in bench.main.requests)
         await bench.robot.follow(WAY)
@@ -233,7 +233,7 @@ async def test_no_set_point_goes_out_once_a_stop_has_begun() -> None:
         assert bench.port.ends >= 1
 
 
-async def test_a_way_after_one_that_ended_elsewhere_starts_the_stopped_program_again() -> None:
+async def test_a_path_after_a_failed_one_restarts_the_program() -> None:
     async with led() as bench:
         bench.port.frozen = True
         with pytest.raises(NotArrivedError):
@@ -252,7 +252,7 @@ async def test_a_port_that_falls_silent_stops_the_arm() -> None:
         assert any(b"STOP" in request for request in bench.main.requests + bench.aside.requests)
 
 
-async def test_an_alarm_behind_the_silence_is_told() -> None:
+async def test_an_alarm_behind_the_silence_is_reported() -> None:
     async with led() as bench:
 
         def lose(number: int) -> bool:
@@ -273,7 +273,7 @@ async def test_a_port_without_a_program_says_what_to_start() -> None:
         assert bench.port.set_points == []
 
 
-async def test_a_real_time_port_that_refuses_for_a_moment_is_asked_again(
+async def test_a_briefly_refusing_real_time_port_is_retried(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The program closes its port after END and opens it again."""
@@ -307,7 +307,7 @@ async def test_a_cancelled_way_ends_with_stop_and_end() -> None:
         assert bench.port.ends >= 1
 
 
-async def test_after_a_stop_the_program_of_set_points_is_started_again() -> None:
+async def test_a_path_after_a_stop_restarts_the_program() -> None:
     async with led() as bench:
         await bench.robot.stop()
         await bench.robot.follow(WAY)
@@ -325,11 +325,11 @@ def test_a_driver_more_patient_than_its_controller_is_refused() -> None:
     assert MxtSettings(reply_timeout_s=2.0, mxt_timeout_s=-1.0).mxt_timeout_s == -1.0
 
 
-@pytest.mark.parametrize(("mxttout", "told"), [("-1", "for ever"), ("71", "0.504 s"), ("1000", "7.1 s")])
-async def test_a_real_arm_needs_a_controller_that_gives_up_soon(mxttout: str, told: str) -> None:
+@pytest.mark.parametrize(("mxttout", "stated"), [("-1", "for ever"), ("71", "0.504 s"), ("1000", "7.1 s")])
+async def test_a_real_arm_needs_a_controller_that_gives_up_soon(mxttout: str, stated: str) -> None:
     async with led() as made:
         made.controller.mxttout = mxttout
-        with pytest.raises(NotReadyError, match=told):
+        with pytest.raises(NotReadyError, match=stated):
             await made.robot.follow(WAY)
         assert made.port.set_points == []
         made.controller.mxttout = "70"

@@ -118,7 +118,7 @@ async def test_a_sample_in_the_drivers_own_format() -> None:
         await air.close()
 
 
-async def test_a_sensor_that_refuses_the_format_is_read_as_it_is() -> None:
+async def test_a_sensor_refusing_the_format_is_read_as_is() -> None:
     async with Peer(Sensor(takes_format=False)) as peer:
         air = VaisalaAscii(peer.transport, StepClock(), PtuSettings(timeout_s=0.5))
         await air.connect()
@@ -127,7 +127,7 @@ async def test_a_sensor_that_refuses_the_format_is_read_as_it_is() -> None:
         await air.close()
 
 
-async def test_a_stranger_and_a_silent_line_are_told() -> None:
+async def test_a_stranger_and_a_silent_line_are_reported() -> None:
     async with Peer(Sensor(version="HELLO")) as peer:
         air = VaisalaAscii(peer.transport, StepClock(), PtuSettings(timeout_s=0.5))
         with pytest.raises(WrongDeviceError, match="no PTU300"):

@@ -55,7 +55,7 @@ def test_an_unknown_driver_names_the_nearest_one(monkeypatch: pytest.MonkeyPatch
         registry.load_driver("melfa-r4")
 
 
-def test_missing_entry_points_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_entry_points_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     installed(metadata.EntryPoints([]), monkeypatch)
     with pytest.raises(LookupError, match="installed are none: reinstall the program"):
         registry.load_driver("melfa-r3")

@@ -57,7 +57,7 @@ def test_a_link_refused_for_a_moment_is_opened_again(repeat: Repeat, monkeypatch
     with_link(asked)
 
 
-def test_a_link_that_is_refused_on_and_on_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_persistently_refused_link_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     async def asked(link: RequestLink, peer: Peer) -> None:
         loop = asyncio.get_running_loop()
         refuse_for(peer.near, 60.0, monkeypatch)

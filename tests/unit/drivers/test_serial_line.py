@@ -144,7 +144,7 @@ async def test_a_closed_port_refuses_and_wakes_its_reader(device: Device) -> Non
         await reading
 
 
-async def test_a_line_that_takes_no_bytes_blocks_neither_the_loop_nor_closing(device: Device) -> None:
+async def test_a_blocked_line_blocks_neither_loop_nor_closing(device: Device) -> None:
     link = SerialTransport(device.path, LineSettings(baud=4_000_000), write_timeout_s=0.05)
     await link.open()
     turns = 0

@@ -61,7 +61,7 @@ async def test_tcp_that_nobody_listens_to_names_endpoint_and_remedy() -> None:
         await TcpTransport("127.0.0.1", port).open()
 
 
-async def test_tcp_that_is_not_open_refuses_to_write_and_to_read() -> None:
+async def test_unopened_tcp_refuses_writing_and_reading() -> None:
     link = TcpTransport("127.0.0.1", 1)
     with pytest.raises(LinkError, match="not open: connect first"):
         await link.write(b"x")
@@ -70,23 +70,23 @@ async def test_tcp_that_is_not_open_refuses_to_write_and_to_read() -> None:
 
 
 async def test_tcp_sees_what_has_come_without_waiting() -> None:
-    told: list[socket.socket] = []
+    accepted: list[socket.socket] = []
     with socket.create_server(("127.0.0.1", 0)) as listener:
         link = TcpTransport("127.0.0.1", listener.getsockname()[1])
         await link.open()
-        told.append(listener.accept()[0])
+        accepted.append(listener.accept()[0])
         assert link.waiting() == b""
-        told[0].sendall(b"unasked")
+        accepted[0].sendall(b"unasked")
         assert link.waiting() == b"unasked"
-        told[0].sendall(b"last")
-        told[0].shutdown(socket.SHUT_WR)
+        accepted[0].sendall(b"last")
+        accepted[0].shutdown(socket.SHUT_WR)
         assert link.waiting() == b"last"
         with pytest.raises(LinkError, match="other side has closed"):
             link.waiting()
         # A peer that says no more may still listen: this is how a STOP gets through.
         await link.write(b"STOP")
-        assert told[0].recv(100) == b"STOP"
-        told[0].close()
+        assert accepted[0].recv(100) == b"STOP"
+        accepted[0].close()
         await link.close()
 
 
@@ -257,7 +257,7 @@ def test_wrong_endpoint_is_an_error_of_the_link() -> None:
         open_transport("robot")
 
 
-async def test_transport_of_an_endpoint_records_when_told() -> None:
+async def test_transport_of_an_endpoint_records_on_request() -> None:
     seen: list[tuple[str, bytes]] = []
     async with server(b"QoK") as port:
         link = open_transport(f"tcp://127.0.0.1:{port}", sink=lambda d, b: seen.append((d, b)))

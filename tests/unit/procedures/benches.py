@@ -192,7 +192,7 @@ class IdealContext:
     rows: list[tuple[str, Row]] = field(default_factory=list)
     events: list[tuple[str, dict[str, Json]]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
-    told: list[tuple[float, float, str]] = field(default_factory=list)
+    progressed: list[tuple[float, float, str]] = field(default_factory=list)
     prompts: list[Prompt] = field(default_factory=list)
     answers: dict[str, str | Callable[[Prompt], str]] = field(default_factory=dict)
     shown: list[Live] = field(default_factory=list)
@@ -341,4 +341,4 @@ class IdealContext:
 
     def progress(self, done: float, total: float, text: str = "") -> None:
         """Keep the progress."""
-        self.told.append((done, total, text))
+        self.progressed.append((done, total, text))

@@ -90,7 +90,7 @@ def test_every_node_is_measured_on_the_flank_it_claims(
         max_size=12,
     )
 )
-def test_any_order_of_commands_is_measured_on_the_flank_it_claims(
+def test_commands_in_any_order_are_measured_on_their_flanks(
     rows: list[tuple[int, int, int, int]],
 ) -> None:
     commands = tuple(Command(i, 0.3 * a, 0.3 * b, s, t) for i, (a, b, s, t) in enumerate(rows))
@@ -99,7 +99,7 @@ def test_any_order_of_commands_is_measured_on_the_flank_it_claims(
     assert_on_the_claimed_flanks(stops, 0.999 * TAKE_UP_DEG, (3.0, -3.0))
 
 
-def test_without_take_up_a_reversed_joint_stays_on_the_old_flank() -> None:
+def test_without_take_up_reversals_stay_on_the_old_flank() -> None:
     stops = tuple(
         Waypoint(c.theta1_deg, c.theta2_deg, c) for c in bidirectional_sequence(NODES1_DEG, NODES2_DEG)
     )

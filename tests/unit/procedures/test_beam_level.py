@@ -1,4 +1,4 @@
-"""The beam level: heights at several distances, what hands are told, and the height to measure at."""
+"""The beam level: heights at several distances, what hands are asked to do, and the height to measure at."""
 
 import math
 from dataclasses import replace
@@ -48,7 +48,7 @@ async def test_the_pitch_is_taken_away_in_one_turn(pitch: float) -> None:
     assert rows[0]["quantity"] == "pitch of the beam"
 
 
-async def test_j3_is_brought_back_or_its_height_is_told() -> None:
+async def test_j3_is_brought_back_or_its_height_given() -> None:
     base = mounted_bench()
     context = await levelled(MountContext(pitch_mrad=1.3, height_mm=50.4))
     assert context.moves[-1][2] == context.pose[2] == base.j3_mm
@@ -62,7 +62,7 @@ async def test_j3_is_brought_back_or_its_height_is_told() -> None:
     assert any(f"not at j3_mm = {base.j3_mm:g}" in text for text in dark.warnings)
 
 
-async def test_hands_are_told_up_or_down_and_turns() -> None:
+async def test_the_instruction_gives_up_or_down_and_turns() -> None:
     context = await levelled(MountContext(pitch_mrad=1.0))
     (prompt,) = context.prompts
     assert prompt.id == "level/1"
@@ -95,7 +95,7 @@ def seen_lengths() -> list[float]:
     return lengths
 
 
-async def test_the_height_to_measure_at_is_told() -> None:
+async def test_the_height_to_measure_at_is_given() -> None:
     context = await levelled(MountContext(pitch_mrad=0.1, height_mm=51.3))
     lengths = seen_lengths()
     middle = 0.5 * (min(lengths) + max(lengths))
@@ -112,7 +112,7 @@ async def test_a_height_that_is_right_is_not_warned_about() -> None:
     assert [kind for kind, _ in context.events] == ["height"]
 
 
-async def test_a_beam_far_from_the_height_of_the_cell_file_is_found() -> None:
+async def test_a_beam_far_from_its_configured_height_is_found() -> None:
     context = await levelled(MountContext(pitch_mrad=-2.0, height_mm=44.0))
     assert abs(context.pitch_mrad) < 0.1
     assert context.stored["result"]["j3_mm"] == pytest.approx(44.0, abs=0.2)
@@ -132,7 +132,7 @@ async def test_only_one_joint_group_moves_at_a_time() -> None:
 
 
 @pytest.mark.parametrize(("height", "end"), [(59.5, "above 60"), (40.5, "below 40")])
-async def test_a_window_cut_off_by_the_range_of_j3_is_told(height: float, end: str) -> None:
+async def test_a_window_cut_off_by_j3s_range_is_refused(height: float, end: str) -> None:
     with pytest.raises(AlignmentError, match=rf"{end} mm.*widen j3_range_mm"):
         await levelled(MountContext(height_mm=height))
 

@@ -72,7 +72,7 @@ async def test_a_question_names_target_place_and_cause() -> None:
     assert prompt.target == (1.0, 2.0, 3.0, 4.0)
 
 
-async def test_skip_is_offered_only_where_a_place_can_be_left_out() -> None:
+async def test_skip_is_offered_where_a_place_is_optional() -> None:
     ctx = IdealContext(places={"P1": (1000.0, 0.0)}, answers={"beam/P1/1": "skip"})
     assert await loss_on(ctx, SKIPS).decide(GONE, "θ1 10°") == "skip"
     assert ctx.prompts[0].choices == ("retry", "skip", "stop")

@@ -1,4 +1,4 @@
-"""The beam to the J4 axis: what is measured, what hands are told, and what is noticed when they do otherwise."""
+"""The beam to the J4 axis: what is measured, what hands are asked, and what is noticed when they do otherwise."""
 
 import math
 from dataclasses import replace
@@ -74,7 +74,7 @@ async def test_the_offset_is_taken_away_in_one_turn(offset: float) -> None:
     assert "run reflector-search again" in context.warnings[-1]
 
 
-async def test_hands_are_told_side_way_and_turns() -> None:
+async def test_the_instruction_gives_side_direction_and_turns() -> None:
     context = await aligned(MountContext(offset_mm=0.43, noise_mm=0.0))
     (prompt,) = context.prompts
     assert prompt.id == "stage/1"
@@ -99,9 +99,9 @@ async def test_a_stage_that_moves_the_other_way_clockwise() -> None:
     assert abs(context.offset_mm) < 0.03
 
 
-async def test_the_time_left_is_that_of_rounds_with_hands_in_them() -> None:
+async def test_the_time_left_includes_manual_work_per_round() -> None:
     context = await aligned(MountContext(offset_mm=0.43), max_rounds=8)
-    done_s, total_s, _ = context.told[0]
+    done_s, total_s, _ = context.progressed[0]
     assert done_s / total_s == 1 / 8
     # Somebody walks to the screw and back: a round takes no second.
     assert total_s - done_s > 7 * 20.0
@@ -121,13 +121,13 @@ async def test_the_count_is_not_broken_while_j4_turns() -> None:
     assert context.measurements == 2 * 42
 
 
-async def test_a_screw_of_reversed_sense_is_noticed_and_used_as_it_acts() -> None:
+async def test_a_reversed_screw_is_noticed_and_compensated() -> None:
     context = await aligned(MountContext(offset_mm=0.43, stage_mm=-0.5, noise_mm=0.0))
     assert abs(context.offset_mm) < 0.05
     assert [prompt.id for prompt in context.prompts] == ["stage/1", "stage-sense/1", "stage/2"]
-    told = context.warnings[0]
-    assert "grew from 0.43 to 0.86 mm: the screw acts the other way; turn it clockwise" in told
-    assert 'stage_clockwise = "-y"' in told
+    warning = context.warnings[0]
+    assert "grew from 0.43 to 0.86 mm: the screw acts the other way; turn it clockwise" in warning
+    assert 'stage_clockwise = "-y"' in warning
     assert context.prompts[1].choices == ("reversed", "turned the wrong way")
     assert context.prompts[2].text.startswith("Move the stage 0.86 mm towards −y, 1.7")
     assert context.prompts[2].text.endswith(" turns clockwise, then confirm.")
@@ -159,7 +159,7 @@ async def test_a_screw_that_is_not_turned_is_noticed() -> None:
     assert "the stage screw was hardly turned" in context.warnings[0]
 
 
-async def test_a_screw_that_slips_for_ever_ends_with_the_table_of_rounds() -> None:
+async def test_a_slipping_screw_ends_with_the_table_of_rounds() -> None:
     context = MountContext(offset_mm=0.604, hands=lambda _turns: 0.0, noise_mm=0.0)
     with pytest.raises(AlignmentError) as caught:
         await aligned(context, max_rounds=3)
@@ -176,7 +176,7 @@ async def test_an_operator_who_declines_ends_it() -> None:
         await aligned(context)
 
 
-async def test_noise_that_hides_the_tolerance_is_told() -> None:
+async def test_noise_that_hides_the_tolerance_is_reported() -> None:
     with pytest.raises(AlignmentError, match="measure at more positions"):
         await aligned(MountContext(offset_mm=0.05, noise_mm=0.01))
 
@@ -187,7 +187,7 @@ async def test_radial_error_of_j4_counts_in_the_uncertainty() -> None:
     assert context.stored["result"]["u_mm"] == pytest.approx(0.010 * math.sqrt(55 / 5), rel=0.01)
 
 
-async def test_a_run_that_was_interrupted_at_the_screw_measures_before_it_turns() -> None:
+async def test_a_run_interrupted_at_the_screw_measures_before_turning() -> None:
     first = MountContext(offset_mm=0.6, answers={"stage/1": "no"})
     with pytest.raises(AlignmentError):
         await aligned(first)
@@ -218,7 +218,7 @@ async def test_a_beam_lost_during_the_turns_begins_them_anew() -> None:
         await aligned(MountContext(offset_mm=0.02, breaks_at={5, 12, 20}))
 
 
-async def test_hands_that_held_something_into_the_beam_have_it_measured_again() -> None:
+async def test_a_measurement_disturbed_by_hands_is_repeated() -> None:
     context = await aligned(
         MountContext(offset_mm=0.02, breaks_at={5, 12, 20}, answers={"stage/beam/1": "retry"})
     )
@@ -236,14 +236,14 @@ async def test_hands_that_held_something_into_the_beam_have_it_measured_again() 
     assert abs(float(str(context.stored["result"]["offset_mm"]))) < 0.05
 
 
-async def test_a_beam_that_stays_away_is_asked_for_three_times_only() -> None:
+async def test_a_missing_beam_is_asked_about_three_times_only() -> None:
     context = MountContext(height_mm=58.0, answers={f"stage/beam/{n}": "retry" for n in range(1, 9)})
     with pytest.raises(BeamLostError, match=r"does not return the beam within ±15°"):
         await aligned(context)
     assert [prompt.id for prompt in context.prompts] == ["stage/beam/1", "stage/beam/2", "stage/beam/3"]
 
 
-async def test_a_counter_that_does_not_zero_in_the_dark_is_asked_again() -> None:
+async def test_zeroing_without_a_beam_is_retried() -> None:
     class Dark(MountContext):
         async def zero(self, dead_path_mm: float) -> None:
             await super().zero(dead_path_mm)
@@ -259,7 +259,7 @@ async def test_no_return_at_all_names_what_to_check() -> None:
         await aligned(MountContext(height_mm=58.0))
 
 
-async def test_something_else_that_moves_is_told() -> None:
+async def test_something_else_that_moves_is_reported() -> None:
     # The reflector is twice as far as the cell file has it, in the same direction.
     pose = planned().pose
     x, y = arm_xy(pose.theta1_deg, pose.theta2_deg)

@@ -57,7 +57,7 @@ def test_a_box_between_two_targets_is_found_with_its_distance() -> None:
     assert "the keep-out box press stands in the arm's way" in refusal
 
 
-def test_a_distance_below_the_clearance_is_told_in_mm() -> None:
+def test_a_distance_below_the_clearance_is_given_in_mm() -> None:
     tall = replace(bench().workspace, table_z_mm=128.5)
     refusal = way_refusal([HOME, (5.0, 0.0, 12.5, 0.0)], replace(bench(), workspace=tall))
     assert refusal is not None

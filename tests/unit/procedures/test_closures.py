@@ -47,7 +47,7 @@ def test_the_points_are_those_of_a_plan_without_closures() -> None:
         assert b.closures == ()
 
 
-def test_trips_are_spread_over_the_points_and_their_time_is_in_the_plan() -> None:
+def test_closures_are_spread_over_points_and_included_in_time() -> None:
     plan, without = papers_plan(), plan_open_loop(bench())
     for part in plan.reflectors:
         after = [closure.after for closure in part.closures]
@@ -94,7 +94,7 @@ def test_a_trip_approaches_both_ends_from_their_own_sides() -> None:
                     assert (math.copysign(1.0, changes[-1]) if changes else side) == direction
 
 
-def test_trips_that_cannot_be_driven_are_left_out_with_a_warning() -> None:
+def test_closures_that_cannot_be_driven_are_omitted_with_warning() -> None:
     plan = plan_open_loop(bench(*NODES), reflectors=("P2",), closures=2)
     assert len(plan.reflectors[0].closures) == 2
     # Every way through the first row leads J4 beyond these limits, so there each point begins a segment.
@@ -106,7 +106,7 @@ def test_trips_that_cannot_be_driven_are_left_out_with_a_warning() -> None:
     )
 
 
-def test_closures_are_not_planned_where_they_would_undo_what_is_to_be_shown() -> None:
+def test_no_closures_without_subdivision_or_take_up() -> None:
     for given in ({"subdivide": False}, {"take_up": False}):
         params = OpenLoopParams(reflectors=["P2"], **given)
         plan = OpenLoop().plan(bench(*NODES), params)
@@ -158,7 +158,7 @@ async def test_an_overlap_carries_the_reference_over_a_loss() -> None:
 
 
 def require_first_of_the_count(context: TroubledContext) -> None:
-    """Each closure leads to the first point of its segment, from that point's sides, and tells no drift."""
+    """Each closure leads to the first point of its segment, from that point's sides, and shows no drift."""
     measured = [row for row in rows(context, "records") if row["kind"] == "closure"]
     assert [row["number"] for row in measured] == [1, 2]
     for row in measured:
@@ -169,7 +169,7 @@ def require_first_of_the_count(context: TroubledContext) -> None:
         assert row["drift_um"] == pytest.approx(0.0, abs=1e-6)
 
 
-async def test_after_a_gap_without_an_overlap_closures_lead_to_a_pose_of_the_present_count() -> None:
+async def test_closures_after_a_gap_return_to_the_present_count() -> None:
     # The overlap itself is broken, so the segment begins at the point.
     context = await ran(TroubledContext(breaks_at={6, 7}))
     require_first_of_the_count(context)

@@ -28,7 +28,7 @@ def nearest_mm(way: tuple[Pose, ...], place: tuple[float, float]) -> float:
 
 
 @pytest.mark.parametrize("place", [0, 7, 14, 23])
-def test_a_point_is_approached_from_its_own_sides_with_the_beam_aimed(place: int) -> None:
+def test_a_point_is_approached_from_its_directions_while_aimed(place: int) -> None:
     paper = bench(*NODES)
     (part,) = plan_open_loop(paper, reflectors=("P2",)).reflectors
     visit = part.visits[place]
@@ -42,7 +42,7 @@ def test_a_point_is_approached_from_its_own_sides_with_the_beam_aimed(place: int
     assert abs(take_up[3] - node[3]) < 10.0
 
 
-def test_at_a_limit_of_j4_the_take_up_does_without_the_aim() -> None:
+def test_at_a_j4_limit_the_take_up_is_unaimed() -> None:
     wide = plan_open_loop(bench(*NODES), reflectors=("P2",)).reflectors[0]
     visit = wide.visits[0]
     aimed, node = approach(visit, bench(*NODES), wide.reflector)
@@ -73,7 +73,7 @@ def test_a_reflector_in_the_way_is_gone_round() -> None:
     assert nearest_mm((here, *way), (obstacle[0] + 20.0, obstacle[1])) >= 50.0
 
 
-def test_without_a_free_way_the_arm_stays_and_says_what_to_do() -> None:
+def test_a_blocked_way_in_names_the_obstacle_and_remedy() -> None:
     here: Pose = (-30.0, 0.0, 12.5, 0.0)
     x, y = arm_xy(*here[:2])
     paper = bench(places={"P1": PLACES["P1"], "near": (x + 20.0, y)})
@@ -83,7 +83,7 @@ def test_without_a_free_way_the_arm_stays_and_says_what_to_do() -> None:
     assert "Jog the arm to where its way is free" in str(caught.value)
 
 
-def test_an_arm_outside_its_limits_at_another_height_is_not_lifted() -> None:
+def test_an_arm_outside_its_limits_is_not_lifted() -> None:
     with pytest.raises(WayBlockedError, match="jog it inside them first"):
         way_in((175.0, 0.0, -50.0, 0.0), (30.0, 0.0, 12.5, 50.0), bench())
 
@@ -104,7 +104,7 @@ async def test_a_measurement_begins_wherever_the_arm_stands(start: Pose) -> None
     assert all(nearest_mm((start, *context.moves[:4]), place) > 50.0 for place in places)
 
 
-async def test_a_resumed_run_enters_at_its_point_with_a_take_up_of_its_own() -> None:
+async def test_a_resumed_run_enters_its_point_with_take_up() -> None:
     plan = plan_open_loop(bench(*NODES), reflectors=("P2",))
     whole = TroubledContext()
     await OpenLoop().run(whole, plan)
@@ -118,7 +118,7 @@ async def test_a_resumed_run_enters_at_its_point_with_a_take_up_of_its_own() -> 
     assert came_from == pytest.approx((command.direction1, command.direction2))
 
 
-def test_an_offset_serves_while_the_beam_is_kept_and_for_the_next_start_only() -> None:
+def test_an_aim_offset_survives_one_restart_only() -> None:
     aim = AimCorrection()
     aim.found(0.10, half_window_deg=0.08)
     assert aim.applied((0.0, 0.0, 0.0, 5.0), (-10.0, 10.0))[3] == pytest.approx(5.10)

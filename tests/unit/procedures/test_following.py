@@ -57,7 +57,7 @@ def test_all_ways_visit_the_same_nodes_in_the_same_poses() -> None:
     assert ends[0] == [pytest.approx(pose, abs=1e-9) for pose in ends[2]]
 
 
-def test_the_time_of_a_way_depends_on_how_it_is_driven() -> None:
+def test_path_time_depends_on_how_it_is_driven() -> None:
     arm = replace(
         bench().arm,
         axes=scara_axes(speeds=(100.0,) * 3, accelerations=(100.0,) * 3),

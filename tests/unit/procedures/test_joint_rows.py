@@ -43,8 +43,8 @@ async def test_each_row_is_driven_to_from_its_side() -> None:
     )
     assert {move[2:] for move in context.moves} == {(12.5, 0.0)}
     rows = [row for table, row in context.rows if table == "path"]
-    told = ("x_mm", "y_mm", "theta1_deg", "theta2_deg", "direction1", "direction2")
-    assert [[row[name] for name in told] for row in rows] == ROWS
+    named = ("x_mm", "y_mm", "theta1_deg", "theta2_deg", "direction1", "direction2")
+    assert [[row[name] for name in named] for row in rows] == ROWS
 
 
 async def test_every_pass_begins_with_a_take_up() -> None:

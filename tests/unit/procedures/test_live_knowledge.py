@@ -1,4 +1,4 @@
-"""What is told while measuring: innovations, how well the maps are known, when that is enough, how far the run is."""
+"""Shown while measuring: innovations, how well the maps are known, when that is enough, how far the run is."""
 
 import math
 from dataclasses import replace
@@ -44,15 +44,15 @@ def points(context: TroubledContext) -> list[Row]:
 
 
 async def test_nothing_is_known_of_the_map_before_it_is_determined() -> None:
-    told = known(await ran(plan_of("P1", "P2")))
-    assert len(told) == 2 * 6
-    assert told[0]["u_theta1_mdeg"] is None
-    assert told[0]["text"].startswith("the map is not determined yet: ")
-    last = told[-1]
+    published = known(await ran(plan_of("P1", "P2")))
+    assert len(published) == 2 * 6
+    assert published[0]["u_theta1_mdeg"] is None
+    assert published[0]["text"].startswith("the map is not determined yet: ")
+    last = published[-1]
     assert last["text"] == (
         f"Δθ1 known to {last['u_theta1_mdeg']:.1f} mdeg, Δθ2 {last['u_theta2_mdeg']:.1f} mdeg"
     )
-    numbers = [data["u_theta2_mdeg"] for data in told if data["u_theta2_mdeg"] is not None]
+    numbers = [data["u_theta2_mdeg"] for data in published if data["u_theta2_mdeg"] is not None]
     assert all(math.isfinite(number) for number in numbers)
     assert numbers[-1] < 0.95 * numbers[0]
 
@@ -80,7 +80,7 @@ async def test_innovations_of_an_ideal_arm_vanish() -> None:
     assert max(abs(live.value) for live in shown) < 1.0
 
 
-async def test_a_reflector_that_is_moved_along_the_beam_shows_in_the_innovation() -> None:
+async def test_a_reflector_moved_along_the_beam_shows_as_innovation() -> None:
     context = TroubledContext()
 
     def grows(number: int) -> None:
@@ -108,7 +108,7 @@ async def test_a_run_stops_when_both_maps_are_known_well_enough() -> None:
     assert f"known to {limit:g} mdeg" in str(stop["text"])
     last = known(context)[-1]
     assert max(last["u_theta1_mdeg"], last["u_theta2_mdeg"]) <= limit
-    done, total, text = context.told[-1]
+    done, total, text = context.progressed[-1]
     assert done == total
     assert text == stop["text"]
 
@@ -122,7 +122,7 @@ async def test_a_stopped_run_that_is_resumed_stops_where_it_did() -> None:
     assert again.ran == []
 
 
-async def test_stored_points_count_for_the_map_but_are_not_told_again() -> None:
+async def test_stored_points_feed_the_map_without_being_republished() -> None:
     plan = plan_of("P1", "P2")
     whole = await ran(plan)
     kept = dict(list(whole.stored.items())[:-6])
@@ -138,22 +138,22 @@ async def test_the_pace_counts_from_the_first_step_that_runs_now() -> None:
     whole = await ran(plan)
     kept = dict(list(whole.stored.items())[:20])
     later = await ran(plan, TroubledContext(stored=dict(kept), resumed=True))
-    done, total, _ = later.told[0]
+    done, total, _ = later.progressed[0]
     part = plan.reflectors[0]
     expected = {f"P1/{visit.command.index:04d}": visit.duration_s for visit in part.visits}
     expected |= {f"P1/closure/{closure.number:02d}": closure.duration_s for closure in part.closures}
     assert done == pytest.approx(sum(expected[name] for name in kept))
     assert total == pytest.approx(plan.duration_s)
-    assert later.told[-1][0] == pytest.approx(later.told[-1][1])
+    assert later.progressed[-1][0] == pytest.approx(later.progressed[-1][1])
 
 
 async def test_a_recovery_moves_the_end_by_what_it_takes() -> None:
     plan = plan_of("P2")
     calm, troubled = await ran(plan), await ran(plan, TroubledContext(breaks_at={6}))
-    late = troubled.told[-1][1] - calm.told[-1][1]
+    late = troubled.progressed[-1][1] - calm.progressed[-1][1]
     # Once more to the last good pose, settling and dwell there, and the way on again.
     assert 0.75 < late < 3.0
-    assert troubled.told[-1][0] == pytest.approx(troubled.told[-1][1])
+    assert troubled.progressed[-1][0] == pytest.approx(troubled.progressed[-1][1])
 
 
 def carried() -> OpenLoopPlan:
@@ -173,7 +173,7 @@ async def test_a_single_reflector_is_asked_for_before_it_is_needed() -> None:
     assert len(points(context)) == 2 * COUNT
 
 
-async def test_a_resumed_run_asks_for_it_again_only_where_points_are_left() -> None:
+async def test_a_resumed_run_asks_only_for_reflectors_with_points_left() -> None:
     whole = await ran(carried(), TroubledContext(answers={"place/P1": "yes", "place/P2": "yes"}))
     kept = dict(list(whole.stored.items())[: COUNT + 3])
     later = TroubledContext(stored=dict(kept), answers={"place/P2": "yes"}, resumed=True)
@@ -181,7 +181,7 @@ async def test_a_resumed_run_asks_for_it_again_only_where_points_are_left() -> N
     assert [prompt.id for prompt in later.prompts] == ["place/P2"]
 
 
-async def test_a_reflector_that_is_not_placed_ends_the_run_before_anything_moves() -> None:
+async def test_an_unplaced_reflector_ends_the_run_before_motion() -> None:
     context = TroubledContext(answers={"place/P1": "no"})
     with pytest.raises(BeamLostError, match="put it there and go on with catseye resume"):
         await ran(carried(), context)

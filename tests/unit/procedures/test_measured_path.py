@@ -67,7 +67,7 @@ def refused(rows: Sequence[Mapping[str, float]], passes: int = 1) -> str:
 
 
 @pytest.mark.parametrize("form", [places, joints])
-def test_rows_take_commands_from_the_path_and_places_from_the_file(
+def test_rows_combine_path_commands_with_measured_positions(
     form: Callable[[], list[dict[str, float]]],
 ) -> None:
     rows = matched_positions("t.csv", POINTS, 1, columns(form()))
@@ -81,12 +81,12 @@ def test_rows_take_commands_from_the_path_and_places_from_the_file(
     assert [row.extra["pass_number"] for row in twice] == [0] * 26 + [1] * 26
 
 
-def test_another_number_of_points_is_told() -> None:
+def test_another_number_of_points_is_reported() -> None:
     assert "t.csv: holds 25 points and the path has 26 (1 pass(es) of 26" in refused(places()[1:])
     assert "the path has 52 (2 pass(es)" in refused(places(), passes=2)
 
 
-def test_points_of_another_path_or_order_are_told_with_their_line() -> None:
+def test_points_of_another_path_or_order_name_their_line() -> None:
     swapped = places()
     swapped[3], swapped[4] = swapped[4], swapped[3]
     assert "t.csv:5: the command is (200, -100) mm and point 4 of this path is (200, -150) mm" in refused(
@@ -118,7 +118,7 @@ def test_another_unit_of_the_commands_is_named() -> None:
     assert "theta1_deg, theta2_deg seem to be in rad" in refused(radians)
 
 
-def test_positions_that_are_not_those_of_the_path_are_told() -> None:
+def test_positions_that_are_not_those_of_the_path_are_reported() -> None:
     wide = refused(places(1.3))
     assert "spread 1.3 times as far" in wide
     assert "they are not those of this path" in wide

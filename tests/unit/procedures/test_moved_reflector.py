@@ -23,7 +23,7 @@ async def measured(moved_by_mm: float) -> TroubledContext:
     return context
 
 
-async def test_it_is_named_once_with_what_to_do_while_the_run_goes_on() -> None:
+async def test_a_moved_reflector_is_warned_about_once_with_remedy() -> None:
     (text,) = [each for each in (await measured(0.5)).warnings if "moved" in each]
     assert text.startswith("P2 or the interferometer seems to have been moved: ")
     assert "hold the run and look" in text

@@ -76,7 +76,7 @@ def test_the_beam_stays_on_the_reflector_between_the_points_too(index: int) -> N
     assert worst > 0.1
 
 
-def test_the_miss_that_a_visit_states_is_the_miss_of_its_moves() -> None:
+def test_a_visits_stated_miss_is_that_of_its_moves() -> None:
     part = papers_plan().reflectors[0]
     for before, visit in pairwise(part.visits):
         if not visit.tracked:
@@ -86,7 +86,7 @@ def test_the_miss_that_a_visit_states_is_the_miss_of_its_moves() -> None:
         assert visit.miss_mm == pytest.approx(own, rel=0.02, abs=1e-9)
 
 
-def test_every_target_aims_at_the_reflector_and_the_beam_is_as_long_as_stated() -> None:
+def test_every_target_is_aimed_and_has_its_stated_length() -> None:
     for part in papers_plan().reflectors:
         place = PLACES[part.reflector.name]
         for visit in part.visits:
@@ -103,7 +103,7 @@ def test_a_visit_ends_at_its_node() -> None:
             assert visit.moves[-1][:2] == pytest.approx(node, abs=1e-9)
 
 
-def test_j4_keeps_its_limits_and_never_jumps_while_the_beam_is_kept() -> None:
+def test_j4_keeps_its_limits_without_jumps_while_tracking() -> None:
     for part in papers_plan().reflectors:
         angles = [target[3] for visit in part.visits for target in visit.moves]
         assert min(angles) >= -360.0
@@ -112,14 +112,14 @@ def test_j4_keeps_its_limits_and_never_jumps_while_the_beam_is_kept() -> None:
         assert max(abs(b[3] - a[3]) for a, b in legs(part, tracked=True)) < 60.0
 
 
-def test_every_kept_leg_stays_clear_of_the_column_and_inside_the_field() -> None:
+def test_every_tracked_leg_keeps_the_line_of_sight_free() -> None:
     for part in papers_plan().reflectors:
         for start, end in legs(part, tracked=True):
             for share in np.linspace(0.0, 1.0, 21):
                 assert can_be_seen(*between(start, end, float(share)), part.reflector, 114.0)
 
 
-def test_blind_commands_are_exactly_those_without_a_free_line_of_sight() -> None:
+def test_blind_commands_are_exactly_those_without_sight() -> None:
     for part in papers_plan().reflectors:
         assert len(part.blind) + len(part.visits) == 352
         for command in part.blind:
@@ -128,7 +128,7 @@ def test_blind_commands_are_exactly_those_without_a_free_line_of_sight() -> None
             assert can_be_seen(visit.command.theta1_deg, visit.command.theta2_deg, part.reflector, 115.0)
 
 
-def test_a_leg_is_a_break_only_where_the_sight_is_cut_or_a_blind_command_lies_between() -> None:
+def test_a_leg_is_untracked_only_where_sight_is_interrupted() -> None:
     for part in papers_plan().reflectors:
         assert not part.visits[0].tracked
         for before, visit in pairwise(part.visits):
@@ -237,7 +237,7 @@ def test_a_reflector_that_few_commands_see_is_refused(place: tuple[float, float]
 
 
 @pytest.mark.parametrize("place", [(300.0, 100.0), (340.0, -420.0), (0.0, -540.0)])
-def test_a_reflector_in_the_arms_way_is_refused_even_when_it_can_be_seen(place: tuple[float, float]) -> None:
+def test_a_visible_reflector_in_the_arms_way_is_refused(place: tuple[float, float]) -> None:
     nodes = [(one, two) for one in bench().nodes1_deg for two in np.linspace(0.0, 140.0, 141)]
     assert min(math.dist(arm_xy(*node), place) for node in nodes) < 50.0
     with pytest.raises(PlanError) as caught:
@@ -260,7 +260,7 @@ def test_an_unknown_reflector_is_named_with_those_that_are_known() -> None:
         plan_open_loop(bench(), reflectors=("P9",))
 
 
-def test_a_take_up_beyond_the_limits_is_refused_before_anything_is_planned() -> None:
+def test_a_take_up_beyond_the_limits_is_refused() -> None:
     with pytest.raises(PlanLimitError, match=r"take-up position before a node needs J2 = -145\.2°"):
         plan_open_loop(bench((0.0, 20.0), (-144.2, 0.0)))
 

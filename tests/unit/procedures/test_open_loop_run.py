@@ -52,7 +52,7 @@ async def test_every_command_is_measured_once_in_one_segment() -> None:
     assert len({node(row) for row in rows}) == COUNT
 
 
-async def test_displacements_are_relative_to_the_first_point_and_grow_with_the_beam() -> None:
+async def test_displacements_are_relative_to_the_first_point() -> None:
     context = await ran(small_plan(), IdealContext())
     rows = points(context)
     lengths = [math.dist(arm_xy(*node(row)[:2]), PLACES["P2"]) for row in rows]
@@ -83,7 +83,7 @@ async def test_each_reflector_counts_its_own_segments() -> None:
     assert segments == {"P1": {0, 1}, "P2": {0}}
 
 
-async def test_steps_that_are_stored_are_not_repeated_and_segments_go_on() -> None:
+async def test_stored_steps_are_not_repeated_and_segments_continue() -> None:
     whole = await ran(small_plan(), IdealContext(breaks_at={6}))
     names = list(whole.stored)
     kept = {name: whole.stored[name] for name in names[:10]}
@@ -106,14 +106,14 @@ async def test_a_complete_run_moves_nothing_when_it_is_repeated() -> None:
 async def test_progress_ends_at_the_expected_time() -> None:
     plan = small_plan()
     context = await ran(plan, IdealContext())
-    done, total = [entry[0] for entry in context.told], [entry[1] for entry in context.told]
+    done, total = [entry[0] for entry in context.progressed], [entry[1] for entry in context.progressed]
     assert done == sorted(done)
     assert done[0] == 0.0
     assert total[0] == pytest.approx(plan.duration_s)
     # The way in from where the arm happened to stand comes on top of the plan.
     assert done[-1] == pytest.approx(total[-1])
     assert plan.duration_s < total[-1] < plan.duration_s + 3.0
-    assert context.told[-1][2] == "P2 point 24/24"
+    assert context.progressed[-1][2] == "P2 point 24/24"
 
 
 async def test_the_operator_is_warned_of_blind_commands_first() -> None:

@@ -80,7 +80,7 @@ def first_two_legged(plan: OpenLoopPlan) -> tuple[int, int]:
     return place, before + len(visits[place].legs[0])
 
 
-async def test_a_beam_lost_at_a_point_leads_back_to_the_last_good_pose_and_on_again() -> None:
+async def test_a_beam_lost_at_a_point_recovers_with_an_overlap() -> None:
     context = await ran(TroubledContext(breaks_at={6}))
     require_right(context)
     rows = points(context)
@@ -109,7 +109,7 @@ async def test_the_last_good_pose_is_approached_as_it_was_before() -> None:
     )
 
 
-async def test_nothing_drives_on_when_the_beam_is_lost_on_the_way() -> None:
+async def test_losing_the_beam_on_a_leg_abandons_the_visit() -> None:
     plan = small_plan()
     place, move = first_two_legged(plan)
     context = await ran(TroubledContext(breaks_on_move={move}), plan)
@@ -123,7 +123,7 @@ async def test_nothing_drives_on_when_the_beam_is_lost_on_the_way() -> None:
     assert events(context, "beam-lost")[0]["point"] == visit.command.index
 
 
-async def test_every_loss_begins_a_segment_and_is_told_with_its_remedy() -> None:
+async def test_every_beam_loss_begins_a_segment_with_a_warning() -> None:
     context = await ran(TroubledContext(breaks_at={6, 12}))
     require_right(context)
     assert len({row["segment"] for row in points(context)}) == 3
@@ -132,7 +132,7 @@ async def test_every_loss_begins_a_segment_and_is_told_with_its_remedy() -> None
     assert all("keep out of its way" in text for text in context.warnings)
 
 
-async def test_an_overrun_counter_is_told_with_the_override() -> None:
+async def test_an_overrun_counter_is_reported_with_the_override() -> None:
     plan = small_plan()
     _, move = first_two_legged(plan)
     context = await ran(TroubledContext(fast_on_move={move}), plan)
@@ -141,7 +141,7 @@ async def test_an_overrun_counter_is_told_with_the_override() -> None:
     assert "lower override_cap_percent (now 20 %)" in context.warnings[0]
 
 
-async def test_a_laser_that_loses_its_lock_suspends_and_its_count_is_not_used() -> None:
+async def test_a_laser_losing_lock_suspends_and_begins_a_segment() -> None:
     context = await ran(TroubledContext(laser_off_at={6}))
     require_right(context)
     assert len(context.suspensions) == 1
@@ -165,7 +165,7 @@ def across_mm(plan: OpenLoopPlan, point: object, dy_mm: float) -> float:
     return dy_mm * math.cos(math.atan2(PLACES["P2"][1] - y, PLACES["P2"][0] - x))
 
 
-async def test_a_reflector_that_is_pushed_aside_shows_by_how_much_and_is_warned_of() -> None:
+async def test_a_displaced_reflector_is_measured_and_warned_about() -> None:
     plan = small_plan()
     context = TroubledContext(places={"P2": PLACES["P2"]})
     context.before_measuring = moves_the_reflector(context, 6, 2.4)
@@ -202,7 +202,7 @@ async def test_a_signal_that_stays_weak_is_never_measured_with() -> None:
     assert set(causes(context)) == {"weak-signal"}
 
 
-async def test_a_beam_that_stays_away_is_asked_about_after_three_attempts() -> None:
+async def test_a_missing_beam_is_asked_about_after_three_attempts() -> None:
     context = TroubledContext()
     gone: list[int] = []
     context.blocked = lambda _pose: bool(gone)
@@ -232,7 +232,7 @@ async def test_attempts_are_a_matter_of_choice() -> None:
     assert len(causes(context)) == 1
 
 
-async def test_a_point_may_be_skipped_and_is_told_of_at_the_end() -> None:
+async def test_skipped_points_are_listed_at_the_end() -> None:
     def stands_in_the_way(pose: Pose) -> bool:
         return abs(pose[0] + 20.0) < 0.5 and abs(pose[1] - 40.0) < 0.5
 
@@ -281,14 +281,14 @@ async def test_breaks_while_recovering_never_reach_a_point(breaks: set[int]) -> 
 
 
 @pytest.mark.parametrize("refused", [{1}, {2}, {2, 3}])
-async def test_a_zero_that_is_refused_without_a_beam_is_tried_again(refused: set[int]) -> None:
+async def test_a_zero_refused_without_a_beam_is_retried(refused: set[int]) -> None:
     context = await ran(TroubledContext(breaks_at={6}, refused_zeros=refused))
     require_right(context)
     assert context.prompts == []
 
 
 @pytest.mark.parametrize("moment", range(3, 12))
-async def test_an_arm_that_was_jogged_goes_back_to_the_last_good_pose(moment: int) -> None:
+async def test_a_jogged_arm_returns_to_the_last_good_pose(moment: int) -> None:
     context = TroubledContext()
 
     def jog(look: int) -> None:
@@ -304,7 +304,7 @@ async def test_an_arm_that_was_jogged_goes_back_to_the_last_good_pose(moment: in
     assert "leave it alone" in context.warnings[0]
 
 
-async def test_an_arm_that_was_moved_in_the_middle_of_a_leg_does_not_drive_on() -> None:
+async def test_an_arm_moved_during_a_leg_goes_back() -> None:
     plan = small_plan()
     place = next(i for i, v in enumerate(plan.reflectors[0].visits) if v.tracked and len(v.legs[0]) > 1)
     move = 1 + sum(len(visit.moves) for visit in plan.reflectors[0].visits[:place])
@@ -333,7 +333,7 @@ async def test_an_arm_that_is_moved_during_a_recovery_enters_anew(after: int, of
     assert any("somebody has moved it" in text for text in context.warnings)
 
 
-async def test_ways_that_are_not_subdivided_are_told_once_and_zeroed_where_the_arm_stands() -> None:
+async def test_unsubdivided_legs_warn_once_and_zero_in_place() -> None:
     plan = plan_open_loop(bench(*NODES), reflectors=("P2",), subdivide=False)
     visits = plan.reflectors[0].visits
     place = next(i for i, visit in enumerate(visits) if visit.miss_mm > 1.0)

@@ -67,7 +67,7 @@ def way(plan: RepeatabilityPlan, number: int = 0) -> list[Pose]:
     return [trip.start, *(target for leg in trip.legs for target in leg)]
 
 
-def test_the_beam_lasts_over_the_whole_cycle_and_from_cycle_to_cycle() -> None:
+def test_the_beam_is_kept_throughout_and_between_cycles() -> None:
     plan = planned(reflectors=[])
     for number, name in enumerate(PLACES):
         targets = way(plan, number)
@@ -75,7 +75,7 @@ def test_the_beam_lasts_over_the_whole_cycle_and_from_cycle_to_cycle() -> None:
         assert targets[0] == targets[-1]
 
 
-def test_every_pose_is_approached_upwards_from_a_run_in_of_its_own() -> None:
+def test_every_pose_is_approached_upwards_from_its_run_in() -> None:
     plan = planned(poses=4)
     targets = [target[:2] for target in way(plan)]
     for one, two in plan.poses:
@@ -163,13 +163,13 @@ def test_a_position_that_has_no_spread_is_refused_by_name() -> None:
     assert beams(ctx)[0]["s_um"] > 0.0
 
 
-def test_a_drift_is_told() -> None:
+def test_a_drift_is_warned_about() -> None:
     ctx = run(planned(cycles=30), ScatteringContext(drift_mm=0.001))
     assert beams(ctx)[0]["drift_um"] == pytest.approx(58.0, abs=15.0)
     assert any("warm the arm up first" in text for text in ctx.warnings)
 
 
-def test_a_cycle_with_a_lost_beam_is_driven_again_in_a_new_segment() -> None:
+def test_a_cycle_losing_the_beam_repeats_in_a_new_segment() -> None:
     ctx = run(planned(), ScatteringContext(breaks_at={8}))
     rows = [row for _, row in ctx.rows]
     # Measurement 8 is the second pose of the fourth cycle: the whole cycle is repeated, nothing of it counts twice.
@@ -180,7 +180,7 @@ def test_a_cycle_with_a_lost_beam_is_driven_again_in_a_new_segment() -> None:
     assert [data["where"] for kind, data in ctx.events if kind == "beam-lost"] == ["P2 pose 2 cycle 4"]
 
 
-def test_an_arm_that_was_moved_beside_its_pose_is_no_repeat_of_it() -> None:
+def test_a_measurement_with_the_arm_moved_aside_is_repeated() -> None:
     @dataclass
     class PushedContext(ScatteringContext):
         """The arm stands a little beside its pose once; the beam follows it within its window."""
@@ -262,6 +262,6 @@ def test_a_reflector_that_is_not_placed_ends_it() -> None:
 def test_the_time_left_counts_in_bench_seconds() -> None:
     plan = planned(cycles=4, reflectors=["P1", "P2"])
     ctx = run(plan, ScatteringContext())
-    assert ctx.told[-1][:2] == pytest.approx((plan.duration_s, plan.duration_s))
-    assert ctx.told[0][0] == pytest.approx(plan.cycle_s[0])
+    assert ctx.progressed[-1][:2] == pytest.approx((plan.duration_s, plan.duration_s))
+    assert ctx.progressed[0][0] == pytest.approx(plan.cycle_s[0])
     assert {live.name for live in ctx.shown} >= {"largest S", "S of pose 1 along the beam to P1"}

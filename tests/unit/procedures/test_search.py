@@ -96,7 +96,7 @@ async def test_the_scan_keeps_inside_the_limits_of_j4() -> None:
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-async def test_a_window_cut_off_by_the_limits_of_j4_has_no_middle(sign: float) -> None:
+async def test_a_window_cut_off_by_j4s_limits_has_no_middle(sign: float) -> None:
     pose: Pose = (10.0, 30.0, 12.5, 178.9 * sign)
     context = sees_backwards(looking_from(pose, 178.97 * sign, 0.085))
     context.j4_limits_deg = (-179.0, 179.0)
@@ -196,8 +196,8 @@ async def test_a_search_finds_where_the_reflectors_really_are() -> None:
     assert [kind for kind, _ in context.events] == ["aim"]
     assert context.warnings == []
     assert len([row for table, row in context.rows if table == "search"]) == 24
-    assert len(context.told) == 24
-    done_s, total_s, _ = context.told[-1]
+    assert len(context.progressed) == 24
+    done_s, total_s, _ = context.progressed[-1]
     assert done_s == total_s
     # A look takes some seconds, not one.
     assert 24 * 5.0 < total_s < 24 * 60.0
@@ -262,7 +262,7 @@ async def test_a_wider_range_finds_a_beam_that_is_far_off() -> None:
     assert number(context.stored["solve"]["theta40_deg"]) == pytest.approx(-9.0, abs=0.003)
 
 
-async def test_a_search_keeps_inside_j4_limits_that_the_rough_aim_touches() -> None:
+async def test_a_search_respects_j4_limits_near_the_rough_aim() -> None:
     plan = plan_search(bench())
     limit = max(pose.j4_deg for pose in plan.poses) + 0.2
     base = bench(j4_limits_deg=(-360.0, limit))
@@ -280,7 +280,7 @@ async def test_sightings_that_are_stored_are_not_looked_for_again() -> None:
     assert again.stored["solve"] == first.stored["solve"]
 
 
-async def test_the_limit_of_the_aim_counts_the_miss_that_the_plan_allows_itself() -> None:
+async def test_the_aim_limit_includes_the_planned_miss() -> None:
     def error(one: float, two: float) -> float:
         return 0.02 * math.sin(37.0 * one + 11.0 * two)
 

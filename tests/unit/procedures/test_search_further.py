@@ -84,8 +84,8 @@ def test_further_poses_can_be_reached_from_all_others() -> None:
 
 async def test_poses_are_added_until_the_aim_holds() -> None:
     context = await searched(JoltedContext(TRUE_PLACES, 1.4, jolt_deg=JOLT_DEG, seed=3), poses=4)
-    told = aims(context)
-    added = [aim for aim in told if not aim["holds"]]
+    found = aims(context)
+    added = [aim for aim in found if not aim["holds"]]
     assert added
     assert len(sights(context)) == 12 + len(added)
     for aim in added:
@@ -94,8 +94,8 @@ async def test_poses_are_added_until_the_aim_holds() -> None:
         # The acceptance of 1 mm less the plan's own miss of 0.2 mm is left for twice the uncertainty.
         assert 2.0 * u > 0.8
         assert aim["room_mm"] == pytest.approx(0.8)
-    assert told[-1]["holds"]
-    last = told[-1]["worst_uncertainty_mm"]
+    assert found[-1]["holds"]
+    last = found[-1]["worst_uncertainty_mm"]
     assert isinstance(last, float)
     assert 2.0 * last <= 0.8
     shown = [live for live in context.shown if live.name.startswith("aim at P")]
@@ -155,7 +155,7 @@ async def test_the_next_pose_is_the_one_that_helps_most() -> None:
     assert worst(added) <= 1.02 * min(worst(option) for option in options)  # type: ignore[arg-type]  # plain numbers
 
 
-async def test_a_list_that_runs_out_is_an_error_with_its_remedy() -> None:
+async def test_running_out_of_poses_is_an_error_with_remedy() -> None:
     with pytest.raises(ReflectorNotFoundError, match=r"param poses or most_poses"):
         await searched(JoltedContext(TRUE_PLACES, 1.4, jolt_deg=0.2), poses=4, most_poses=5)
 
@@ -173,7 +173,7 @@ async def test_a_search_that_was_interrupted_goes_the_same_way() -> None:
         assert again.stored["solve"] == first.stored["solve"]
 
 
-async def test_a_reflector_that_seldom_returns_is_not_looked_for_for_ever() -> None:
+async def test_a_rarely_returning_reflector_is_given_up() -> None:
     plan = plan_search(bench())
     mine = [(p.theta1_deg, p.theta2_deg) for p in plan.poses if p.reflector.name == "P2"]
 

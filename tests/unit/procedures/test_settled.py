@@ -87,7 +87,7 @@ async def test_a_lost_beam_is_no_matter_of_settling(bench: ShakingContext) -> No
     assert bench.measurements == 1
 
 
-async def test_a_laser_that_is_not_ready_suspends_and_its_count_is_not_used(bench: ShakingContext) -> None:
+async def test_an_unready_laser_suspends_and_invalidates_the_count(bench: ShakingContext) -> None:
     bench.unready = 3
     measured = await settled_measurement(bench, TIMING, "x")
     assert measured is not None

@@ -47,7 +47,7 @@ def test_moves_last_as_long_as_the_slowest_of_six() -> None:
     assert move_time_s(BENCH.arm, travel) == pytest.approx(expected)
 
 
-def test_a_streamed_way_is_led_at_the_speed_of_the_cell() -> None:
+def test_a_streamed_way_keeps_the_speed_of_the_cell() -> None:
     arm = replace(BENCH.arm, following="streamed", follow_speed_deg_s=5.0, follow_acceleration_deg_s2=50.0)
     ends = np.array([STRETCHED, (0.0, 0.0, 0.0, 0.0, 0.0, 20.0)])
     assert way_time_s(arm, ends) == pytest.approx(4.0 + 0.1 * math.pi / 2.0)
@@ -59,7 +59,7 @@ def test_the_tool_is_where_the_drawing_has_it() -> None:
     assert places == pytest.approx(np.array([[REACH_MM, 0.0, HEIGHT_MM], [0.0, REACH_MM, HEIGHT_MM]]))
 
 
-def test_a_body_is_bound_by_the_circle_that_it_turns_on() -> None:
+def test_the_circle_of_a_body_bounds_its_speed() -> None:
     turned = (0.0, 0.0, 0.0, 0.0, 0.0, 90.0)
     # The far end of the tool, 50 mm beside the axis and 10 mm thick, at a tenth of 420 deg/s.
     edge_mm_s = (TOOL_MM + 10.0) * math.radians(42.0)
@@ -67,7 +67,7 @@ def test_a_body_is_bound_by_the_circle_that_it_turns_on() -> None:
     assert top_speed_mm_s(BENCH, 10.0) > REACH_MM * math.radians(25.0) + edge_mm_s
 
 
-def test_a_post_on_the_way_of_the_first_axis_is_met() -> None:
+def test_a_post_in_the_way_of_axis_one_is_met() -> None:
     post = with_post(45.0)
     with pytest.raises(
         PlanError, match=r"the keep-out box post stands in the arm's way.*target 1 of 1, A1 90\.0°"
@@ -77,7 +77,7 @@ def test_a_post_on_the_way_of_the_first_axis_is_met() -> None:
     require_clear_way([STRETCHED, (10.0, 0.0, 0.0, 0.0, 0.0, 0.0)], post)
 
 
-def test_the_clear_part_of_a_motion_ends_ahead_of_the_post() -> None:
+def test_the_clear_part_ends_ahead_of_the_post() -> None:
     end, obstacle = clear_part(STRETCHED, ASIDE, with_post(45.0))
     assert obstacle is not None
     # The post begins 20 mm before 45° as seen from the tool; its corner and the tool's bodies take no more than 15°.

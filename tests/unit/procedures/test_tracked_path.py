@@ -68,7 +68,7 @@ def test_the_beam_is_kept_between_the_points_too() -> None:
             here = target
 
 
-def test_the_last_target_of_each_point_is_the_point_with_its_directions() -> None:
+def test_each_visit_ends_at_its_point_with_its_directions() -> None:
     plan = planned(passes=2)
     assert plan.tracked is not None
     assert len(plan.tracked.visits) == 2 * len(plan.points)
@@ -92,7 +92,7 @@ def seen_from(place: tuple[float, float], plan: PathPlan) -> int:
     return count
 
 
-def test_the_reflector_that_sees_most_is_taken_and_blind_points_are_told() -> None:
+def test_the_reflector_seeing_most_is_chosen_and_blind_points_reported() -> None:
     base = bench(places={"A": (-700.0, 300.0), "B": (-400.0, -600.0)})
     plan = plan_path(base, step_mm=25.0, instrument="interferometer")
     seen = {r.name: seen_from((r.x_mm, r.y_mm), plan) for r in base.reflectors}
@@ -114,7 +114,7 @@ def test_a_reflector_that_is_unknown_or_hidden_is_refused() -> None:
         plan_path(with_optics(hidden, column_radius_mm=300.0), step_mm=50.0, instrument="interferometer")
 
 
-def test_a_recovery_needs_room_for_the_take_up_at_every_point() -> None:
+def test_every_point_needs_room_for_a_recovery_take_up() -> None:
     short = partial(plan_path, y_from_mm=-410.0, y_to_mm=-400.0, step_mm=1.0)
     highest = max(point.theta2_deg for point in short(bench()).points)
     tight = with_axes(bench(), j2_deg=(-145.0, highest + 0.1))
@@ -133,7 +133,7 @@ async def test_every_point_is_a_distance_to_one_reflector() -> None:
     assert {row["segment"] for row in rows} == {0}
     assert all(row["x_meas_mm"] is None for row in rows)
     require_true(rows)
-    done_s, total_s, text = context.told[-1]
+    done_s, total_s, text = context.progressed[-1]
     assert text == "path point 44/44"
     assert done_s == pytest.approx(total_s)
     assert total_s >= plan.duration_s
@@ -199,7 +199,7 @@ async def test_after_three_failures_the_operator_is_asked(answer: str) -> None:
     assert (prompt.choices, prompt.safe_answer) == (("retry", "skip", "stop"), "stop")
 
 
-async def test_an_interrupted_run_enters_with_the_directions_of_its_next_point() -> None:
+async def test_an_interrupted_run_reenters_with_the_next_points_directions() -> None:
     plan = planned(step_mm=100.0)
     first = IdealContext()
     await ValidationPath().run(first, plan)

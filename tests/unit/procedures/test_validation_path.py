@@ -81,7 +81,7 @@ def test_the_first_direction_is_that_of_the_first_motion() -> None:
     assert plan.points[0].direction2 == (1 if plan.points[1].theta2_deg > plan.points[0].theta2_deg else -1)
 
 
-def test_a_path_behind_the_arm_does_not_jump_by_a_turn() -> None:
+def test_a_path_behind_the_arm_has_no_full_turns() -> None:
     wide = with_axes(bench(), j1_deg=(-400.0, 400.0))
     plan = plan_path(wide, x_mm=-300.0, y_from_mm=-300.0, y_to_mm=300.0)
     steps = np.diff([point.theta1_deg for point in plan.points])
@@ -95,7 +95,7 @@ def test_a_point_out_of_reach_is_named() -> None:
         plan_path(bench(), x_mm=10.0, y_from_mm=-80.0, y_to_mm=80.0)
 
 
-def test_limits_violated_by_the_path_or_its_run_in_are_named() -> None:
+def test_limits_violated_by_path_or_run_in_are_named() -> None:
     plan = plan_path(bench(), y_to_mm=-400.0)
     angles = [point.theta1_deg for point in plan.points]
     # Beyond the first point the limit leaves room for the path but not for the run-in.
@@ -109,7 +109,7 @@ def test_limits_violated_by_the_path_or_its_run_in_are_named() -> None:
         plan_path(folded)
 
 
-def test_a_path_too_long_to_plan_is_refused_by_its_parameters() -> None:
+def test_parameters_of_an_unplannable_path_are_refused() -> None:
     for values in (
         {"y_to_mm": 1e12},
         {"x_mm": -1e9},
@@ -125,7 +125,7 @@ def small() -> PathPlan:
     return plan_path(bench(), y_from_mm=-20.0, y_to_mm=20.0, step_mm=20.0, passes=2)
 
 
-async def test_every_point_of_every_pass_is_recorded_with_its_own_measurement() -> None:
+async def test_every_point_of_every_pass_is_recorded() -> None:
     context, plan = IdealContext(), small()
     await ValidationPath().run(context, plan)
     await ValidationPath().teardown(context)
@@ -136,8 +136,8 @@ async def test_every_point_of_every_pass_is_recorded_with_its_own_measurement() 
         assert row["x_meas_mm"] == pytest.approx(1200.0)
         assert row["y_meas_mm"] == pytest.approx(row["y_mm"] - 500.0)  # type: ignore[operator]  # a number
         assert row["u_mm"] == 0.004
-    assert context.told[-1][:2] == pytest.approx((plan.duration_s, plan.duration_s))
-    assert [text for _, _, text in context.told][-1] == "path point 12/12"
+    assert context.progressed[-1][:2] == pytest.approx((plan.duration_s, plan.duration_s))
+    assert [text for _, _, text in context.progressed][-1] == "path point 12/12"
     assert context.moves.count(plan.run_in) == 2
     assert set(context.waits) == {(0.5, 0.0, 0)}
 
@@ -175,7 +175,7 @@ def test_the_cells_instrument_measures_unless_another_is_chosen() -> None:
         plan_path(without_tracker(), instrument="tracker")
 
 
-async def test_an_interrupted_run_comes_back_to_the_path_from_the_proper_side() -> None:
+async def test_an_interrupted_run_reenters_the_path_from_the_proper_side() -> None:
     first = IdealContext()
     await ValidationPath().run(first, small())
     again = IdealContext(
@@ -225,7 +225,7 @@ def approach_of(context: IdealContext, last: int) -> tuple[float, float]:
     return there[0] - before[0], there[1] - before[1]
 
 
-async def test_an_arm_that_was_moved_while_held_comes_to_the_next_point_from_its_side() -> None:
+async def test_an_arm_moved_while_held_reapproaches_the_next_point() -> None:
     plan, context = small(), PushedContext(after={3: 25.0})
     await ValidationPath().run(context, plan)
     rows = [row for table, row in context.rows if table == "path"]
@@ -236,7 +236,7 @@ async def test_an_arm_that_was_moved_while_held_comes_to_the_next_point_from_its
     assert approach_of(context, 6) == pytest.approx((point.direction1, point.direction2))
 
 
-async def test_a_point_at_which_the_arm_was_moved_is_measured_again() -> None:
+async def test_a_point_with_the_arm_moved_is_measured_again() -> None:
     plan, context = small(), PushedContext(pushes={2: 0.5})
     await ValidationPath().run(context, plan)
     rows = [row for table, row in context.rows if table == "path"]
@@ -249,7 +249,7 @@ async def test_a_point_at_which_the_arm_was_moved_is_measured_again() -> None:
     assert ["somebody has moved it" in text for text in context.warnings] == [True]
 
 
-async def test_an_arm_that_is_moved_again_and_again_ends_the_run() -> None:
+async def test_an_arm_moved_repeatedly_ends_the_run() -> None:
     context = PushedContext(pushes={2: 0.5, 3: 0.5, 4: 0.5})
     with pytest.raises(ArmMovedError, match=r"moved 3 times while x 200 mm, y 20 mm.*catseye resume"):
         await ValidationPath().run(context, small())
@@ -277,7 +277,7 @@ def for_a_file(*, confirm_each: bool = False) -> PathPlan:
     )
 
 
-async def test_the_arm_stands_still_at_each_point_and_the_file_gives_the_positions() -> None:
+async def test_the_arm_pauses_at_points_measured_from_a_file() -> None:
     plan = for_a_file()
     context = IdealContext(answers={"measured-file": "t.csv"}, files={"t.csv": held(plan)})
     await ValidationPath().run(context, plan)

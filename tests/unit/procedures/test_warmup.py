@@ -101,7 +101,7 @@ def test_the_reference_pose_is_always_approached_upwards() -> None:
     assert any(m[:2] == pytest.approx(run_in) for m in way)
 
 
-def test_a_larger_exercise_than_the_beam_permits_is_made_smaller_and_told() -> None:
+def test_an_exercise_too_large_for_the_beam_is_reduced() -> None:
     plan = planned(amplitude_share=1.0, reference_deg=[60.0, 60.0])
     assert "of the amplitude asked for" in plan.warnings[0]
     assert "J1 goes" in plan.warnings[0]
@@ -127,7 +127,7 @@ def test_the_time_between_visits_is_what_was_asked_for() -> None:
     assert plan.rounds > 1
 
 
-def test_it_ends_when_the_drift_is_below_the_limit_and_not_before() -> None:
+def test_warmup_ends_once_drift_is_below_the_limit() -> None:
     plan = planned()
     ctx = run(plan, WarmingContext(grown_mm=growth))
     end_s = ctx.now_s - 1000.0
@@ -158,16 +158,16 @@ def test_the_time_left_is_honest() -> None:
     ctx = run(planned(), WarmingContext(grown_mm=growth))
     end_s = ctx.now_s - 1000.0
     # While nothing is known it is the longest time; then an exponential approach is seen.
-    assert ctx.told[0][1] == pytest.approx(7200.0, abs=1.0)
-    assert ctx.told[30][1] == pytest.approx(end_s, rel=0.25)
-    assert ctx.told[-1][0] == ctx.told[-1][1]
-    assert "drift not known yet" in ctx.told[3][2]
+    assert ctx.progressed[0][1] == pytest.approx(7200.0, abs=1.0)
+    assert ctx.progressed[30][1] == pytest.approx(end_s, rel=0.25)
+    assert ctx.progressed[-1][0] == ctx.progressed[-1][1]
+    assert "drift not known yet" in ctx.progressed[3][2]
 
 
-def test_an_arm_that_does_not_settle_is_rejected_with_the_remedy() -> None:
+def test_an_arm_not_settling_is_rejected_with_the_remedy() -> None:
     ctx = WarmingContext(grown_mm=lambda now_s: 2e-5 * now_s)
-    told = r"not warm after 61 min: the drift is \+12\.0 ± 0\.0 µm in 10 min.*raise duration_limit_min"
-    with pytest.raises(NotWarmError, match=told):
+    message = r"not warm after 61 min: the drift is \+12\.0 ± 0\.0 µm in 10 min.*raise duration_limit_min"
+    with pytest.raises(NotWarmError, match=message):
         run(planned(duration_limit_min=60.0), ctx)
     assert verdict(ctx)["warm"] is False
 
@@ -202,7 +202,7 @@ def test_a_beam_that_breaks_all_the_time_is_a_question() -> None:
     assert ctx.prompts[0].motion
 
 
-def test_a_beam_that_is_not_found_is_a_question_and_retry_goes_on() -> None:
+def test_a_missing_beam_is_a_question_and_retry_continues() -> None:
     plan, dark = planned(checks=1), [True]
     ctx = WarmingContext(blocked=lambda _pose: dark[0])
 
@@ -219,7 +219,7 @@ def test_a_beam_that_is_not_found_is_a_question_and_retry_goes_on() -> None:
     assert [seconds for _, seconds in ctx.pauses] == [15.0, 15.0]
 
 
-def test_a_zero_direction_that_is_off_is_found_by_a_small_scan_and_kept() -> None:
+def test_a_wrong_zero_direction_is_found_and_kept() -> None:
     plan = planned(checks=1)
     ctx = run(plan, WarmingContext(theta40_deg=0.3))
     assert ctx.zeros == 1
@@ -259,7 +259,7 @@ class HeldContext(WarmingContext):
         return replace(measured, displacement_mm=measured.displacement_mm - cooled_mm)
 
 
-def test_an_arm_that_cooled_during_a_hold_is_not_warm_by_what_was_seen_before() -> None:
+def test_cooling_during_a_hold_restarts_the_watch() -> None:
     # Two of three checks have passed; 20 µm over an hour would be no drift to speak of.
     ctx = run(planned(checks=3), HeldContext())
     assert ctx.zeros == 1
@@ -277,7 +277,7 @@ def test_slow_visits_are_no_hold() -> None:
     assert verdict(ctx)["warm"] is True
 
 
-def test_an_interrupted_run_goes_on_with_a_series_of_its_own() -> None:
+def test_an_interrupted_run_continues_with_its_own_series() -> None:
     plan = planned(checks=1)
     first = WarmingContext(ends_after=10)
     with pytest.raises(KeyboardInterrupt):
@@ -326,7 +326,7 @@ def test_one_cats_eye_is_asked_for() -> None:
         ({"signal": 0.05}, "weak-signal"),
     ],
 )
-def test_what_the_count_was_lost_by_is_told(fault: dict[str, Any], cause: str) -> None:
+def test_what_the_count_was_lost_by_is_reported(fault: dict[str, Any], cause: str) -> None:
     ctx = FaultyContext(fault=fault)
     run(planned(with_optics(bench(), signal_min=0.1), checks=1), ctx)
     assert [data["cause"] for kind, data in ctx.events if kind == "beam-lost"] == [cause]

@@ -30,14 +30,14 @@ class Line:
         return await asyncio.wait_for(self.reader.read(4096), HANG_S)
 
     async def ended(self) -> bool:
-        """Tell whether the other side ended the connection, with or without a reset."""
+        """Return whether the other side ended the connection, with or without a reset."""
         try:
             return await asyncio.wait_for(self.reader.read(1), HANG_S) == b""
         except ConnectionError:
             return True
 
     async def silent(self) -> bool:
-        """Tell whether nothing comes within a moment."""
+        """Return whether nothing comes within a moment."""
         try:
             await asyncio.wait_for(self.reader.read(1), 0.03)
         except TimeoutError:
@@ -183,7 +183,7 @@ async def test_continuous_output_comes_unasked() -> None:
         assert all(line.endswith(b" mm\r\n") for line in lines)
 
 
-async def test_a_flood_behind_a_waiting_motion_is_held_back_and_answered() -> None:
+async def test_a_flood_during_a_waiting_motion_is_answered_afterwards() -> None:
     async with EmulatedBench(CONFIG) as bench, client(bench, "robot") as robot:
         await ready(robot, bench)
         robot.writer.write(b"1;1;EXEC2=MOV (60,30,0,0)\r" + b"1;1;OVRD\r" * 20_000)

@@ -53,11 +53,11 @@ def read_back(text: str) -> Cell:
 def test_a_new_file_says_nothing_that_nobody_answered() -> None:
     draft = Draft.new()
     assert draft.faults(require_drivers) == dict.fromkeys(NEEDED, "this key is missing")
-    told = "\n".join(draft.to_find_out())
-    assert "NETIP" in told
-    assert "laser's certificate" not in told
-    assert "Pressure register" in told
-    assert "Profile" in told
+    text = "\n".join(draft.to_find_out())
+    assert "NETIP" in text
+    assert "laser's certificate" not in text
+    assert "Pressure register" in text
+    assert "Profile" in text
 
 
 def test_the_needed_answers_give_a_file_with_comments_that_loads() -> None:
@@ -100,7 +100,7 @@ def test_a_high_cap_is_asked_for_its_reason() -> None:
     assert read_back(draft.written()[0]).robot.override_cap_reason == "empty cell"
 
 
-def test_a_drivers_own_settings_are_asked_and_judged_by_its_model() -> None:
+def test_driver_settings_are_asked_and_validated_by_the_drivers_model() -> None:
     draft = answered({"interferometer.driver": "attocube-ids"})
     draft.give("interferometer.endpoint", "tcp://192.168.1.1:9090")
     keys = [question.key for question in draft.questions(PAGE["interferometer"])]

@@ -30,7 +30,7 @@ def test_a_file_without_comments_has_the_wanted_values(data: dict[str, Any]) -> 
 
 @settings(max_examples=40)
 @given(st.data())
-def test_any_change_of_values_in_the_template_gives_exactly_these_values(data: st.DataObject) -> None:
+def test_rewriting_the_template_yields_exactly_the_wanted_values(data: st.DataObject) -> None:
     wanted = tomllib.loads(TEMPLATE)
     for section in data.draw(
         st.lists(st.sampled_from([k for k, v in wanted.items() if isinstance(v, dict)]), max_size=4)
@@ -80,7 +80,7 @@ def test_values_over_several_lines_are_replaced_whole() -> None:
     assert new == "[m]\nnodes = [1, 3] # deg\nmore = 1\n"
 
 
-def test_a_removed_reflector_takes_its_lines_and_leaves_those_of_others() -> None:
+def test_removing_a_reflector_keeps_the_lines_of_the_others() -> None:
     text = '# above\n[[reflector]]  # one\nname = "A"\nx = 1  # mm\n\n# two\n[[reflector]]\nname = "B"\nx = 2  # mm\n'
     assert rewritten(text, {"reflector": [{"name": "B", "x": 3}]}) == (
         '# above\n\n# two\n[[reflector]]\nname = "B"\nx = 3  # mm\n'

@@ -38,7 +38,7 @@ def test_the_default_is_table_2() -> None:
     assert found["beam direction, J1"].u == pytest.approx(7.17e-4)
 
 
-def test_totals_of_earlier_files_are_read_as_the_lines_that_they_meant(tmp_path: Path) -> None:
+def test_totals_of_earlier_files_map_to_current_contributors(tmp_path: Path) -> None:
     section = (
         "[uncertainty]\nrepeatability_um = 8.0\nlaser_um = 0.5\nradial_j4_um = 12.0\nradial_orders = 3\n"
     )

@@ -1,1 +1,1 @@
-"""Tests of what the commands tell."""
+"""Tests of the commands' output."""

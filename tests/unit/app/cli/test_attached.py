@@ -42,7 +42,7 @@ async def comes(bench: ServiceBench, state: str) -> None:
             await asyncio.sleep(0.001)
 
 
-async def test_a_person_steers_answers_and_leaves_the_run_as_it_is(
+async def test_a_person_leaves_without_disturbing_the_run_they_steered(
     keyboard: Callable[[str], None], capsys: pytest.CaptureFixture[str]
 ) -> None:
     async with ServiceBench().running() as bench, bench.client("Ada") as client:
@@ -144,7 +144,7 @@ async def test_a_program_gets_events_and_answers_under_its_own_numbers(
     assert lines[-1]["event"] == "run-ended"
 
 
-async def test_an_engine_that_is_gone_before_the_run_ended_is_an_error(
+async def test_an_engine_gone_before_the_run_ends_is_an_error(
     keyboard: Callable[[str], None],
 ) -> None:
     del keyboard

@@ -1,4 +1,4 @@
-"""What the command itself tells, whatever is to be done."""
+"""What the command itself prints, whatever is to be done."""
 
 import os
 import subprocess
@@ -13,14 +13,14 @@ from catseye.app.cli import cli
 
 
 def test_the_version_is_that_of_the_package() -> None:
-    told = CliRunner().invoke(cli, ["--version"])
-    assert (told.exit_code, told.output) == (0, f"catseye {version('catseye')}\n")
+    result = CliRunner().invoke(cli, ["--version"])
+    assert (result.exit_code, result.output) == (0, f"catseye {version('catseye')}\n")
 
 
 def test_help_says_what_the_software_stop_is_not() -> None:
-    told = CliRunner().invoke(cli, ["-h"])
-    assert told.exit_code == 0
-    assert "is not an emergency stop" in told.output
+    result = CliRunner().invoke(cli, ["-h"])
+    assert result.exit_code == 0
+    assert "is not an emergency stop" in result.output
 
 
 def ended(words: list[str], stdout: int) -> "subprocess.CompletedProcess[bytes]":
@@ -35,16 +35,16 @@ def test_a_closed_pipe_ends_a_command_quietly(words: list[str]) -> None:
     source, sink = os.pipe()
     os.close(source)
     try:
-        told = ended(words, sink)
+        result = ended(words, sink)
     finally:
         os.close(sink)
-    assert (told.returncode, told.stderr) == (141, b"")
+    assert (result.returncode, result.stderr) == (141, b"")
 
 
 @pytest.mark.parametrize("words", [["procedures"], ["procedures", "--json"], ["--version"]])
 def test_a_full_disk_behind_stdout_is_a_storage_error(words: list[str]) -> None:
     with open("/dev/full", "wb") as full:
-        told = ended(words, full.fileno())
-    assert told.returncode == 6
-    assert told.stderr.decode().startswith("catseye: stdout cannot be written: No space left on device: ")
-    assert told.stderr.count(b"\n") == 1
+        result = ended(words, full.fileno())
+    assert result.returncode == 6
+    assert result.stderr.decode().startswith("catseye: stdout cannot be written: No space left on device: ")
+    assert result.stderr.count(b"\n") == 1

@@ -1,4 +1,4 @@
-"""compensate: what it writes, what it tells and what it refuses, for an arm worked out by hand."""
+"""compensate: what it writes, what it reports and what it refuses, for an arm worked out by hand."""
 
 import csv
 import json
@@ -100,7 +100,7 @@ def test_the_json_holds_the_same_and_what_it_means(tmp_path: Path) -> None:
     assert difference == pytest.approx(0.020, abs=1e-5)
 
 
-def test_rows_without_a_correction_are_told_and_left_empty(
+def test_rows_without_a_correction_are_reported_and_left_empty(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     rows = rows_of(run(tmp_path, JOINTS + "45,60,1,1\n120,60,1,1\n50,60,1,1\n"))
@@ -116,7 +116,7 @@ def test_out_of_reach_of_the_identified_arm(tmp_path: Path, capsys: pytest.Captu
     assert "does not reach the positions of line 2" in capsys.readouterr().err
 
 
-def test_a_stretched_arm_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_stretched_arm_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     content = bare()
     content["link2_mm"]["value"] = 225.0
     run(tmp_path, "x_mm,y_mm\n300,300\n388.9,388.9\n", content=content)
@@ -242,8 +242,8 @@ def test_the_result_is_not_written_over(tmp_path: Path) -> None:
 
 def test_tables_need_no_path_and_are_one_a_joint(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run(tmp_path, None, "kw-ssfk", as_json=True)
-    told = json.loads(capsys.readouterr().out)
-    assert told["output"] == [str(tmp_path / f"out-j{joint}.kw-ssfk") for joint in (1, 2)]
+    facts = json.loads(capsys.readouterr().out)
+    assert facts["output"] == [str(tmp_path / f"out-j{joint}.kw-ssfk") for joint in (1, 2)]
     first = (tmp_path / "out-j1.kw-ssfk").read_text(encoding="utf-8")
     assert [line.split() for line in first.splitlines() if ".table[1]." in line] == [
         ["kw.ssfk.table[1].setpoint", "900000"],
@@ -268,6 +268,6 @@ def test_a_path_is_needed_and_a_conventional_result_will_do(tmp_path: Path) -> N
 
 def test_the_summary_is_data(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run(tmp_path, JOINTS + "45,60,1,1\n46,60,1,1\n", as_json=True)
-    told = json.loads(capsys.readouterr().out)
-    assert (told["rows"], told["corrected"], told["take_ups"]) == (2, 2, 1)
-    assert told["largest_rounding_um"] < 7.0
+    facts = json.loads(capsys.readouterr().out)
+    assert (facts["rows"], facts["corrected"], facts["take_ups"]) == (2, 2, 1)
+    assert facts["largest_rounding_um"] < 7.0

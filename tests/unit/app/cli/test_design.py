@@ -111,7 +111,7 @@ def test_a_layout_that_the_plan_refuses_is_no_compromise(
     monkeypatch.setattr(design_commands, "bench_cost", refusing)
     rows = designed(cell, capsys, places=120, reflectors=1, pareto=True, random_only=True)["pareto"]
     refused = [row for row in rows if row["reflectors"] == 4]
-    # Four reflectors tell most, and still none of these is worth having.
+    # Four reflectors give most information, and still none of these is worth having.
     assert min(row["u_random"] for row in refused) == min(row["u_random"] for row in rows)
     assert {row["bench_s"] for row in refused} == {None}
     assert not any(row["front"] for row in refused)
@@ -164,7 +164,7 @@ def test_a_bench_time_is_kept(cell: Path, capsys: pytest.CaptureFixture[str]) ->
     assert 100.0 < found["commands_bench_s"] <= 150.0
 
 
-def test_fewer_commands_than_determine_the_arm_are_told(
+def test_fewer_commands_than_determine_the_arm_are_reported(
     cell: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     design(cell, places=60, commands=3)
@@ -174,9 +174,9 @@ def test_fewer_commands_than_determine_the_arm_are_told(
 def test_tables_and_page(cell: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     page = tmp_path / "design.html"
     design(cell, places=60, commands=24, pareto=True, output=page)
-    told = capsys.readouterr()
-    assert "cell file (= SCARA paper)" in told.out
-    assert "planned breaks of the beam" in told.err
+    output = capsys.readouterr()
+    assert "cell file (= SCARA paper)" in output.out
+    assert "planned breaks of the beam" in output.err
     text = page.read_text()
     for name in ("places", "nodes", "positions", "front"):
         assert f'id="figure-{name}"' in text
@@ -215,7 +215,9 @@ def test_reflectors_of_a_file_in_several_parts_cannot_be_replaced(tmp_path: Path
         ({"path": Path("p.csv")}, "--criterion path"),
     ],
 )
-def test_what_cannot_be_done_is_told_with_its_remedy(cell: Path, options: dict[str, Any], said: str) -> None:
+def test_what_cannot_be_done_is_reported_with_its_remedy(
+    cell: Path, options: dict[str, Any], said: str
+) -> None:
     with pytest.raises(UsageError, match=said):
         design(cell, **({"places": 60, "as_json": True} | options))
 
@@ -227,7 +229,7 @@ def test_a_path_outside_of_the_nodes_is_refused(cell: Path, tmp_path: Path) -> N
         design(cell, criterion="path", path=path, places=60)
 
 
-def test_a_path_partly_outside_of_the_nodes_is_told(
+def test_a_path_partly_outside_of_the_nodes_is_reported(
     cell: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "path.csv"

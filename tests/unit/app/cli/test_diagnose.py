@@ -36,7 +36,7 @@ def faulty() -> Points:
     return replace(points(), displacement_mm=displacement)
 
 
-def told(
+def output_of(
     folder: Path, given: Points, capsys: pytest.CaptureFixture[str], *, as_json: bool = False
 ) -> tuple[str, str]:
     file = write_points(given, folder)
@@ -46,7 +46,7 @@ def told(
 
 
 def document(folder: Path, given: Points, capsys: pytest.CaptureFixture[str]) -> Any:
-    return json.loads(told(folder, given, capsys, as_json=True)[0])
+    return json.loads(output_of(folder, given, capsys, as_json=True)[0])
 
 
 def findings(text: str, sign: str) -> list[str]:
@@ -56,7 +56,7 @@ def findings(text: str, sign: str) -> list[str]:
 def test_nothing_speaks_against_a_sound_measurement(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    text, progress = told(tmp_path, points(), capsys)
+    text, progress = output_of(tmp_path, points(), capsys)
     assert findings(text, "✗ ") == []
     good = findings(text, "✓ ")
     assert good[0].startswith("The error map leaves ")
@@ -73,7 +73,7 @@ def test_nothing_speaks_against_a_sound_measurement(
 
 
 def test_faults_are_found_where_they_are(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text, _ = told(tmp_path, faulty(), capsys)
+    text, _ = output_of(tmp_path, faulty(), capsys)
     look = findings(text, "✗ ")
     assert "that exceeds the stated uncertainties" in look[0]
     outliers = next(line for line in look if "stand out" in line)
@@ -116,8 +116,8 @@ def test_growing_links_are_a_finding_with_their_size(
     assert (growth["name"], growth["unit"]) == ("ΔL1 t", "um")
     assert abs(growth["value"] - 50.0) < 4.0 * growth["u"] < 20.0
     assert thermal["n_parameters"] == models["error map"]["n_parameters"] + 2
-    models_told = next(one for one in found["findings"] if "thermal drift adds" in one["text"])
-    assert models_told["kind"] == "bad"
+    models_finding = next(one for one in found["findings"] if "thermal drift adds" in one["text"])
+    assert models_finding["kind"] == "bad"
     ways = {one["left_out"]: one for one in found["cross_validation"]}
     assert set(ways) == {"reflector", "sweep"}
     assert [fold["name"] for fold in ways["reflector"]["folds"]] == [f"reflector P{i}" for i in (1, 2, 3)]
@@ -127,7 +127,7 @@ def test_growing_links_are_a_finding_with_their_size(
 def test_without_stated_uncertainties_nothing_is_compared_with_them(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    text, _ = told(tmp_path, replace(points(), sigma_mm=None), capsys)
+    text, _ = output_of(tmp_path, replace(points(), sigma_mm=None), capsys)
     first = findings(text, "The error map leaves ")[0]
     assert first.endswith("no uncertainty is stated that this could be compared with.")
 

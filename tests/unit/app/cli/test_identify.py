@@ -118,8 +118,8 @@ def test_extensions_are_identified_beside_the_maps(
 
 def test_uncertainty_keys_of_the_result_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run(tmp_path, points(), uncertainty="monte-carlo", draws=2000, as_json=True)
-    told = json.loads(capsys.readouterr().out)
-    assert set(told) == {"result", "model", "gauge", "link1_mm", "link2_mm", "extension", "fit"}
+    facts = json.loads(capsys.readouterr().out)
+    assert set(facts) == {"result", "model", "gauge", "link1_mm", "link2_mm", "extension", "fit"}
     document = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     part = document["uncertainty"]
     assert set(part) == {
@@ -150,17 +150,17 @@ def test_without_draws_there_is_no_part_about_them(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("options", "message"),
     [
         ({"loss": "huber", "uncertainty": "monte-carlo", "draws": 2000}, "use --reject K with"),
         ({"extend": ["j5"]}, "--extend j5: unknown"),
         ({"uncertainty": "monte-carlo", "draws": 1999}, "1999 draws are too few"),
     ],
 )
-def test_what_cannot_be_done_soundly_is_refused_and_nothing_is_written(
-    tmp_path: Path, options: dict[str, Any], told: str
+def test_unsound_options_are_refused_and_nothing_is_written(
+    tmp_path: Path, options: dict[str, Any], message: str
 ) -> None:
-    with pytest.raises(UsageError, match=told):
+    with pytest.raises(UsageError, match=message):
         run(tmp_path, points(), **options)
     assert not (tmp_path / "r.json").exists()
 
@@ -170,7 +170,7 @@ def said_of(fit: Fit) -> str:
     return next(one.text for one in report.statements() if "repeats of a pose" in one.text.lower())
 
 
-def test_lack_of_fit_is_in_capitals_only_where_nothing_stated_explains_it() -> None:
+def test_only_unexplained_lack_of_fit_is_in_capitals() -> None:
     assert said_of(sample.fit(sample.LACK)).startswith("LACK OF FIT: repeats of a pose scatter by 9.9 µm")
     assert said_of(sample.fit(sample.LACK)).endswith("the uncertainties were widened by a factor of 2.50.")
     covered = sample.fit(sample.LACK).model_copy(update={"variance_factor": 1.0})
@@ -181,7 +181,7 @@ def test_lack_of_fit_is_in_capitals_only_where_nothing_stated_explains_it() -> N
     assert "the stated systematic contributors account for it (F = 16.2 expected" in text
 
 
-def test_a_factor_in_square_millimetres_is_not_told_as_a_widening(
+def test_a_dimensional_variance_factor_is_not_called_a_widening(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     rng = np.random.default_rng(5)

@@ -76,7 +76,7 @@ def test_the_conventional_model_has_no_range_and_no_directions(tmp_path: Path) -
         assert (float(row["x_pred_mm"]), float(row["y_pred_mm"])) == pytest.approx((x, y), abs=1e-6)
 
 
-def test_rows_outside_get_empty_cells_and_are_told(
+def test_rows_outside_get_empty_cells_and_a_remark(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     head = "# a comment\ntheta1_deg,theta2_deg,direction1,direction2\n"
@@ -85,12 +85,12 @@ def test_rows_outside_get_empty_cells_and_are_told(
     )
     numbers = [[row[name] for name in ("x_pred_mm", "u_ey_um")] for row in rows]
     assert [both == ["", ""] for both in numbers] == [False, True, True, False, True, False]
-    told = capsys.readouterr().err
-    assert "3 of 6 rows lie outside the identified range" in told
-    assert "θ1 (91.00°…92.00°) beyond its nodes 0°…90° in lines 4–5" in told
-    assert "θ2 (121.00°…121.00°) beyond its nodes 0°…120° in line 8" in told
-    assert "325 and 225 mm (RH-3FRH5515) are taken" in told
-    assert "no covariance" in told
+    errors = capsys.readouterr().err
+    assert "3 of 6 rows lie outside the identified range" in errors
+    assert "θ1 (91.00°…92.00°) beyond its nodes 0°…90° in lines 4–5" in errors
+    assert "θ2 (121.00°…121.00°) beyond its nodes 0°…120° in line 8" in errors
+    assert "325 and 225 mm (RH-3FRH5515) are taken" in errors
+    assert "no covariance" in errors
 
 
 def test_a_path_wholly_outside_is_rejected_and_writes_nothing(tmp_path: Path) -> None:
@@ -165,18 +165,18 @@ def test_positions_in_another_unit_are_named(tmp_path: Path, factor: float, unit
         read_path_csv(text_file(tmp_path, "x_mm,y_mm\n" + rows), NOMINAL)
 
 
-def test_a_path_that_leaves_its_first_row_the_other_way_is_told(
+def test_a_path_contradicting_its_start_direction_is_reported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     # J2 turns back later, which is no matter of the start.
     path = cartesian((40.0, 50.0), (40.0, 52.0), (37.0, 54.0), (34.0, 52.0))
     predicted(tmp_path, path)
-    told = capsys.readouterr().err
+    errors = capsys.readouterr().err
     assert (
         "approached with the states 1,1 (--start-direction), and the path goes on with J1 the other way"
-        in told
+        in errors
     )
-    assert "give --start-direction=-1,1" in told
+    assert "give --start-direction=-1,1" in errors
     predicted(tmp_path, path, "right", "-1,1")
     assert "--start-direction" not in capsys.readouterr().err
 
@@ -204,7 +204,7 @@ def test_machines_read_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert found["rms_um"] == pytest.approx(math.sqrt((errors[0] ** 2 + errors[1] ** 2) / 2.0), abs=1e-3)
 
 
-def test_rows_just_reversed_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_rows_just_reversed_are_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     head = "theta1_deg,theta2_deg,direction1,direction2\n"
     # The last row was brought there by a take-up: its state is against its step.
     predicted(tmp_path, head + "40,60,1,1\n50,60,1,1\n49.5,60,-1,1\n48,60,-1,1\n47,60,1,1\n")

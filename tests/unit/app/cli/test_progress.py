@@ -39,7 +39,7 @@ def test_time_left_follows_from_the_share_done(capsys: pytest.CaptureFixture[str
     assert "30 s gone, 1 min 30 s left  first" in said
 
 
-def test_a_file_gets_a_line_for_each_tenth_and_one_for_the_end(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_gets_one_progress_line_per_tenth(capsys: pytest.CaptureFixture[str]) -> None:
     bar = ProgressBar("job", Wall())
     for done in range(1, 1001):
         bar.update(done, 1000.0, "x")
@@ -75,7 +75,7 @@ def test_a_total_of_nothing_is_done(capsys: pytest.CaptureFixture[str]) -> None:
     assert "100%" in capsys.readouterr().err
 
 
-def test_the_narrator_tells_people_on_stderr_only(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_narrator_writes_for_people_on_stderr_only(capsys: pytest.CaptureFixture[str]) -> None:
     narrator = Narrator("job", as_json=False)
     narrator.publish(WarningIssued(text="the beam is weak"))
     narrator.publish(ErrorReported(text="no link", exit_code=3))

@@ -1,4 +1,4 @@
-"""The list of runs and the story as they are printed."""
+"""The list of runs and the timeline as they are printed."""
 
 import json
 import os
@@ -42,7 +42,7 @@ async def store(root: Path, status: str | None, meta: dict[str, Json]) -> Path:
     return made.path
 
 
-async def test_runs_that_can_go_on_are_told_with_the_command(
+async def test_resumable_runs_are_listed_with_the_command(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     complete = await store(tmp_path, "complete", ENOUGH)
@@ -61,7 +61,7 @@ async def test_runs_that_can_go_on_are_told_with_the_command(
     assert {row["run"] for row in rows if row["resumable"]} == {dead.name, aborted.name}
 
 
-async def test_a_run_of_damaged_events_leaves_the_others_in_the_list(
+async def test_a_run_with_damaged_events_does_not_hide_others(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     damaged, sound = await store(tmp_path, None, ENOUGH), await store(tmp_path, None, ENOUGH)
@@ -73,7 +73,7 @@ async def test_a_run_of_damaged_events_leaves_the_others_in_the_list(
     assert {row["run"]: row["resumable"] for row in rows} == {damaged.name: False, sound.name: True}
 
 
-async def test_the_story_is_wrapped_and_dated(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+async def test_the_timeline_is_wrapped_and_dated(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = await store(tmp_path, None, ENOUGH)
     clock = ManualClock()
     clock.advance(60.0)
@@ -103,13 +103,13 @@ async def test_what_an_older_program_stored_does_not_command_the_terminal(
     await made.event("warning", {"text": "it says \x1b[2J\x9b1m"})
     await made.finish("failed", 1, "it says \x1b[5m")
     show(str(made.path), as_json=False)
-    told = capsys.readouterr().out
-    assert all(line.isprintable() for line in told.splitlines())
-    assert r"CR800\x1b]0;owned\x07" in told
-    assert r"WARNING: it says \x1b[2J\x9b1m" in told
+    output = capsys.readouterr().out
+    assert all(line.isprintable() for line in output.splitlines())
+    assert r"CR800\x1b]0;owned\x07" in output
+    assert r"WARNING: it says \x1b[2J\x9b1m" in output
 
 
-async def test_a_path_that_is_no_utf_8_is_told(
+async def test_a_path_that_is_no_utf_8_is_reported(
     tmp_path: Path, capsysbinary: pytest.CaptureFixture[bytes]
 ) -> None:
     file = os.fsdecode(b"/bench/\xff.toml")
@@ -157,7 +157,7 @@ async def test_verify_says_manifest_only_where_there_is_one(
     assert second == f"{dead.name}: not sealed: its process died before it was closed"
 
 
-async def test_verify_tells_its_notes_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+async def test_verify_writes_its_notes_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for status, sealed in ((None, False), ("complete", True)):
         path = await store(tmp_path, status, ENOUGH)
         verify_command(str(path), as_json=True)
@@ -166,7 +166,7 @@ async def test_verify_tells_its_notes_as_json(tmp_path: Path, capsys: pytest.Cap
         assert bool(facts["notes"]) is not sealed
 
 
-async def test_verify_tells_what_was_dropped(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+async def test_verify_says_what_was_dropped(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     made = await RunStore.create(tmp_path, "open-loop", ENOUGH, ManualClock(), reserve_bytes=0)
     await made.drop_step("a/0001", 1, {"error": "the beam was lost"})
     await made.finish("complete", 0)

@@ -110,7 +110,7 @@ def test_the_true_arm_leaves_nothing_in_any_frame(tmp_path: Path, capsys: pytest
     )
 
 
-def test_what_is_left_is_told_by_its_place_and_by_what_was_stated(
+def test_the_largest_residual_is_located_and_judged_against_uncertainty(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     commands = way()
@@ -170,13 +170,13 @@ def test_commands_in_another_unit_are_named(tmp_path: Path, factor: float, unit:
         validate_files(stored(tmp_path, bare()), path, None, "right", "1,1")
 
 
-def test_a_mirrored_frame_is_refused_on_a_path_in_the_plane(tmp_path: Path) -> None:
+def test_a_mirrored_frame_is_refused_on_a_planar_path(tmp_path: Path) -> None:
     result = stored(tmp_path, bare())
     with pytest.raises(UsageError, match=r"only with x and y exchanged.*exchange x_meas_mm and y_meas_mm"):
         validate_files(result, joint_file(tmp_path, way(), exchanged=True), None, "right", "1,1")
 
 
-def test_a_mirrored_frame_is_told_on_a_straight_line_by_the_model(tmp_path: Path) -> None:
+def test_a_mirrored_frame_is_refused_on_a_straight_line(tmp_path: Path) -> None:
     conventional, error_map = sample.results()
     write_result(error_map, tmp_path / "map.json")
     path = sample.path()
@@ -237,7 +237,7 @@ def test_too_few_rows_inside_the_nodes(tmp_path: Path) -> None:
         validate_files(stored(tmp_path, bare()), joint_file(tmp_path, commands), None, "right", "1,1")
 
 
-def test_rows_outside_and_rows_just_reversed_are_left_out_and_told(tmp_path: Path) -> None:
+def test_rows_outside_or_just_reversed_are_excluded_and_reported(tmp_path: Path) -> None:
     commands: list[Command] = [(float(one), 60.0, 1, 1) for one in range(0, 100, 5)]
     commands += [(94.5, 60.0, -1, 1), (80.0, 60.0, -1, 1), (79.5, 60.0, -1, 1)]
     commands += [(79.7, 60.0, 1, 1), (20.0, 60.0, -1, 1)]
@@ -251,7 +251,7 @@ def test_rows_outside_and_rows_just_reversed_are_left_out_and_told(tmp_path: Pat
     assert Measurement.model_fields["take_up_deg"].default == TAKE_UP_DEG
 
 
-def test_a_first_row_whose_state_the_path_contradicts_is_left_out(tmp_path: Path) -> None:
+def test_a_first_row_with_a_contradicted_state_is_excluded(tmp_path: Path) -> None:
     """J1 goes up and J2 down from the first position on, and the option says that both came from below."""
     commands, lines = way()[:12], ["x_mm,y_mm,x_meas_mm,y_meas_mm"]
     for one, two, s1, s2 in commands:
@@ -263,10 +263,10 @@ def test_a_first_row_whose_state_the_path_contradicts_is_left_out(tmp_path: Path
     assert np.flatnonzero(~guessed.validation.compared).tolist() == [0]
     assert guessed.validation.models[0].comparison.max_um < 1e-3
     assert any("give --start-direction=1,-1. It is left out" in text for text in guessed.remarks)
-    told = validate_files(result, measured, None, "right", "1,-1")
-    assert told.validation.compared.all()
-    assert told.validation.models[0].comparison.max_um < 1e-3
-    assert not any("--start-direction" in text for text in told.remarks)
+    stated = validate_files(result, measured, None, "right", "1,-1")
+    assert stated.validation.compared.all()
+    assert stated.validation.models[0].comparison.max_um < 1e-3
+    assert not any("--start-direction" in text for text in stated.remarks)
 
 
 def test_other_nominal_links_are_refused(tmp_path: Path) -> None:
@@ -375,7 +375,7 @@ def test_the_way_turns_where_the_path_turns_back() -> None:
 
 
 def test_rows_along_the_path(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Measured is the true place minus the command by hand; what each model leaves has the rms told of it."""
+    """Measured is the true place minus the command by hand; what each model leaves has the rms reported for it."""
     measured = joint_file(tmp_path, way())
     nominal = {**bare("conventional"), "link1_mm": {"value": 325.0, "u": 0.0}}
     nominal |= {"link2_mm": {"value": 225.0, "u": 0.0}, "theta20_mdeg": {"value": 0.0, "u": 0.0}}

@@ -47,7 +47,7 @@ def test_an_error_arrives_as_it_was_with_its_item(share: Share) -> None:
     assert share.map(abs, [-1]) == [1], "the pool goes on after an error"
 
 
-def test_an_error_that_cannot_travel_is_told_all_the_same() -> None:
+def test_an_error_that_cannot_be_pickled_is_still_reported() -> None:
     with sharing(2, None) as found, pytest.raises(RuntimeError, match="TwoPartError: two parts"):
         found.map(fails_untellably, [1])
 
@@ -71,7 +71,7 @@ def test_processes_are_others_and_have_one_thread_each(monkeypatch: pytest.Monke
     assert os.environ["OMP_NUM_THREADS"] == "7"
 
 
-def test_ctrl_c_is_left_to_the_process_that_shares_the_work() -> None:
+def test_only_the_sharing_process_hears_ctrl_c() -> None:
     with sharing(2, None) as found:
         assert found.map(hears_ctrl_c, range(4)) == [False] * 4
     assert hears_ctrl_c(0)
@@ -84,12 +84,12 @@ def test_one_worker_is_this_process() -> None:
 
 def test_zero_takes_one_a_core(monkeypatch: pytest.MonkeyPatch) -> None:
     if not hasattr(os, "sched_getaffinity"):
-        pytest.skip("this system does not tell which cores a process may use")
+        pytest.skip("this system does not report which cores a process may use")
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1, 2})
     assert cores() == 3
 
 
-def test_a_worker_that_dies_is_told() -> None:
+def test_a_worker_that_dies_is_reported() -> None:
     with sharing(2, None) as found, pytest.raises(WorkerLostError, match="memory"):
         found.map(killed_at_three, range(8))
 
@@ -109,7 +109,7 @@ def test_dask_without_its_package_names_the_remedy(monkeypatch: pytest.MonkeyPat
         pass
 
 
-def test_work_that_ends_while_large_results_are_sent_does_not_wait_for_their_rest() -> None:
+def test_interrupted_work_does_not_wait_for_large_results() -> None:
     for _ in range(3):
 
         def stop(count: int) -> None:

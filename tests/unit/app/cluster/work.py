@@ -48,12 +48,12 @@ def process_and_threads(_: int) -> tuple[int, str | None]:
 
 
 def hears_ctrl_c(_: int) -> bool:
-    """Tell whether Ctrl-C could interrupt this process."""
+    """Return whether Ctrl-C could interrupt this process."""
     return signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
 
 
 def lingering(folder: Path) -> None:
-    """Tell that it runs, and take too long."""
+    """Signal that it runs, and take too long."""
     (folder / f"{os.getpid()}.running").touch()
     time.sleep(300.0)
 

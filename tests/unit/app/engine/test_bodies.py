@@ -47,7 +47,7 @@ async def test_the_gate_refuses_what_lies_between_two_targets(robot: FakeRobot) 
     await gate.require((-40.0, 0.0, 12.5, 0.0))
 
 
-async def test_the_gate_asks_where_the_arm_stands_unless_it_is_told(robot: FakeRobot) -> None:
+async def test_the_gate_reads_the_pose_unless_one_is_given(robot: FakeRobot) -> None:
     seen: list[Sequence[Pose]] = []
 
     def note(way: Sequence[Pose]) -> None:
@@ -83,7 +83,7 @@ async def test_an_emulated_arm_need_not_be_confirmed(bench_of_fakes: FakeBench) 
 
 @dataclass
 class TellingRobot(FakeRobot):
-    """Tells limits of its own, or refuses to."""
+    """Reports limits of its own, or refuses to."""
 
     own: tuple[tuple[float, float], ...] = OWN
     refuses: bool = False
@@ -102,7 +102,7 @@ async def test_ranges_beyond_the_controllers_end_a_run_before_it_moves(bench_of_
     assert "servo on" not in bench_of_fakes.robot.calls
 
 
-async def test_a_controller_that_keeps_its_limits_to_itself_is_told(bench_of_fakes: FakeBench) -> None:
+async def test_a_controller_withholding_its_limits_is_reported(bench_of_fakes: FakeBench) -> None:
     bench_of_fakes.robot = TellingRobot(bench_of_fakes.clock, refuses=True)
     outcome = await run(bench_of_fakes, measuring(0))
     assert outcome.exit_code == ExitCode.DONE

@@ -72,7 +72,7 @@ def test_one_sentence_says_who_corrects() -> None:
     assert "modified Edlén, vacuum" in Compensation("none", AirRule(formula="edlen")).sentence
 
 
-def test_doubts_about_the_air_are_told() -> None:
+def test_doubts_about_the_air_are_reported() -> None:
     assert Compensation("instrument", AirRule()).doubt(ROOM) is None
     dry = AirSample(20.0, None, 50.0, 0.0)
     assert "gives no pressure" in (Compensation("instrument", AirRule()).doubt(dry) or "")

@@ -26,7 +26,7 @@ LIMITS = AirLimits({"temperature_c": (15.0, 25.0), "pressure_hpa": (800.0, 1100.
 
 
 class Sensor(FakeAir):
-    """Gives what it is told."""
+    """Returns what a test has set."""
 
     temperature_c: float = 20.0
 
@@ -43,9 +43,9 @@ class Surroundings:
         self.robot = FakeRobot(self.clock)
         self.robot.state = replace(self.robot.state, servo_on=True, override_percent=20.0)
         self.air, self.elsewhere = Sensor(self.clock), Sensor(self.clock)
-        self.told: list[str] = []
+        self.entered: list[str] = []
         self.control = RunControl(
-            self.clock, lambda state, _reason: self.told.append(state), HaltLimits(standstill_s=0.5)
+            self.clock, lambda state, _reason: self.entered.append(state), HaltLimits(standstill_s=0.5)
         )
         self.control.attach(self.robot)
         self.control.starting()
@@ -102,14 +102,14 @@ async def test_air_outside_its_range_is_named_with_value_and_unit(
     assert (words or "") in (trouble or "")
 
 
-async def test_air_suspends_a_run_that_stands_and_lets_it_go_on(around: Surroundings) -> None:
+async def test_air_out_of_range_suspends_a_standing_run_until_back(around: Surroundings) -> None:
     assert await around.look() == ControlState.EXECUTE
     around.air.temperature_c = 30.0
     assert await around.look() == ControlState.SUSPENDED
     assert await around.look() == ControlState.SUSPENDED
     around.air.temperature_c = 20.0
     assert await around.look() == ControlState.EXECUTE
-    assert around.told[2:] == ["SUSPENDED", "EXECUTE"]
+    assert around.entered[2:] == ["SUSPENDED", "EXECUTE"]
 
 
 async def test_air_that_comes_back_does_not_end_the_operators_hold(around: Surroundings) -> None:
@@ -140,7 +140,7 @@ async def test_the_watchman_ends_only_what_he_began(around: Surroundings) -> Non
         ({"teach_mode": True}, "TEACH"),
     ],
 )
-async def test_a_controller_that_may_not_move_any_more_aborts_at_rest_too(
+async def test_a_controller_not_ready_to_move_aborts_at_rest(
     around: Surroundings, change: dict[str, Any], words: str
 ) -> None:
     around.robot.state = replace(around.robot.state, **change)
@@ -151,7 +151,7 @@ async def test_a_controller_that_may_not_move_any_more_aborts_at_rest_too(
     assert around.control.state == ControlState.ABORTED
 
 
-async def test_a_link_that_does_not_answer_is_told_once_and_left_to_the_next_command(
+async def test_a_silent_link_is_logged_once_and_does_not_interrupt(
     around: Surroundings, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def silent() -> RobotStatus:

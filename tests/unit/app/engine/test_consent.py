@@ -19,7 +19,7 @@ _ROOT = _ROOMS[0].parent
 
 @dataclass(frozen=True)
 class Asked:
-    """What a question has to be, told by hand from what the procedure does after each answer.
+    """What a question has to be, worked out by hand from what the procedure does after each answer.
 
     Attributes:
         kind: of the question.

@@ -49,7 +49,7 @@ READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
 
 
 class Willing(SimulatedOperator):
-    """SimulatedOperator that do whatever they are told, or break."""
+    """SimulatedOperator that do whatever they are asked, or break."""
 
     async def do(self, task: Task) -> dict[str, Json]:
         if isinstance(task, TurnScrew):
@@ -97,7 +97,7 @@ async def nothing() -> Row:
     return {}
 
 
-async def test_rows_become_durable_with_their_step_and_are_published_after_that(parts: Parts) -> None:
+async def test_rows_are_committed_with_their_step_before_being_published(parts: Parts) -> None:
     async def action() -> Row:
         parts.ctx.record(distance(1))
         parts.ctx.record(distance(2))
@@ -115,37 +115,37 @@ async def test_rows_become_durable_with_their_step_and_are_published_after_that(
     ]
 
 
-async def test_a_question_before_a_motion_tells_target_override_and_speed(parts: Parts) -> None:
+async def test_a_motion_question_states_target_override_and_speed(parts: Parts) -> None:
     target = (10.0, -20.0, 0.0, 30.0)
     await parts.ctx.ask(Prompt("place/P1", "confirm", "Put it there.", motion=True, target=target))
-    told = parts.bench.published[0]
-    assert told["target"] == [10.0, -20.0, 0.0, 30.0]
-    assert told["override_percent"] == 20.0
+    question = parts.bench.published[0]
+    assert question["target"] == [10.0, -20.0, 0.0, 30.0]
+    assert question["override_percent"] == 20.0
     # The fastest joints of the arm, 420, 720 and 3000 deg/s, at a fifth of their speed.
-    assert told["speed_deg_s"] == [84.0, 144.0, 600.0]
+    assert question["speed_deg_s"] == [84.0, 144.0, 600.0]
 
 
 @pytest.mark.parametrize(
-    ("rests_after", "told"), [(None, ["stop"]), ((), []), (("stop", "skip"), ["stop", "skip"])]
+    ("rests_after", "stated"), [(None, ["stop"]), ((), []), (("stop", "skip"), ["stop", "skip"])]
 )
-async def test_a_question_before_a_motion_tells_after_which_choices_the_arm_rests(
-    parts: Parts, rests_after: tuple[str, ...] | None, told: list[str]
+async def test_a_motion_question_states_which_choices_leave_the_arm_resting(
+    parts: Parts, rests_after: tuple[str, ...] | None, stated: list[str]
 ) -> None:
     choices = ("retry", "skip", "stop")
     await parts.ctx.ask(
         Prompt("b", "choice", "?", choices, safe_answer="stop", motion=True, rests_after=rests_after)
     )
-    assert parts.bench.published[0]["rests_after"] == told
+    assert parts.bench.published[0]["rests_after"] == stated
 
 
-async def test_a_question_without_a_motion_tells_no_target(parts: Parts) -> None:
+async def test_a_question_without_a_motion_states_no_target(parts: Parts) -> None:
     await parts.ctx.ask(Prompt("sense", "choice", "Which?", choices=("a", "b"), safe_answer="b"))
-    told = parts.bench.published[0]
-    assert told["safe_answer"] == "b"
-    assert "target" not in told
+    question = parts.bench.published[0]
+    assert question["safe_answer"] == "b"
+    assert "target" not in question
 
 
-async def test_a_done_step_returns_its_stored_result_and_does_not_run(parts: Parts) -> None:
+async def test_a_done_step_returns_its_stored_result_without_running(parts: Parts) -> None:
     runs = 0
 
     async def action() -> Row:
@@ -178,7 +178,7 @@ async def test_a_row_outside_of_a_step_is_refused(parts: Parts) -> None:
         parts.ctx.record(distance())
 
 
-async def test_a_row_that_does_not_fit_is_refused_where_it_is_recorded(parts: Parts) -> None:
+async def test_an_incomplete_row_is_refused_when_recorded(parts: Parts) -> None:
     async def action() -> Row:
         parts.ctx.record(distance(signal=math.nan))
         return {}
@@ -271,7 +271,7 @@ class WayFakeRobot(FakeRobot):
         self.pose = way[-1]
 
 
-async def test_a_way_is_one_motion_where_the_robot_can_pass_targets(parts: Parts) -> None:
+async def test_a_path_is_one_motion_if_the_robot_supports_it(parts: Parts) -> None:
     robot = WayFakeRobot(parts.bench.clock, state=READY)
     parts.control.attach(robot)
     gate = MotionGate(robot, ARM.axes, free_way, 20.0)
@@ -288,7 +288,7 @@ async def test_a_way_is_one_motion_where_the_robot_can_pass_targets(parts: Parts
     assert robot.calls == ["follow 3"]
 
 
-async def test_a_way_is_a_motion_to_each_target_where_the_robot_cannot(parts: Parts) -> None:
+async def test_a_path_otherwise_becomes_one_motion_per_target(parts: Parts) -> None:
     await parts.ctx.follow((AWAY, HOME, AWAY))
     assert parts.bench.robot.calls.count("move") == 3
     assert parts.bench.robot.pose == AWAY
@@ -314,15 +314,13 @@ async def test_a_measurement_averages_readings_over_the_dwell(parts: Parts) -> N
         BeamStatus(True, False, True, True, 0.8),
     ],
 )
-async def test_a_count_that_was_lost_is_not_ok_even_if_the_beam_is_back(
-    parts: Parts, beam: BeamStatus
-) -> None:
+async def test_a_lost_count_stays_invalid_when_the_beam_returns(parts: Parts, beam: BeamStatus) -> None:
     await parts.ctx.zero(500.0)
     parts.bench.counter.beam = beam
     assert not (await parts.ctx.measure(0.5, 0.5, 2)).beam.count_valid
 
 
-async def test_a_count_that_this_process_has_not_zeroed_is_not_ok(parts: Parts) -> None:
+async def test_a_count_not_zeroed_by_this_process_is_invalid(parts: Parts) -> None:
     assert not (await parts.ctx.measure(0.5, 0.5, 2)).beam.count_valid
 
 
@@ -354,7 +352,7 @@ async def test_a_zero_is_stored(parts: Parts) -> None:
     assert parts.reader.events()[-1].data == {"number": 1, "dead_path_mm": 500.0}
 
 
-async def test_a_missing_quantity_is_warned_of_once_when_the_instrument_corrects(parts: Parts) -> None:
+async def test_a_missing_quantity_warns_once_if_the_instrument_corrects(parts: Parts) -> None:
     parts.bench.air.pressure_hpa = None
     await parts.ctx.measure(0.1, 0.1, 1)
     await parts.ctx.measure(0.1, 0.1, 1)
@@ -378,7 +376,7 @@ async def test_a_count_of_wavelengths_without_the_air_is_refused(tmp_path: Path)
     assert "program corrects" in str(RunReader(outcome.path).meta["compensation"])
 
 
-async def test_a_count_whose_zero_failed_for_want_of_the_air_is_not_ok(tmp_path: Path) -> None:
+async def test_a_count_is_invalid_after_zeroing_without_air_fails(tmp_path: Path) -> None:
     bench = FakeBench(tmp_path)
     bench.counter.compensated = "none"
     seen: list[bool] = []

@@ -23,9 +23,11 @@ class Bench:
         self.clock = ManualClock()
         self.robot = FakeRobot(self.clock)
         self.robot.state = replace(self.robot.state, servo_on=True)
-        self.told: list[tuple[ControlState, str]] = []
+        self.entered: list[tuple[ControlState, str]] = []
         self.control = RunControl(
-            self.clock, lambda state, reason: self.told.append((state, reason)), HaltLimits(standstill_s=0.5)
+            self.clock,
+            lambda state, reason: self.entered.append((state, reason)),
+            HaltLimits(standstill_s=0.5),
         )
         self.control.attach(self.robot)
         self.control.starting()
@@ -54,7 +56,7 @@ async def until(bench: Bench, state: ControlState) -> None:
     assert bench.control.state == state
 
 
-async def test_a_stop_during_a_move_reaches_the_robot_before_anything_else(bench: Bench) -> None:
+async def test_a_stop_during_a_move_reaches_the_robot_first(bench: Bench) -> None:
     bench.robot.blocks = True
     move = asyncio.create_task(bench.move())
     await bench.robot.moving.wait()
@@ -92,7 +94,7 @@ async def test_no_motion_follows_a_stop(bench: Bench) -> None:
     assert "move" not in bench.robot.calls
 
 
-async def test_a_stop_while_the_gate_looks_keeps_the_move_from_beginning(bench: Bench) -> None:
+async def test_a_stop_during_the_gate_prevents_the_move(bench: Bench) -> None:
     looking = asyncio.Event()
 
     async def gate() -> None:
@@ -109,7 +111,7 @@ async def test_a_stop_while_the_gate_looks_keeps_the_move_from_beginning(bench: 
     assert "move" not in bench.robot.calls
 
 
-async def test_a_hold_lets_the_move_end_and_takes_effect_at_the_checkpoint(bench: Bench) -> None:
+async def test_a_hold_takes_effect_at_the_checkpoint(bench: Bench) -> None:
     bench.robot.blocks = False
     bench.control.hold("h")
     assert bench.control.state == ControlState.HOLDING
@@ -122,7 +124,7 @@ async def test_a_hold_lets_the_move_end_and_takes_effect_at_the_checkpoint(bench
     assert bench.control.state.value == "EXECUTE"
 
 
-async def test_a_motion_begins_in_the_turn_in_which_its_gate_opens(bench: Bench) -> None:
+async def test_a_motion_begins_in_the_same_turn_its_gate_opens(bench: Bench) -> None:
     turns: list[str] = []
 
     async def gate() -> None:
@@ -178,7 +180,7 @@ async def test_a_halt_that_fails_calls_for_the_emergency_stop(
     bench.control.interrupt("the door is open")
     await until(bench, ControlState.ABORTED)
     assert "PRESS THE EMERGENCY STOP" in str(bench.control.ending)
-    assert "PRESS THE EMERGENCY STOP" in bench.told[-1][1]
+    assert "PRESS THE EMERGENCY STOP" in bench.entered[-1][1]
 
 
 @pytest.mark.parametrize(("anew", "state"), [(True, ControlState.SUSPENDING), (False, ControlState.EXECUTE)])
@@ -282,14 +284,14 @@ async def suspended(bench: Bench, back: list[bool]) -> None:
 
 async def test_a_suspension_ends_when_a_look_finds_the_condition_back(bench: Bench) -> None:
     await suspended(bench, [False, False, True])
-    assert [state for state, _ in bench.told[2:]] == [ControlState.SUSPENDED, ControlState.EXECUTE]
-    assert bench.told[-1][1] == "over: the air is too warm"
+    assert [state for state, _ in bench.entered[2:]] == [ControlState.SUSPENDED, ControlState.EXECUTE]
+    assert bench.entered[-1][1] == "over: the air is too warm"
     assert bench.clock.time_s == 1.0
     await bench.move()
     assert bench.robot.pose == AWAY
 
 
-async def test_a_hold_outlasts_a_suspension_that_is_over_and_one_that_is_not(bench: Bench) -> None:
+async def test_a_hold_outlasts_a_suspension_whether_over_or_not(bench: Bench) -> None:
     back = [False]
     waiting = asyncio.create_task(suspended(bench, back))
     await until(bench, ControlState.SUSPENDED)
@@ -317,7 +319,7 @@ async def test_a_stop_ends_a_suspension(bench: Bench) -> None:
     assert bench.control.state == ControlState.STOPPED
 
 
-async def test_a_motion_that_met_a_short_suspension_at_its_gate_looks_again(bench: Bench) -> None:
+async def test_a_motion_proceeds_after_a_suspension_at_its_gate(bench: Bench) -> None:
     looks = []
 
     async def gate() -> None:
@@ -368,7 +370,7 @@ async def test_a_robot_that_creeps_does_not_stand_still(bench: Bench) -> None:
     assert bench.control.reports[0].servo_off
 
 
-async def test_a_stop_that_cannot_be_sent_is_told(bench: Bench) -> None:
+async def test_a_stop_that_cannot_be_sent_is_reported(bench: Bench) -> None:
     bench.robot.stop_error = LinkError("cable off")
     bench.robot.creeps = True
     bench.control.stop("F12")
@@ -376,7 +378,7 @@ async def test_a_stop_that_cannot_be_sent_is_told(bench: Bench) -> None:
     assert "cable off" in bench.control.reports[0].text
 
 
-async def test_a_stop_that_is_not_taken_in_time_does_not_delay_the_rest(bench: Bench) -> None:
+async def test_an_unacknowledged_stop_does_not_delay_the_halt(bench: Bench) -> None:
     class DeafRobot(FakeRobot):
         async def stop(self) -> None:
             self.calls.append("stop")
@@ -399,7 +401,7 @@ async def test_a_stop_that_is_not_taken_in_time_does_not_delay_the_rest(bench: B
     assert "did not acknowledge" in bench.control.reports[0].text
 
 
-async def test_a_controller_that_is_gone_is_given_up_after_a_few_seconds(bench: Bench) -> None:
+async def test_a_hung_controller_is_given_up_after_seconds(bench: Bench) -> None:
     """Each question to a hung controller costs 2 s; nobody who ends a run waits half a minute for it."""
 
     async def hung() -> RobotStatus:
@@ -413,7 +415,7 @@ async def test_a_controller_that_is_gone_is_given_up_after_a_few_seconds(bench: 
     assert bench.clock.time_s < 5.0
 
 
-async def test_a_link_that_heals_at_the_next_question_still_proves_standstill(bench: Bench) -> None:
+async def test_a_link_healed_during_a_halt_still_proves_standstill(bench: Bench) -> None:
     status, failures = bench.robot.status, [LinkError("cut off in the middle of a command")]
 
     async def healing() -> RobotStatus:
@@ -446,9 +448,9 @@ async def test_motion_after_the_end_is_refused(bench: Bench) -> None:
         await bench.move()
 
 
-async def test_a_request_that_means_nothing_is_told(bench: Bench) -> None:
+async def test_a_request_that_means_nothing_is_reported(bench: Bench) -> None:
     bench.control.unhold("SIGUSR1")
-    assert bench.told[-1] == (ControlState.EXECUTE, "unhold means nothing in state EXECUTE (SIGUSR1)")
+    assert bench.entered[-1] == (ControlState.EXECUTE, "unhold means nothing in state EXECUTE (SIGUSR1)")
 
 
 async def test_only_a_clear_leaves_aborted(bench: Bench) -> None:

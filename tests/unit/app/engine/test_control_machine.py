@@ -22,7 +22,7 @@ MAY_GO_ON = MAY_BEGIN | {ControlState.HOLDING, ControlState.SUSPENDED}
 
 
 class WatchedRobot(FakeRobot):
-    """Tells in which state of the run each of its motions began."""
+    """Records in which state of the run each of its motions began."""
 
     def watch(self, control: RunControl) -> None:
         """Look at this run."""

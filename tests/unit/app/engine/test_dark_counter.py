@@ -24,13 +24,13 @@ def counter(*, returns: bool, lost: bool) -> Refusing:
 
 
 @pytest.mark.parametrize(("returns", "lost"), [(False, True), (False, False), (True, True)])
-async def test_a_refusal_while_the_beam_is_or_was_away_is_told_as_that(returns: bool, lost: bool) -> None:
+async def test_a_refusal_with_a_broken_beam_is_a_beam_error(returns: bool, lost: bool) -> None:
     refusing = counter(returns=returns, lost=lost)
     with pytest.raises(NoBeamError, match="look at the display"):
         await unless_dark(refusing, refusing.zero())
 
 
-async def test_a_refusal_with_the_beam_there_all_the_time_is_another_matter() -> None:
+async def test_a_refusal_with_an_unbroken_beam_is_passed_on() -> None:
     refusing = counter(returns=True, lost=False)
     with pytest.raises(RefusedError) as caught:
         await unless_dark(refusing, refusing.zero())

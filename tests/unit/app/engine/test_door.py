@@ -200,7 +200,7 @@ async def test_an_answer_to_an_older_question_acknowledges_nothing(bench: Guarde
         moved.append((prompt.id, bench.robot.calls.count("move")))
         if prompt.id == "place/P1":
             bench.robot.moving.set()
-            while "UNSUSPENDING" not in bench.states():  # noqa: ASYNC110  # the bench tells by a list
+            while "UNSUSPENDING" not in bench.states():  # noqa: ASYNC110  # the bench reports by a list
                 await asyncio.sleep(0)
             await door_seen(bench, closed=True)
         return Answer("yes", "Ada")
@@ -314,7 +314,7 @@ async def test_a_standstill_that_is_not_seen_aborts(bench: GuardedBench) -> None
     assert outcome.drives_on is False
 
 
-async def test_drives_that_a_halt_cannot_switch_off_are_said_to_be_on(
+async def test_drives_a_halt_cannot_switch_off_are_reported_on(
     bench: GuardedBench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     bench.robot.ignores_stop = True

@@ -29,7 +29,7 @@ FAULTS: dict[str, Fault] = {
 def test_a_single_spoilt_answer_is_no_open_door(
     fault: str, latency_s: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    questions, spoilt, told = 0, 0, list[str]()
+    questions, spoilt, reported = 0, 0, list[str]()
 
     def answer(request: bytes) -> Iterable[tuple[float, bytes]]:
         nonlocal questions, spoilt
@@ -45,10 +45,10 @@ def test_a_single_spoilt_answer_is_no_open_door(
         async with RtuDevice(answer, monkeypatch):
             io = ModbusIo.at("serial:///dev/line?baud=9600&parity=E", VirtualClock())
             await io.connect()
-            async with DoorWatch(io, VirtualClock(), told.append).watching(told.append):
+            async with DoorWatch(io, VirtualClock(), reported.append).watching(reported.append):
                 await asyncio.sleep(12.0)
             await io.close()
 
     run(watched())
     assert spoilt >= 7
-    assert told == []
+    assert reported == []

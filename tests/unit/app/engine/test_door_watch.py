@@ -49,9 +49,9 @@ class Watched:
     """A door and its watch, on a clock that the test moves."""
 
     def __init__(self, speed: float = 1.0) -> None:
-        self.clock, self.door, self.told = SteppedClock(), Counted(), list[str]()
+        self.clock, self.door, self.reported = SteppedClock(), Counted(), list[str]()
         self.speed = speed
-        self.watch = DoorWatch(self.door, self.clock, self.told.append, speed)
+        self.watch = DoorWatch(self.door, self.clock, self.reported.append, speed)
 
     async def pass_s(self, real_s: float) -> None:
         """Let real time pass, tick by tick."""
@@ -78,11 +78,11 @@ async def test_the_door_is_asked_ten_times_a_real_second(watched: Watched) -> No
     assert watched.watch.trouble is None
 
 
-async def test_an_open_door_is_told_at_the_next_look(watched: Watched) -> None:
+async def test_an_open_door_is_reported_at_the_next_look(watched: Watched) -> None:
     await watched.pass_s(0.6)
     watched.door.closed = False
     await watched.pass_s(TICK_S)
-    assert watched.told == ["the door is open: no motion; close it when nobody is inside"]
+    assert watched.reported == ["the door is open: no motion; close it when nobody is inside"]
     watched.door.closed = True
     await watched.pass_s(TICK_S)
     assert watched.watch.trouble is None
@@ -92,16 +92,16 @@ async def test_one_lost_answer_is_asked_again_and_stops_nothing(watched: Watched
     for _ in range(20):
         watched.door.lost = 1
         await watched.pass_s(0.6)
-    assert watched.told == []
+    assert watched.reported == []
 
 
 async def test_a_silent_door_counts_as_open_within_its_limit(watched: Watched) -> None:
     watched.door.lost = 1000
     asked = watched.door.asked
     await watched.pass_s(0.24)
-    assert watched.told == []
+    assert watched.reported == []
     await watched.pass_s(0.12)
-    assert "does not answer, which counts as open" in watched.told[0]
+    assert "does not answer, which counts as open" in watched.reported[0]
     assert watched.door.asked - asked >= 2
 
 
@@ -112,7 +112,7 @@ async def test_a_question_that_hangs_counts_as_silence(watched: Watched) -> None
     assert "counts as open" in str(watched.watch.trouble)
 
 
-async def test_the_gate_refuses_an_open_a_silent_and_an_unseen_door() -> None:
+async def test_the_gate_refuses_an_open_or_unseen_door() -> None:
     watched, robot = Watched(), FakeRobot(ManualClock())
     await robot.servo(on=True)
     await robot.set_override(20.0)
@@ -137,7 +137,7 @@ async def test_each_failure_of_a_silent_door_is_the_same_trouble() -> None:
     watched.door.door_closed = noise  # type: ignore[method-assign]  # a link that is disturbed
     watch = asyncio.create_task(watched.watch.watch())
     await watched.pass_s(20 * TICK_S)
-    assert len(watched.told) > 1
-    assert len(set(watched.told)) == 1
+    assert len(watched.reported) > 1
+    assert len(set(watched.reported)) == 1
     assert "garbage" in str(watched.watch.trouble)
     await cancel(watch)

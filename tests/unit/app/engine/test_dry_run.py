@@ -56,9 +56,7 @@ def length_mm(pose: Pose) -> float | None:
     # Twice 50 deg at 50 deg/s with ramps of a quarter of a second; once 100 deg; led at 10 deg/s, ramps of a tenth.
     [("stops", 2.5), ("blended", 2.25), ("streamed", 10.1)],
 )
-async def test_the_time_of_a_way_is_that_of_the_arms_way_of_following(
-    way: Following, duration_s: float
-) -> None:
+async def test_path_time_follows_the_arms_way_of_following(way: Following, duration_s: float) -> None:
     dry = dry_run(following(way))
     await dry.follow(((50.0, 0.0, 0.0, 0.0), (100.0, 0.0, 0.0, 0.0)))
     assert dry.total_s == pytest.approx(duration_s)
@@ -86,7 +84,7 @@ def test_the_ideal_beam_returns_from_the_reflector_that_it_hits() -> None:
     assert length_mm((0.0, 0.0, 0.0, math.degrees(0.999 / 100.0))) == pytest.approx(math.sqrt(1e4 - 0.999**2))
 
 
-def test_the_beam_returns_at_the_height_of_the_cell_file_only() -> None:
+def test_the_beam_returns_only_at_the_cell_files_height() -> None:
     assert length_mm((0.0, 0.0, 0.99, 0.0)) == pytest.approx(100.0)
     assert length_mm((0.0, 0.0, -1.01, 0.0)) is None
     assert length_mm((0.0, 0.0, 0.8, math.degrees(0.8 / 100.0))) is None
@@ -101,7 +99,7 @@ def test_the_column_and_the_reflectors_field_hide_it() -> None:
     assert ScaraBeam(turned).hit(HOME) is not None
 
 
-def test_poses_on_the_way_lie_close_together_and_end_at_each_target() -> None:
+def test_sampled_poses_are_dense_and_include_each_target() -> None:
     poses = sampled(HOME, [(2.5, -1.0, 0.0, 0.0), (2.5, -1.0, 10.0, 0.0)])
     assert float(np.abs(np.diff(poses, axis=0)).max()) <= 0.25 + 1e-9
     assert poses[0].tolist() == list(HOME)
@@ -119,7 +117,7 @@ def test_poses_on_the_way_lie_close_together_and_end_at_each_target() -> None:
         ("streamed", 10.0, 550.0 * math.radians(10.0)),
     ],
 )
-async def test_speeds_are_those_of_the_fastest_joint_and_of_the_tool(
+async def test_speeds_are_the_fastest_joints_and_the_tools(
     way: Following, joint_deg_s: float, tool_mm_s: float
 ) -> None:
     speeds = speeds_of(ScaraSystem(following(way)), HOME, [(2.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 0.0)])
@@ -130,7 +128,7 @@ async def test_speeds_are_those_of_the_fastest_joint_and_of_the_tool(
     assert speeds_of(ScaraSystem(BENCH), HOME, [HOME]).joint_deg_s == 0.0
 
 
-async def test_the_miss_of_a_way_counts_only_when_a_distance_is_measured_over_it(dry: DryRunContext) -> None:
+async def test_a_paths_miss_counts_only_with_a_measured_distance(dry: DryRunContext) -> None:
     async def tracked() -> Row:
         await dry.zero(100.0)
         await dry.move((1.0, 0.0, 0.0, 0.0))
@@ -153,7 +151,7 @@ async def test_the_miss_of_a_way_counts_only_when_a_distance_is_measured_over_it
     assert dry.excess == [dry.steps[0]]
 
 
-async def test_a_turn_of_j4_alone_is_no_miss_but_can_lose_the_beam(dry: DryRunContext) -> None:
+async def test_turning_j4_alone_can_lose_the_beam_without_a_miss(dry: DryRunContext) -> None:
     async def turn() -> Row:
         await dry.zero(100.0)
         for j4_deg in (0.3, -0.3, 0.0):
@@ -174,7 +172,7 @@ async def test_heights_are_checked_too() -> None:
         await low.move((0.0, 0.0, 5.0, 0.0))
 
 
-async def test_questions_without_end_are_told(dry: DryRunContext) -> None:
+async def test_questions_without_end_are_reported(dry: DryRunContext) -> None:
     async def ask(number: int) -> str:
         return await dry.ask(Prompt(f"again/{number}", "choice", "?", choices=("again", "stop")))
 
@@ -221,7 +219,7 @@ async def test_the_displacement_is_relative_to_the_zero(dry: DryRunContext) -> N
     assert dry.total_s == pytest.approx(0.5)
 
 
-async def test_a_beam_that_broke_on_the_way_stays_lost_until_a_zero(dry: DryRunContext) -> None:
+async def test_a_beam_broken_on_the_path_stays_lost_until_zeroed(dry: DryRunContext) -> None:
     await dry.zero(500.0)
     await dry.move((0.0, 0.0, 0.0, 5.0))
     await dry.move(HOME)

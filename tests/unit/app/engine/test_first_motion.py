@@ -56,20 +56,20 @@ async def test_slow_answers_do_not_shorten_the_rest() -> None:
     assert robot.asked_s[-1] - first_answered_s >= REST_S
 
 
-async def test_a_motion_left_behind_is_waited_for_and_told() -> None:
-    robot, told = DriftingRobot(ManualClock()), list[str]()
+async def test_a_motion_left_behind_is_waited_for_and_reported() -> None:
+    robot, warnings = DriftingRobot(ManualClock()), list[str]()
 
-    async def tell(text: str) -> None:
-        told.append(text)
+    async def warn(text: str) -> None:
+        warnings.append(text)
 
     robot.until_s = 16.0
-    place = await require_rest(robot, robot.clock, 1.0, tell)
+    place = await require_rest(robot, robot.clock, 1.0, warn)
     assert place[0] == pytest.approx(8.0)
     assert robot.clock.monotonic_s() > 16.0 + 0.9 * REST_S
-    assert told == ["the arm is moving and nothing of this run moves it: waiting until it stands"]
+    assert warnings == ["the arm is moving and nothing of this run moves it: waiting until it stands"]
 
 
-async def test_an_arm_that_does_not_come_to_rest_is_not_driven() -> None:
+async def test_an_arm_that_never_rests_is_not_driven() -> None:
     robot = DriftingRobot(ManualClock())
     robot.until_s = 10.0 * PATIENCE_S
     with pytest.raises(SafetyError, match=r"still moving after 30 s.*stop it at the controller"):

@@ -125,7 +125,7 @@ async def test_motion_that_the_guard_refuses_is_sent_after_the_acknowledgement(b
     assert bench.robot.pose == AWAY
 
 
-async def test_what_became_of_the_arm_before_is_told_at_the_start(bench: GuardedBench) -> None:
+async def test_the_arms_history_is_reported_at_the_start(bench: GuardedBench) -> None:
     bench.guard.history = ["2026-01-01T12:00:00Z the program died"]
     await run_procedure(bench.request(Script(move)), bench.build, bench.clock, bench.publish, bench.install)
     assert any("the program died" in str(said["text"]) for said in bench.said("warning"))

@@ -91,7 +91,7 @@ def test_which_answers_say_that_the_task_is_done(prompt: Prompt, text: str, *, d
     assert says_done(prompt, text) is done
 
 
-async def test_unattended_the_task_is_done_and_the_safe_answer_is_not_taken(bench: EmulatedBench) -> None:
+async def test_the_task_is_done_unattended_despite_a_safe_answer(bench: EmulatedBench) -> None:
     operator = Operator(ManualClock(), {}, None, simulated=True, hands=SimulatedOperator(endpoint(bench)))
     answer = await operator.answer(STAGE)
     assert (answer.text, answer.who) == ("done", "emulated operator")
@@ -122,7 +122,7 @@ async def test_on_real_hardware_no_hands_move(bench: EmulatedBench) -> None:
     assert bench.bench.beam.mount.offset_mm == 0.0
 
 
-async def test_without_a_way_to_the_bench_the_remedy_is_told() -> None:
+async def test_without_a_way_to_the_bench_the_remedy_is_reported() -> None:
     operator = Operator(ManualClock(), {}, None, simulated=True)
     with pytest.raises(ConfigError, match=r"'stage/1' asks for: Turn\. Add a \[tracker\]"):
         await operator.answer(STAGE)

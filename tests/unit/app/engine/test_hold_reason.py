@@ -8,14 +8,14 @@ from tests.unit.app.engine.fakes import ManualClock
 
 
 async def test_a_held_run_says_who_or_what_holds_it() -> None:
-    told: list[tuple[ControlState, str]] = []
-    control = RunControl(ManualClock(), lambda state, reason: told.append((state, reason)))
+    entered: list[tuple[ControlState, str]] = []
+    control = RunControl(ManualClock(), lambda state, reason: entered.append((state, reason)))
     control.starting()
     control.started()
     control.hold("Ada (tui-1), who held control, is lost")
     held = asyncio.create_task(control.checkpoint())
     await asyncio.sleep(0)
-    assert told[-1] == (ControlState.HELD, "at a checkpoint: Ada (tui-1), who held control, is lost")
+    assert entered[-1] == (ControlState.HELD, "at a checkpoint: Ada (tui-1), who held control, is lost")
     control.unhold("Bob")
     await held
     assert control.state == ControlState.EXECUTE

@@ -1,4 +1,4 @@
-"""Whole runs on scripted instruments: what is stored and told, what real hardware takes, and how a run goes on."""
+"""Whole runs on scripted instruments: what is stored and sent, what real hardware takes, and how a run goes on."""
 
 import asyncio
 import os
@@ -33,7 +33,7 @@ def bench(tmp_path: Path) -> FakeBench:
     return FakeBench(tmp_path / "runs")
 
 
-async def test_a_complete_run_is_stored_sealed_and_told(bench: FakeBench) -> None:
+async def test_a_complete_run_is_stored_sealed_and_published(bench: FakeBench) -> None:
     procedure = measuring(0, 1, 2)
     outcome = await run(bench, procedure, meta={"operator": "Ada"})
     assert (outcome.status, outcome.exit_code, outcome.text) == ("complete", ExitCode.DONE, "")
@@ -61,13 +61,13 @@ async def test_drives_that_are_kept_are_said(bench: FakeBench) -> None:
     outcome = await run(bench, measuring(0), keep_drives=True)
     assert outcome.drives_on
     assert "servo off" not in bench.robot.calls
-    (told,) = [said["data"] for said in bench.said("state") if said.get("kind") == "drives"]
-    assert told == {
+    (drives,) = [said["data"] for said in bench.said("state") if said.get("kind") == "drives"]
+    assert drives == {
         "on": True,
         "text": "the drives stay on: the arm holds its place and can be moved at once",
     }
     assert bench.said("run-ended")[0]["drives_on"] is True
-    assert [e.data for e in RunReader(outcome.path).events() if e.kind == "drives"] == [told]
+    assert [e.data for e in RunReader(outcome.path).events() if e.kind == "drives"] == [drives]
 
 
 async def test_an_abort_switches_drives_off_that_were_to_be_kept(bench: FakeBench) -> None:
@@ -88,9 +88,11 @@ async def test_drives_that_do_not_go_off_are_said(bench: FakeBench, monkeypatch:
     monkeypatch.setattr(bench.robot, "servo", servo)
     outcome = await run(bench, measuring(0))
     assert (outcome.status, outcome.drives_on) == ("complete", True)
-    (told,) = [said["data"] for said in bench.said("state") if said.get("kind") == "drives"]
-    assert isinstance(told, dict)
-    assert "not certain to be off: switch them off at the controller (robot: link lost)" in str(told["text"])
+    (drives,) = [said["data"] for said in bench.said("state") if said.get("kind") == "drives"]
+    assert isinstance(drives, dict)
+    assert "not certain to be off: switch them off at the controller (robot: link lost)" in str(
+        drives["text"]
+    )
 
 
 async def test_a_run_that_is_slower_than_planned_says_so(bench: FakeBench) -> None:
@@ -130,7 +132,7 @@ async def test_an_override_that_reads_back_above_the_cap_is_refused(bench: FakeB
     assert "servo on" not in bench.robot.calls
 
 
-async def test_all_devices_that_fail_are_told_together(bench: FakeBench) -> None:
+async def test_all_devices_that_fail_are_reported_together(bench: FakeBench) -> None:
     bench.robot.connect_error = LinkError("tcp://a refused: switch it on")
     bench.air.connect_error = LinkError("tcp://b silent: look at the cable")
     outcome = await run(bench, measuring(0))
@@ -191,10 +193,8 @@ async def test_a_run_does_not_change_between_emulated_and_real_devices(bench: Fa
     assert bench.robot.calls[calls:] == ["connect", "close"]
 
 
-@pytest.mark.parametrize("silent", [False, True], ids=["told", "format 1"])
-async def test_a_run_does_not_go_on_with_another_correction_for_the_air(
-    bench: FakeBench, silent: bool
-) -> None:
+@pytest.mark.parametrize("silent", [False, True], ids=["stored", "format 1"])
+async def test_a_run_is_not_resumed_with_another_air_correction(bench: FakeBench, silent: bool) -> None:
     bench.robot.move_error = LinkError("lost")
     first = await run(bench, measuring(0))
     if silent:
@@ -206,7 +206,7 @@ async def test_a_run_does_not_go_on_with_another_correction_for_the_air(
     assert "begun with another correction" in second.text
 
 
-async def test_a_run_that_died_before_its_devices_answered_learns_of_them_later(bench: FakeBench) -> None:
+async def test_a_run_learns_its_devices_on_resuming(bench: FakeBench) -> None:
     bench.robot.connect_error = LinkError("off")
     first = await run(bench, measuring(0))
     bench.robot.connect_error = None
@@ -265,9 +265,7 @@ async def test_a_lost_front_end_holds_the_run(bench: FakeBench) -> None:
 
 
 @pytest.mark.parametrize("lost_at", ["run-started", "STARTING", "warning", "EXECUTE"])
-async def test_a_front_end_that_is_lost_before_the_first_motion_holds_the_run(
-    bench: FakeBench, lost_at: str
-) -> None:
+async def test_losing_the_front_end_before_motion_holds_the_run(bench: FakeBench, lost_at: str) -> None:
     def publish(event: RunEvent) -> None:
         state = event.state if isinstance(event, StateChanged) else None
         if state == "HELD":

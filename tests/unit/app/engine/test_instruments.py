@@ -1,4 +1,4 @@
-"""Settings of a cell file reach the drivers, or are told to be wrong."""
+"""Settings of a cell file reach the drivers, or are reported to be wrong."""
 
 import tomllib
 from pathlib import Path
@@ -42,12 +42,12 @@ def cell(**sections: dict[str, Any]) -> Cell:
         ({"environment": {"settings": {"endpoint": "tcp://10.0.0.1:502"}}}, "endpoint is no setting"),
     ],
 )
-def test_wrong_settings_are_told_in_a_sentence(sections: dict[str, dict[str, Any]], said: str) -> None:
+def test_wrong_settings_are_reported_in_a_sentence(sections: dict[str, dict[str, Any]], said: str) -> None:
     with pytest.raises(ConfigError, match=said):
         device_builder(cell(**sections), SystemClock())
 
 
-def test_a_wrong_setting_of_a_further_device_is_told_before_anything_is_connected(tmp_path: Path) -> None:
+def test_a_further_devices_wrong_setting_is_reported_before_connecting(tmp_path: Path) -> None:
     file = tmp_path / "cell.toml"
     display = (
         'name = "nd"\ndriver = "heidenhain-nd"\nendpoint = "tcp://127.0.0.1:9"\nsettings = {decimals = 9}\n'

@@ -65,7 +65,7 @@ def bench(tmp_path: Path) -> GuardedBench:
     return made
 
 
-async def test_a_door_that_is_open_at_the_start_refuses_the_run(bench: GuardedBench) -> None:
+async def test_an_open_door_at_the_start_refuses_the_run(bench: GuardedBench) -> None:
     async def body(ctx: Context) -> None:
         await ctx.move(AWAY)
 
@@ -91,7 +91,7 @@ async def test_the_light_follows_the_run(bench: GuardedBench) -> None:
     assert bench.block.shown == ["green", "off"]
 
 
-async def test_a_block_that_hangs_or_fails_does_not_hold_the_run_up(bench: GuardedBench) -> None:
+async def test_a_hanging_block_does_not_delay_the_run(bench: GuardedBench) -> None:
     async def body(ctx: Context) -> None:
         await ctx.move(AWAY)
 
@@ -104,8 +104,8 @@ async def test_a_block_that_hangs_or_fails_does_not_hold_the_run_up(bench: Guard
 
 
 async def test_states_and_questions_have_their_colours() -> None:
-    block, told = Block(), list[str]()
-    light = StackLight(block, told.append)
+    block, reported = Block(), list[str]()
+    light = StackLight(block, reported.append)
 
     async def after(event: RunEvent) -> Light:
         light.take(event)
@@ -126,7 +126,7 @@ async def test_states_and_questions_have_their_colours() -> None:
     block.silent = True
     for _ in range(2):
         await in_state(ControlState.EXECUTE)
-    assert len(told) == 1
+    assert len(reported) == 1
     block.silent = False
     await light.end()
     assert block.shown[-1] == "off"

@@ -97,7 +97,7 @@ async def held_on_the_way(store: RunStore, tmp_path: Path, jogged_deg: float) ->
     return bench
 
 
-async def test_a_way_does_not_go_on_from_where_nobody_planned_to_be(store: RunStore, tmp_path: Path) -> None:
+async def test_a_path_does_not_continue_from_an_unplanned_pose(store: RunStore, tmp_path: Path) -> None:
     with pytest.raises(ArmMovedError, match="was moved while the run was held or suspended") as caught:
         await held_on_the_way(store, tmp_path, 5.0)
     assert "leave the arm alone" in str(caught.value)
@@ -110,9 +110,7 @@ async def test_a_way_goes_on_where_it_was_left(store: RunStore, tmp_path: Path, 
     assert bench.robot.calls.count("move") == len(WAY)
 
 
-async def test_an_arm_that_is_moved_while_a_door_is_open_does_not_drive_on(
-    store: RunStore, tmp_path: Path
-) -> None:
+async def test_an_arm_moved_behind_an_open_door_stays_put(store: RunStore, tmp_path: Path) -> None:
     door = Door()
     ctx, _, bench = await ready(store, tmp_path, door)
     await ctx.move(WAY[0])
@@ -123,9 +121,7 @@ async def test_an_arm_that_is_moved_while_a_door_is_open_does_not_drive_on(
     assert bench.robot.calls.count("move") == 1
 
 
-async def test_a_single_move_does_not_begin_from_where_nobody_planned_to_be(
-    store: RunStore, tmp_path: Path
-) -> None:
+async def test_a_move_does_not_begin_from_an_unplanned_pose(store: RunStore, tmp_path: Path) -> None:
     ctx, control, bench = await ready(store, tmp_path)
     await ctx.move(WAY[0])
     control.hold("a person")
@@ -155,9 +151,7 @@ async def test_an_arm_moved_during_a_question_does_not_drive_on(store: RunStore,
     assert bench.robot.calls.count("move") == 1
 
 
-async def test_who_has_looked_where_the_arm_stands_may_lead_it_from_there(
-    store: RunStore, tmp_path: Path
-) -> None:
+async def test_reading_the_pose_permits_moving_on_from_there(store: RunStore, tmp_path: Path) -> None:
     ctx, control, bench = await ready(store, tmp_path)
     await ctx.move(WAY[0])
     control.hold("a person")

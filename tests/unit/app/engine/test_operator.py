@@ -61,7 +61,7 @@ async def test_the_emulated_operator_is_willing_but_types_no_numbers() -> None:
 
 
 @pytest.mark.parametrize("safe", ["no", None])
-async def test_a_question_that_is_open_too_long_takes_its_safe_answer(safe: str | None) -> None:
+async def test_a_question_open_too_long_takes_its_safe_answer(safe: str | None) -> None:
     clock = ManualClock()
 
     async def nobody(_prompt: Prompt) -> Answer | None:
@@ -81,7 +81,7 @@ async def test_a_question_that_is_open_too_long_takes_its_safe_answer(safe: str 
         assert (await waiting).text == "no"
 
 
-async def test_a_front_end_that_does_not_check_is_a_fault_of_the_program() -> None:
+async def test_an_unchecked_answer_is_a_program_fault() -> None:
     operator = Operator(ManualClock(), {}, person("perhaps"), simulated=False)
     with pytest.raises(ValueError, match="answer yes or no"):
         await operator.answer(CLEAR)

@@ -103,7 +103,7 @@ async def stopped(bench: FakeBench) -> Path:
     return outcome.path
 
 
-async def test_an_aborted_run_goes_on_when_a_person_has_cleared_it(bench: FakeBench) -> None:
+async def test_an_aborted_run_continues_once_a_person_clears_it(bench: FakeBench) -> None:
     path, desk = await interrupted(bench), Desk(clear="yes", resume_reflectors="untouched")
     outcome = await run(bench, path, desk)
     assert outcome.status == "complete"
@@ -172,7 +172,7 @@ async def test_ctrl_c_ends_the_question_and_clears_nothing(bench: FakeBench) -> 
     assert [prompt.id for prompt in later.asked] == ["clear", "resume/reflectors"]
 
 
-async def test_a_process_that_died_while_it_aborted_leaves_the_abort_to_be_cleared(bench: FakeBench) -> None:
+async def test_an_abort_cut_short_must_still_be_cleared(bench: FakeBench) -> None:
     path = await stopped(bench)
     store = await RunStore.reopen(path, bench.clock, reserve_bytes=0)
     await store.event("state", {"state": "ABORTING", "reason": "the door was opened"})
@@ -201,7 +201,7 @@ async def test_moved_reflectors_end_the_run_before_anything_moves(bench: FakeBen
     assert "move" not in bench.robot.calls
     reader = RunReader(path)
     assert [event.kind for event in reader.events()].count("reflectors-moved") == 1
-    # The time is that of the last step: what was done before it may be told from what was done after.
+    # The time is that of the last step: what was done before it may be distinguished from what was done after.
     assert reader.steps()[-1].done_utc[11:19] in desk.asked[0].text
 
 
@@ -252,7 +252,7 @@ class OtherAir(FakeAir):
 
 
 class SilentRobot(FakeRobot):
-    """The same arm with a driver that does not tell its serial number."""
+    """The same arm with a driver that does not report its serial number."""
 
     async def connect(self) -> Identity:
         await super().connect()
@@ -269,7 +269,7 @@ async def test_another_robot_is_refused(bench: FakeBench) -> None:
     assert "move" not in bench.robot.calls
 
 
-async def test_another_air_sensor_is_told(bench: FakeBench) -> None:
+async def test_another_air_sensor_is_reported(bench: FakeBench) -> None:
     path = await stopped(bench)
     bench.air = OtherAir(bench.clock, simulated=False)
     outcome = await run(bench, path, Desk(resume_reflectors="untouched"))
@@ -277,7 +277,7 @@ async def test_another_air_sensor_is_told(bench: FakeBench) -> None:
     assert any("environment is not as it was" in str(event["text"]) for event in bench.said("warning"))
 
 
-async def test_a_device_that_does_not_tell_its_number_is_not_another_one(bench: FakeBench) -> None:
+async def test_a_device_without_serial_number_counts_as_the_same(bench: FakeBench) -> None:
     path = await stopped(bench)
     bench.robot = SilentRobot(bench.clock, simulated=False)
     assert (await run(bench, path, Desk(resume_reflectors="untouched"))).status == "complete"

@@ -89,17 +89,17 @@ async def test_a_fault_of_the_program_still_leaves_everything_in_order(bench: Fa
 
     outcome = await run(bench, Script(body))
     assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.FAULT)
-    told = (
+    text = (
         "internal error: ZeroDivisionError: division by zero; this is a fault of the program, "
         "app.log of the run shows where"
     )
-    assert outcome.text == told
-    assert [event["text"] for event in bench.said("error")] == [told]
+    assert outcome.text == text
+    assert [event["text"] for event in bench.said("error")] == [text]
     assert "Traceback" in (outcome.path / "app.log").read_text()
     assert verify(outcome.path).ok
 
 
-async def test_a_fault_during_a_motion_is_called_one_when_it_stops(bench: FakeBench) -> None:
+async def test_a_stop_after_a_fault_names_the_fault(bench: FakeBench) -> None:
     bench.robot.move_error = KeyError("theta1")
     outcome = await run(bench, measuring(0))
     reasons = [str(event["reason"]) for event in bench.said("state") if event["state"] == "STOPPING"]
@@ -146,7 +146,7 @@ async def stopped_while_moving(bench: FakeBench, *numbers: int) -> tuple[RunOutc
     return await running, procedure
 
 
-async def test_two_ctrl_c_during_a_move_stop_first_and_keep_the_run_resumable(bench: FakeBench) -> None:
+async def test_two_ctrl_c_during_a_move_stop_resumably(bench: FakeBench) -> None:
     outcome, procedure = await stopped_while_moving(bench, signal.SIGINT, signal.SIGINT)
     assert (outcome.status, outcome.exit_code) == ("stopped", ExitCode.INTERRUPTED)
     moved = bench.robot.calls[bench.robot.calls.index("move") :]
@@ -174,7 +174,7 @@ async def test_an_abort_skips_the_teardown(
     assert verify(outcome.path).ok
 
 
-async def test_a_robot_that_does_not_stop_loses_its_drives_and_aborts_the_run(bench: FakeBench) -> None:
+async def test_a_robot_ignoring_stop_loses_drives_and_aborts(bench: FakeBench) -> None:
     bench.robot.ignores_stop = True
     outcome, _ = await stopped_while_moving(bench, signal.SIGINT, signal.SIGINT)
     assert (outcome.status, outcome.exit_code) == ("aborted", ExitCode.SAFETY)

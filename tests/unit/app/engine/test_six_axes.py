@@ -55,7 +55,7 @@ def test_samples_of_a_way_have_all_axes() -> None:
     assert poses[168] == pytest.approx([0.0, 0.0, 0.0, 0.0, 0.0, 42.0])
 
 
-def test_the_tool_speed_is_that_of_the_circle_it_turns_on() -> None:
+def test_the_tool_speed_follows_from_its_circle() -> None:
     speeds = speeds_of(System(BENCH), STRETCHED, [ASIDE])
     assert speeds.joint_deg_s == pytest.approx(25.0)
     assert speeds.tool_mm_s == pytest.approx(REACH_MM * math.radians(25.0), rel=1e-4)

@@ -32,7 +32,7 @@ def test_aborted_leaves_only_by_clear(event: Trigger) -> None:
     assert transition(ControlState.ABORTED, Trigger.CLEAR).state == ControlState.CLEARING
 
 
-def test_an_event_that_means_nothing_leaves_the_state_and_says_so() -> None:
+def test_a_meaningless_event_keeps_the_state_and_is_reported() -> None:
     result = transition(ControlState.COMPLETE, Trigger.HOLD)
     assert result.state == ControlState.COMPLETE
     assert result.effects == (Effect.REPORT_IGNORED,)

@@ -1,4 +1,4 @@
-"""The time left is told from the pace of the run, whoever has kept it waiting."""
+"""The time left is estimated from the pace of the run, whoever has kept it waiting."""
 
 import asyncio
 
@@ -19,7 +19,7 @@ async def until_idle() -> None:
         await asyncio.sleep(0)
 
 
-def test_an_hour_at_a_question_does_not_slow_the_run_down() -> None:
+def test_waiting_at_a_question_does_not_slow_the_estimate() -> None:
     clock = ManualClock()
     progress = Progress(clock)
     progress.estimate(100.0, 300.0)

@@ -9,7 +9,7 @@ from tests.unit.app.engine.fakes import ManualClock
 
 
 class Work:
-    """Something that takes as long as it is told, and remembers how it ended."""
+    """Something that takes as long as a test asks, and remembers how it ended."""
 
     def __init__(self, error: Exception | None = None) -> None:
         self.begun = asyncio.Event()

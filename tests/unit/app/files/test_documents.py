@@ -73,7 +73,7 @@ def test_a_file_of_just_four_megabytes_is_read(tmp_path: Path) -> None:
     assert len(read_document(path)) == LARGEST_BYTES
 
 
-def test_a_file_that_tells_no_size_is_bounded_too() -> None:
+def test_a_file_without_a_size_is_bounded_too() -> None:
     with pytest.raises(ConfigError, match="larger than"):
         read_document(Path("/proc/self/maps"), largest_bytes=10)
 
@@ -131,7 +131,7 @@ def test_a_cell_with_a_long_integer_is_named(tmp_path: Path) -> None:
         load_cell(path)
 
 
-def test_thousands_of_faults_are_told_in_few_lines(tmp_path: Path) -> None:
+def test_thousands_of_faults_are_reported_in_few_lines(tmp_path: Path) -> None:
     path = tmp_path / "cell.toml"
     path.write_text("".join(f"key{number} = 1\n" for number in range(5000)))
     with pytest.raises(ConfigError, match="further faults") as caught:

@@ -45,7 +45,7 @@ def test_what_cannot_be_driven_is_refused(tmp_path: Path, text: str, part: str) 
         read_table(written(tmp_path, text), JOINT_ROWS)
 
 
-def test_a_parameter_that_is_no_file_is_told() -> None:
+def test_a_parameter_that_is_no_file_is_reported() -> None:
     with pytest.raises(UsageError, match="--param joints: 3 is not possible; it takes the name of a file"):
         parse_params(PathParams, ["joints=3"])
     with pytest.raises(UsageError, match="there is no such file"):

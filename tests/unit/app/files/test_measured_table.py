@@ -73,14 +73,14 @@ def test_commands_stand_as_places(tmp_path: Path) -> None:
         (f"{JOINT}\n1,2,0,1,3,4\n", ["tracker.csv:2: direction1 = '0' is not 1 or -1"]),
     ],
 )
-def test_a_fault_is_told_with_file_and_line(tmp_path: Path, text: str, expected: list[str]) -> None:
+def test_a_fault_is_reported_with_file_and_line(tmp_path: Path, text: str, expected: list[str]) -> None:
     with pytest.raises(UsageError) as caught:
         read_table(written(tmp_path, text), MEASURED)
     for part in expected:
         assert part in str(caught.value)
 
 
-def test_a_file_that_is_none_is_told(tmp_path: Path) -> None:
+def test_a_file_that_is_none_is_reported(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"none\.csv: there is no such file"):
         read_table(tmp_path / "none.csv", MEASURED)
     with pytest.raises(UsageError, match="is no name of a file"):

@@ -110,15 +110,15 @@ async def test_guard_that_lets_nothing_go_in_motion_counts_as_dead(
             arm.permit()
 
 
-async def test_guard_that_died_in_motion_is_told_to_the_next_owner(arm: ArmGuard, tmp_path: Path) -> None:
+async def test_a_guard_death_in_motion_reaches_the_next_owner(arm: ArmGuard, tmp_path: Path) -> None:
     stopped = asyncio.Event()
     arm.on_stop = lambda _reason: stopped.set()
     async with arm.motion():
         dead_guard()
         await stopped.wait()
     await arm.let_go()
-    (told,) = await arm.hold("the next one", tmp_path, simulated=True)
-    assert "the guard process ended while the arm moved" in told
+    (history,) = await arm.hold("the next one", tmp_path, simulated=True)
+    assert "the guard process ended while the arm moved" in history
 
 
 def no_process(*_: object) -> None:
@@ -141,12 +141,12 @@ async def test_machine_that_was_suspended_moves_nothing_unasked(
     assert len(stops) == 1
     assert "stood still" in stops[0]
     await arm.let_go()
-    (told,) = await arm.hold("the next one", tmp_path, simulated=True)
-    assert "stopped before" in told
-    assert "stood still" in told
+    (history,) = await arm.hold("the next one", tmp_path, simulated=True)
+    assert "stopped before" in history
+    assert "stood still" in history
 
 
-async def test_a_guard_that_does_not_start_loses_no_word_of_a_stop(
+async def test_a_guard_failing_to_start_keeps_the_stop_history(
     arm: ArmGuard, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     async with arm.motion():
@@ -159,8 +159,8 @@ async def test_a_guard_that_does_not_start_loses_no_word_of_a_stop(
         patch.setattr(client, "GuardProcess", no_process)
         with pytest.raises(GuardError, match="does not start"):
             await arm.hold("a busy machine", tmp_path, simulated=True)
-    (told,) = await arm.hold("the next one", tmp_path, simulated=True)
-    assert "the guard process ended while the arm moved" in told
+    (history,) = await arm.hold("the next one", tmp_path, simulated=True)
+    assert "the guard process ended while the arm moved" in history
 
 
 async def test_guard_that_takes_no_message_counts_as_dead(

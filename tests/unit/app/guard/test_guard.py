@@ -105,7 +105,7 @@ def test_an_arm_that_was_given_back_is_not_stopped(pair: Pair, pipe: tuple[int, 
         os.read(source, 1)
 
 
-def test_a_line_that_takes_a_part_of_stop_does_not_block(pipe: tuple[int, int]) -> None:
+def test_a_partial_write_of_the_stop_does_not_block(pipe: tuple[int, int]) -> None:
     source, sink = pipe
     room = 4096
     Connection(sink, b"\r" * 2 * room).write_stop()

@@ -38,7 +38,7 @@ def refusal(owner: Owner = BEN) -> ArmInUseError:
     return refused.value
 
 
-def test_second_owner_is_refused_and_told_the_first() -> None:
+def test_second_owner_is_refused_with_the_firsts_name() -> None:
     first = taken()
     error = refusal()
     for part in ("12", "anna", "catseye run", "20260101T120000Z_open-loop_a1", "2026-01-01T12:00:00"):
@@ -103,7 +103,7 @@ def test_a_duplicate_keeps_the_arm_owned(folder: Path) -> None:
     assert list(folder.iterdir()) == []
 
 
-def test_what_a_guard_left_is_told_to_the_next_owner() -> None:
+def test_what_a_guard_left_reaches_the_next_owner() -> None:
     first = taken()
     path = lock.lock_path(ARM)
     with path.open("a", encoding="ascii") as file:
@@ -119,13 +119,13 @@ def test_what_a_guard_left_is_told_to_the_next_owner() -> None:
     third.release()
 
 
-def test_an_arm_that_nobody_gave_back_is_told_to_the_next_owner() -> None:
+def test_an_unreleased_arm_is_reported_to_the_next_owner() -> None:
     """Program and guard were killed together: neither has left word."""
     taken().release(keep=True)
     second = taken(BEN)
-    (told,) = second.history
-    assert "was not given back" in told
-    assert "anna" in told
+    (history,) = second.history
+    assert "was not given back" in history
+    assert "anna" in history
     second.release()
 
 
@@ -140,7 +140,7 @@ def test_an_owner_that_gives_up_leaves_what_it_found() -> None:
     third.release()
 
 
-def test_a_second_address_in_use_leaves_the_first_as_it_was() -> None:
+def test_a_second_address_in_use_leaves_the_first_free() -> None:
     holder = taken(arm="192.168.0.21")
     with pytest.raises(ArmInUseError):
         OwnerLock((ARM, "192.168.0.21"), BEN)

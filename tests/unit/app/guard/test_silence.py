@@ -9,7 +9,7 @@ def ticks_until_stopped(silence: Silence, tick_s: float = TICK_S, most: int = 10
     return next((n for n in range(1, most) if silence.passed(tick_s)), None)
 
 
-def test_half_a_second_of_silence_during_a_motion_is_too_long() -> None:
+def test_half_a_second_of_silence_in_motion_stops() -> None:
     silence = Silence()
     silence.beat(moving=True)
     ticks = ticks_until_stopped(silence)

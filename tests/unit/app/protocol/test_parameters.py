@@ -41,7 +41,7 @@ def test_every_number_of_every_procedure_has_a_range(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("params", "given", "told"),
+    ("params", "given", "message"),
     [
         (
             OpenLoopParams,
@@ -55,10 +55,12 @@ def test_every_number_of_every_procedure_has_a_range(name: str) -> None:
         ),
     ],
 )
-def test_a_wrong_value_is_told_with_what_is_possible(params: type[BaseModel], given: str, told: str) -> None:
+def test_a_wrong_value_is_reported_with_what_is_possible(
+    params: type[BaseModel], given: str, message: str
+) -> None:
     with pytest.raises(UsageError) as caught:
         parse_params(params, [given])
-    assert told in str(caught.value)
+    assert message in str(caught.value)
 
 
 def facts_of(name: str, key: str) -> dict[str, Any]:

@@ -15,7 +15,7 @@ def test_the_built_in_procedures_are_installed() -> None:
         assert load_procedure(name).name == name
 
 
-def test_an_unknown_procedure_is_told_with_the_nearest() -> None:
+def test_an_unknown_procedure_suggests_the_nearest() -> None:
     with pytest.raises(UsageError, match=r"'open-lop'; did you mean open-loop\? Installed are: "):
         load_procedure("open-lop")
     with pytest.raises(UsageError, match=r"there is no procedure 'xyz'\. Installed are: .*open-loop"):
@@ -46,7 +46,7 @@ def test_texts_become_values_of_their_type() -> None:
         (["=4"], ["unknown; known are mode, poses"]),
     ],
 )
-def test_a_wrong_parameter_is_told_with_its_remedy(texts: list[str], parts: list[str]) -> None:
+def test_a_wrong_parameter_is_reported_with_its_remedy(texts: list[str], parts: list[str]) -> None:
     with pytest.raises(UsageError) as caught:
         parse_params(SearchParams, texts)
     for part in parts:

@@ -193,7 +193,7 @@ def test_an_answer_is_written_as_it_was_read(kind: type[Welcome | Climbed | Open
         '{"event": "ended", "error": "", "exit_code": 0}',
     ],
 )
-def test_a_line_of_the_engine_is_written_as_it_was_read(line: str) -> None:
+def test_engine_lines_round_trip(line: str) -> None:
     assert json.dumps(engine_line_of(json.loads(line)).json_object()) == line
 
 
@@ -205,7 +205,7 @@ def test_a_line_of_the_engine_is_written_as_it_was_read(line: str) -> None:
         '{"kind": "failed", "text": "no cell", "exit_code": 2}',
     ],
 )
-def test_a_report_of_a_command_is_written_as_it_was_read(line: str) -> None:
+def test_command_reports_round_trip(line: str) -> None:
     assert json.dumps(command_event_of(json.loads(line)).json_object()) == line
 
 

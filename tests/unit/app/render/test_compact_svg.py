@@ -57,7 +57,7 @@ def test_lines_keep_their_looks_and_their_ends() -> None:
     assert np.abs(middles - places).max() <= 0.0051
 
 
-def test_what_is_referred_to_is_there_and_the_text_is_much_shorter() -> None:
+def test_compacting_shortens_the_text_and_keeps_references() -> None:
     text, _ = drawn("o", 1.0)
     short = compact(text)
     names = set(re.findall(r' id="([^"]*)"', short))

@@ -26,7 +26,7 @@ def test_sentences_of_brief_sections_have_their_signs() -> None:
     ]
 
 
-def test_captions_tell_several_tables_apart() -> None:
+def test_captions_distinguish_several_tables() -> None:
     assert tables_text(REPORT) == table_text(TABLE)
     twice = Section("two", "Two", (TABLE, replace(TABLE, caption="Others")), brief=True)
     first, second = tables_text(replace(REPORT, sections=(twice,))).split("\n\n")

@@ -54,7 +54,7 @@ def rows() -> list[list[str]]:
     ]
 
 
-def test_every_contributor_of_the_budget_stands_with_its_value_and_what_shares_it() -> None:
+def test_every_contributor_has_its_value_and_correlation() -> None:
     table = {row[0]: row[1:] for row in rows() if len(row) == 6}
     assert table["repeatability of the robot"] == ["length", "10 µm", "normal", "reading", "–"]
     assert table["radial error motion of J4"] == ["radial", "10 µm", "normal", "axis-angle", "J4"]

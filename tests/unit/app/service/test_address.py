@@ -11,7 +11,7 @@ from catseye.app.service.address import all_sockets, find_socket, listening, soc
 from catseye.app.service.errors import ServiceError
 
 
-def test_a_socket_is_for_its_owner_only_and_gone_at_the_end(tmp_path: Path, runtime: Path) -> None:
+def test_a_socket_is_private_and_removed_at_the_end(tmp_path: Path, runtime: Path) -> None:
     with listening(tmp_path):
         path = find_socket(tmp_path)
         assert path == runtime / "catseye" / socket_name(tmp_path)
@@ -22,7 +22,7 @@ def test_a_socket_is_for_its_owner_only_and_gone_at_the_end(tmp_path: Path, runt
 
 
 @pytest.mark.usefixtures("runtime")
-def test_the_name_is_that_of_the_place_however_it_is_written(tmp_path: Path) -> None:
+def test_a_socket_name_follows_the_resolved_path(tmp_path: Path) -> None:
     (tmp_path / "run").mkdir()
     (tmp_path / "link").symlink_to(tmp_path / "run")
     assert socket_name(tmp_path / "link") == socket_name(tmp_path / "run" / ".." / "run")
@@ -97,7 +97,7 @@ def test_a_folder_that_others_may_exchange_is_refused(runtime: Path) -> None:
     assert socket_folder() == runtime / "catseye"
 
 
-def test_a_folder_with_a_long_path_is_left_for_the_common_one(
+def test_a_runtime_folder_with_a_long_path_is_avoided(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     long = tmp_path / ("x" * 90)

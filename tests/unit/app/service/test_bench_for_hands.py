@@ -1,4 +1,4 @@
-"""What whoever works by hand is told about the bench: nothing of devices that are not connected now."""
+"""What whoever works by hand sees of the bench: nothing of devices that are not connected now."""
 
 from pathlib import Path
 from typing import cast

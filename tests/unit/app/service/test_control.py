@@ -17,11 +17,11 @@ from tests.unit.app.engine.fakes import HOME
 from tests.unit.app.service.benches import ServiceBench, close, next_event, settled
 
 
-async def test_the_first_who_asks_gets_control_and_everybody_hears_of_it() -> None:
+async def test_control_changes_hands_and_everyone_is_notified() -> None:
     async with ServiceBench().running() as bench, bench.clients("Ada", "Ben") as (ada, ben):
         await ada.take_control()
-        told = await next_event(ben, "control", what="taken")
-        assert told["by"] == f"Ada ({ada.name})"
+        taken = await next_event(ben, "control", what="taken")
+        assert taken["by"] == f"Ada ({ada.name})"
         with pytest.raises(RefusedError, match=r"Ada .* holds control"):
             await ben.take_control()
         await ben.take_control(force=True)
@@ -35,7 +35,7 @@ async def test_the_first_who_asks_gets_control_and_everybody_hears_of_it() -> No
             "taken by force",
             "handed over",
             "released",
-        ]  # fmt: skip - one story
+        ]  # fmt: skip - one sequence
         assert bench.noted("client-lost") == []
 
 
@@ -91,9 +91,9 @@ async def test_anybody_may_make_it_safe(op: str, states: list[str]) -> None:
         await ada.take_control()
         await ben.request(request_of({"op": op}))
         for state in states:
-            told = await next_event(ada, "state", state=state)
+            event = await next_event(ada, "state", state=state)
         assert op == "hold" or bench.robot.calls == ["stop"]
-        assert "Ben" in str(told["reason"]) or told["state"] in {"STOPPED", "ABORTED"}
+        assert "Ben" in str(event["reason"]) or event["state"] in {"STOPPED", "ABORTED"}
 
 
 async def test_a_held_run_goes_on_for_whoever_has_control() -> None:
@@ -117,7 +117,7 @@ async def test_a_hold_before_anything_moves_is_refused_with_the_reason() -> None
             await client.request(Plain(op="stop"))
 
 
-async def test_an_aborted_run_that_waits_to_be_cleared_can_be_stopped() -> None:
+async def test_an_aborted_run_awaiting_clearance_can_be_stopped() -> None:
     bench = ServiceBench()
     with bench.registry.running(bench.handle):
         async with bench.client() as client:
@@ -129,7 +129,7 @@ async def test_an_aborted_run_that_waits_to_be_cleared_can_be_stopped() -> None:
 
 
 @pytest.mark.parametrize(("policy", "state"), [("continue", "EXECUTE"), ("hold", "HOLDING")])
-async def test_a_client_that_is_lost_before_its_run_is_open_is_lost_to_the_run(
+async def test_losing_a_client_before_its_run_opens_applies_the_policy(
     policy: LossPolicy, state: str
 ) -> None:
     bench = ServiceBench()
@@ -190,7 +190,7 @@ async def test_a_lost_client_with_control_means_what_the_cell_says(policy: LossP
             assert bench.state() == "EXECUTE"
 
 
-async def test_a_client_lost_before_the_devices_are_ready_holds_the_run_when_they_are() -> None:
+async def test_losing_a_client_while_starting_holds_the_run_once_started() -> None:
     async with ServiceBench().running(ControlState.STARTING) as bench:
         async with bench.client("Ada") as ada:
             await ada.take_control()
@@ -206,7 +206,7 @@ async def test_a_client_lost_before_the_devices_are_ready_holds_the_run_when_the
 
 
 @pytest.mark.parametrize("broken", ["by hand", "record"])
-async def test_a_run_is_held_whatever_fails_when_its_client_is_lost(
+async def test_losing_a_client_holds_the_run_despite_other_failures(
     broken: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with ServiceBench().running() as bench:
@@ -240,7 +240,7 @@ async def test_a_watcher_and_one_who_gave_control_back_may_vanish() -> None:
         assert bench.noted("client-lost") == []
 
 
-async def test_a_silent_client_with_control_is_lost_and_one_that_pings_is_not() -> None:
+async def test_only_a_silent_client_with_control_is_lost() -> None:
     async with ServiceBench().running() as bench, bench.client("Ben") as ben:
         silent = await bench.raw()
         assert (await silent.ask("hello", client="mute", who="Ada"))["ok"]
@@ -271,7 +271,7 @@ async def test_the_end_of_a_run_loses_nobody() -> None:
     assert bench.noted("client-lost") == []
 
 
-async def test_an_override_is_lowered_before_the_next_motion_and_never_raised() -> None:
+async def test_an_override_is_lowered_at_the_next_motion_only() -> None:
     async with ServiceBench().running() as bench, bench.client() as client:
         await client.take_control()
         for percent in (20.0, 50.0):
@@ -285,17 +285,17 @@ async def test_an_override_is_lowered_before_the_next_motion_and_never_raised() 
             await client.request(Override(percent=8.0))
 
 
-async def test_an_override_that_is_raised_elsewhere_is_lowered_again_and_read_back() -> None:
+async def test_an_override_raised_elsewhere_is_lowered_and_read_back() -> None:
     bench = ServiceBench()
-    told: list[float] = []
-    bench.gate.on_override = told.append
+    lowered: list[float] = []
+    bench.gate.on_override = lowered.append
     bench.gate.want_override(8.0)
     for _ in range(2):
         await bench.gate.require(HOME)
         bench.robot.state = replace(bench.robot.state, override_percent=15.0)
     await bench.gate.require(HOME)
     assert bench.robot.calls == ["override 8"] * 3
-    assert told == [8.0] * 3
+    assert lowered == [8.0] * 3
     bench.gate.want_override(5.0)
     bench.robot.overrides = [6.0]
     with pytest.raises(SafetyError, match="asked for an override of 5 % and reads 6 %"):

@@ -61,8 +61,8 @@ async def test_a_client_without_hello_is_let_go_after_two_seconds() -> None:
         bench.clock.advance(1.9)
         assert (await idle.ask("ping"))["ok"] is True
         bench.clock.advance(0.2)
-        [told] = await idle.rest()
-        assert "no hello within 2 s" in told["error"]
+        [refusal] = await idle.rest()
+        assert "no hello within 2 s" in refusal["error"]
         assert (await client.request(Plain(op="ping")))["ok"] is True
         close(idle)
 
@@ -73,8 +73,8 @@ async def test_idle_connections_make_room_for_those_that_speak() -> None:
         async with bench.client("Ben") as ben:
             assert (await ben.request(Plain(op="ping")))["ok"] is True
         assert (await client.request(Plain(op="ping")))["ok"] is True
-        [told] = await idle[0].rest()
-        assert "wait without hello" in told["error"]
+        [refusal] = await idle[0].rest()
+        assert "wait without hello" in refusal["error"]
         close(*idle)
 
 

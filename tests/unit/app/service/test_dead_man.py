@@ -10,9 +10,7 @@ BIT = 1e-6
 
 
 @pytest.mark.parametrize(("delay_s", "interval_s"), [(0.25, 0.03), (0.5, 0.033), (0.66, 0.04), (1.0, 0.1)])
-def test_a_held_key_is_held_from_its_first_repeat_to_0_3_s_after_its_last(
-    delay_s: float, interval_s: float
-) -> None:
+def test_a_key_counts_as_held_while_it_repeats(delay_s: float, interval_s: float) -> None:
     switch: DeadMan[str] = DeadMan()
     switch.press("left", 0.0)
     assert switch.held(delay_s / 2.0) is None
@@ -61,7 +59,7 @@ def test_what_was_let_go_has_to_be_held_anew() -> None:
 
 
 @given(st.floats(REPEAT_S + BIT, FIRST_REPEAT_S))
-def test_after_a_pause_the_next_press_is_a_first_one_although_nobody_looked(pause_s: float) -> None:
+def test_the_press_after_a_pause_is_a_first_one(pause_s: float) -> None:
     switch: DeadMan[str] = DeadMan()
     switch.press("left", 0.0)
     switch.press("left", 0.5)

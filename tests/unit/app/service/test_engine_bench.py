@@ -20,7 +20,7 @@ def bench_at(cell: Path, registry: ClientRegistry | None = None) -> EngineBench:
     return EngineBench(registry or ClientRegistry(ManualClock()), ManualClock(), cell, cell.parent / "runs")
 
 
-def test_every_device_of_a_cell_is_kept_once_and_by_the_name_in_its_file() -> None:
+def test_each_device_is_observed_once_under_its_name() -> None:
     steel, floor = (
         FurtherDevice(name=name, driver="modbus-air", endpoint=f"tcp://127.0.0.1:{port}")
         for name, port in (("steel", 1), ("floor", 2))
@@ -34,7 +34,7 @@ def test_every_device_of_a_cell_is_kept_once_and_by_the_name_in_its_file() -> No
     assert all(name == device.name for name, device in made.kept.items())
     material: object = made.devices.material
     assert made.kept["steel"] is material
-    # Only the air of the beam is the air that is told.
+    # Only the air of the beam is the air that is published.
     assert [type(made.kept[name]) for name in ("environment", "steel", "floor")] == [
         ObservedAir,
         ObservedSensor,
@@ -49,7 +49,7 @@ def cell_seen(bench: EngineBench) -> str:
     return status.cell
 
 
-def test_a_cell_file_that_cannot_be_used_is_told_to_whoever_wants_to_watch(tmp_path: Path) -> None:
+def test_an_unusable_cell_file_refuses_watching_until_mended(tmp_path: Path) -> None:
     cell = tmp_path / "cell.toml"
     bench = bench_at(cell)
     with pytest.raises(RefusedError, match=r"cell\.toml"):

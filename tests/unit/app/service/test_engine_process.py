@@ -102,7 +102,7 @@ async def engine_client(root: Path) -> AsyncIterator[EngineClient]:
         yield client
 
 
-async def test_a_client_starts_one_run_after_another_and_ends_the_engine(bench: FakeBench) -> None:
+async def test_a_client_starts_successive_runs_and_ends_the_engine(bench: FakeBench) -> None:
     async with serving(bench.root) as engine, engine_client(bench.root) as client:
         assert client.snapshot.state == "IDLE"
         for _ in range(2):
@@ -149,7 +149,7 @@ async def test_nothing_begins_after_an_unacknowledged_stop_until_it_is_cleared(
         await client.request(Plain(op="shutdown"))
 
 
-async def test_a_client_that_comes_during_a_run_is_told_no_countdown(
+async def test_a_client_joining_during_a_run_sees_no_countdown(
     bench: FakeBench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = vars(engine_process)["carry_out"]
@@ -172,7 +172,7 @@ async def test_a_client_that_comes_during_a_run_is_told_no_countdown(
         await client.request(Plain(op="shutdown"))
 
 
-async def test_drives_left_on_still_go_off_after_a_run_that_never_began(
+async def test_a_refused_start_restarts_the_drives_countdown(
     bench: FakeBench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     counts: list[str] = []
@@ -190,7 +190,7 @@ async def test_drives_left_on_still_go_off_after_a_run_that_never_began(
         await client.request(Plain(op="shutdown"))
 
 
-async def test_a_run_that_cannot_be_planned_is_refused_with_its_code(bench: FakeBench) -> None:
+async def test_an_unplannable_run_is_refused_with_its_exit_code(bench: FakeBench) -> None:
     async with serving(bench.root), engine_client(bench.root) as client:
         with pytest.raises(RefusedError, match="no procedure 'unknown'") as refused:
             await client.request(Start(procedure="unknown"))
@@ -241,7 +241,7 @@ async def test_after_an_abort_nothing_starts_until_it_is_cleared(bench: FakeBenc
         await client.request(Plain(op="shutdown"))
 
 
-async def test_a_lost_client_means_what_the_cell_of_the_run_says(bench: FakeBench) -> None:
+async def test_losing_a_client_follows_the_cells_policy(bench: FakeBench) -> None:
     async with serving(bench.root), engine_client(bench.root) as ben:
         await ben.release()
         async with engine_client(bench.root) as ada:
@@ -254,7 +254,7 @@ async def test_a_lost_client_means_what_the_cell_of_the_run_says(bench: FakeBenc
         await ben.request(Plain(op="shutdown"))
 
 
-async def test_a_client_that_is_lost_while_its_run_is_planned_is_lost_to_the_run(
+async def test_losing_a_client_while_planning_follows_the_policy(
     bench: FakeBench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     planning, go_on, plan = threading.Event(), threading.Event(), vars(engine_process)["plan_run"]
@@ -284,7 +284,7 @@ async def test_a_client_that_is_lost_while_its_run_is_planned_is_lost_to_the_run
 @pytest.mark.parametrize(
     ("number", "code"), [(signal.SIGTERM, ExitCode.TERMINATED), (signal.SIGINT, ExitCode.INTERRUPTED)]
 )
-async def test_an_idle_engine_ends_with_a_signal_but_outlives_its_terminal(
+async def test_an_idle_engine_ends_on_signals_but_outlives_its_terminal(
     bench: FakeBench, number: signal.Signals, code: ExitCode
 ) -> None:
     async with serving(bench.root) as engine:
@@ -332,7 +332,7 @@ async def test_one_run_for_whoever_attaches(bench: FakeBench) -> None:
 
 
 @pytest.mark.parametrize("op", ["stop", "abort"])
-async def test_a_stop_while_a_run_is_planned_keeps_it_from_beginning(
+async def test_a_stop_while_planning_prevents_the_run(
     bench: FakeBench, monkeypatch: pytest.MonkeyPatch, op: str
 ) -> None:
     planning, go_on, plan = threading.Event(), threading.Event(), vars(engine_process)["plan_run"]
@@ -366,7 +366,7 @@ async def test_a_stop_while_a_run_is_planned_keeps_it_from_beginning(
     assert "move" not in bench.robot.calls
 
 
-async def test_a_stop_while_a_record_is_made_leaves_a_whole_one(
+async def test_a_stop_during_record_creation_leaves_a_complete_record(
     bench: FakeBench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     making, go_on, create = asyncio.Event(), asyncio.Event(), RunStore.create

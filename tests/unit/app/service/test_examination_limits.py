@@ -40,7 +40,7 @@ async def test_limits_narrower_than_the_cells_call_for_something() -> None:
 
 
 @pytest.mark.parametrize("error", [RefusedError("no MEJAR", 0), ProtocolError("garbage")])
-async def test_a_robot_that_does_not_say_its_limits_can_be_used(error: Exception) -> None:
+async def test_a_robot_without_readable_limits_can_be_used(error: Exception) -> None:
     facts, advice = await look_at_limits(robot(error), ARM)
     assert "not answered by this controller" in facts[0]
     assert advice == []

@@ -36,7 +36,7 @@ async def test_lines_come_whole_however_they_are_cut() -> None:
     assert typed == ["move", "no", "\ufffd"]
 
 
-async def test_the_end_is_told_once() -> None:
+async def test_the_end_is_reported_once() -> None:
     typed: list[str] = []
     ends: list[bool] = []
     reading, writing = os.pipe()
@@ -49,7 +49,7 @@ async def test_the_end_is_told_once() -> None:
     assert ends == [True]
 
 
-async def test_a_plain_file_and_the_null_device_are_read_at_once(tmp_path: Path) -> None:
+async def test_plain_files_and_the_null_device_are_read_immediately(tmp_path: Path) -> None:
     file = tmp_path / "lines"
     file.write_text("h\ng\n")
     for path, lines in ((file, ["h", "g"]), (Path("/dev/null"), [])):

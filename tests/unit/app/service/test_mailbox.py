@@ -49,7 +49,7 @@ async def taken(mailbox: Mailbox) -> list[AnyEvent | bytes]:
             return found
 
 
-async def test_only_the_newest_live_value_of_a_name_and_the_newest_progress_wait() -> None:
+async def test_only_the_newest_live_values_and_progress_are_queued() -> None:
     mailbox = Mailbox()
     for value in range(1000):
         mailbox.put(live("offset", value))
@@ -65,7 +65,7 @@ async def test_points_beyond_the_capacity_are_dropped_and_counted() -> None:
     assert await taken(mailbox) == [Dropped(count=7), point(0), point(1), point(2)]
 
 
-async def test_what_may_not_be_dropped_takes_the_place_of_a_point() -> None:
+async def test_undroppable_events_displace_points() -> None:
     mailbox = Mailbox(capacity=2)
     mailbox.put(point(0))
     mailbox.put(WARNING)
@@ -83,7 +83,7 @@ async def test_the_newest_list_of_clients_is_never_dropped() -> None:
     assert await taken(mailbox) == [Dropped(count=2), clients("Ada", "Ben"), WARNING]
 
 
-def test_a_mailbox_full_of_what_may_not_be_dropped_says_so() -> None:
+def test_a_mailbox_full_of_undroppable_events_raises() -> None:
     mailbox = Mailbox(capacity=2)
     mailbox.put(WARNING)
     mailbox.put(ERROR)
@@ -91,7 +91,7 @@ def test_a_mailbox_full_of_what_may_not_be_dropped_says_so() -> None:
         mailbox.put(b'{"re": 1, "ok": true}')
 
 
-async def test_a_client_that_reads_late_gets_every_point_or_its_count() -> None:
+async def test_a_late_reader_gets_every_point_or_the_dropped_count() -> None:
     async with ServiceBench().running() as bench:
         client = await bench.raw(buffer_bytes=4096)
         assert (await client.ask("hello", client="slow", who="Ada"))["ok"]
@@ -111,7 +111,7 @@ async def test_a_client_that_reads_late_gets_every_point_or_its_count() -> None:
         close(client)
 
 
-async def test_a_client_that_never_reads_is_disconnected_and_counts_as_lost() -> None:
+async def test_a_client_that_never_reads_is_lost() -> None:
     async with ServiceBench().running() as bench, bench.client("Ben") as watcher:
         client = await bench.raw(buffer_bytes=4096)
         assert (await client.ask("hello", client="stuck", who="Ada"))["ok"]
@@ -131,7 +131,7 @@ async def test_a_client_that_never_reads_is_disconnected_and_counts_as_lost() ->
         close(client)
 
 
-async def test_a_stop_from_a_client_that_does_not_read_acts_at_once() -> None:
+async def test_a_stop_from_a_client_not_reading_acts_immediately() -> None:
     async with ServiceBench().running() as bench:
         client = await bench.raw(buffer_bytes=4096)
         assert (await client.ask("hello", client="stuck", who="Ada"))["ok"]

@@ -86,7 +86,7 @@ def test_lines_are_joined_up_to_the_most_of_a_message() -> None:
     assert found.missed == 270 - MOST_LINES
 
 
-def test_what_one_client_has_not_read_is_not_mixed_up_with_what_another_reads() -> None:
+def test_merging_in_one_mailbox_leaves_other_clients_events_unchanged() -> None:
     """The same event lies in the mailboxes of all clients."""
 
     async def play() -> None:

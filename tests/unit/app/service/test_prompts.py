@@ -32,7 +32,7 @@ async def test_nobody_there_is_said_at_once() -> None:
     assert await PromptBroker(lambda: False)(GO) is None
 
 
-async def test_only_the_open_question_is_answered_and_only_with_an_answer() -> None:
+async def test_only_the_open_question_takes_a_valid_answer() -> None:
     broker = PromptBroker(lambda: True)
     waiting = asyncio.create_task(broker(HEIGHT))
     await settled(3)
@@ -228,7 +228,7 @@ async def test_a_machine_without_sockets_runs_on_and_warns(tmp_path: Path, runti
     assert any("nobody can attach" in str(text) and "chmod 700" in str(text) for text in warnings)
 
 
-async def test_who_comes_later_is_told_for_how_long_a_question_has_been_open() -> None:
+async def test_the_snapshot_says_how_long_a_question_is_open() -> None:
     bench = ServiceBench()
     async with bench.running():
         assert bench.registry.snapshot().prompt_open_s is None

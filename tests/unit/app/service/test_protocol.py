@@ -37,7 +37,7 @@ from tests.unit.app.service.benches import ServiceBench, close, next_event, sett
         (b'{"v": 1, "id": 1, "op": "start", "procedure": "x", "speed": 0}\n', "speed"),
     ],
 )
-def test_what_is_no_request_is_told_why(line: bytes, text: str) -> None:
+def test_what_is_no_request_is_answered_with_the_reason(line: bytes, text: str) -> None:
     with pytest.raises(MessageError) as caught:
         decode_request(line)
     assert text in str(caught.value)
@@ -91,7 +91,7 @@ async def test_garbage_is_answered_and_the_conversation_goes_on() -> None:
         close(client)
 
 
-async def test_a_line_without_end_is_answered_and_the_client_let_go() -> None:
+async def test_an_endless_line_is_refused_and_its_client_disconnected() -> None:
     async with ServiceBench().running() as bench, bench.client() as other:
         client = await bench.raw()
         client.write(b"x" * (3 * MAX_LINE_BYTES))
@@ -101,7 +101,7 @@ async def test_a_line_without_end_is_answered_and_the_client_let_go() -> None:
         close(client)
 
 
-async def test_nothing_but_safety_is_done_for_a_client_that_did_not_say_hello() -> None:
+async def test_without_hello_only_safety_requests_are_carried_out() -> None:
     async with ServiceBench().running() as bench:
         client = await bench.raw()
         assert "hello first" in (await client.ask("control"))["error"]
@@ -114,7 +114,7 @@ async def test_nothing_but_safety_is_done_for_a_client_that_did_not_say_hello() 
         close(client)
 
 
-async def test_hello_is_said_once_and_answered_with_the_state_of_things() -> None:
+async def test_hello_is_answered_once_with_the_current_state() -> None:
     async with ServiceBench().running() as bench:
         bench.publish("run-started", procedure="script", title="Scripted")
         bench.publish("step-started", step="a", title="first", attempt=1)

@@ -113,7 +113,7 @@ async def test_neither_cell_file_nor_search_have_to_be_there(cell: Path, root: P
     assert not rest.relinked
 
 
-async def test_a_cell_file_may_lead_to_other_endpoints_and_wait_longer(cell: Path, root: Path) -> None:
+async def test_resuming_accepts_other_endpoints_and_timeouts(cell: Path, root: Path) -> None:
     run = (await interrupted(cell, root)).path
     text = SMALL.replace("127.0.0.1:10001", "127.0.0.1:40001")
     write(cell, text + "\n[environment.settings]\ntimeout_s = 5.0\n")
@@ -169,9 +169,7 @@ async def test_a_run_that_is_under_way_is_to_be_attached(cell: Path, root: Path)
 
 
 @pytest.mark.parametrize("key", ["aimed", "clock_speed", "plan_sha256"])
-async def test_a_run_of_an_older_program_is_refused_with_what_it_lacks(
-    cell: Path, root: Path, key: str
-) -> None:
+async def test_an_older_run_is_refused_naming_the_missing_key(cell: Path, root: Path, key: str) -> None:
     run = (await interrupted(cell, root, drop=key)).path
     with pytest.raises(UsageError, match=rf"did not store what going on needs \({key}\)"):
         plan_resume(root, run.name)
@@ -198,17 +196,17 @@ async def test_a_program_that_plans_differently_does_not_go_on(cell: Path, root:
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "message"),
     [
         ({"configuration": {"format": "catseye-cell/1"}}, "does not fit this program"),
         ({"params": {"reflectors": [], "gone": 1}}, "parameters do not fit"),
     ],
 )
 async def test_what_this_program_does_not_understand_is_refused(
-    cell: Path, root: Path, changes: dict[str, Any], told: str
+    cell: Path, root: Path, changes: dict[str, Any], message: str
 ) -> None:
     run = (await interrupted(cell, root, **changes)).path
-    with pytest.raises(UsageError, match=told):
+    with pytest.raises(UsageError, match=message):
         plan_resume(root, run.name)
 
 
@@ -231,7 +229,7 @@ async def test_a_run_changed_after_its_end_does_not_go_on(cell: Path, root: Path
         plan_resume(root, run.name)
 
 
-async def test_a_dead_run_with_a_changed_row_does_not_go_on(cell: Path, root: Path) -> None:
+async def test_a_dead_run_with_a_changed_row_is_not_resumed(cell: Path, root: Path) -> None:
     store = await interrupted(cell, root, status=None)
     await store.abandon()
     with closing(sqlite3.connect(store.path / "run.sqlite")) as connection, connection:

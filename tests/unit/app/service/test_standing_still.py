@@ -12,7 +12,7 @@ from tests.unit.app.engine.fakes import ManualClock
 SNAPSHOT = ClientRegistry(ManualClock()).snapshot().json_object()
 
 
-async def test_what_came_while_the_program_stood_still_is_read_before_it_writes() -> None:
+async def test_events_received_while_suspended_are_read_before_writing() -> None:
     near, far = socket.socketpair()
     far.setblocking(False)
     clock = ManualClock()

@@ -1,4 +1,4 @@
-"""Clients that ask for the bench or the traffic are told; the others, and those that left, are not."""
+"""Clients that ask for the bench or the traffic receive it; the others, and those that left, do not."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -64,7 +64,7 @@ async def events(member: Member) -> list[str]:
     return [(await taken(member)).event for _ in range(len(member.mailbox))]
 
 
-def test_whoever_asks_is_answered_and_told_until_he_asks_no_more(tmp_path: Path) -> None:
+def test_subscribers_get_events_until_they_unsubscribe(tmp_path: Path) -> None:
     async def play(served: Served) -> None:
         served.telemetry.describe(facts_of(cell_from_template(), bench_from_template()))
         watching = served.ask(served.ada, "watch")
@@ -128,9 +128,9 @@ def test_a_bench_that_cannot_be_known_is_refused(tmp_path: Path) -> None:
 def test_the_end_of_the_engine_ends_the_telling(tmp_path: Path) -> None:
     async def play(served: Served) -> None:
         served.ask(served.ada, "watch")
-        telling = asyncio.create_task(served.telemetry.end())
+        publishing = asyncio.create_task(served.telemetry.end())
         await asyncio.sleep(0.1)
-        await cancel(telling)
+        await cancel(publishing)
         await events(served.ada)
         await asyncio.sleep(1.0)
         assert await events(served.ada) == []

@@ -108,13 +108,13 @@ async def test_without_a_search_the_cell_file_gives_the_aim(shelf: Shelf) -> Non
     assert (aim.source, aim.bench) == ("cell file", bench())
 
 
-async def test_a_named_search_gives_the_aim_even_when_it_is_older(shelf: Shelf) -> None:
+async def test_a_named_older_search_gives_the_aim(shelf: Shelf) -> None:
     older = await shelf.put("reflector-search", solution(651.0))
     await shelf.put("reflector-search", solution(652.0))
     assert find_basis(SEARCHED, bench(), shelf.root, older.name[-6:]).bench.reflectors[0].x_mm == 651.0
 
 
-async def test_a_run_that_is_no_search_of_these_reflectors_is_refused(shelf: Shelf) -> None:
+async def test_a_run_not_searching_these_reflectors_is_refused(shelf: Shelf) -> None:
     other = await shelf.put("open-loop", None)
     with pytest.raises(UsageError, match=f"{other.name} is no complete reflector search; search first"):
         find_basis(SEARCHED, bench(), shelf.root, other.name)
@@ -155,7 +155,7 @@ async def test_passes_are_averaged_and_a_broken_one_is_left_out(shelf: Shelf) ->
     assert path.established.all()
 
 
-async def test_the_way_there_of_a_run_that_was_stopped_on_the_way_back(shelf: Shelf) -> None:
+async def test_a_stopped_path_keeps_its_directions_of_travel(shelf: Shelf) -> None:
     # Three of four rows: the far end was reached, and one row of the way back.
     rows = [path_row(i, 0, 0.01) for i in range(3)]
     stopped = path_measurement(RunReader(await shelf.put("validation-path", None, rows=rows)), 1.0)

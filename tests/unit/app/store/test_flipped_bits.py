@@ -116,7 +116,7 @@ async def test_flips_in_an_unsealed_database_are_read_or_refused(tmp_path: Path)
             refused(run, command)
 
 
-async def test_a_flip_in_a_stored_value_of_an_unsealed_run_is_refused(tmp_path: Path) -> None:
+async def test_flipped_values_in_an_unsealed_run_are_refused(tmp_path: Path) -> None:
     run = await unsealed(tmp_path)
     data = (run / "run.sqlite").read_bytes()
     for text in (b"rows", b"run-ended", b'"link1_mm"', b'"cell file"', b"P1"):

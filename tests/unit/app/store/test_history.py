@@ -28,7 +28,7 @@ async def make_run(root: Path, clock: TickingClock, status: str | None = "comple
     return store
 
 
-async def test_a_line_tells_how_a_run_ended(tmp_path: Path) -> None:
+async def test_a_line_says_how_a_run_ended(tmp_path: Path) -> None:
     clock = TickingClock()
     stores = [await make_run(tmp_path, clock, status) for status in ("complete", "stopped", None)]
     damaged = tmp_path / "20270101T000000Z_warm-up_abcdef"

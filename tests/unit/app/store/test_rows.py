@@ -8,7 +8,7 @@ from catseye.procedures.scara.records import PathPosition, SeenReflector
 from tests.unit.app.store.fakes import PATH_ROW, SEARCH_ROW
 
 
-def test_values_come_in_the_tables_order_and_the_rest_as_json() -> None:
+def test_values_follow_column_order_and_extras_become_json() -> None:
     row = {**SEARCH_ROW, "lower_deg": 3, "note": "weak"}
     assert encode(table_of(SeenReflector), row) == ("P1", 1.0, 2.0, None, 3.0, None, None, '{"note":"weak"}')
 

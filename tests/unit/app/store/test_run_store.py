@@ -41,7 +41,7 @@ def writer_of(store: RunStore) -> "closing[sqlite3.Connection]":
     return closing(sqlite3.connect(store.path / "run.sqlite", isolation_level=None))
 
 
-async def test_the_name_tells_time_procedure_and_id(store: RunStore) -> None:
+async def test_the_name_contains_time_procedure_and_id(store: RunStore) -> None:
     time, procedure, run_id = store.path.name.split("_")
     assert (time, procedure, len(run_id)) == ("20260102T000001Z", "search", 6)
 
@@ -55,7 +55,7 @@ async def test_p1_what_is_acknowledged_is_there_for_every_reader(store: RunStore
     assert store.stored_result("s2") is None
 
 
-async def test_p2_a_step_and_its_rows_come_together_or_not_at_all(store: RunStore) -> None:
+async def test_p2_a_step_and_its_rows_are_atomic(store: RunStore) -> None:
     # The second row collides inside the transaction, after the step and the first row were inserted.
     await store.append_step("s1", 1, "first", {}, [("search", SEARCH_ROW)])
     with pytest.raises(StorageError):
@@ -65,7 +65,7 @@ async def test_p2_a_step_and_its_rows_come_together_or_not_at_all(store: RunStor
     assert reader.rows("path") == []
 
 
-async def test_p2_a_row_that_does_not_fit_stores_nothing_and_harms_nothing(store: RunStore) -> None:
+async def test_p2_an_invalid_row_stores_nothing_and_harms_nothing(store: RunStore) -> None:
     with pytest.raises(ValueError, match="lacks reflector"):
         await store.append_step("s1", 1, "first", {}, [("search", {"theta1_deg": 1.0, "theta2_deg": 2.0})])
     await store.append_step("s1", 1, "first", {}, [])
@@ -106,7 +106,7 @@ async def test_p4_after_one_failure_everything_is_refused(store: RunStore) -> No
     assert len(failures) == 1
 
 
-async def test_p4_a_log_on_a_full_disk_is_a_failure_too(tmp_path: Path) -> None:
+async def test_p4_logging_to_a_full_disk_fails(tmp_path: Path) -> None:
     store = await RunStore.create(tmp_path, "search", {}, TickingClock(), records=RECORDS, reserve_bytes=0)
     await store.finish("stopped", 130)
     (store.path / "wire.log").unlink()
@@ -145,7 +145,7 @@ async def test_p4_no_run_begins_without_a_reserve(tmp_path: Path) -> None:
     assert list_runs(tmp_path) == []
 
 
-async def test_p4_a_running_experiment_gives_up_before_the_disk_is_full(
+async def test_p4_a_run_fails_before_the_disk_is_full(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("catseye.app.store.directory.shutil.disk_usage", lambda _path: Usage())
@@ -191,7 +191,7 @@ async def test_p6_prompts_and_interruptions_are_kept(store: RunStore) -> None:
     assert [event.data["state"] for event in reader.events()[1:]] == ["HELD", "EXECUTE"]
 
 
-async def test_a_finished_run_is_one_read_only_file_and_a_manifest(store: RunStore) -> None:
+async def test_a_finished_run_is_read_only_with_a_manifest(store: RunStore) -> None:
     await store.finish("complete", 0)
     names = sorted(path.name for path in store.path.iterdir())
     assert names == ["app.log", "manifest.json", "run.sqlite", "wire.log"]
@@ -202,7 +202,7 @@ async def test_a_finished_run_is_one_read_only_file_and_a_manifest(store: RunSto
     assert verify(store.path).ok
 
 
-async def test_a_reader_that_is_just_looking_does_not_keep_a_run_from_ending(store: RunStore) -> None:
+async def test_a_concurrent_reader_does_not_prevent_finishing(store: RunStore) -> None:
     with closing(open_reader(store.path / "run.sqlite")) as connection:
         connection.execute("BEGIN")
         connection.execute("SELECT count(*) FROM events").fetchall()
@@ -242,7 +242,7 @@ async def test_two_processes_never_write_one_run(store: RunStore) -> None:
         await RunStore.reopen(store.path, TickingClock(), records=RECORDS, reserve_bytes=0)
 
 
-async def test_a_look_whether_a_run_is_written_does_not_keep_its_writer_out(store: RunStore) -> None:
+async def test_checking_for_a_writer_does_not_block_it(store: RunStore) -> None:
     await store.abandon()
     looking = os.open(store.path, os.O_RDONLY)
     fcntl.flock(looking, fcntl.LOCK_SH)
@@ -361,7 +361,7 @@ async def test_minus_zero_is_read_back(store: RunStore) -> None:
     assert RunReader(store.path).rows("search")[0]["theta1_deg"] == 0.0
 
 
-async def test_a_path_that_is_no_utf_8_is_stored_and_read(tmp_path: Path) -> None:
+async def test_a_path_not_in_utf_8_round_trips(tmp_path: Path) -> None:
     root = tmp_path / os.fsdecode(b"lab\xff")
     cell = str(root / "cell.toml")
     made = await RunStore.create(

@@ -64,7 +64,7 @@ def test_a_run_of_somebody_else_keeps_its_manifest(run: Path, monkeypatch: pytes
     assert f"{run} of {run.owner()}" in str(refusal.value)
 
 
-def test_an_owner_without_a_name_is_told_by_number(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_owner_without_a_name_is_shown_by_number(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pwd, "getpwuid", {}.__getitem__)
     monkeypatch.setattr(os, "fchmod", refuse)
     with pytest.raises(StorageError, match=f"of user {run.stat().st_uid}"):

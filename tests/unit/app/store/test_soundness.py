@@ -64,7 +64,7 @@ async def test_a_sound_run_taken_unverified_has_nothing_against_it(tmp_path: Pat
     assert RunReader(await stored(tmp_path), Accept.CHANGED).unverified == []
 
 
-async def test_runs_opened_beside_one_are_told_with_it(tmp_path: Path) -> None:
+async def test_runs_opened_beside_one_are_listed_with_it(tmp_path: Path) -> None:
     first, second, third = [await stored(tmp_path) for _ in range(3)]
     tamper(third, TURNED)
     reader = RunReader(first, Accept.CHANGED)
@@ -115,7 +115,7 @@ async def test_a_removed_manifest_is_not_made_anew(tmp_path: Path) -> None:
     assert not (run / MANIFEST).exists()
 
 
-async def test_a_run_that_died_on_the_way_back_into_it_is_taken(tmp_path: Path) -> None:
+async def test_a_run_that_died_while_resuming_is_readable(tmp_path: Path) -> None:
     run = await stored(tmp_path, "stopped")
     unseal(run)
     assert RunReader(run).status == "stopped"
@@ -189,7 +189,7 @@ async def test_files_are_hashed_once_until_they_change(
     assert len(hashed) == 2
 
 
-async def test_a_run_that_somebody_goes_on_with_is_not_called_changed(
+async def test_a_run_resumed_while_being_checked_counts_as_unchanged(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run = await stored(tmp_path, "stopped")

@@ -119,7 +119,7 @@ async def test_a_run_sealed_during_the_look_has_lost_nothing(
     assert (found.sealed, found.problems, found.notes) == (True, (), ())
 
 
-async def test_a_run_that_is_just_being_sealed_is_told_so(tmp_path: Path) -> None:
+async def test_a_run_just_being_sealed_is_noted_as_such(tmp_path: Path) -> None:
     path = await closed_unsealed(tmp_path)
     lock = RunLock(path)
     try:

@@ -9,7 +9,7 @@ from catseye.app.testing.candidate import Candidate, candidate_of, parse_setting
 from catseye.app.testing.checks.catalogue import ALL, applicable, not_applicable
 
 
-def test_checks_of_a_foreign_device_leave_out_what_needs_our_bench() -> None:
+def test_foreign_devices_skip_checks_needing_the_emulated_bench() -> None:
     foreign = candidate_of("line-counter", endpoint="tcp://192.0.2.1:4000")
     names = [check.name for check in applicable(foreign)]
     assert "a_stalled_device_times_out_and_is_healed" in names

@@ -53,7 +53,7 @@ async def came(link: FaultyTransport, count: int) -> list[tuple[float, bytes]]:
         (Fault(0, "foreign", data=b"XY"), [b"abcd", b"XY", b"efgh"]),
     ],
 )
-def test_what_comes_goes_wrong_as_told(fault: Fault, expected: list[bytes]) -> None:
+def test_what_comes_goes_wrong_as_scripted(fault: Fault, expected: list[bytes]) -> None:
     async def work() -> list[bytes]:
         link, far = await joined(fault)
         await far.write(b"abcd")
@@ -75,7 +75,7 @@ def test_what_comes_goes_wrong_as_told(fault: Fault, expected: list[bytes]) -> N
         (Fault(0, "stall", "tx"), []),
     ],
 )
-def test_what_is_sent_goes_wrong_as_told(fault: Fault, expected: list[bytes]) -> None:
+def test_what_is_sent_goes_wrong_as_scripted(fault: Fault, expected: list[bytes]) -> None:
     async def work() -> list[bytes]:
         link, far = await joined(fault)
         await link.write(b"abcd")
@@ -101,7 +101,7 @@ def test_a_delay_takes_its_time_and_holds_up_what_follows() -> None:
     assert run(work()) == pytest.approx(0.3)
 
 
-def test_a_late_reply_stands_before_the_next_one_and_dies_with_its_connection() -> None:
+def test_a_late_reply_precedes_the_next_within_its_connection() -> None:
     async def work() -> None:
         link, far = await joined(Fault(0, "late"), Fault(2, "late"))
         await far.write(b"one")
@@ -232,12 +232,12 @@ PROFILE = patient_profile()
 
 @settings(max_examples=150)
 @given(script=faults(b"+000099.000000 mm\r\n"))
-def test_no_fault_makes_the_counter_take_an_answer_to_another_question(script: list[Fault]) -> None:
+def test_no_fault_makes_the_counter_take_a_foreign_answer(script: list[Fault]) -> None:
     run(read_through(script))
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_no_random_fault_makes_the_counter_take_an_answer_to_another_question(seed: int) -> None:
+def test_random_faults_never_make_the_counter_take_foreign_answers(seed: int) -> None:
     run(read_through(random_faults(seed, rate=0.3)))
 
 
@@ -272,7 +272,7 @@ QUICK = MelfaSettings(quiet_s=0.001, answer_timeout_s=0.1, move_timeout_s=1.0, s
     aside=faults(b"QoK\r"),
     suffix=st.sampled_from(["", "\r", "\r\n"]),
 )
-def test_no_fault_moves_the_robot_twice_or_makes_it_take_another_answer(
+def test_no_fault_repeats_a_motion_or_mismatches_an_answer(
     script: list[Fault], aside: list[Fault], suffix: str
 ) -> None:
     run(move_through(script, aside, suffix))
@@ -324,6 +324,6 @@ async def one_move(robot: MelfaR3, controller: Controller, peers: list[Peer], ta
 
 
 def motions(peers: list[Peer]) -> int:
-    """Return how many motions the controller was told."""
+    """Return how many motions the controller received."""
     said = [b"".join(peer.requests) for peer in peers]
     return sum(text.count(b"EXEC2=MOV") + text.count(b"EXECMOV") for text in said)

@@ -35,15 +35,13 @@ def test_without_a_choice_there_are_robot_interferometer_and_environment(catseye
     assert list(catseye_bench().endpoints) == ["environment", "interferometer", "robot"]
 
 
-def test_a_device_may_have_a_name_options_and_an_endpoint_of_its_own(catseye_bench: StartBench) -> None:
+def test_a_device_may_have_its_own_name_and_endpoint(catseye_bench: StartBench) -> None:
     bench = catseye_bench(EmulatedDevice("gauge", "line-counter", "serial:///dev/ptmx?baud=9600"))
     assert bench.endpoint("gauge").startswith("serial:///dev/pts/")
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 3, 4, 5])
-def test_the_beam_returns_at_the_start_and_faults_show_on_the_wire(
-    catseye_bench: StartBench, seed: int
-) -> None:
+def test_the_beam_returns_initially_and_faults_reach_the_wire(catseye_bench: StartBench, seed: int) -> None:
     bench = catseye_bench("line-counter", seed=seed)
     counter = bench.endpoint("line-counter")
     assert bench.state().beam.returns
@@ -60,7 +58,7 @@ def test_the_same_seed_gives_the_same_arm(catseye_bench: StartBench) -> None:
     assert first == same != other
 
 
-def test_a_wrong_request_is_told(catseye_bench: StartBench) -> None:
+def test_a_wrong_request_is_reported(catseye_bench: StartBench) -> None:
     bench = catseye_bench("line-counter")
     with pytest.raises(ValueError, match="there is no fault 'earthquake'"):
         bench.fault("earthquake")

@@ -64,6 +64,6 @@ class FakeEngine:
         return {"ok": True, "snapshot": self.snapshot, "bench": BENCH}
 
     def publish(self, **event: Any) -> None:
-        """Tell all clients something."""
+        """Publish an event to all clients."""
         for writer in self._writers:
             writer.write(json.dumps({"v": 1, "t": "", "run": None, **event}).encode() + b"\n")

@@ -90,13 +90,13 @@ BENCH: dict[str, Any] = {
 
 def bench(**parts: Any) -> dict[str, Any]:
     """Return that bench with other parts; a dict changes what it names, anything else replaces."""
-    told = copy.deepcopy(BENCH)
+    status = copy.deepcopy(BENCH)
     for name, part in parts.items():
-        if isinstance(part, dict) and isinstance(told.get(name), dict):
-            told[name].update(part)
+        if isinstance(part, dict) and isinstance(status.get(name), dict):
+            status[name].update(part)
         else:
-            told[name] = part
-    return told
+            status[name] = part
+    return status
 
 
 def bench_status(**parts: Any) -> BenchStatus:

@@ -1,4 +1,4 @@
-"""Two small results of one arm, with numbers that are easily checked by hand, and what commands tell about them."""
+"""Two small results of one arm, with numbers that are easily checked by hand, and what commands print about them."""
 
 import json
 import math

@@ -53,7 +53,7 @@ async def test_stop_key_works_in_the_palette_and_in_an_input() -> None:
         assert ops(link) == ["stop"]
 
 
-async def test_button_says_what_it_does_and_only_f8_lets_the_arm_move() -> None:
+async def test_buttons_are_labelled_and_only_f8_permits_motion() -> None:
     link = ScriptedLink(RUN)
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
@@ -75,7 +75,7 @@ async def test_button_says_what_it_does_and_only_f8_lets_the_arm_move() -> None:
         assert ops(link) == ["hold", "control", "unhold"]
 
 
-async def test_refusal_is_told_with_its_remedy() -> None:
+async def test_refusal_is_reported_with_its_remedy() -> None:
     link = ScriptedLink(RUN)
     link.refusals["hold"] = "the devices are being connected and nothing moves: hold when it runs, or stop"
     app = make_app(link)
@@ -120,7 +120,7 @@ async def test_quitting_with_stop_waits_for_the_end_of_the_run() -> None:
         assert link.left == [True]
 
 
-async def test_quitting_a_jog_stops_the_arm_first_and_stays_where_that_fails(
+async def test_quitting_a_jog_stops_the_arm_or_stays_open(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     async def nobody_hears(_: StopOp) -> None:
@@ -164,7 +164,7 @@ async def test_quitting_at_once_when_nothing_runs() -> None:
         assert link.left == [True]
 
 
-async def test_ctrl_c_stops_at_once_when_the_engine_does_not_answer_or_is_out_of_sight() -> None:
+async def test_ctrl_c_stops_at_once_if_the_engine_is_silent() -> None:
     link = ScriptedLink(RUN)
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
@@ -190,7 +190,7 @@ async def test_the_same_error_stands_there_once() -> None:
         assert [type(screen) for screen in app.screen_stack[1:]] == [ErrorDialog]
 
 
-async def test_a_panel_that_fails_is_told_once_and_everything_else_goes_on(
+async def test_a_failing_panel_is_reported_once_and_stop_still_works(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def fail(*_: object) -> None:
@@ -224,7 +224,7 @@ async def test_work_that_fails_is_shown() -> None:
         await pilot.press("escape")
         app.keep(fail())
         await pilot.pause()
-        assert not isinstance(app.screen, ErrorDialog), "each fault is told once"
+        assert not isinstance(app.screen, ErrorDialog), "each fault is shown once"
 
 
 BY_ANOTHER_NAME = {"action_begin": "_ask_to_begin", "action_move": "_ask_to_step"}
@@ -233,13 +233,13 @@ BY_ANOTHER_NAME = {"action_begin": "_ask_to_begin", "action_move": "_ask_to_step
 ALIKE = {"action_back": "action_cancel"}
 
 
-async def test_each_place_has_stop_in_sight_and_every_action_in_the_palette() -> None:
+async def test_each_screen_shows_stop_and_offers_its_actions() -> None:
     app = make_app(ScriptedLink())
     async with app.run_test(size=(80, 24)) as pilot:
         for size in ((80, 24), (120, 40)):
             await pilot.resize_terminal(*size)
-            for name, place in MAIN_SCREENS.items():
-                await pilot.press(place.key)
+            for name, entry in MAIN_SCREENS.items():
+                await pilot.press(entry.key)
                 text = await shown(app, pilot)
                 assert app.current_mode == name
                 assert "STOP F12" in text, (name, size)
@@ -266,7 +266,7 @@ def _name_of(callback: Any) -> str:
     return str(callback.func.__name__ if isinstance(callback, partial) else callback.__name__)
 
 
-async def test_nothing_is_begun_when_the_time_to_look_at_the_settings_comes_during_the_end() -> None:
+async def test_a_settings_check_while_exiting_starts_no_task() -> None:
     """The fixture that looks for tasks fails where the look begins all the same."""
     app = make_app(ScriptedLink())
     async with app.run_test(size=(80, 24)):

@@ -133,26 +133,26 @@ def test_nothing_known_is_said() -> None:
     [("emulated-bench", "F10 and e start the emulators again"), ("lab-1", "catseye emulate CELL")],
 )
 def test_emulators_that_do_not_run_are_pointed_to(cell: str, remedy: str) -> None:
-    told = bench(cell=cell)
-    for number, each in enumerate(told["devices"]):
+    status = bench(cell=cell)
+    for number, each in enumerate(status["devices"]):
         each.update(link="lost", error="refused", endpoint=f"tcp://127.0.0.1:{5000 + number}")
-    found = troubles(BenchStatus.model_validate(told))
+    found = troubles(BenchStatus.model_validate(status))
     assert found[0][0] == "emulators"
     assert remedy in found[0][1]
-    told["devices"][0]["endpoint"] = "tcp://192.168.0.20:10001"
-    assert "emulators" not in dict(troubles(BenchStatus.model_validate(told)))
-    told["devices"][0].update(endpoint="tcp://127.0.0.1:5000", link="ok")
-    assert "emulators" not in dict(troubles(BenchStatus.model_validate(told)))
+    status["devices"][0]["endpoint"] = "tcp://192.168.0.20:10001"
+    assert "emulators" not in dict(troubles(BenchStatus.model_validate(status)))
+    status["devices"][0].update(endpoint="tcp://127.0.0.1:5000", link="ok")
+    assert "emulators" not in dict(troubles(BenchStatus.model_validate(status)))
 
 
 def test_troubles_have_remedies() -> None:
-    told = bench(
+    status = bench(
         robot={**ALARM, "emergency_stop": True},
         beam={"overspeed": True, "laser_ready": False},
         door_closed=False,
     )
-    told["devices"][2]["error"] = "no answer within 1 s: check cable and power"
-    found = troubles(BenchStatus.model_validate(told))
+    status["devices"][2]["error"] = "no answer within 1 s: check cable and power"
+    found = troubles(BenchStatus.model_validate(status))
     names = [name for name, _ in found]
     assert names == ["robot", "robot", "door", "environment", "interferometer", "interferometer"]
     assert split_remedy(found[1][1])[1] == "jog the joint back, then reset the alarm"
@@ -160,7 +160,7 @@ def test_troubles_have_remedies() -> None:
     assert troubles(bench_status()) == []
 
 
-def test_an_alarm_without_a_text_is_told_by_its_number() -> None:
+def test_an_alarm_without_a_text_is_reported_by_its_number() -> None:
     assert "4711" in alarm_text(robot(alarm_number=4711))
     assert alarm_text(robot()) == ""
 

@@ -12,7 +12,7 @@ from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
 from tests.unit.app.tui.scripted_bench import BENCH
 
 
-async def test_a_cell_file_that_was_given_relative_to_this_folder_is_told_in_full(
+async def test_a_relative_cell_path_is_sent_as_absolute(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -33,9 +33,7 @@ async def test_a_cell_file_that_was_given_relative_to_this_folder_is_told_in_ful
 @pytest.mark.parametrize(
     ("refusal", "used"), [("", "own"), ("this needs control, which Bob holds", "engine's")]
 )
-async def test_an_engine_that_does_not_end_keeps_its_cell_here_too(
-    tmp_path: Path, refusal: str, used: str
-) -> None:
+async def test_the_app_keeps_the_cell_of_a_surviving_engine(tmp_path: Path, refusal: str, used: str) -> None:
     cell = tmp_path / "cell.toml"
     cell.write_text(TEMPLATE, encoding="utf-8")
     link = ScriptedLink()

@@ -23,7 +23,7 @@ async def test_control_is_taken_from_somebody_only_after_a_question(key: str, as
         assert link.ops == asked
 
 
-async def test_nobody_is_asked_where_nobody_has_it_and_nothing_is_taken_by_force() -> None:
+async def test_free_control_is_taken_without_asking_or_force() -> None:
     link = ScriptedLink({**SNAPSHOT, "control": None})
     app = make_app(link, "bench")
     async with app.run_test(size=(80, 24)) as pilot:
@@ -32,7 +32,7 @@ async def test_nobody_is_asked_where_nobody_has_it_and_nothing_is_taken_by_force
         assert link.asked == [Control()]
 
 
-async def test_who_loses_control_is_told_by_whom() -> None:
+async def test_who_loses_control_learns_to_whom() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = make_app(link, "bench")
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
@@ -44,7 +44,7 @@ async def test_who_loses_control_is_told_by_whom() -> None:
         assert "Bob (attach-2) has taken control" in " ".join((await shown(app, pilot)).split())
 
 
-async def test_a_name_that_looks_like_markup_is_shown_as_it_is() -> None:
+async def test_a_name_resembling_markup_is_shown_verbatim() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = make_app(link, "bench")
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
@@ -71,7 +71,7 @@ async def test_a_holder_whose_name_looks_like_markup_is_shown() -> None:
         assert "control: [/x]" in await shown(app, pilot)
 
 
-async def test_what_ended_by_hand_or_unacknowledged_is_offered_to_be_cleared() -> None:
+async def test_an_aborted_idle_engine_offers_clearing() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = make_app(link, "run")
     async with app.run_test(size=(120, 40)) as pilot:
@@ -123,7 +123,7 @@ async def test_without_an_abort_the_key_clears_nothing() -> None:
         assert link.asked == []
 
 
-async def test_an_abort_that_is_cleared_is_not_offered_to_be_cleared() -> None:
+async def test_a_cleared_abort_offers_resuming_instead_of_clearing() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = make_app(link, "run")
     async with app.run_test(size=(120, 40)) as pilot:

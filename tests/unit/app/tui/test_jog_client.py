@@ -84,7 +84,7 @@ async def held(rig: Rig) -> None:
     assert rig.asked == [HOLD]
 
 
-async def test_a_held_key_feeds_until_it_repeats_no_more_then_stops(rig: Rig) -> None:
+async def test_a_held_key_feeds_until_its_repeats_end(rig: Rig) -> None:
     await held(rig)
     for _ in range(4):
         await rig.pass_time(0.05)
@@ -128,7 +128,7 @@ async def test_a_refusal_ends_the_hold_and_is_reported_once(rig: Rig) -> None:
     assert rig.asked == [HOLD, STOP]
 
 
-async def test_a_step_is_kept_alive_until_the_arm_stands_and_no_other_begins(moving_rig: Rig) -> None:
+async def test_a_step_is_kept_alive_and_excludes_others(moving_rig: Rig) -> None:
     rig = moving_rig
     assert rig.jog_client.step(Step("j2", -0.1, "P1"))
     await rig.settle()

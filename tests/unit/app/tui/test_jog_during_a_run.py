@@ -5,7 +5,7 @@ from tests.unit.app.tui.scripted_bench import BENCH
 from tests.unit.app.tui.scripted_run import SNAPSHOT
 
 
-async def test_the_run_is_named_and_neither_control_nor_the_arm_is_asked_for() -> None:
+async def test_jogging_during_a_run_is_refused_without_any_request() -> None:
     link = ScriptedLink({**SNAPSHOT, "control": {"client": "attach-2", "who": "Bob"}})
     app = make_app(link, "jog")
     async with app.run_test(size=(80, 24), notifications=True) as pilot:

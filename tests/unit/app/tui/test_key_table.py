@@ -23,9 +23,9 @@ def test_the_page_lists_every_key() -> None:
     assert table in found[0]
 
 
-def test_every_screen_has_its_key_and_the_stop_key_is_there() -> None:
+def test_key_table_includes_every_screen_and_stop() -> None:
     keys = {key.name: key.keys for key in key_table()}
     assert keys["run.stop"] == "f12"
     assert {name: keys[f"go.{name}"] for name in MAIN_SCREENS} == {
-        name: place.key for name, place in MAIN_SCREENS.items()
+        name: entry.key for name, entry in MAIN_SCREENS.items()
     }

@@ -39,7 +39,7 @@ def test_enter_never_lets_the_arm_move(file: Path, name: str) -> None:
 
 
 @pytest.mark.parametrize("line", ['"go.jog" = ""', '"go.jog" = "f5,,j"', '"go.jog" = 5', "go.jog = "])
-def test_what_is_no_key_is_told_with_an_example(file: Path, line: str) -> None:
+def test_what_is_no_key_is_reported_with_an_example(file: Path, line: str) -> None:
     file.write_text(line, encoding="utf-8")
     with pytest.raises(ConfigError, match='"f5,j"'):
         read_keymap(file)

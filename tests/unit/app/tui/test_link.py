@@ -89,7 +89,7 @@ async def test_socket_of_a_killed_engine_is_no_engine(root: Path) -> None:
     assert find_engine(root) is None
 
 
-async def test_run_of_another_process_is_found_although_an_idle_engine_is_connected(root: Path) -> None:
+async def test_another_processs_run_is_found_despite_an_idle_engine(root: Path) -> None:
     idle, other = FakeEngine(), FakeEngine(run=RUN, procedure="open-loop", title="Open loop", state="EXECUTE")
     link = EngineLink(root, None, QuickClock())
     async with idle.at(root), serving(link) as until:
@@ -99,7 +99,7 @@ async def test_run_of_another_process_is_found_although_an_idle_engine_is_connec
         await until(lambda: link.engine.connected and not link.engine.running)
 
 
-async def test_stop_reaches_a_run_that_the_connected_engine_does_not_have(root: Path) -> None:
+async def test_stop_reaches_a_run_of_another_engine(root: Path) -> None:
     idle, other = FakeEngine(), FakeEngine(run=RUN, procedure="open-loop", title="Open loop", state="EXECUTE")
     idle.refusals["stop"] = "no run is under way"
     link = EngineLink(root, None, QuickClock())
@@ -130,7 +130,7 @@ async def test_stop_that_nobody_hears_names_the_emergency_stop(root: Path) -> No
         await EngineLink(root, None, QuickClock()).stop("stop")
 
 
-async def test_deaf_engine_is_told_to_abort_by_a_signal(root: Path) -> None:
+async def test_deaf_engine_is_aborted_by_a_signal(root: Path) -> None:
     process = await asyncio.create_subprocess_exec(
         sys.executable, "-c", "input()", stdin=asyncio.subprocess.PIPE
     )
@@ -178,14 +178,14 @@ async def test_quitting_ends_an_engine_that_nobody_else_uses(
         await until(lambda: link.engine.bench is not None)
         engine.publish(event="clients", clients=[*SNAPSHOT["clients"], {"client": "x-3", "who": "Eve"}])
         engine.publish(event="clients", clients=(now := [*SNAPSHOT["clients"], *others]))
-        engine.publish(event="warning", text="told", data={})
+        engine.publish(event="warning", text="published", data={})
         await until(lambda: bool(link.engine.log))
         assert [dict(client) for client in link.engine.clients] == now
         await link.leave(end_engine=True)
     assert ("shutdown" in engine.asked) == ends
 
 
-async def test_engine_that_is_deaf_from_the_start_is_told_of(root: Path) -> None:
+async def test_engine_deaf_from_the_start_is_reported(root: Path) -> None:
     engine = FakeEngine()
     engine.deaf = True
     link = EngineLink(root, None, QuickClock())
@@ -193,7 +193,7 @@ async def test_engine_that_is_deaf_from_the_start_is_told_of(root: Path) -> None
         await until(lambda: "does not answer" in link.engine.trouble)
 
 
-async def test_engine_of_another_version_is_told_of(root: Path) -> None:
+async def test_engine_of_another_version_is_reported(root: Path) -> None:
     engine = FakeEngine()
     engine.refusals["hello"] = "version 2 is spoken here"
     link = EngineLink(root, None, QuickClock())

@@ -28,7 +28,7 @@ def in_one(text: str) -> str:
     return " ".join(text.replace("│", " ").replace("┃", " ").split())
 
 
-async def test_the_keys_of_a_long_question_stay_in_sight_and_page_down_shows_the_rest() -> None:
+async def test_a_long_question_scrolls_while_its_keys_stay_visible() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
@@ -46,7 +46,7 @@ async def test_the_keys_of_a_long_question_stay_in_sight_and_page_down_shows_the
         assert "is it removed?" in in_one(await shown(app, pilot))
 
 
-async def test_the_keys_after_a_run_that_ended_with_a_long_cause_stay_in_sight() -> None:
+async def test_a_long_cause_leaves_the_end_keys_visible() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
@@ -77,8 +77,8 @@ async def test_a_stop_by_the_door_says_that_nothing_moves_unasked() -> None:
     async with app.run_test(size=(80, 24)) as pilot:
         measure(link)
         publish(link, "state", state="UNSUSPENDING", reason="the arm stands: the door is open")
-        told = in_one(await shown(app, pilot))
-        assert "Stopped, and nothing moves before you agree: the arm stands: the door is open" in told
+        words = in_one(await shown(app, pilot))
+        assert "Stopped, and nothing moves before you agree: the arm stands: the door is open" in words
 
 
 async def test_drives_that_go_off_by_themselves_are_counted_down() -> None:
@@ -92,7 +92,7 @@ async def test_drives_that_go_off_by_themselves_are_counted_down() -> None:
         assert "DRIVES ON" not in in_one(await shown(app, pilot))
 
 
-async def test_the_log_on_the_whole_screen_is_wrapped_and_its_newest_line_is_whole() -> None:
+async def test_the_full_screen_log_wraps_and_shows_the_newest_line() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
@@ -103,13 +103,13 @@ async def test_the_log_on_the_whole_screen_is_wrapped_and_its_newest_line_is_who
         await pilot.press("l")
         assert isinstance(app.screen, RunScreen)
         await shown(app, pilot)
-        told = in_one(await shown(app, pilot))
-        assert f"the beam was lost, number 29: {LASER}, says number 29" in told
-        assert f"the beam was lost, number 28: {LASER}, says number 28" in told
-        assert "number 20:" not in told
+        words = in_one(await shown(app, pilot))
+        assert f"the beam was lost, number 29: {LASER}, says number 29" in words
+        assert f"the beam was lost, number 28: {LASER}, says number 28" in words
+        assert "number 20:" not in words
 
 
-async def test_the_remedy_of_an_alarm_is_read_whole_on_a_small_bench_screen() -> None:
+async def test_an_alarms_remedy_fits_a_small_bench_screen() -> None:
     bench = copy.deepcopy(BENCH)
     bench["robot"]["alarm_number"] = 2600
     bench["robot"]["alarm_text"] = (
@@ -119,8 +119,8 @@ async def test_the_remedy_of_an_alarm_is_read_whole_on_a_small_bench_screen() ->
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
         link.publish("bench", **bench)
-        told = in_one(await shown(app, pilot))
-        assert "outside of the range → check the target against the joint limits in the cell file" in told
+        words = in_one(await shown(app, pilot))
+        assert "outside of the range → check the target against the joint limits in the cell file" in words
 
 
 async def test_the_first_line_says_once_why_a_run_was_aborted() -> None:

@@ -8,10 +8,10 @@ from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
 from tests.unit.app.tui.scripted_run import MOTION, SNAPSHOT, ask
 
 
-@pytest.mark.parametrize("place", MAIN_SCREENS)
-async def test_enter_alone_changes_nothing(place: str) -> None:
+@pytest.mark.parametrize("screen", MAIN_SCREENS)
+async def test_enter_alone_changes_nothing(screen: str) -> None:
     link = ScriptedLink(SNAPSHOT)
-    app = make_app(link, place)
+    app = make_app(link, screen)
     async with app.run_test(size=(80, 24)) as pilot:
         ask(link, **MOTION)
         await pilot.press("ctrl+p")

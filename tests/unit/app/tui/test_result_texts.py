@@ -12,9 +12,9 @@ LOST = [f"segment {number} of reflector P2 dropped: 1 distance(s), fewer than 3"
 
 @pytest.fixture
 def result() -> Result:
-    told = error_map()
-    told["fit"]["rejected"] = LOST
-    return Result.model_validate(told)
+    fields = error_map()
+    fields["fit"]["rejected"] = LOST
+    return Result.model_validate(fields)
 
 
 @pytest.mark.parametrize("diagnosis", [None, DIAGNOSIS], ids=["before", "after"])

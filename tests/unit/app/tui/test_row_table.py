@@ -17,7 +17,7 @@ class TableApp(App[None]):
             table.add_row(Text(str(number)), Text("complete"))
 
 
-async def test_home_and_end_go_to_the_first_and_the_last_row() -> None:
+async def test_home_and_end_select_the_first_and_last_row() -> None:
     app = TableApp()
     async with app.run_test(size=(80, 24)) as pilot:
         table = app.query_one(RowTable)

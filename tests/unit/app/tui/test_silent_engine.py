@@ -1,4 +1,4 @@
-"""Orders to an engine that does not answer."""
+"""Requests to an engine that does not answer."""
 
 from pathlib import Path
 from typing import Any, cast
@@ -64,7 +64,7 @@ def link(asked: Asked, tmp_path: Path) -> EngineLink:
     ],
     ids=lambda request: request.op,
 )
-async def test_nothing_that_moves_the_arm_waits_for_the_engine_to_wake(
+async def test_motion_requests_are_refused_while_the_engine_is_silent(
     link: EngineLink, asked: Asked, request_: AnyRequest
 ) -> None:
     with pytest.raises(ServiceError, match=r"nothing was sent.*F12 stops"):

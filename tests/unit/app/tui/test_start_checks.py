@@ -1,4 +1,4 @@
-"""What a start tells of keys and cell files that cannot be used, and the engine of another cell."""
+"""What a start says of keys and cell files that cannot be used, and the engine of another cell."""
 
 from io import BytesIO, TextIOWrapper
 from pathlib import Path
@@ -17,11 +17,11 @@ from catseye.app.tui.start_checks import cell_fault, key_clashes, unknown_names
 from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, make_app, shown
 
 
-def test_unknown_names_are_told_with_the_nearest() -> None:
+def test_unknown_names_suggest_the_nearest() -> None:
     assert unknown_names(frozenset({"go.jog", "run.hold"})) == ""
-    told = unknown_names(frozenset({"go.jogg", "run.hold"}))
-    assert "go.jogg: no such name; did you mean go.jog?" in told
-    assert "run.hold" not in told
+    text = unknown_names(frozenset({"go.jogg", "run.hold"}))
+    assert "go.jogg: no such name; did you mean go.jog?" in text
+    assert "run.hold" not in text
 
 
 def test_keys_that_two_things_have_are_shown() -> None:
@@ -46,7 +46,7 @@ def test_names_belong_to_one_action_within_a_screen() -> None:
     assert len(places) == len(set(places))
 
 
-async def test_trouble_before_the_start_is_told_in_a_dialog() -> None:
+async def test_trouble_before_the_start_is_shown_in_a_dialog() -> None:
     link = ScriptedLink()
     session = Session(link, ScriptedWork(), Path("runs"), Path("/bench/cell.toml"), lambda: link.now_s)
     app = CatseyeApp(session, {"go.jogg": "f5"}, "bench", ("Your keys are not used", "keys.toml: wrong"))
@@ -74,7 +74,7 @@ async def test_an_engine_of_another_cell_is_asked_about(tmp_path: Path) -> None:
         assert [one for one in link.asked if one.op == "shutdown"] == []
 
 
-async def test_an_engine_of_another_cell_is_left_alone_during_a_run(tmp_path: Path) -> None:
+async def test_another_cells_engine_is_left_alone_during_a_run(tmp_path: Path) -> None:
     cell = tmp_path / "cell.toml"
     cell.write_text(TEMPLATE, encoding="utf-8")
     link = ScriptedLink(

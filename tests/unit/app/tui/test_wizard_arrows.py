@@ -27,7 +27,7 @@ def key_in_focus(app: CatseyeApp) -> str:
     return row.question.key
 
 
-async def test_down_goes_past_a_question_with_choices_and_enter_opens_them(app: CatseyeApp) -> None:
+async def test_down_skips_a_closed_select_and_enter_opens_it(app: CatseyeApp) -> None:
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.press("w")
         await shown(app, pilot)
@@ -43,7 +43,7 @@ async def test_down_goes_past_a_question_with_choices_and_enter_opens_them(app: 
         assert app.screen.query(Select).first().expanded
 
 
-async def test_only_the_questions_that_were_begun_are_offered_to_go_on_with(app: CatseyeApp) -> None:
+async def test_only_unfinished_questions_can_be_continued(app: CatseyeApp) -> None:
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.press("w")
         await shown(app, pilot)

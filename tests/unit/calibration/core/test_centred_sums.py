@@ -19,7 +19,7 @@ def test_one_by_one_gives_the_same_as_all_at_once() -> None:
         assert growing.means[key] == pytest.approx(mean)
 
 
-def test_it_is_what_is_left_when_the_levels_are_unknowns_that_are_eliminated() -> None:
+def test_centred_sums_equal_the_schur_complement() -> None:
     rng = np.random.default_rng(2)
     rows = rng.normal(0.0, 1.0, (20, 3))
     keys = [(0, i // 7) for i in range(20)]
@@ -30,7 +30,7 @@ def test_it_is_what_is_left_when_the_levels_are_unknowns_that_are_eliminated() -
     assert CentredSums.of(rows, keys).matrix == pytest.approx(expected)
 
 
-def test_a_row_alone_in_its_segment_tells_nothing() -> None:
+def test_a_row_alone_in_its_segment_adds_nothing() -> None:
     sums = CentredSums.empty(2)
     sums.add(np.array([1.0, 2.0, 3.0]), (0, 0))
     assert not sums.matrix.any()

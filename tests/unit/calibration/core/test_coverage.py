@@ -69,7 +69,7 @@ def test_additive_models_of_s1_9_2(inputs: list[Draw], u: float, half: float) ->
     assert [-interval.low, interval.high] == pytest.approx([half, half], rel=0.006)
 
 
-def test_mass_of_s1_9_3_where_first_order_is_forty_percent_short() -> None:
+def test_s1_9_3_mass_calibration_is_reproduced() -> None:
     """Deviation of a weight's conventional mass from 100 g, mg."""
     inputs = [
         normal(100_000.0, 0.050),

@@ -146,7 +146,7 @@ def test_repeats_test_the_lack_of_fit() -> None:
     assert lacking.significant
 
 
-def test_a_function_that_the_model_lacks_has_the_coefficient_of_a_fit_with_it() -> None:
+def test_added_function_has_the_coefficient_of_a_full_fit() -> None:
     model = line(shared=False)
     found = solved(model)
     column = PLACES[:, None] ** 2
@@ -157,7 +157,7 @@ def test_a_function_that_the_model_lacks_has_the_coefficient_of_a_fit_with_it() 
     assert more.coefficients[0] == pytest.approx(expected[2])
 
 
-def test_left_out_groups_are_predicted_as_by_a_fit_without_them() -> None:
+def test_left_out_groups_are_predicted_as_by_refitting() -> None:
     model = line(shared=False)
     found = solved(model)
     groups = (PLACES // 3).astype(np.int64)

@@ -17,7 +17,7 @@ def warming(time_s: Floats, amplitude_um: float, tau_s: float) -> Floats:
     return np.asarray(500.0 - 1e-3 * amplitude_um * np.exp(-time_s / tau_s))
 
 
-def test_a_straight_drift_is_told_in_the_unit_of_the_limit() -> None:
+def test_a_straight_drift_is_given_in_the_limits_unit() -> None:
     found = drift_rate(TIMES_S, 1.0 + 2e-6 * TIMES_S)
     assert found is not None
     # 2 nm/s are 1.2 µm in 10 min.
@@ -47,7 +47,7 @@ def test_too_few_visits_or_no_time_have_no_drift() -> None:
 
 
 @pytest.mark.parametrize("start_s", [0.0, 500.0])
-def test_an_exponential_approach_tells_its_end(start_s: float) -> None:
+def test_an_exponential_approach_predicts_its_end(start_s: float) -> None:
     rng = np.random.default_rng(2)
     time_s = TIMES_S + start_s
     found = settling(time_s, warming(time_s, 80.0, 1800.0) + rng.normal(0.0, 0.001, time_s.size))
@@ -58,7 +58,7 @@ def test_an_exponential_approach_tells_its_end(start_s: float) -> None:
     assert found.below_after_s(1e6) == 0.0
 
 
-def test_a_straight_line_or_mere_scatter_tells_no_end() -> None:
+def test_a_straight_line_or_mere_scatter_has_no_end() -> None:
     rng = np.random.default_rng(3)
     claimed = 0
     for _ in range(60):

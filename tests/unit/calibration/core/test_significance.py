@@ -15,7 +15,7 @@ def test_probabilities_are_those_of_fs_distribution(gain: float, rank: int, rest
     assert test.probability_stated == pytest.approx(stats.f.sf(stated, expected.dof, left.dof), rel=1e-9)
 
 
-def test_a_gain_of_which_less_than_nothing_is_expected_speaks_for_nothing() -> None:
+def test_a_negative_expected_gain_is_not_significant() -> None:
     """Large systematic effects, projected at two fits, may leave a difference below zero."""
     test = f_test(3.0, Expected(-0.5, 0.1), 2, 50.0, Expected(50.0, 40.0), 50)
     assert test.probability_stated == 1.0

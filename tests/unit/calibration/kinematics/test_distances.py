@@ -39,7 +39,7 @@ def test_parallel_short_and_crossing_segments(
     assert float(segment_to_segment_mm(*ends)) == pytest.approx(wanted, abs=1e-9)
 
 
-def test_boxes_are_as_far_as_the_nearest_point_of_a_segment() -> None:
+def test_box_distance_is_that_of_the_nearest_segment_point() -> None:
     low, high = np.array([-30.0, -20.0, -60.0]), np.array([40.0, 10.0, 5.0])
     found = segment_to_box_mm(STARTS, ENDS, low, high)
     for row, start, end in zip(found, STARTS, ENDS, strict=True):
@@ -49,7 +49,7 @@ def test_boxes_are_as_far_as_the_nearest_point_of_a_segment() -> None:
         assert row <= gaps.min() + 1e-9
 
 
-def test_a_segment_along_an_axis_meets_a_box_where_it_passes_it() -> None:
+def test_a_segment_parallel_to_an_axis_meets_the_box() -> None:
     low, high = np.zeros(3), np.full(3, 10.0)
     along_x = segment_to_box_mm(np.array([-50.0, 5.0, 12.0]), np.array([50.0, 5.0, 12.0]), low, high)
     through = segment_to_box_mm(np.array([-50.0, 5.0, 5.0]), np.array([50.0, 5.0, 5.0]), low, high)
@@ -57,7 +57,7 @@ def test_a_segment_along_an_axis_meets_a_box_where_it_passes_it() -> None:
     assert float(through) == 0.0
 
 
-def test_the_depth_in_a_box_is_that_of_the_worse_end() -> None:
+def test_depth_in_a_box_is_that_of_the_shallower_end() -> None:
     low, high = np.zeros(3), np.full(3, 100.0)
     deep = depth_in_box_mm(np.array([50.0, 50.0, 50.0]), np.array([90.0, 50.0, 50.0]), low, high)
     out = depth_in_box_mm(np.array([50.0, 50.0, 50.0]), np.array([50.0, 107.0, 50.0]), low, high)

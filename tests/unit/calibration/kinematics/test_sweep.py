@@ -41,7 +41,7 @@ def test_the_clearance_decides(height_mm: float, clear: bool) -> None:
     assert (contact is None) is clear
 
 
-def test_the_first_of_two_contacts_is_told_with_its_leg() -> None:
+def test_the_first_of_two_contacts_names_its_leg() -> None:
     pins = (Capsule("later", 0, (0.0, -500.0, 0.0), (0.0, -500.0, 1.0), 0.5), PIN)
     contact = first_contact(gaps(stands=pins), way((-300.0, 0.0), (-200.0, 0.0), (900.0, 0.0)), 1.0)
     assert contact is not None
@@ -58,7 +58,7 @@ def test_a_table_boxes_and_walls_stop_a_body() -> None:
     assert first_contact(gaps(keep_in=(fence,)), way((0.0, 0.0), (84.0, 0.0)), 5.0) is None
 
 
-def test_a_corner_that_may_be_cut_keeps_clear_of_what_is_inside() -> None:
+def test_a_blended_corner_is_checked_on_its_inside() -> None:
     corner = way((-100.0, 0.0), (0.0, 0.0), (0.0, 100.0))
     inside = Capsule("post", 0, (0.0, 24.0, 24.0), (0.0, 24.0, 24.0), 1.0)
     passed = np.array([False, True, False])

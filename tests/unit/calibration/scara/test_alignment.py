@@ -53,7 +53,7 @@ def test_a_shift_between_passes_changes_nothing() -> None:
     assert abs(joined.offset_mm - 0.3) > 0.05
 
 
-def test_the_stated_uncertainty_covers_the_truth_as_often_as_it_should() -> None:
+def test_stated_uncertainty_matches_the_scatter_of_fits() -> None:
     rng = np.random.default_rng(7)
     turns = np.linspace(-0.006, 0.006, 21)
     series = np.zeros(21, dtype=np.int64)

@@ -54,7 +54,7 @@ def test_each_draw_is_the_minimum_that_a_single_solve_finds(case: str) -> None:
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_the_gradient_is_that_of_the_dense_jacobian_far_from_the_nominal_arm(case: str) -> None:
+def test_the_gradient_matches_the_dense_jacobian_off_nominal(case: str) -> None:
     problem = problem_of(CASES[case]())
     rng = np.random.default_rng(2)
     parameters = problem.nominal[:, None] + rng.normal(0.0, 0.01, (problem.nominal.size, 5))
@@ -123,7 +123,7 @@ def test_a_weakly_determined_problem_is_solved_to_the_minimum_too() -> None:
     assert np.abs(found.parameters[:5] - expected).max() < 1e-5
 
 
-def test_draws_that_do_not_settle_are_left_to_the_damped_solver(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_unsettled_draws_fall_back_to_the_damped_solver(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("catseye.calibration.core.batched_solver._MOST_STEPS", 1)
     problem = problem_of(identified(model="conventional"))
     noise = np.random.default_rng(6).normal(0.0, 1.0, (3, 1056))

@@ -75,7 +75,7 @@ def covariance(one: Contributor) -> Floats:
 ROWS = range(0, len(COMMANDS), 61)
 
 
-def test_a_length_common_to_a_pose_binds_all_distances_from_there_and_no_others() -> None:
+def test_a_pose_length_correlates_only_distances_of_that_pose() -> None:
     found = covariance(Contributor("c", "length", 0.003, "pose"))
     for k in ROWS:
         for m in range(0, len(COMMANDS), 17):
@@ -105,7 +105,7 @@ def test_a_common_angle_moves_each_distance_by_its_derivative() -> None:
             assert column[k] == pytest.approx(1e-5 * slope, abs=1e-11)
 
 
-def test_an_error_that_repeats_with_an_angle_is_a_sum_of_its_harmonics() -> None:
+def test_an_axis_angle_error_is_a_sum_of_harmonics() -> None:
     found = covariance(Contributor("c", "length", 0.005, "axis-angle", "j2", orders=3))
     for k in ROWS:
         for m in range(0, len(COMMANDS), 29):

@@ -45,7 +45,7 @@ def test_parts_sum_to_a_covariance_that_was_widened(model: str) -> None:
 
 
 @pytest.mark.parametrize("contributor", CONTRIBUTORS[2:], ids=lambda one: one.name)
-def test_a_part_is_what_the_contributor_adds_to_an_identification_without_it(
+def test_a_part_is_the_covariance_its_contributor_adds(
     contributor: Contributor,
 ) -> None:
     points = noisy_points(sigma_mm=0.0156)
@@ -110,7 +110,7 @@ def test_effective_degrees_of_freedom_by_hand() -> None:
     assert found.effective_dof(found.variances)[0] == pytest.approx(expected)
 
 
-def test_the_scatter_of_the_fit_has_the_degrees_of_freedom_of_the_fit() -> None:
+def test_fit_scatter_has_the_fits_degrees_of_freedom() -> None:
     one = identified(noisy_points(sigma_mm=None))
     found = contributions(one)
     assert found.effective_dof(found.variances) == pytest.approx(np.full(one.layout.size, one.fit.dof))

@@ -40,7 +40,7 @@ def test_white_normal_errors_have_the_stated_size_and_share_nothing() -> None:
     assert np.abs(correlation - np.eye(22)).max() < 6.0 / math.sqrt(DRAWS)
 
 
-def test_a_common_uniform_error_is_one_number_for_all_distances_and_keeps_its_limits() -> None:
+def test_a_common_uniform_error_is_shared_and_bounded() -> None:
     common = Contributor("offset", "length", 0.010, "common", distribution="uniform")
     one = with_budget(Contributor("white", "length", 1e-6), common)
     errors = drawn(one)

@@ -57,7 +57,7 @@ def test_draws_agree_with_the_jacobian_for_the_conventional_model() -> None:
     assert_agree(one)
 
 
-def test_draws_agree_with_the_jacobian_for_every_correlation_of_the_budget() -> None:
+def test_draws_agree_with_the_jacobian_for_every_correlation() -> None:
     assert_agree(identified(noisy_points(sigma_mm=None), budget=BUDGET))
 
 
@@ -80,7 +80,7 @@ def test_more_draws_begin_with_the_same_ones() -> None:
     assert np.array_equal(few[:whole], many[:whole])
 
 
-def test_a_chunk_does_not_depend_on_who_solves_it_nor_on_the_others() -> None:
+def test_chunks_are_independent_of_solver_and_order() -> None:
     one = identified(noisy_points(sigma_mm=None), "conventional", BUDGET)
     work = chunks(one, 3 * CHUNK, 7)
     here = [solve_chunk(each).parameters for each in work]

@@ -88,7 +88,7 @@ def test_each_kind_of_term_is_recovered_from_noise_free_distances(
     assert identified.fit.rms_um < 1e-4
 
 
-def test_periodic_terms_on_the_nodes_alone_are_refused_by_name_with_the_remedy() -> None:
+def test_periodic_terms_on_nodes_are_refused_with_the_remedy() -> None:
     points = measured(random_truth(4), commands_on_nodes())
     with pytest.raises(UnidentifiableError, match="measure between the nodes") as caught:
         problem(points, terms=periodic(1, (36,)) + periodic(2, (50,))).solve()
@@ -97,13 +97,13 @@ def test_periodic_terms_on_the_nodes_alone_are_refused_by_name_with_the_remedy()
     assert "Δθ1 sin 36θ1" in str(caught.value)
 
 
-def test_crosstalk_j4_and_drift_can_be_told_apart_on_the_nodes() -> None:
+def test_crosstalk_j4_and_drift_are_separable_on_nodes() -> None:
     points = measured(random_truth(5), commands_on_nodes())
     identified = problem(points, terms=crosstalk() + j4_map() + thermal_drift()).solve()
     assert np.abs(identified.parameters[identified.layout.extension]).max() < 1e-6
 
 
-def test_orders_of_j4_that_dead_path_and_link_hide_are_refused() -> None:
+def test_a_constant_j4_term_is_refused() -> None:
     points = measured(random_truth(6), commands_between())
     with pytest.raises(UnidentifiableError, match="Δd"):
         problem(points, terms=(Term("length", "theta4", "cos", 0),)).solve()

@@ -66,7 +66,7 @@ def test_without_stated_sigma_the_fit_scatter_gives_the_uncertainty() -> None:
     assert ratio == pytest.approx(np.full(ratio.size, free.fit.sigma0_um / 20.0), rel=1e-3)
 
 
-def test_systematic_errors_show_as_lack_of_fit_and_widen_the_uncertainty() -> None:
+def test_systematic_errors_cause_lack_of_fit_and_widen_uncertainty() -> None:
     truth = random_truth(7)
     noise = np.random.default_rng(8).normal(0.0, 0.010, 1056)
     # An error of 12 µm that depends on the pose and the reflector only: repeats do not average it out.
@@ -151,7 +151,7 @@ def test_single_theta2_cannot_separate_the_links() -> None:
     assert any({"L1", "L2"} <= set(names) for names in caught.value.null_directions)
 
 
-def test_paper_layout_has_no_null_direction_beyond_the_gauge_with_one_reflector() -> None:
+def test_one_reflector_identifies_the_paper_layout() -> None:
     assert solve(paper_points(random_truth(1), reflectors=1)).fit.n_parameters == 42
 
 

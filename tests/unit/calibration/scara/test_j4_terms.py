@@ -75,14 +75,14 @@ def test_coefficients_and_links_lie_within_their_uncertainties() -> None:
 
 
 def test_the_first_order_still_makes_the_second_link_uncertain() -> None:
-    """It lengthens beams as a longer L2 does, and no map can tell the two apart."""
+    """It lengthens beams as a longer L2 does, and no map can distinguish the two."""
     with_map, without = identified(Motion.drawn(1), 1), identified(Motion.drawn(1), 1, ())
     assert with_map.standard_uncertainty[1] > 4.0 * WHITE_MM / math.sqrt(1056.0)
     assert with_map.standard_uncertainty[1] < without.standard_uncertainty[1]
 
 
 @pytest.mark.parametrize("kind", ["radial", "length"])
-def test_what_is_left_of_a_contributor_has_none_of_the_orders_of_the_map(kind: Kind) -> None:
+def test_a_contributors_remainder_lacks_the_maps_orders(kind: Kind) -> None:
     contributor = replace(RADIAL, kind=kind)
     terms = j4_map((2, 4))
     found = identified(Motion.drawn(2), 2, terms)

@@ -104,7 +104,7 @@ def on_the_way() -> dict[int, LiveMap]:
 
 
 @pytest.mark.parametrize("count", ON_THE_WAY)
-def test_on_the_way_it_knows_as_much_as_the_identification_of_the_points_so_far(count: int) -> None:
+def test_live_uncertainty_matches_identifying_the_points_so_far(count: int) -> None:
     points, known = measured(2, BUDGET), copy.deepcopy(on_the_way()[count]).known()
     first, second = identified_u(points.select(np.arange(len(points)) < count), BUDGET)
     assert (known.u1_rad, known.u2_rad) == pytest.approx((first.max(), second.max()), rel=0.01)
@@ -123,7 +123,7 @@ def test_segments_have_dead_paths_of_their_own() -> None:
     known = live.known()
     first, second = identified_u(points, None)
     assert (known.u1_rad, known.u2_rad) == pytest.approx((first.max(), second.max()), rel=0.01)
-    # A segment's first point tells its dead path and nothing else.
+    # A segment's first point gives its dead path and nothing else.
     assert all(innovations[row] is None for row in range(0, 1056, 44))
     later = [found.value_mm for found in innovations[352:] if found is not None]
     assert float(np.abs(later).max()) < 0.1
@@ -145,7 +145,7 @@ def test_innovations_are_white_with_the_stated_size(radial: bool) -> None:
         assert float(np.mean(np.concatenate(products[lag::3]))) == pytest.approx(0.0, abs=0.06)
 
 
-def test_radial_error_motions_that_are_not_stated_show_in_the_innovations() -> None:
+def test_unstated_radial_error_motion_enlarges_the_innovations() -> None:
     points, live = measured(5, BUDGET), live_map()
     found = [add_row(live, points, row) for row in range(len(points))]
     z = np.array([one.normalised for one in found if one is not None])
@@ -201,7 +201,7 @@ def derivatives(count: int) -> Floats:
     return np.stack(columns, axis=1)
 
 
-def test_a_map_is_known_as_soon_as_the_points_determine_it() -> None:
+def test_a_map_is_known_once_the_points_determine_it() -> None:
     points, live = measured(7, None), live_map()
     for count in (16, 24, 32, 36, 40, 48, 64):
         for row in range(len(live), count):
@@ -298,7 +298,7 @@ def test_wrong_rows_are_refused_and_leave_no_trace() -> None:
         LiveMap(NODES1, NODES2, 325.0, 225.0, PLACES, 0.0)
 
 
-def test_rows_that_are_all_alike_in_their_segment_are_no_information() -> None:
+def test_identical_rows_in_a_segment_carry_no_information() -> None:
     points, live = measured(13, None), live_map()
     for row in np.flatnonzero(points.commands.direction2 > 0):
         add_row(live, points, int(row))

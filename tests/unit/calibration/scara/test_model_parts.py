@@ -99,7 +99,7 @@ def test_branch_nearest_to_the_present_angle() -> None:
     assert nearest_branch(np.array([-3.0]), 3.5)[0] == pytest.approx(-3.0 + 2 * np.pi)
 
 
-def test_column_blocks_a_beam_through_the_base_but_not_one_that_ends_before() -> None:
+def test_the_column_blocks_only_beams_passing_through_it() -> None:
     reflector = np.array([680.0, 0.0])
     positions = np.array([[-400.0, 0.0], [300.0, 0.0], [-400.0, 300.0]])
     assert column_clearance(positions, reflector)[:2] == pytest.approx([0.0, 300.0])

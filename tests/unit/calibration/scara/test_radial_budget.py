@@ -121,7 +121,7 @@ def test_covariance_of_the_distances_agrees_with_simulated_error_motions(budget:
     assert float(np.mean(np.diag(difference))) == pytest.approx(0.0, abs=0.1)
 
 
-def test_the_variance_of_a_distance_is_the_sum_of_the_stated_squares() -> None:
+def test_distance_variance_is_the_sum_of_stated_squares() -> None:
     truth = random_truth(2)
     effects = radial_effects(paper_points(truth), units(truth, 3), BUDGET)
     assert np.sum(effects**2, axis=1) == pytest.approx(np.full(1056, 0.005**2 + 0.005**2 + 0.010**2))
@@ -152,7 +152,7 @@ def white_only(one: Identification, errors: Floats) -> Floats:
     return errors * math.sqrt(one.fit.variance_factor)
 
 
-def test_errors_are_as_large_as_stated_when_the_budget_is_stated() -> None:
+def test_errors_match_their_uncertainties_with_a_budget() -> None:
     assert 0.9 < rms([errors for _, errors in trials()[0]]) < 1.1
 
 
@@ -168,7 +168,7 @@ def test_lack_of_fit_is_seen_and_explained_by_the_budget() -> None:
     assert sum(one.fit.variance_factor != 1.0 for one, _ in trials()[0]) <= 3
 
 
-def test_lack_of_fit_is_seen_and_not_explained_without_a_budget() -> None:
+def test_lack_of_fit_stays_unexplained_without_a_budget() -> None:
     for one, _ in trials()[1]:
         lack = one.fit.lack_of_fit
         assert lack is not None

@@ -41,7 +41,7 @@ def outlier(noise_rad: Floats, least_mm: float = 0.5) -> Outlier | None:
 
 @pytest.mark.parametrize("row", [0, 6, 9, 13])
 @pytest.mark.parametrize("off_deg", [0.5, -4.0])
-def test_the_wrong_one_is_named_and_how_far_it_is_off(row: int, off_deg: float) -> None:
+def test_the_outlier_is_identified_with_its_size(row: int, off_deg: float) -> None:
     noise = np.random.default_rng(row).normal(0.0, 2e-4, 14)
     noise[row] += math.radians(off_deg)
     found = outlier(noise)

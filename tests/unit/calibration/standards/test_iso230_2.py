@@ -113,7 +113,7 @@ def test_the_uncertainty_of_linear_quantities_is_the_closed_form() -> None:
         assert found[symbol].u == pytest.approx(math.sqrt(step @ covariance @ step), rel=0.02)
 
 
-def test_noise_makes_a_range_grow_by_what_the_excess_tells() -> None:
+def test_noise_widens_a_range_by_the_excess() -> None:
     # The range of five standard normal values: mean 2.326 and standard deviation 0.864 (tables of d2, d3).
     found = {one.symbol: one for one in systematic_of_map(np.zeros(10), np.eye(10), draws=100_000)}
     assert found["E↑"].value == 0.0

@@ -44,7 +44,7 @@ def test_interval_of_a_standard_deviation_as_tables_have_it() -> None:
     assert found.s_high_um == pytest.approx(15.8114 * 2.8736, rel=1e-3)
 
 
-def test_the_interval_holds_the_true_value_as_often_as_it_says() -> None:
+def test_the_interval_has_its_stated_coverage() -> None:
     rng = np.random.default_rng(1)
     held = 0
     for _ in range(2000):
@@ -82,7 +82,7 @@ def test_no_two_arrivals_with_one_dead_path_are_refused() -> None:
         along_beam(np.array([1.0, 2.0, 3.0]), np.array([0, 1, 2]), np.arange(3))
 
 
-def test_a_drift_is_told_with_its_significance() -> None:
+def test_a_drift_is_reported_with_its_significance() -> None:
     rng = np.random.default_rng(3)
     cycle = np.arange(30)
     values = 1e-3 * cycle + rng.normal(0.0, 0.002, 30)
@@ -95,7 +95,7 @@ def test_a_drift_is_told_with_its_significance() -> None:
     assert found.drift_probability < 1e-6
 
 
-def test_scatter_alone_passes_for_a_drift_as_seldom_as_it_says() -> None:
+def test_false_drifts_are_as_rare_as_stated() -> None:
     rng = np.random.default_rng(4)
     found = [along_beam(*one_segment(list(rng.normal(0.0, 0.010, 30)))).drifts for _ in range(2000)]
     # 1 % of 2000 is 20 with a standard deviation of 4.4.

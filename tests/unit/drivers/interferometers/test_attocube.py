@@ -172,9 +172,7 @@ def test_a_measurement_takes_time_to_start(world: EmulationContext) -> None:
     assert ask(session, space + "system.stopMeasurement") == [0]
 
 
-def test_an_interrupted_axis_keeps_its_error_and_its_place_until_it_is_reset(
-    world: EmulationContext, session: Session
-) -> None:
+def test_an_interrupted_axis_keeps_its_error_until_reset(world: EmulationContext, session: Session) -> None:
     space = "com.attocube.ids."
     world.bench.beam.block(0.5)
     error, value = ask(session, space + "displacement.getAxisDisplacement", 0)
@@ -267,7 +265,7 @@ async def test_a_reset_by_somebody_else_ends_the_count(dialect: str) -> None:
         assert not (await pair.driver.status()).beam_lost
 
 
-async def test_an_instrument_that_tells_no_reference_is_used_without(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_an_instrument_reporting_no_reference_is_used_without(monkeypatch: pytest.MonkeyPatch) -> None:
     def without(self: AttocubeIds, method: str) -> str:
         return "com.attocube.ids.displacement.none" if "getReference" in method else full(self, method)
 
@@ -288,7 +286,7 @@ async def test_nothing_is_read_when_the_measurement_does_not_run() -> None:
             await pair.driver.read()
 
 
-async def test_the_wrong_name_space_is_told() -> None:
+async def test_the_wrong_name_space_is_reported() -> None:
     async with paired("attocube-ids", lambda t, c: make(t, c, dialect="sen"), connect=False) as pair:
         with pytest.raises(WrongDeviceError, match=r"com\.attocube\.sen.*setting dialect"):
             await pair.driver.connect()

@@ -153,7 +153,7 @@ def test_wrong_options_of_an_emulator_are_named(protocol: str, option: str, valu
 
 
 @pytest.mark.parametrize("protocol", ["lasertex-hpi", "umd"])
-async def test_whoever_watches_a_stream_sees_each_value_as_it_is_read(protocol: str) -> None:
+async def test_listeners_receive_each_streamed_value_as_it_is_read(protocol: str) -> None:
     async with paired(protocol, DRIVERS[protocol]) as pair:
         seen_values: list[tuple[float, float]] = []
         pair.driver.listen(lambda time_s, displacement_mm: seen_values.append((time_s, displacement_mm)))

@@ -168,7 +168,7 @@ async def test_no_zero_without_a_beam() -> None:
             await pair.driver.zero()
 
 
-async def test_wrong_decimals_are_told_with_the_right_ones() -> None:
+async def test_wrong_decimals_are_reported_with_the_right_ones() -> None:
     async with paired("heidenhain-nd", make, {"decimals": 3}, connect=False) as pair:
         with pytest.raises(WrongDeviceError, match="set decimals = 3"):
             await pair.driver.connect()
@@ -181,7 +181,7 @@ async def test_a_display_without_signal_can_be_connected() -> None:
         assert not (await pair.driver.status()).beam_ok
 
 
-async def test_wrong_decimals_of_a_display_connected_without_signal_are_told_at_the_zero() -> None:
+async def test_wrong_decimals_unseen_at_connecting_fail_the_zero() -> None:
     async with paired("heidenhain-nd", make, {"decimals": 3}, connect=False) as pair:
         pair.bench.beam.block(None)
         await pair.driver.connect()
@@ -190,7 +190,7 @@ async def test_wrong_decimals_of_a_display_connected_without_signal_are_told_at_
             await pair.driver.zero()
 
 
-async def test_locked_keys_are_told() -> None:
+async def test_locked_keys_are_reported() -> None:
     async with paired("heidenhain-nd", lambda t, c: make(t, c, zero="keys")) as pair:
         talk(pair.far.new_session(), b"\x1bS0001\r")
         with pytest.raises(RefusedError, match=r"refused T0000.*keys are locked"):

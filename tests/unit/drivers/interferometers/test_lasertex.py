@@ -79,7 +79,7 @@ def test_meteo_and_velocity_lie_where_the_client_reads_them() -> None:
     assert velocity[12:15] == bytes((0x08, 0x01, 0))
 
 
-def test_a_damaged_frame_is_left_out_and_the_next_one_found() -> None:
+def test_a_damaged_frame_is_skipped() -> None:
     decoder = codec.FrameDecoder()
     damaged = EXAMPLE[:9] + b"\xaa" + EXAMPLE[10:]
     assert len(decoder.feed(b"\x00\xaa\x11" + damaged + EXAMPLE + EXAMPLE)) == 2
@@ -224,7 +224,7 @@ async def test_a_zero_that_is_given_up_spoils_the_old_count() -> None:
         await driver.close()
 
 
-async def test_a_stream_that_stops_is_an_error_and_the_next_question_opens_the_link_again() -> None:
+async def test_a_stopped_stream_is_an_error_and_reconnects() -> None:
     def impatient(transport: MemoryTransport, clock: StepClock) -> LasertexHpi:
         return LasertexHpi(transport, clock, HpiSettings(timeout_s=0.05))
 

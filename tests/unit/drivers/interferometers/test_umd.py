@@ -117,7 +117,7 @@ def test_the_emulator_streams_every_sample_at_its_time(rate_hz: float, axes: int
     session.close()
 
 
-def test_the_stream_keeps_its_rate_in_real_time_when_the_bench_runs_faster() -> None:
+def test_the_stream_keeps_its_real_time_rate() -> None:
     world = quiet_world()
     world.keeper.speed = 50.0
     session = new_session(world, "umd", {"rate_hz": 1000})
@@ -125,7 +125,7 @@ def test_the_stream_keeps_its_rate_in_real_time_when_the_bench_runs_faster() -> 
     assert len(codec.SampleDecoder().feed(session.output())) == pytest.approx(1000, abs=1)
 
 
-def test_a_new_client_hears_nothing_of_the_time_before_it_came() -> None:
+def test_a_new_client_receives_no_earlier_samples() -> None:
     now_s = 0.0
     bench = quiet_bench()
     keeper = TimeKeeper(bench, clock=lambda: now_s)
@@ -253,7 +253,7 @@ async def test_every_sample_of_the_stream_is_yielded_once() -> None:
         assert driver.lost_samples == 0
 
 
-async def test_a_caller_that_falls_behind_loses_the_oldest_and_is_told() -> None:
+async def test_a_slow_caller_loses_the_oldest_samples_countably() -> None:
     async with connected(ring_samples=16) as (driver, peer):
         samples = driver.samples()
         first = asyncio.ensure_future(anext(samples))
@@ -272,7 +272,7 @@ async def test_a_stream_that_stops_is_an_error() -> None:
             await driver.read()
 
 
-async def test_a_display_without_the_axis_is_told() -> None:
+async def test_a_display_without_the_axis_is_reported() -> None:
     with pytest.raises(WrongDeviceError, match="with axis 2"):
         async with connected(axis=2):
             pass

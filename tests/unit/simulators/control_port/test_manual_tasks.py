@@ -35,7 +35,7 @@ def state(panel: Panel) -> dict[str, Any]:
     return panel.ask(op="state")
 
 
-def test_the_state_tells_mount_nests_and_laser(panel: Panel) -> None:
+def test_the_state_includes_mount_nests_and_laser(panel: Panel) -> None:
     said = state(panel)
     assert said["mount"] == {
         "offset_mm": 0.1,

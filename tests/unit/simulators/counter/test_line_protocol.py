@@ -73,7 +73,7 @@ def test_the_signal_is_a_percentage(counter: CounterSession) -> None:
     assert 97 <= int(line) <= 100
 
 
-def test_velocity_is_told(bench: Bench, counter: CounterSession) -> None:
+def test_velocity_is_answered(bench: Bench, counter: CounterSession) -> None:
     bench.advance(0.1)
     assert talk(counter, b"V\r\n") == ["+000000.000000 mm/s"]
 

@@ -68,5 +68,5 @@ class Talker:
 
 
 def with_axes(axes: int) -> EmulationConfig:
-    """Return a bench whose controller tells that many axes."""
+    """Return a bench whose controller reports that many axes."""
     return replace(QUIET, axis_pattern=axes)

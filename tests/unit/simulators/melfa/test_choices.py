@@ -41,7 +41,7 @@ def test_registers_are_sixteen_decimals_from_6000() -> None:
     assert robot.ask("DIN5999") == "QeR660000000"
 
 
-def test_hands_are_told_in_eight_triples() -> None:
+def test_hand_states_are_eight_triples() -> None:
     robot = Desk().client()
     assert robot.ask("HNDSTS") == "QoK900;2;0" + ";-1;-1;-1" * 7
     robot.do("HNDON1")
@@ -50,7 +50,7 @@ def test_hands_are_told_in_eight_triples() -> None:
     assert robot.ask("CALIB") == "QoKN0F0F"
 
 
-def test_the_log_is_read_from_the_latest_line_filtered_counted_and_cleared() -> None:
+def test_the_error_log_is_read_filtered_counted_and_cleared() -> None:
     desk = Desk()
     robot = desk.client()
     for number in (2602, 9200, 2602):
@@ -97,7 +97,7 @@ def test_positions_of_every_kind() -> None:
     assert robot.ask("XPOS4").startswith("QoKJ4;-45.00;;")
 
 
-def test_monitors_tell_eight_axes() -> None:
+def test_monitors_return_eight_axes() -> None:
     desk = Desk(choices=Choices(pulses_per_unit=100.0))
     robot = desk.client().ready()
     robot.do("EXEC2=MOV (30,60,10,-45)")

@@ -67,8 +67,8 @@ def test_a_client_with_strict_patterns_understands_every_answer(axes: int) -> No
     joints = client.ask("JPOSF", client.JOINTS)["pairs"].split(";")
     assert joints[:8] == ["J1", "10.00", "J2", "-20.00", "J3", "5.00", "J4", "30.00"]
     assert len(joints) == 2 * axes + 1
-    axes_told = client.ask("PPOSF", client.POSITION)["pairs"].split(";")[:-1:2]
-    assert axes_told == ["X", "Y", "Z", "A", "B", "C", "L1", "L2"][:axes]
+    axes_reported = client.ask("PPOSF", client.POSITION)["pairs"].split(";")[:-1:2]
+    assert axes_reported == ["X", "Y", "Z", "A", "B", "C", "L1", "L2"][:axes]
     client.ask("CNTLOFF")
     client.ask("CLOSE")
 
@@ -97,7 +97,7 @@ class SegmentClient:
         return text[3:]
 
 
-def test_a_client_of_bare_segments_boots_moves_and_reads_six_axes() -> None:
+def test_a_client_of_bare_segments_works_with_six_axes() -> None:
     desk = Desk(replace(QUIET, axis_pattern=6))
     client = SegmentClient(desk.client())
     for command in ("OPEN=NARCUSER", "CNTLON", "EXECSPD M_NSPD", "EXECJOVRD M_NJOVRD", "EXECOVRD M_NOVRD"):
@@ -119,7 +119,7 @@ def test_a_client_of_bare_segments_boots_moves_and_reads_six_axes() -> None:
     assert read == {"X": 400.0, "Y": 100.0, "Z": 20.0, "A": 0.0, "B": 0.0, "C": 45.0}
 
 
-def test_a_client_without_header_with_line_feeds_and_small_keywords_is_understood() -> None:
+def test_headerless_requests_line_feeds_and_lowercase_are_understood() -> None:
     robot = Desk(replace(QUIET, axis_pattern=6)).client("\r")
 
     def ask(line: str) -> str:

@@ -77,19 +77,19 @@ def test_it_says_what_it_is_and_obeys_the_small_commands() -> None:
     assert line.ask(records.ADD) == records.ADDED
 
 
-@pytest.mark.parametrize("number_format", records.TOLD)
-def test_feedback_is_told_in_the_chosen_notation(number_format: NumberFormat) -> None:
+@pytest.mark.parametrize("number_format", records.ANSWERS)
+def test_feedback_has_the_chosen_notation(number_format: NumberFormat) -> None:
     line = Line(number_format, start=records.FEEDBACK)
-    assert line.ask(records.TELL) == records.TOLD[number_format]
+    assert line.ask(records.ASK_FEEDBACK) == records.ANSWERS[number_format]
 
 
 def test_feedback_is_float32() -> None:
     line = Line("exponent", start=(0.1, 0.0, 0.0, 0.0))
     # The float32 next to 0.1 is 0.100000001490116...
-    assert line.ask(records.TELL).split(b",")[2] == b"1.0000000E-01"
+    assert line.ask(records.ASK_FEEDBACK).split(b",")[2] == b"1.0000000E-01"
     line = Line("exponent", start=(100.00001, 0.0, 0.0, 0.0))
     # Steps of float32 are 7.6e-6 there: 13107201 / 131072.
-    assert line.ask(records.TELL).split(b",")[2] == b"1.0000001E+02"
+    assert line.ask(records.ASK_FEEDBACK).split(b",")[2] == b"1.0000001E+02"
 
 
 def test_the_queue_holds_sixty_points() -> None:
@@ -99,7 +99,7 @@ def test_the_queue_holds_sixty_points() -> None:
     assert line.ask(records.ADD) == records.FULL
 
 
-def test_via_points_are_passed_and_the_answer_comes_at_the_standstill() -> None:
+def test_via_points_are_blended_and_answered_at_standstill() -> None:
     line = Line()
     for k in range(1, 6):
         line.ask(b"%d,1,%d,%d,10,%d\r" % (k, 2 * k, -k, -k))
@@ -112,7 +112,7 @@ def test_via_points_are_passed_and_the_answer_comes_at_the_standstill() -> None:
     # J1 sets the pace: 2 deg at 2000 deg/s² and less than 420 deg/s take two ramps of sqrt(2 / 2000) s each.
     ramp_s = math.sqrt(2.0 / 2000.0)
     assert blended_s == pytest.approx(6.0 * ramp_s + 0.05, rel=1e-6)
-    # The queue is empty: another drive tells the feedback at once.
+    # The queue is empty: another drive returns the feedback at once.
     assert line.ask(b"10,2,0,0,0,0\r", 0.0).startswith(b"10,2,10,-5,10,-5")
 
 
@@ -155,7 +155,7 @@ def test_requests_wait_for_the_drive() -> None:
 
 
 @pytest.mark.parametrize("record", records.BAD)
-def test_what_is_not_six_numbers_halts_the_program_with_an_alarm(record: bytes) -> None:
+def test_a_malformed_record_halts_the_program_with_an_alarm(record: bytes) -> None:
     line = Line()
     assert line.ask(record) == b""
     assert line.controller.alarm == 3500
@@ -172,7 +172,7 @@ def test_what_is_not_six_numbers_halts_the_program_with_an_alarm(record: bytes) 
     ("point", "number"),
     [(b"171,0,0,0", 2602), (b"0,-146,0,0", 2602), (b"0,0,-1,0", 2602), (b"0,0,0,361", 2602)],
 )
-def test_a_point_outside_the_limits_is_an_alarm_and_nothing_moves(point: bytes, number: int) -> None:
+def test_a_point_outside_the_limits_alarms_without_motion(point: bytes, number: int) -> None:
     line = Line()
     line.ask(b"1,1," + point + b"\r")
     assert line.ask(b"2,2,0,0,0,0\r") == b""
@@ -214,7 +214,7 @@ def test_stop_brakes_and_the_answer_never_comes() -> None:
     assert answer.reply() == b""
 
 
-def test_run_lets_a_stopped_drive_go_on_to_the_last_point() -> None:
+def test_run_continues_a_stopped_drive() -> None:
     line, answer = driving()
     line.controller.stop()
     line.bench.advance(1.0)
@@ -237,7 +237,7 @@ def test_after_a_reset_the_next_connection_starts_the_program() -> None:
 
 
 def test_a_program_that_runs_is_neither_reset_nor_started() -> None:
-    """Sheet, section 5.3: 5640 is "not possible while running"; which commands it refuses is not told."""
+    """Sheet, section 5.3: 5640 is "not possible while running"; which commands it refuses is not documented."""
     line = Line()
     for command in (line.controller.task.reset, lambda: line.controller.task.start("CATSDL", repeat=False)):
         with pytest.raises(Refusal) as caught:
@@ -256,7 +256,7 @@ def test_a_controller_may_reset_a_program_that_runs() -> None:
     assert line.program.running
 
 
-def test_the_servo_going_off_halts_a_drive_but_not_a_program_that_waits() -> None:
+def test_servo_off_halts_a_drive_but_not_waiting_programs() -> None:
     line, _ = driving()
     line.controller.switch_servo_off()
     assert not line.program.running

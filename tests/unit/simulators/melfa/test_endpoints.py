@@ -61,7 +61,7 @@ async def test_the_data_link_over_tcp() -> None:
     async with EmulatedBench(config(device)) as bench:
         reader, writer = await asyncio.open_connection(*address(bench, "melfa-datalink"))
         try:
-            writer.write(melfa_datalink.WHO + melfa_datalink.TELL)
+            writer.write(melfa_datalink.WHO + melfa_datalink.ASK_FEEDBACK)
             assert await asyncio.wait_for(reader.readuntil(b"\r"), HANG_S) == melfa_datalink.EMULATOR
             assert (
                 await asyncio.wait_for(reader.readuntil(b"\r"), HANG_S)
@@ -82,6 +82,6 @@ async def test_the_data_link_over_tcp() -> None:
         ("melfa-datalink", {"program": "A B"}),
     ],
 )
-def test_wrong_options_are_told(protocol: str, options: dict[str, str | float]) -> None:
+def test_wrong_options_are_reported(protocol: str, options: dict[str, str | float]) -> None:
     with pytest.raises(EmulatorError, match=r"robot: .*(mxt_|number_format|program)"):
         EmulatedBench(config(EmulatedDevice("robot", protocol, options=dict(options))))

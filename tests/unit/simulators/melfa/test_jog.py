@@ -30,7 +30,7 @@ def test_a_jog_that_is_not_repeated_ends_after_140_ms() -> None:
     assert robot.ask("ERROR") == "QoK"
 
 
-def test_when_nobody_asks_for_a_long_time_the_arm_stopped_all_the_same() -> None:
+def test_a_jog_ends_even_if_nobody_asks() -> None:
     one, other = Desk(), Desk()
     for desk in (one, other):
         assert desk.client().ready().ask(PLUS_J1) == "QoK"
@@ -52,7 +52,7 @@ def test_repeated_telegrams_keep_the_arm_moving_without_a_break() -> None:
     assert standing_still(robot)
 
 
-def test_the_override_slows_a_jog_and_linear_axes_move_in_mm() -> None:
+def test_the_override_slows_a_jog_of_linear_axes() -> None:
     desk = Desk(replace(QUIET, start_joints=(0.0, 0.0, 50.0, 0.0)), Choices(jog_percent=20.0))
     robot = desk.client().ready()
     robot.do("OVRD=50", PLUS_J3)
@@ -86,7 +86,7 @@ def test_stop_ends_a_jog_at_once() -> None:
     assert desk.bench.joints[0] == pytest.approx(at + 42.0**2 / 4000.0, abs=1e-6)
 
 
-def test_at_its_limit_a_jog_raises_the_alarm_of_the_axis_and_the_servo_goes_off() -> None:
+def test_a_jog_to_the_limit_alarms_with_servo_off() -> None:
     """Section 5.3: H216n upwards, H217n downwards."""
     desk = Desk(replace(QUIET, start_joints=(169.0, 0.0, 0.0, 0.0)))
     robot = desk.client().ready()

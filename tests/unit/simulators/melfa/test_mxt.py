@@ -101,11 +101,11 @@ def lead(line: Line, axis: int, size: float, cycles: int) -> bytes:
     return last
 
 
-def test_it_tells_where_the_arm_stands_byte_by_byte() -> None:
+def test_feedback_matches_byte_by_byte() -> None:
     assert Line().ask(melfa_mxt.WHERE) == melfa_mxt.AT_JOINTS
 
 
-def test_the_answer_comes_at_the_next_cycle_and_repeats_the_counter() -> None:
+def test_the_answer_comes_next_cycle_and_echoes_the_counter() -> None:
     line = Line()
     line.begin()
     start_s = line.bench.time_s
@@ -119,13 +119,13 @@ def test_the_answer_comes_at_the_next_cycle_and_repeats_the_counter() -> None:
 
 
 @pytest.mark.parametrize(("axis", "size"), [(0, 0.1), (1, -0.2), (2, 0.5), (3, 0.3)])
-def test_a_steady_stream_is_followed_with_the_lag_of_filter_and_servo(axis: int, size: float) -> None:
+def test_a_steady_stream_lags_by_filter_and_servo(axis: int, size: float) -> None:
     options = MxtOptions()
     last = lead(Line(options=options), axis, size, 60)
     command, filtered, feedback = (joints_in(last, offset)[axis] for offset in (8, 68, 112))
     # 7.1 of 10 ms are the newest set point, 2.9 ms the one before.
     assert command - filtered == pytest.approx(0.29 * size, abs=1e-4)
-    # y += (1 - q)(x - y) stays x's step times q / (1 - q) behind; the answer tells the place one cycle before.
+    # y += (1 - q)(x - y) stays x's step times q / (1 - q) behind; the answer gives the place one cycle before.
     decay = math.exp(-CYCLE_S / options.lags_s[axis])
     assert filtered - feedback == pytest.approx(size * (decay / (1.0 - decay) + 1.0), rel=1e-3, abs=1e-4)
 
@@ -147,7 +147,7 @@ def test_the_axes_lag_differently_by_choice_only() -> None:
     assert four - one == pytest.approx(0.0014, rel=0.1)
 
 
-def test_after_end_the_arm_comes_to_rest_at_the_last_set_point_and_stays() -> None:
+def test_after_end_the_arm_rests_at_the_last_set_point() -> None:
     line = Line()
     lead(line, 0, 0.1, 40)
     answer = line.ask(melfa_mxt.END)
@@ -166,7 +166,7 @@ def test_after_end_the_arm_comes_to_rest_at_the_last_set_point_and_stays() -> No
     assert line.bench.joints[0] == pytest.approx(14.1, abs=1e-5)
 
 
-def test_of_several_set_points_in_a_cycle_the_last_counts_and_each_is_answered() -> None:
+def test_the_last_set_point_in_a_cycle_counts() -> None:
     line = Line()
     line.begin()
     for j1 in (10.1, 10.2, 10.3):
@@ -176,7 +176,7 @@ def test_of_several_set_points_in_a_cycle_the_last_counts_and_each_is_answered()
     assert line.answer() == b""
 
 
-def test_missed_cycles_are_counted_and_the_arm_waits_at_the_last_set_point() -> None:
+def test_missed_cycles_are_counted() -> None:
     line = Line()
     answer = lead(line, 0, 0.1, 20)
     assert silent_cycles(answer) == 0
@@ -185,7 +185,7 @@ def test_missed_cycles_are_counted_and_the_arm_waits_at_the_last_set_point() -> 
     assert silent_cycles(answer) == 5
 
 
-def test_a_long_silence_is_an_alarm_and_the_servo_goes_off() -> None:
+def test_a_long_silence_alarms_with_servo_off() -> None:
     line = Line()
     lead(line, 0, 0.1, 20)
     line.bench.advance(0.49)
@@ -216,7 +216,7 @@ def test_without_time_out_silence_means_nothing() -> None:
     ("axis", "step", "number"),
     [(0, 420.0, 2131), (1, -720.0, 2132), (2, -1100.0, 2133), (3, 3000.0, 2134)],
 )
-def test_a_step_beyond_the_largest_speed_is_an_alarm_of_its_axis(axis: int, step: float, number: int) -> None:
+def test_a_step_beyond_the_speed_limit_alarms_its_axis(axis: int, step: float, number: int) -> None:
     for factor, expected in ((0.99, 0), (1.01, number)):
         line = Line()
         line.begin()
@@ -236,7 +236,7 @@ def test_a_step_beyond_the_largest_speed_is_an_alarm_of_its_axis(axis: int, step
         (3, (0.0, 0.0, 0.0, 359.9), 360.1, 2164),
     ],
 )
-def test_a_set_point_outside_the_limits_is_an_alarm_of_its_axis_and_side(
+def test_a_set_point_outside_limits_alarms_axis_and_side(
     axis: int, start: Joints, beyond: float, number: int
 ) -> None:
     line = Line(start)

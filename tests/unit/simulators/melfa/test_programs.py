@@ -47,7 +47,7 @@ def test_what_is_not_saved_is_gone() -> None:
     assert robot.ask("LISTCNT") == "QoK0005"
 
 
-def test_faults_in_a_line_are_told_with_their_place() -> None:
+def test_faults_in_a_line_are_reported_with_their_place() -> None:
     """Section 1.6: Qer<no>;<pos>, EMDAT with the line in front."""
     robot = Desk().client()
     robot.do("LOAD=X")

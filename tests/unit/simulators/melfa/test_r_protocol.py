@@ -13,7 +13,7 @@ from tests.unit.simulators.benches import QUIET
 from tests.unit.simulators.melfa.desk import Desk
 
 
-def test_the_opening_names_the_robot_and_says_that_it_is_an_emulator() -> None:
+def test_open_identifies_the_robot_as_emulated() -> None:
     fields = Desk().client().ask("OPEN=USERTOOL").removeprefix("QoK").split(";")
     # Section 1.8: 16 fields, the last one followed by a semicolon.
     assert len(fields) == 17
@@ -108,7 +108,7 @@ def test_the_destination_is_known_while_the_arm_moves() -> None:
     assert float(robot.ask("JPOSF").split(";")[-2]) > 100.0
 
 
-def test_a_motion_answers_at_once_and_a_waiting_one_at_its_end() -> None:
+def test_exec2_answers_at_the_end_of_the_motion() -> None:
     robot = Desk().client().ready()
     assert robot.ask("EXECJ1=(10.0004,20.0006,5,-30)") == "QoK"
     before_s = robot.desk.bench.time_s
@@ -119,7 +119,7 @@ def test_a_motion_answers_at_once_and_a_waiting_one_at_its_end() -> None:
     assert robot.desk.bench.joints == (10.0, 20.001, 5.0, -30.0)
 
 
-def test_a_stop_from_another_client_ends_the_wait_with_an_error() -> None:
+def test_another_clients_stop_ends_a_wait_with_an_error() -> None:
     desk = Desk()
     robot, stopper = desk.client().ready(), desk.client()
     (waiting,) = robot.send(b"1;1;EXEC2=MOV (90,0,0,0)\r")
@@ -149,7 +149,7 @@ def test_requests_behind_a_waiting_motion_are_carried_out_after_it() -> None:
     assert robot.session.answer() == b"QoKJ1;90.00;;****,****;100;0.00;00000000"
 
 
-def test_the_operation_right_belongs_to_one_connection_and_ends_with_it() -> None:
+def test_the_operation_right_belongs_to_one_connection() -> None:
     desk = Desk()
     first, second = desk.client(), desk.client()
     # Section 1.6, captured: no operation right.
@@ -340,7 +340,7 @@ def test_any_terminator_ends_a_request(end: bytes) -> None:
     assert robot.send(b"1;1;OVRD" + end + b"1;1;ERROR" + end) == [b"QoK100", b"QoK"]
 
 
-def test_without_terminator_a_word_that_cannot_go_on_is_complete_at_once() -> None:
+def test_an_unambiguous_word_without_terminator_is_answered_immediately() -> None:
     robot = Desk().client()
     assert robot.send(b"1;1;STATE") == [b"QoK;0;100;0;01120;0;1;;;;;;;;;REP;START;1;0"]
     # STOP could become STOPON, OVRD could become OVRD=10: these wait for the pause.
@@ -357,7 +357,7 @@ def test_the_suffix_is_appended() -> None:
     assert Desk().client("\r").send(b"1;1;NONSENSE\r") == [b"QeR601000000\r"]
 
 
-def test_a_request_that_is_too_long_is_refused_once_and_forgotten() -> None:
+def test_a_request_too_long_is_refused_once() -> None:
     robot = Desk().client()
     assert robot.send(b"1;1;EXEC" + b"A" * 248 + b"\r") == [b"QeR608000000"]
     assert robot.send(b"B" * 1000) == [b"QeR608000000"]

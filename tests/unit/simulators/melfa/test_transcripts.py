@@ -38,7 +38,7 @@ def test_answers_are_those_of_the_sheet(exchange: Exchange, axes: int, before: t
     assert answer_to(exchange, robot) == exchange.answer
 
 
-def test_the_answers_that_need_more_are_those_of_the_sheet_too() -> None:
+def test_answers_needing_preparation_match_the_sheet() -> None:
     desk = Desk()
     robot = desk.client().ready()
     assert answer_to(sheet.SERVO, robot) == sheet.SERVO.answer
@@ -63,7 +63,7 @@ def test_the_layout_is_that_of_the_sheet(exchange: Exchange, axes: int) -> None:
     assert layout(answer_to(exchange, robot)) == layout(exchange.answer)
 
 
-def test_joints_of_the_sheet_come_back_byte_for_byte_in_the_first_four_axes() -> None:
+def test_the_sheets_joints_match_in_four_axes() -> None:
     robot = Desk(with_axes(6)).client().ready()
     robot.do("OVRD=75", "EXEC2=MOV (-16.28,38.72,102.51,16.73)")
     expected = sheet.JOINTS_SIX.answer.replace("J5;6.06;J6;-19.16", "J5;0.00;J6;0.00")

@@ -43,7 +43,7 @@ def test_the_check_bytes_of_published_frames(body: str, check: str) -> None:
     assert crc16(bytes.fromhex(body)) == bytes.fromhex(check)
 
 
-def test_a_request_ends_by_silence_and_is_answered_with_address_and_check() -> None:
+def test_a_request_is_answered_after_silence() -> None:
     bank = Bank()
     bank.words[1] = 0x0102
     session = RtuSession(bank, 7, lambda _text: None)
@@ -91,7 +91,7 @@ def test_random_bytes_leave_it_working(junk: bytes) -> None:
 
 
 @pytest.mark.parametrize(("kind", "first"), [("comet_web", 0x31), ("comet_rtu", 0x30)])
-def test_a_comet_tells_tenths_from_its_base(kind: str, first: int) -> None:
+def test_a_comet_gives_tenths_from_its_base(kind: str, first: int) -> None:
     """Sheet, section 2: 0x31 T, 0x32 RH, 0x34 pressure in hPa, all times 10; RTU documents send 0x31 as 0x30."""
     here = probe()
     air = here.sample()
@@ -106,7 +106,7 @@ def test_a_comet_tells_tenths_from_its_base(kind: str, first: int) -> None:
     assert registers.read_words(first, 1) == [0x8000]
 
 
-def test_a_map_of_the_cell_file_is_emulated_as_it_is_written() -> None:
+def test_a_cell_file_register_map_is_emulated() -> None:
     here = probe()
     air = here.sample()
     assert air is not None

@@ -187,7 +187,7 @@ async def test_bytes_pass_unchanged_and_are_not_echoed() -> None:
             assert await line.ask(odd + b"\n") == b"1 " + odd + b"\n"
 
 
-async def test_a_client_that_comes_again_has_a_session_of_its_own() -> None:
+async def test_a_reconnecting_client_gets_a_new_session() -> None:
     async with served(f"serial:///dev/ptmx?{FAST}") as serving:
         for number in range(3):
             with client(serving.path) as line:
@@ -198,7 +198,7 @@ async def test_a_client_that_comes_again_has_a_session_of_its_own() -> None:
 
 
 @pytest.mark.parametrize("settings", [{"parity": "E"}, {"parity": "O", "bytesize": 7}])
-async def test_a_client_may_ask_for_parity_and_bits_again_and_again(settings: dict[str, Any]) -> None:
+async def test_a_client_may_set_line_parameters_repeatedly(settings: dict[str, Any]) -> None:
     async with served(f"serial:///dev/ptmx?{FAST}") as serving:
         for number in range(1, 4):
             line = serial.Serial(serving.path, 9600, exclusive=True, timeout=HANG_S, **settings)
@@ -386,7 +386,7 @@ async def datagrams(endpoint: str) -> AsyncIterator[tuple[Datagrams, asyncio.Dat
         await asyncio.sleep(0)
 
 
-async def test_each_peer_has_a_session_and_each_answer_is_a_datagram() -> None:
+async def test_each_peer_has_a_session_answering_in_datagrams() -> None:
     async with served("udp://127.0.0.1:0") as serving:
         endpoint = serving.port.endpoint
         assert not endpoint.endswith(":0")

@@ -14,7 +14,7 @@ from tests.unit.simulators.benches import quiet_bench
 
 
 class FixedProbe(AirProbe):
-    """Measures what it is told."""
+    """Measures what a test has set."""
 
     def __init__(self, pressure_hpa: float, temperature_c: float, humidity_percent: float) -> None:
         super().__init__(quiet_bench())
@@ -56,7 +56,7 @@ def test_formats_of_the_manual(text: str) -> None:
     assert re.sub(r"\s+", " ", line).strip() == FORMATS[text]
 
 
-def test_the_format_is_shown_with_backslashes_and_restored_by_a_slash() -> None:
+def test_the_format_is_escaped_and_reset_by_a_slash() -> None:
     session = opened()
     said = say(session, 'FORM "x" #r #n', "FORM ?", "SEND", "FORM /", "SEND")
     assert said == f'OK\r\nOutput format  :"x" \\r \\n\r\nx\r\nOK\r\n{DEFAULT_LINE}\r\n'
@@ -83,7 +83,7 @@ def test_units_of_the_pressure() -> None:
     assert "Output units" in say(session, "UNIT")
 
 
-def test_the_list_begins_with_the_model_and_ends_with_the_second_module() -> None:
+def test_the_settings_list_runs_from_model_to_second_module() -> None:
     lines = say(opened(), "?").splitlines()
     assert re.fullmatch(r"PTU300 / \d+\.\d+", lines[0])
     assert lines[-1].startswith("Module 2")

@@ -56,7 +56,7 @@ def test_an_aimed_beam_returns_with_the_true_length() -> None:
     assert insight.length_mm == pytest.approx(abs(680.0 - axis_mm(20.0, 30.0)))
 
 
-def test_the_miss_grows_with_the_angle_and_ends_the_return_at_the_acceptance() -> None:
+def test_the_beam_returns_up_to_the_accepted_miss() -> None:
     bench = quiet_bench()
     j1, j2, j3, j4 = aimed(20.0, 30.0)
     length = abs(680.0 - axis_mm(20.0, 30.0))
@@ -80,7 +80,7 @@ def test_the_signal_falls_with_the_miss() -> None:
     assert levels == pytest.approx(expected, abs=0.02)
 
 
-def test_the_offset_shifts_the_beam_to_its_left_and_is_the_slope_of_the_length() -> None:
+def test_the_beam_offset_is_the_slope_of_the_length() -> None:
     bench = quiet_bench(replace(QUIET, beam_offset_mm=0.2))
     j1, j2, j3, j4 = aimed(20.0, 30.0)
     go(bench, (j1, j2, j3, j4))
@@ -145,7 +145,7 @@ def test_one_straight_move_between_aimed_poses_breaks_the_beam() -> None:
     assert reading.beam_lost
 
 
-def test_the_same_way_in_small_steps_keeps_the_beam_and_the_count() -> None:
+def test_a_path_in_small_steps_keeps_the_count() -> None:
     bench = on_target()
     start_mm = bench.true_state().length_mm
     follow(bench, (40.0, 50.0), 20)
@@ -163,7 +163,7 @@ def test_the_displacement_grows_with_the_beam() -> None:
     assert bench.beam.read().displacement_mm > 0.0
 
 
-def test_the_vacuum_count_has_the_index_of_the_air_and_its_change_along_the_dead_path() -> None:
+def test_the_vacuum_count_includes_index_and_dead_path_change() -> None:
     air = AirState(drift_k=2.0, drift_hpa=10.0, drift_percent=5.0)
     bench = on_target(replace(QUIET, air=air))
 
@@ -199,7 +199,7 @@ def test_a_lost_count_stays_lost_and_wrong_until_zero() -> None:
     assert again.zero_id == reading.zero_id + 1
 
 
-def test_without_a_beam_zero_is_refused_and_the_count_stands_still() -> None:
+def test_without_a_beam_zero_is_refused_and_the_count_frozen() -> None:
     bench = on_target()
     follow(bench, (25.0, 35.0), 10)
     j1, j2, j3, j4 = bench.joints
@@ -239,7 +239,7 @@ def test_changing_the_reflector_is_a_break() -> None:
     assert reading.beam_lost
 
 
-def test_a_blocked_beam_breaks_at_once_and_returns_after_its_time() -> None:
+def test_a_blocked_beam_returns_after_its_time() -> None:
     bench = on_target()
     bench.beam.block(2.0)
     assert not bench.beam.read().returns
@@ -272,7 +272,7 @@ def test_a_moved_reflector_is_counted_and_not_forgiven() -> None:
         bench.beam.move_reflector("P9", 1.0, 0.0)
 
 
-def test_too_fast_a_move_latches_the_overspeed_and_spoils_the_count() -> None:
+def test_too_fast_a_move_latches_overspeed() -> None:
     place = replace(P2, x_mm=680.0)
     config = replace(QUIET, reflectors=(place,), acceptance_mm=500.0, speed_limit_mm_s=100.0)
     bench = quiet_bench(config)
@@ -340,7 +340,7 @@ def test_a_second_motion_is_refused_while_one_runs() -> None:
         bench.move_to((0.0, 0.0, 0.0, 0.0))
 
 
-def test_a_stop_decelerates_and_is_told() -> None:
+def test_a_stop_decelerates_and_is_logged() -> None:
     said: list[str] = []
     config = without_j4_play(QUIET)
     bench = scara_bench(perfect_arm(), config, said.append)

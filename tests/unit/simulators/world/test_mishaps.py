@@ -54,7 +54,7 @@ def test_without_a_beam_there_is_no_count_to_lose() -> None:
     assert not instrument.read().overspeed
 
 
-def test_a_shaken_arm_makes_the_readings_scatter_until_it_is_calm() -> None:
+def test_readings_scatter_while_the_arm_is_shaken() -> None:
     bench, instrument = zeroed()
     bench.shake(0.020, 3.0)
     bench.advance(1.0)
@@ -69,7 +69,7 @@ def test_a_shaken_arm_makes_the_readings_scatter_until_it_is_calm() -> None:
     assert abs(instrument.read().displacement_mm) < 0.020 * math.exp(-11.0)
 
 
-def test_a_shaken_arm_goes_on_shaking_in_motion_and_after_it() -> None:
+def test_shaking_continues_through_a_motion() -> None:
     bench, instrument = zeroed()
     bench.shake(0.020, 10.0)
     bench.advance(1.0)
@@ -83,7 +83,7 @@ def test_a_shaken_arm_goes_on_shaking_in_motion_and_after_it() -> None:
 
 
 @pytest.mark.parametrize("steps", [1, 37])
-def test_shaking_breaks_a_beam_at_the_edge_even_if_nobody_looks(steps: int) -> None:
+def test_shaking_breaks_a_marginal_beam_between_readings(steps: int) -> None:
     # 0.95 mm of a miss and 0.1 mm of shaking are more than the acceptance; 0.04 mm are not.
     for amplitude_mm, breaks in ((0.1, True), (0.04, False)):
         bench = quiet_bench(replace(QUIET, beam_offset_mm=0.95))
@@ -96,7 +96,7 @@ def test_shaking_breaks_a_beam_at_the_edge_even_if_nobody_looks(steps: int) -> N
         assert bench.beam.read().beam_lost is breaks
 
 
-def test_a_laser_without_lock_makes_the_count_worthless_and_cannot_be_zeroed() -> None:
+def test_an_unlocked_laser_voids_the_count_and_refuses_zero() -> None:
     bench, instrument = zeroed()
     bench.beam.set_laser(ready=False)
     reading = instrument.read()
@@ -124,26 +124,26 @@ def test_a_laser_that_is_ready_already_loses_nothing() -> None:
     assert instrument.read().displacement_mm == 0.0
 
 
-def test_the_instruments_that_can_tell_the_laser_tell_it() -> None:
+def test_instruments_knowing_the_laser_state_report_it() -> None:
     bench, instrument = zeroed()
     line = CounterSession(instrument, lambda _text: None)
     hpi = Hpi(instrument, AirProbe(bench), Lengths(compensated=True))
 
-    def told() -> tuple[int, bool]:
+    def reported() -> tuple[int, bool]:
         line.feed(b"S\r")
         answer = line.answer()
         assert isinstance(answer, bytes)
         # Bit 4 of the line counter's status.
         return int(answer, 16), bool(hpi.distance()[_FLAGS] & 0x01)
 
-    assert told() == (0x10, True)
+    assert reported() == (0x10, True)
     bench.beam.set_laser(ready=False)
-    assert told() == (0x01, False)
+    assert reported() == (0x01, False)
     bench.beam.set_laser(ready=True)
-    assert told() == (0x11, True)
+    assert reported() == (0x11, True)
 
 
-def test_a_flag_cleared_while_the_laser_drifts_comes_back_when_it_locks() -> None:
+def test_locking_again_restores_a_cleared_flag() -> None:
     bench, instrument = zeroed()
     hpi = Hpi(instrument, AirProbe(bench), Lengths(compensated=True))
     bench.beam.set_laser(ready=False)
@@ -171,7 +171,7 @@ def test_dirt_weakens_the_signal_and_narrows_what_returns() -> None:
     assert bench.beam.read().level == pytest.approx(1.0, abs=0.02)
 
 
-def test_a_joint_that_slips_ends_beside_its_target_once_and_the_encoder_tells_it() -> None:
+def test_a_slipping_joint_misses_once_and_the_encoder_shows() -> None:
     bench = quiet_bench()
     bench.slip(1, 0.4)
     go(bench, (10.0, 20.0, 0.0, 30.0))

@@ -19,7 +19,7 @@ DRAWN = replace(QUIET, beam_offset_mm=None, beam_pitch_mrad=None)
 D_MM = 130.0
 
 
-def test_a_tilted_beam_misses_above_and_its_length_has_the_cosine() -> None:
+def test_a_tilted_beam_misses_and_shortens_by_the_cosine() -> None:
     bench = quiet_bench(replace(QUIET, beam_pitch_mrad=5.0))
     insight = bench.true_state()
     assert insight.miss_mm == pytest.approx(0.65, abs=1e-5)
@@ -35,7 +35,7 @@ def test_the_miss_of_a_tilted_beam_grows_with_the_distance() -> None:
     assert bench.true_state().miss_mm == pytest.approx(1e-3 * abs(way), rel=1e-5)
 
 
-def test_height_and_tilt_add_with_their_signs_and_to_the_lateral_miss() -> None:
+def test_height_and_tilt_combine_with_the_lateral_miss() -> None:
     bench = quiet_bench(replace(QUIET, beam_pitch_mrad=5.0, beam_height_mm=10.0, beam_offset_mm=0.3))
     for j3_mm, above_mm in ((10.0, 0.65), (9.35, 0.0), (9.0, -0.35), (10.2, 0.85)):
         go(bench, (0.0, 0.0, j3_mm, 0.0))
@@ -53,7 +53,7 @@ def test_a_screw_loses_its_play_at_each_reversal() -> None:
     assert screw.turns == pytest.approx(0.51)
 
 
-def test_a_hand_sets_a_turn_to_a_fiftieth_and_leaves_alone_what_it_does_not_turn() -> None:
+def test_a_hand_sets_a_turn_to_a_fiftieth() -> None:
     screw = Screw(np.random.default_rng(0), setting_turns=0.02, play_turns=0.0)
     turns = np.array([screw.turn(1.0) for _ in range(4000)])
     assert np.mean(turns) == pytest.approx(1.0, abs=0.002)
@@ -62,7 +62,7 @@ def test_a_hand_sets_a_turn_to_a_fiftieth_and_leaves_alone_what_it_does_not_turn
     assert screw.turn(0.0) == 0.0
 
 
-def test_the_stage_moves_the_beam_to_its_side_without_a_change_of_length() -> None:
+def test_the_stage_shifts_the_beam_without_changing_length() -> None:
     bench = quiet_bench(EXACT)
     assert bench.beam.zero()
     bench.beam.turn_screw("stage", 1.5)
@@ -75,7 +75,7 @@ def test_the_stage_moves_the_beam_to_its_side_without_a_change_of_length() -> No
     assert bench.beam.read().beam_lost
 
 
-def test_the_level_screw_tilts_about_its_pivot_and_the_counter_sees_it_until_the_beam_is_gone() -> None:
+def test_the_level_screw_tilts_until_the_beam_is_lost() -> None:
     bench = quiet_bench(EXACT)
     assert bench.beam.zero()
     bench.beam.turn_screw("level", 2.5)
@@ -110,7 +110,7 @@ def test_a_good_alignment_leaves_little() -> None:
     assert {mount.height_mm for mount in mounts} == {QUIET.start_joints[2]}
 
 
-def test_a_beam_that_nobody_aligned_lies_beside_tilted_and_too_high_or_low() -> None:
+def test_an_unaligned_beam_has_offset_pitch_and_height_errors() -> None:
     mounts = [Mount(replace(DRAWN, seed=seed, unaligned=True), 0.0) for seed in range(200)]
     offsets = np.array([mount.offset_mm for mount in mounts])
     pitches = 1e3 * np.array([mount.pitch_rad for mount in mounts])
@@ -134,7 +134,7 @@ def axis(bench: Bench) -> tuple[float, float]:
     return bench.true_state().axis_mm
 
 
-def test_a_turn_of_j4_or_a_lift_leaves_the_arm_where_it_stands() -> None:
+def test_turning_j4_or_lifting_draws_no_new_arrival() -> None:
     bench = quiet_bench(SCATTERING)
     go(bench, (0.001, 0.0, 0.0, 0.0))
     here = axis(bench)
@@ -144,7 +144,7 @@ def test_a_turn_of_j4_or_a_lift_leaves_the_arm_where_it_stands() -> None:
 
 
 @pytest.mark.parametrize("joint", [0, 1])
-def test_the_smallest_travel_of_j1_or_j2_draws_a_new_arrival(joint: int) -> None:
+def test_any_travel_of_j1_or_j2_draws_a_new_arrival(joint: int) -> None:
     bench = quiet_bench(SCATTERING)
     places = []
     for turn in range(400):
@@ -156,7 +156,7 @@ def test_the_smallest_travel_of_j1_or_j2_draws_a_new_arrival(joint: int) -> None
     assert abs(np.corrcoef(np.imag(places)[:-1], np.imag(places)[1:])[0, 1]) < 0.15
 
 
-def test_the_offset_is_the_slope_of_the_length_although_the_robot_scatters() -> None:
+def test_the_offset_slope_is_unaffected_by_robot_scatter() -> None:
     bench = quiet_bench(replace(SCATTERING, beam_offset_mm=0.05))
     x_mm, y_mm = axis(bench)
     # The beam meets P2 when it is turned by what the offset and the place of the axis ask for.
@@ -169,7 +169,7 @@ def test_the_offset_is_the_slope_of_the_length_although_the_robot_scatters() -> 
     assert (lengths[1] - lengths[0]) / 4e-3 == pytest.approx(0.05, rel=1e-3)
 
 
-def test_a_stream_draws_one_arrival_when_j1_or_j2_first_travels() -> None:
+def test_a_stream_draws_one_arrival_at_first_travel() -> None:
     bench = quiet_bench(SCATTERING)
     start = axis(bench)
     for k in range(1, 6):

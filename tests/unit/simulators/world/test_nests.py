@@ -25,7 +25,7 @@ def test_at_the_start_the_first_nest_is_occupied() -> None:
     assert quiet_bench().beam.in_place == ["P1", "P2", "P3"]
 
 
-def test_an_empty_nest_returns_no_beam_and_is_not_the_nearest() -> None:
+def test_an_empty_nest_neither_returns_nor_counts_as_nearest() -> None:
     bench = quiet_bench(CARRIED)
     go(bench, aimed(20.0, 30.0, P1))
     insight = bench.true_state()
@@ -34,7 +34,7 @@ def test_an_empty_nest_returns_no_beam_and_is_not_the_nearest() -> None:
     assert bench.true_state().reflector == "P1"
 
 
-def test_the_beam_is_lost_when_the_reflector_is_taken_out_and_when_it_comes_back() -> None:
+def test_removing_and_replacing_a_reflector_loses_the_beam() -> None:
     bench = at_p2()
     bench.beam.place_reflector("P1")
     assert not bench.beam.read().returns

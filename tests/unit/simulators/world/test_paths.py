@@ -42,7 +42,7 @@ def stream(bench: Bench, targets: Iterable[Joints]) -> None:
         bench.call_at(bench.time_s + k * CYCLE_S, partial(bench.glide, target, CYCLE_S))
 
 
-def test_a_glide_goes_at_constant_speed_and_the_next_one_joins_it() -> None:
+def test_consecutive_glides_join_at_constant_speeds() -> None:
     bench = quiet_bench()
     bench.glide((0.1, 0.0, 0.0, -0.1), 0.01)
     bench.advance(0.0025)
@@ -77,7 +77,7 @@ def test_glides_do_not_interfere_with_other_motions() -> None:
         bench.follow(np.array([1.0]), np.array([HOME]))
 
 
-def test_a_stream_is_told_once_and_arrives_once() -> None:
+def test_a_stream_is_logged_once_and_arrives_once() -> None:
     said: list[str] = []
     bench = scara_bench(perfect_arm(), QUIET, said.append)
     stream(bench, ((0.1 * k, 0.0, 0.0, 0.0) for k in range(1, 51)))
@@ -258,7 +258,7 @@ points = st.tuples(*[st.floats(-60.0, 60.0)] * 4).map(lambda p: (p[0], p[1], abs
 
 
 @given(via=st.lists(points, min_size=1, max_size=6))
-def test_a_blended_way_ends_at_the_last_point_and_keeps_the_speeds(via: list[Joints]) -> None:
+def test_a_blended_path_reaches_its_end_within_speed_limits(via: list[Joints]) -> None:
     times, joints = blend([HOME, *via], DYNAMICS)
     assume(times.size > 0)
     assert joints[-1] == pytest.approx(via[-1], abs=1e-9)

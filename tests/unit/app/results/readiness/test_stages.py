@@ -104,7 +104,7 @@ async def test_levelling_again_makes_alignment_next_and_keeps_the_search(history
     assert history.stages()["reflector-search"].state == "done"
 
 
-async def test_a_stage_that_was_passed_over_does_not_stay_the_next(history: History) -> None:
+async def test_a_skipped_stage_is_not_next(history: History) -> None:
     await history.put("reflector-search")
     assert history.next() == "warmup"
     stages = history.stages()
@@ -118,7 +118,7 @@ async def test_a_warm_arm_cools_down(history: History) -> None:
     assert history.next(later_s=4 * 3600.0) == "warmup"
 
 
-async def test_a_search_after_which_the_beam_was_moved_is_missing_and_next(history: History) -> None:
+async def test_moving_the_beam_invalidates_the_search(history: History) -> None:
     for name in ("beam-level", "reflector-search"):
         await history.put(name)
     clock = history.clock

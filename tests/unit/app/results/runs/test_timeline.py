@@ -1,4 +1,4 @@
-"""The story of a scripted run: interrupted, resumed, with everything that may happen in it."""
+"""The timeline of a scripted run: interrupted, resumed, with everything that may happen in it."""
 
 from pathlib import Path
 
@@ -82,11 +82,11 @@ async def author(tmp_path: Path) -> Author:
     return made
 
 
-def told(author: Author) -> list[str]:
+def timeline_of(author: Author) -> list[str]:
     return [moment.text for moment in timeline(author.reader)]
 
 
-async def test_a_run_that_died_and_went_on_is_told_in_order(author: Author) -> None:
+async def test_a_resumed_run_reads_in_chronological_order(author: Author) -> None:
     await author.event("devices", devices=DEVICES)
     await author.event("warning", text="SIMULATED: every device is an emulator", simulated=True)
     await author.event("state", state="EXECUTE", reason="devices are ready")
@@ -100,7 +100,7 @@ async def test_a_run_that_died_and_went_on_is_told_in_order(author: Author) -> N
     await author.points(37, 39, 1)
     await author.event("state", state="COMPLETE", reason="the procedure has come to its end")
     await author.store.finish("complete", 0)
-    lines = told(author)
+    lines = timeline_of(author)
     assert lines[0].startswith("opened by Ada on ")
     host = lines[0].removeprefix("opened by Ada on ").partition(" with ")[0]
     assert lines[1:] == [
@@ -122,7 +122,7 @@ async def test_a_run_that_died_and_went_on_is_told_in_order(author: Author) -> N
     assert times == sorted(times)
 
 
-async def test_what_goes_wrong_is_told_with_its_cause(author: Author) -> None:
+async def test_what_goes_wrong_is_reported_with_its_cause(author: Author) -> None:
     await author.points(0, 0, 0)
     await author.event("beam-lost", reflector="P1", point=1, segment=0, cause="blocked", by="the column")
     await author.event("warning", text="beam lost: look what stands in it")
@@ -132,7 +132,7 @@ async def test_what_goes_wrong_is_told_with_its_cause(author: Author) -> None:
     await author.store.drop_step("P1/0001", 1, {"error": "Interrupted: Ctrl-C", "rows": 2})
     await author.event("error", text="the operator stopped the run", type="InterruptedRunError")
     await author.store.finish("stopped", 130, "the operator stopped the run")
-    assert told(author)[1:] == [
+    assert timeline_of(author)[1:] == [
         "P1: point 1 measured, segment 0, in 1.0 s",
         "BEAM LOST: P1, on the way to point 2; segment 0 ends; cause: blocked (by the column)",
         "WARNING: beam lost: look what stands in it",
@@ -145,7 +145,7 @@ async def test_what_goes_wrong_is_told_with_its_cause(author: Author) -> None:
     ]
 
 
-async def test_why_a_life_ended_is_told_once_in_each_life(author: Author) -> None:
+async def test_why_a_life_ended_is_listed_once(author: Author) -> None:
     for _ in range(2):
         await author.event("state", state="ABORTING", reason="alarm 1")
         await author.event("state", state="ABORTED", reason="the robot stands")
@@ -154,26 +154,26 @@ async def test_why_a_life_ended_is_told_once_in_each_life(author: Author) -> Non
         await author.reopen(1.0)
     await author.die()
     life = ["ABORTING: alarm 1", "ABORTED: the robot stands", "ENDED aborted, exit code 5"]
-    assert [line for line in told(author)[1:] if not line.startswith("RESUMED")] == life * 2
+    assert [line for line in timeline_of(author)[1:] if not line.startswith("RESUMED")] == life * 2
 
 
-async def test_a_question_that_the_process_died_over_is_told(author: Author) -> None:
+async def test_a_question_open_when_the_process_died_is_listed(author: Author) -> None:
     asked = author.clock.now_utc().isoformat()
     await author.event("asked", id="stage/1", text="Turn the screw.", asked_utc=asked)
     await author.die()
-    assert told(author)[1:] == ["QUESTION stage/1: Turn the screw. (never answered)"]
+    assert timeline_of(author)[1:] == ["QUESTION stage/1: Turn the screw. (never answered)"]
 
 
-async def test_a_question_without_an_answer_is_told_once(author: Author) -> None:
+async def test_an_unanswered_question_is_listed_once(author: Author) -> None:
     await author.answer("stage/1", "Turn the screw.", None, None)
-    assert told(author)[1:] == [
+    assert timeline_of(author)[1:] == [
         "QUESTION stage/1: Turn the screw.",
         "QUESTION stage/1 stayed without an answer",
     ]
     await author.die()
 
 
-async def test_alignments_are_told_before_and_after(author: Author) -> None:
+async def test_alignments_are_listed_before_and_after(author: Author) -> None:
     await author.die()
     await author.open("beam-to-j4")
     first: dict[str, Json] = {
@@ -189,16 +189,16 @@ async def test_alignments_are_told_before_and_after(author: Author) -> None:
     )
     last: dict[str, Json] = {**first, "round": 2, "instruction": "0.86 turns clockwise"}
     await author.record("stage/2/measure", "offset, round 2", **{**last, "value": -0.03, "u": 0.02})
-    assert "alignment, round 1: offset +0.43 ± 0.02 mm" in told(author)
-    assert "0.86 turns clockwise" in told(author)
-    assert "alignment, round 2: offset -0.03 ± 0.02 mm after: 0.86 turns clockwise" in told(author)
+    assert "alignment, round 1: offset +0.43 ± 0.02 mm" in timeline_of(author)
+    assert "0.86 turns clockwise" in timeline_of(author)
+    assert "alignment, round 2: offset -0.03 ± 0.02 mm after: 0.86 turns clockwise" in timeline_of(author)
     assert dict(summary(author.reader))["alignment"] == "offset: +0.43 mm before, -0.03 mm after 2 round(s)"
     await author.die()
 
 
-async def test_an_event_of_another_program_is_told_by_its_names(author: Author) -> None:
+async def test_an_event_of_another_program_is_shown_by_names(author: Author) -> None:
     await author.event("tea", sugar=2, milk=None, warm_c=61.23456789)
-    assert told(author)[1:] == ["tea: sugar 2, warm_c 61.2346"]
+    assert timeline_of(author)[1:] == ["tea: sugar 2, warm_c 61.2346"]
     await author.die()
 
 
@@ -263,7 +263,7 @@ async def test_the_summary_counts_lives_distances_and_segments(author: Author) -
     ],
 )
 def test_results_read_with_units_and_few_digits(kind: str, data: dict[str, Json], text: str) -> None:
-    texts = {found: told for name in procedure_names() for found, told in texts_of(name).items()}
+    texts = {kind: text for name in procedure_names() for kind, text in texts_of(name).items()}
     assert event_text(StoredEvent(1, "2026-01-02T03:04:05Z", kind, data), texts) == text
 
 
@@ -279,7 +279,7 @@ async def test_a_clock_that_jumps_back_disorders_nothing(author: Author) -> None
     author.clock.advance(-3600.0)
     await author.reopen(1.0)
     wanted = ("one", "points 1…2", "two", "QUESTION", "ANSWER", "point 3", "three", "DIED", "RESUMED")
-    lines = told(author)
+    lines = timeline_of(author)
     found = [next(i for i, line in enumerate(lines) if text in line) for text in wanted]
     assert found == sorted(found)
     assert "an unknown time (the clock was set back)" in lines[found[-1]]
@@ -292,6 +292,6 @@ async def test_incidents_have_the_words_of_the_timeline(author: Author) -> None:
     await author.die()
     await author.reopen(3.0)
     texts = [moment.text for moment in incidents(author.reader)]
-    assert texts == [text for text in told(author) if text.startswith(("BEAM LOST", "RESUMED"))]
+    assert texts == [text for text in timeline_of(author) if text.startswith(("BEAM LOST", "RESUMED"))]
     assert len(texts) == 2
     await author.die()

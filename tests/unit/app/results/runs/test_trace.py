@@ -33,7 +33,7 @@ def trace(sheet: sample.Sheet) -> str:
     return section_html(section)
 
 
-def test_programs_operator_and_digests_of_runs_with_the_command_that_checks_them() -> None:
+def test_runs_are_traced_with_programs_operator_digests_and_command() -> None:
     page = read_page(trace(SHEET))
     assert page.row("this page") == ["catseye 0.1.0", "python 3.12.1, scipy 1.16.0", ""]
     runs = [row for row in page.rows if row[0] == RUN.name]
@@ -45,7 +45,7 @@ def test_programs_operator_and_digests_of_runs_with_the_command_that_checks_them
     assert f"catseye verify {RUN.name}" in page.text
 
 
-def test_a_result_file_is_named_with_its_digest_and_the_program_that_made_it() -> None:
+def test_a_result_file_has_its_digest_and_program() -> None:
     sources = Sources(digests={"result.json": 64 * "c"})
     page = read_page(trace(replace(sample.bare(sample.hand_made()), sources=sources)))
     assert page.row("result") == ["result.json", 64 * "c"]
@@ -53,7 +53,7 @@ def test_a_result_file_is_named_with_its_digest_and_the_program_that_made_it() -
     assert "catseye verify" not in page.text
 
 
-def test_a_run_that_is_not_sealed_is_not_said_to_be_checkable() -> None:
+def test_an_unsealed_run_is_not_called_checkable() -> None:
     assert "catseye verify" not in trace(SHEET.measured(runs=[replace(RUN, files={})]))
 
 

@@ -146,7 +146,7 @@ def test_conventional_model_is_a_constant_map() -> None:
     assert both.maps == ()
 
 
-def test_shared_distances_are_told() -> None:
+def test_shared_distances_are_reported() -> None:
     assert "a" in compare_results(result("a"), result("a")).remarks[0]
     assert "independent" in compare_results(result("a"), result("b")).remarks[0]
 
@@ -163,13 +163,13 @@ def test_command_as_table_and_json(tmp_path: Path) -> None:
     for file, one in zip(files, (result("a"), second), strict=True):
         file.write_text(one.model_dump_json(exclude_none=True), encoding="utf-8")
     names = [str(file) for file in files]
-    told = CliRunner().invoke(cli, ["compare", *names])
-    assert told.exit_code == 0
-    row = next(line.split() for line in told.stdout.splitlines() if line.startswith("L1"))
+    done = CliRunner().invoke(cli, ["compare", *names])
+    assert done.exit_code == 0
+    row = next(line.split() for line in done.stdout.splitlines() if line.startswith("L1"))
     assert row == ["L1", "mm", "325.0100", "325.0300", "+0.0200", "0.0050", "+4.00"]
     # Two links, four nodes of each joint, x and y of a reflector; L1 alone is beyond two.
-    assert "11 of 12 differences lie within 2" in told.stderr
-    assert "+4.0 u, L1" in told.stderr
+    assert "11 of 12 differences lie within 2" in done.stderr
+    assert "+4.0 u, L1" in done.stderr
     facts = json.loads(CliRunner().invoke(cli, ["compare", *names, "--json"]).stdout)
     assert facts["values"][0]["normalised"] == pytest.approx(4.0)
     assert (facts["within_2u"], facts["compared"]) == (11, 12)

@@ -82,7 +82,7 @@ def test_the_states_are_those_of_the_corrected_path() -> None:
     assert not found.contradicted.any()
 
 
-def test_a_step_that_no_state_fits_keeps_its_state_and_is_told() -> None:
+def test_a_step_no_state_fits_is_marked_contradicted() -> None:
     """Approached from below the arm stands ahead: turning back by 5 mdeg takes a command 15 mdeg higher."""
     path = positions([(0.0, 60.0), (10.0, 60.0), (9.995, 60.0)])
     found = compensate_path(arm(10.0, -10.0), path, NOMINAL, 1.0)

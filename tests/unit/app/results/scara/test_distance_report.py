@@ -88,6 +88,6 @@ def without_u() -> str:
     return sample.page(sample.Sheet("Path", sample.MADE, findings))
 
 
-def test_an_instrument_that_states_no_uncertainty_is_told_so(without_u: str) -> None:
+def test_an_instrument_stating_no_uncertainty_is_described_so(without_u: str) -> None:
     assert "an independent instrument that states no uncertainty." in without_u
     assert "nan" not in without_u.lower()

@@ -43,7 +43,7 @@ def test_other_units_are_named(tmp_path: Path, factor: float, unit: str) -> None
         load_distances([], path, tmp_path / "cell.toml", None)
 
 
-def test_a_reversed_sign_is_told(tmp_path: Path) -> None:
+def test_a_reversed_sign_is_reported(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"falls where the beam grows longer .* reverse its sign"):
         load_distances([], written(tmp_path, -1.0), tmp_path / "cell.toml", None)
 

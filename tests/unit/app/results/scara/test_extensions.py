@@ -26,7 +26,7 @@ def test_periodic_names_joint_and_order() -> None:
     )
 
 
-def test_what_is_named_twice_is_taken_once_and_nothing_is_nothing() -> None:
+def test_extensions_named_twice_are_taken_once() -> None:
     assert parse_extensions(["thermal", "periodic1:5", "thermal", "periodic1:5"]) == parse_extensions(
         ["thermal", "periodic1:5"]
     )

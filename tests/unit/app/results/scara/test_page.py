@@ -35,7 +35,7 @@ def figures(page: Page) -> list[str]:
     return [value for tag, name, value in page.attributes if tag == "figure" and name == "id"]
 
 
-def test_whole_page_is_well_formed_and_has_every_section_and_figure(whole: str) -> None:
+def test_the_whole_page_has_every_section_and_figure(whole: str) -> None:
     page = read_page(whole)
     assert whole.startswith("<!DOCTYPE html>")
     assert figures(page) == FIGURES
@@ -58,7 +58,7 @@ def test_whole_page_is_well_formed_and_has_every_section_and_figure(whole: str) 
     ]
 
 
-def test_every_figure_is_valid_xml_that_scales_and_says_what_it_is(whole: str) -> None:
+def test_every_figure_is_scalable_labelled_svg(whole: str) -> None:
     found = drawings(whole)
     assert len(found) == len(FIGURES)
     for text in found:
@@ -94,7 +94,7 @@ def test_nothing_is_loaded_and_nothing_runs(whole: str) -> None:
     assert not addresses
 
 
-def test_a_measurement_of_a_thousand_distances_stays_below_half_a_megabyte(whole: str) -> None:
+def test_a_page_of_a_thousand_distances_is_small(whole: str) -> None:
     assert sample.whole().findings.results[0].fit.n_points == 1056
     assert len(whole.encode()) < 500_000
 
@@ -113,7 +113,7 @@ def test_simulation_is_said_in_a_banner_and_only_then(whole: str) -> None:
     assert 'class="simulation"' not in real
 
 
-def test_report_of_a_single_result_shows_that_result_and_what_was_not_checked() -> None:
+def test_a_single_result_report_says_it_was_not_checked() -> None:
     page = read_page(sample.bare_page())
     assert figures(page) == ["figure-maps", "figure-residual-order", "figure-residuals", "figure-layout"]
     assert "has not been checked against an independent instrument" in page.text

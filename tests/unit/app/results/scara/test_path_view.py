@@ -130,7 +130,7 @@ def test_errors_are_magnified_so_that_they_can_be_seen(share: float, expected: f
     assert expected / 5.0 <= factor <= 5.0 * expected
 
 
-def test_the_scale_bar_is_as_long_as_the_error_it_names() -> None:
+def test_the_scale_bar_matches_the_error_it_names() -> None:
     validation = sample.validation()
     axes = drawn(trajectory_figure(validation)).axes[0]
     bar = next(line for line in axes.lines if line.get_linewidth() == 2.0)

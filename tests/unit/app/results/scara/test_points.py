@@ -115,14 +115,14 @@ def test_columns_may_stand_in_any_order(tmp_path: Path) -> None:
         (f"{HEADER}\n{GOOD}{'0' * 140_000}\n", ["points.csv:2: ", "too long"]),
     ],
 )
-def test_a_fault_is_told_with_file_and_line(tmp_path: Path, text: str, expected: list[str]) -> None:
+def test_a_fault_is_reported_with_file_and_line(tmp_path: Path, text: str, expected: list[str]) -> None:
     with pytest.raises(UsageError) as caught:
         read_points(written(tmp_path, text), NAMES)
     for part in expected:
         assert part in str(caught.value)
 
 
-def test_other_encodings_and_missing_files_are_told(tmp_path: Path) -> None:
+def test_other_encodings_and_missing_files_are_reported(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"points\.csv:2: is not UTF-8 text"):
         read_points(written(tmp_path, f"{HEADER}\n# µ\n".encode("latin-1")), NAMES)
     with pytest.raises(UsageError, match=r"none\.csv: there is no such file"):

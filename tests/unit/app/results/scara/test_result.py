@@ -106,7 +106,7 @@ def replaced(value: object, *path: str) -> Callable[[Any], None]:
         (replaced([[math.nan]], "covariance", "matrix"), "covariance.matrix.0.0"),
     ],
 )
-def test_a_file_that_is_no_result_is_refused_with_the_key(
+def test_a_file_with_invalid_content_names_the_key(
     tmp_path: Path, change: Callable[[Any], None], part: str
 ) -> None:
     document = json.loads(result_text(result()))
@@ -163,7 +163,7 @@ def test_an_arm_that_cannot_be_is_refused(change: Callable[[Any], None], text: s
         changed_arm(change)
 
 
-def test_a_byte_order_mark_is_passed_over_and_other_encodings_are_told(tmp_path: Path) -> None:
+def test_a_byte_order_mark_is_skipped_and_utf_16_refused(tmp_path: Path) -> None:
     text, path = result_text(result()), tmp_path / "r.json"
     path.write_bytes(text.encode("utf-8-sig"))
     assert read_result(path) == result()
@@ -174,7 +174,7 @@ def test_a_byte_order_mark_is_passed_over_and_other_encodings_are_told(tmp_path:
         read_result(path)
 
 
-def test_files_that_cannot_be_read_are_told(tmp_path: Path) -> None:
+def test_files_that_cannot_be_read_are_reported(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="there is no such file"):
         read_result(tmp_path / "none.json")
     with pytest.raises(UsageError, match="cannot be read"):

@@ -64,7 +64,7 @@ def test_conventions_name_gauge_and_coverage(page: Page) -> None:
     assert "Gauge of the error-map model: mean of theta1 map = 0." in page.text
 
 
-def test_table_of_links_holds_nominal_both_models_and_truth_with_normalised_errors(whole: Page) -> None:
+def test_the_link_table_compares_both_models_with_the_truth(whole: Page) -> None:
     conventional, error_map = sample.whole().findings.models
     nominal, first, u1, en1, second, u2, en2, true = whole.row("L1 / mm")
     assert (nominal, true) == ("325.0", "324.9640")
@@ -98,7 +98,7 @@ def test_validation_table_shows_figures_ratio_and_alignment(whole: Page) -> None
     assert "standard uncertainty of 8.5 µm" in whole.text
 
 
-def test_uncertainty_of_the_reversal_error_counts_the_covariance_of_both_directions() -> None:
+def test_reversal_error_uncertainty_includes_the_directions_covariance() -> None:
     mdeg = math.radians(1e-3)
     matrix = np.diag(np.full(14, 4.0 * mdeg**2))
     matrix[2, 5] = matrix[5, 2] = 3.0 * mdeg**2

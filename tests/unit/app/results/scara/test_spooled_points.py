@@ -114,7 +114,7 @@ def test_comments_blanks_quotes_and_line_ends_are_read_as_elsewhere(tmp_path: Pa
         ("sigma_mm", "0"),
     ],
 )
-def test_a_wrong_value_is_told_as_elsewhere(
+def test_a_wrong_value_is_reported_as_elsewhere(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, column: str, value: str, line: int
 ) -> None:
     monkeypatch.setattr(csv_lines, "_CHUNK_BYTES", 20_000)
@@ -134,7 +134,7 @@ def test_a_wrong_value_is_told_as_elsewhere(
     "content",
     [b"", b"# only talk\n", b"reflector,segment\nP1,0\n", ",".join(COLUMNS).encode() + b"\n", b"\xff\xfe\n"],
 )
-def test_a_file_without_distances_is_told_as_elsewhere(tmp_path: Path, content: bytes) -> None:
+def test_a_file_without_distances_is_reported_as_elsewhere(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "points.csv"
     path.write_bytes(content)
     with pytest.raises(UsageError) as expected:
@@ -144,7 +144,7 @@ def test_a_file_without_distances_is_told_as_elsewhere(tmp_path: Path, content: 
     assert str(found.value) == str(expected.value)
 
 
-def test_a_missing_file_is_told(tmp_path: Path) -> None:
+def test_a_missing_file_is_reported(tmp_path: Path) -> None:
     for name in ("points.csv", "points.parquet"):
         with pytest.raises(UsageError, match="no such file"):
             read(tmp_path / name)
@@ -174,7 +174,9 @@ def test_parquet_holds_the_same_distances(tmp_path: Path) -> None:
         ("sigma_mm", -1.0),
     ],
 )
-def test_a_wrong_value_of_parquet_is_told_with_its_row(tmp_path: Path, column: str, value: object) -> None:
+def test_a_wrong_value_of_parquet_is_reported_with_its_row(
+    tmp_path: Path, column: str, value: object
+) -> None:
     columns = table()
     if isinstance(value, float):
         columns[column] = [float(str(one)) for one in columns[column]]

@@ -43,7 +43,7 @@ def joint_map(nodes: list[float], up_mdeg: list[float], down_mdeg: list[float]) 
 
 
 def test_the_sign_is_that_of_the_worked_example() -> None:
-    """Their axis is told to go to 19866.7 µm and stands at 19856.5 and 19874.7: values −102 and 80 tenths of a µm.
+    """Their axis is sent to 19866.7 µm and stands at 19856.5 and 19874.7: values −102 and 80 tenths of a µm.
 
     As angles in 0.0001°: command 19.8667°, actual 19.8565° from below and 19.8747° from above.
     """
@@ -71,11 +71,16 @@ def test_a_controller_with_the_list_leaves_no_deviation() -> None:
             assert abs(actual - command) < 0.5e-4 + 1e-3 * 33.0 * 1e-3 * 28.0 / 44.5
 
 
-def test_comments_tell_source_gauge_sign_and_links() -> None:
+def test_comments_state_source_gauge_sign_and_links() -> None:
     text = ssfk_table(1, joint_map([0.0, 10.0], [1.0, 2.0], [3.0, 4.0]), ORIGIN)
     comments = "\n".join(line for line in text.splitlines() if line.startswith("#"))
-    for told in ("result.json", "mean of theta1 map = 0", "actual minus command", "325.0312 and 224.9876 mm"):
-        assert told in comments
+    for remark in (
+        "result.json",
+        "mean of theta1 map = 0",
+        "actual minus command",
+        "325.0312 and 224.9876 mm",
+    ):
+        assert remark in comments
 
 
 @pytest.mark.parametrize("nodes", [np.arange(1500.0) / 100.0, np.array([0.0, 0.00001, 1.0])])

@@ -106,7 +106,7 @@ def test_path_verdict_of_one_model_has_no_ratio() -> None:
     assert "ratio" not in statement.text
 
 
-def test_truth_within_the_uncertainties_is_good_and_a_wrong_truth_is_not() -> None:
+def test_only_truth_within_the_uncertainties_is_good() -> None:
     result, truth = sample.results()[1], sample.truth_tables()
     assert truth_statement(result, truth).sign == "good"
     wrong = replace(truth, link1_mm=325.2)

@@ -70,6 +70,6 @@ def test_a_joint_that_stood_is_taken_for_fast_again() -> None:
     assert approach.free_s(0.4, 101.5) == pytest.approx(67.5 / FASTEST_DEG_S - 0.2)
 
 
-def test_beyond_its_limit_there_is_no_way_on_but_one_back() -> None:
+def test_beyond_its_limit_a_joint_can_only_move_back() -> None:
     assert Approach(LIMITS, 1, 1.0).free_s(0.0, 171.0) < 0.0
     assert Approach(LIMITS, -1, 1.0).free_s(0.0, 171.0) > 300.0

@@ -18,9 +18,9 @@ from tests.unit.drivers.virtual_time import run
 
 
 def test_drives_and_override_from_the_beginning_to_the_end(cell: Cell) -> None:
-    told = jogged(cell, nothing, percent=5.0)
-    assert told.arm.said("override", "servo", "stop") == ["override 5", "servo on", "stop", "servo off"]
-    first, last = told.events("jog")
+    fixture = jogged(cell, nothing, percent=5.0)
+    assert fixture.arm.said("override", "servo", "stop") == ["override 5", "servo on", "stop", "servo off"]
+    first, last = fixture.events("jog")
     assert (first["on"], first["percent"], first["by"], first["moving"]) == (True, 5.0, "Ada (test-1)", None)
     assert (last["on"], last["reason"]) == (False, "the script is over")
 
@@ -31,7 +31,7 @@ def test_drives_that_were_on_stay_on(cell: Cell) -> None:
     assert jogged(cell, nothing, arm).arm.said("servo") == ["servo on"]
 
 
-def test_no_override_beyond_that_of_the_cell_and_none_is_raised(cell: Cell) -> None:
+def test_the_override_is_capped_and_never_raised(cell: Cell) -> None:
     assert jogged(cell, nothing, percent=80.0).arm.said("override") == ["override 20"]
     arm = TimedArm()
     arm.state = replace(arm.state, override_percent=3.0)
@@ -86,7 +86,7 @@ def test_a_step_ends_where_it_should(cell: Cell) -> None:
     assert [event["moving"] for event in fixture.events("jog")] == [None, "j2", None, "j4", None, None]
 
 
-def test_a_step_beyond_a_limit_moves_nothing_and_the_jog_goes_on(cell: Cell) -> None:
+def test_a_step_beyond_a_limit_does_not_end_the_jog(cell: Cell) -> None:
     async def script(_fixture: ManualFixture, jog: Jogging) -> None:
         with pytest.raises(RefusedError, match="J1 = 171 deg is outside") as refused:
             await alive(jog, step(joint="j1", by=2.0))
@@ -107,7 +107,7 @@ def test_an_arm_at_another_height_is_not_moved(cell: Cell) -> None:
     assert jogged(cell, script, TimedArm(pose=(0.0, 0.0, 0.0, 0.0))).arm.said("move", "jog") == []
 
 
-def test_an_override_that_somebody_raised_comes_down_before_the_next_motion(cell: Cell) -> None:
+def test_a_raised_override_is_lowered_before_the_next_motion(cell: Cell) -> None:
     async def script(fixture: ManualFixture, jog: Jogging) -> None:
         arm = fixture.arm
         arm.state = replace(arm.state, override_percent=100.0)
@@ -204,7 +204,7 @@ def test_a_stop_is_idempotent(cell: Cell, moving: bool) -> None:
     assert fixture.arm.said("servo") == ["servo on", "servo off"]
 
 
-def test_a_hold_moves_while_it_is_fed_and_stops_soon_after(cell: Cell) -> None:
+def test_a_hold_moves_while_fed_and_stops_soon_after(cell: Cell) -> None:
     async def script(fixture: ManualFixture, jog: Jogging) -> None:
         await fed(jog, 1.0, hold("j2", -1))
         last_s = now_s()
@@ -242,7 +242,7 @@ def test_another_direction_begins_after_standstill(cell: Cell) -> None:
     jogged(cell, script)
 
 
-def test_a_hold_that_is_let_go_before_it_began_moves_nothing(cell: Cell) -> None:
+def test_a_hold_released_before_it_began_moves_nothing(cell: Cell) -> None:
     async def script(_fixture: ManualFixture, jog: Jogging) -> None:
         answer = jog.hold(hold())
         assert isinstance(answer, asyncio.Future)
@@ -253,7 +253,7 @@ def test_a_hold_that_is_let_go_before_it_began_moves_nothing(cell: Cell) -> None
     assert jogged(cell, script).arm.said("jog") == []
 
 
-def test_a_slow_controller_does_not_set_a_joint_going_that_nobody_holds_any_more(cell: Cell) -> None:
+def test_a_slow_controller_does_not_start_a_released_joint(cell: Cell) -> None:
     async def script(_fixture: ManualFixture, jog: Jogging) -> None:
         with pytest.raises(RefusedError, match="not fed any more"):
             await jog.hold(hold())  # type: ignore[misc]  # the first feed is answered later

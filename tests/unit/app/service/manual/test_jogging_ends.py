@@ -39,7 +39,7 @@ def test_an_open_door_stops_a_motion_and_ends_the_jog(cell: Cell, how: str) -> N
 
 
 @pytest.mark.parametrize("how", ["step", "hold"])
-def test_nothing_is_told_to_the_controller_after_a_stop(cell: Cell, how: str) -> None:
+def test_nothing_is_sent_to_the_controller_after_a_stop(cell: Cell, how: str) -> None:
     """A raised override is lowered before a motion; a stop that comes while it is read forbids that too."""
 
     async def script(fixture: ManualFixture, jog: Jogging) -> None:
@@ -94,7 +94,7 @@ def test_an_end_while_the_drives_come_on_leaves_them_off(cell: Cell) -> None:
 
 
 @pytest.mark.parametrize("stuck", [True, False])
-def test_an_arm_that_does_not_stop_is_told_and_lets_nothing_begin(cell: Cell, stuck: bool) -> None:
+def test_an_arm_that_does_not_stop_aborts_the_jog(cell: Cell, stuck: bool) -> None:
     async def work() -> None:
         fixture = ManualFixture(cell, TimedArm())
         jog = Jogging(fixture.bench, mode(), client())
@@ -182,18 +182,18 @@ def test_an_engine_that_ends_leaves_the_arm_at_rest(cell: Cell) -> None:
 
 
 @pytest.mark.parametrize(
-    ("before", "percent", "told"),
+    ("before", "percent", "stated"),
     [(100.0, 5.0, "5 %"), (10.0, 5.0, "5 %"), (5.0, 5.0, ""), (100.0, 20.0, "")],
 )
-def test_the_end_tells_of_an_override_that_stays_low(
-    cell: Cell, before: float, percent: float, told: str
+def test_the_end_reports_an_override_staying_low(
+    cell: Cell, before: float, percent: float, stated: str
 ) -> None:
     arm = TimedArm()
     arm.state = replace(arm.state, override_percent=before)
     warnings = jogged(cell, nothing, arm, percent=percent).events("warning")
-    assert len(warnings) == bool(told)
-    if told:
-        assert f"stays at {told} and runs are planned with 20 %: raise it" in str(warnings[0]["text"])
+    assert len(warnings) == bool(stated)
+    if stated:
+        assert f"stays at {stated} and runs are planned with 20 %: raise it" in str(warnings[0]["text"])
 
 
 def test_a_jog_that_is_ended_in_its_first_moment_answers(cell: Cell) -> None:
@@ -211,9 +211,7 @@ def test_a_jog_that_is_ended_in_its_first_moment_answers(cell: Cell) -> None:
     run(work())
 
 
-def test_an_end_that_a_library_swallows_ends_the_jog_all_the_same(
-    cell: Cell, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_swallowed_cancellation_still_ends_the_jog(cell: Cell, monkeypatch: pytest.MonkeyPatch) -> None:
     async def work() -> ManualFixture:
         fixture = ManualFixture(cell, TimedArm())
         jog = Jogging(fixture.bench, mode(), client())
@@ -271,7 +269,7 @@ def test_a_driver_that_fails_at_the_end_lets_nothing_begin(
     run(work())
 
 
-def test_the_speed_that_is_told_is_the_one_that_was_read(cell: Cell) -> None:
+def test_the_published_override_is_the_one_read_back(cell: Cell) -> None:
     async def script(fixture: ManualFixture, jog: Jogging) -> None:
         await alive(jog, step(joint="j1", by=1.0))
         fixture.arm.state = replace(fixture.arm.state, override_percent=8.0)
@@ -279,5 +277,5 @@ def test_the_speed_that_is_told_is_the_one_that_was_read(cell: Cell) -> None:
 
     arm = TimedArm()
     arm.state = replace(arm.state, override_percent=3.0)
-    told = [event["percent"] for event in jogged(cell, script, arm, percent=10.0).events("jog")]
-    assert told == [3.0, 3.0, 3.0, 8.0, 8.0, 8.0]
+    percents = [event["percent"] for event in jogged(cell, script, arm, percent=10.0).events("jog")]
+    assert percents == [3.0, 3.0, 3.0, 8.0, 8.0, 8.0]

@@ -83,9 +83,7 @@ class Engine:
         self.registry = ClientRegistry(VirtualClock())
         self.busy: RefusedError | None = None
         self.aborts: list[str] = []
-        self.by_hand = ManualControl(
-            self.registry, self.fixture.bench, self._require_idle, self.aborts.append
-        )
+        self.manual = ManualControl(self.registry, self.fixture.bench, self._require_idle, self.aborts.append)
         self.ada, self.ben = (self.registry.join("test", who, Mailbox(), print) for who in ("Ada", "Ben"))
         self.registry.lease.take(self.ada, force=False)
         self.wire = Wire()
@@ -94,20 +92,20 @@ class Engine:
         monkeypatch.setattr(raw, "ArmGuard", lambda _endpoint: self.guard)
 
     def jog(self, *, on: bool = True, who: Member | None = None) -> "asyncio.Future[Any]":
-        return self.by_hand.jog(who or self.ada, JogMode(on=on))
+        return self.manual.jog(who or self.ada, JogMode(on=on))
 
     def step(self, by: float) -> "asyncio.Future[Any]":
-        return self.by_hand.step(self.ada, JogStep(joint="j1", by=by))
+        return self.manual.step(self.ada, JogStep(joint="j1", by=by))
 
     def hold(self, direction: int) -> Any:
         request = {"joint": "j1", "direction": direction}
-        return self.by_hand.hold(JogHold.model_validate(request))
+        return self.manual.hold(JogHold.model_validate(request))
 
     def raw(self, device: str = "interferometer", **fields: Any) -> "asyncio.Future[Any]":
-        return self.by_hand.raw(self.ada, Raw(device=device, **fields))
+        return self.manual.raw(self.ada, Raw(device=device, **fields))
 
     def send(self, data: str, device: str = "interferometer") -> "asyncio.Future[Any]":
-        return self.by_hand.send(Send(device=device, hex=data))
+        return self.manual.send(Send(device=device, hex=data))
 
     def _require_idle(self) -> None:
         if self.busy:
@@ -128,8 +126,8 @@ def played(script: Script, monkeypatch: pytest.MonkeyPatch) -> Engine:
     async def work() -> Engine:
         engine = Engine(monkeypatch)
         await script(engine)
-        await engine.by_hand.end("the engine ends")
-        assert engine.by_hand.occupied is None
+        await engine.manual.end("the engine ends")
+        assert engine.manual.occupied is None
         assert not engine.arm.moving
         assert not engine.wire.is_open
         assert engine.fixture.detached_now == []
@@ -146,7 +144,7 @@ def test_each_jog_counts_however_short_it_was(monkeypatch: pytest.MonkeyPatch) -
         for _ in range(2):
             await engine.jog()
             await engine.jog(on=False)
-        assert (engine.by_hand.begun, engine.by_hand.occupied) == (2, None)
+        assert (engine.manual.begun, engine.manual.occupied) == (2, None)
 
     played(script, monkeypatch)
 
@@ -162,16 +160,16 @@ def test_nothing_begins_during_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
     assert played(script, monkeypatch).arm.log == []
 
 
-def test_what_is_under_way_is_told_from_its_first_moment(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_under_way_is_shown_from_the_start(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         begun = engine.jog()
-        assert "Ada (test-1) moves the arm by hand" in str(engine.by_hand.occupied)
+        assert "Ada (test-1) moves the arm by hand" in str(engine.manual.occupied)
         for again in (engine.jog, engine.raw):
             with pytest.raises(RefusedError, match="moves the arm by hand: end that first"):
                 again()
         await begun
         await engine.jog(on=False)
-        assert engine.by_hand.occupied is None
+        assert engine.manual.occupied is None
         await engine.raw()
         with pytest.raises(RefusedError, match="link of interferometer is open for raw bytes: give it back"):
             engine.jog()
@@ -187,8 +185,8 @@ def test_without_a_jog_nothing_is_moved_and_nothing_to_stop(monkeypatch: pytest.
             with pytest.raises(RefusedError, match="begin that first"):
                 ask()
         assert engine.hold(0) == Answer()
-        assert not engine.by_hand.stop("Ben stopped it")
-        assert not engine.by_hand.abort("Ben aborted it")
+        assert not engine.manual.stop("Ben stopped it")
+        assert not engine.manual.abort("Ben aborted it")
         assert await engine.jog(on=False) == Answer()
 
     assert played(script, monkeypatch).arm.log == []
@@ -221,7 +219,7 @@ def test_the_arm_stops_when_its_client_loses_control(
         await asyncio.sleep(0.5)
         assert next(time_s for time_s, text in engine.arm.log if text == "stop") == lost_s
         await asyncio.sleep(1.0)
-        assert engine.by_hand.occupied is None
+        assert engine.manual.occupied is None
 
     engine = played(script, monkeypatch)
     assert engine.arm.said("servo")[-1] == "servo off"
@@ -233,20 +231,20 @@ def test_somebody_elses_loss_of_control_means_nothing(monkeypatch: pytest.Monkey
         await engine.jog()
         engine.registry.leave(engine.ben, "it closed the connection")
         await asyncio.sleep(1.0)
-        assert engine.by_hand.occupied is not None
+        assert engine.manual.occupied is not None
 
     played(script, monkeypatch)
 
 
-def test_a_stop_ends_a_jog_and_an_abort_has_to_be_cleared(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_an_aborted_jog_has_to_be_cleared(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         await engine.jog()
-        assert engine.by_hand.stop("Ben stopped it")
-        assert engine.by_hand.stop("Ben stopped it")
+        assert engine.manual.stop("Ben stopped it")
+        assert engine.manual.stop("Ben stopped it")
         await engine.jog(on=False)
         assert engine.aborts == []
         await engine.jog()
-        assert engine.by_hand.abort("Ben aborted it")
+        assert engine.manual.abort("Ben aborted it")
         await engine.jog(on=False)
         assert engine.aborts == ["Ben aborted it"]
 
@@ -266,9 +264,9 @@ def test_bytes_go_out_and_what_comes_is_recorded(monkeypatch: pytest.MonkeyPatch
         with pytest.raises(RefusedError, match="was not taken: take it first"):
             engine.send("61")
 
-    told = played(script, monkeypatch).fixture.events("raw")
-    assert [event["on"] for event in told] == [True, False]
-    assert told[1]["reason"] == "Ada (test-1) gave it back"
+    events = played(script, monkeypatch).fixture.events("raw")
+    assert [event["on"] for event in events] == [True, False]
+    assert events[1]["reason"] == "Ada (test-1) gave it back"
 
 
 WRITTEN_STOP = ("robot", "tx", b"\r1;1;STOP\r")
@@ -316,15 +314,15 @@ def test_a_link_that_cannot_be_had_says_why(monkeypatch: pytest.MonkeyPatch) -> 
     assert played(script, monkeypatch).fixture.announced == []
 
 
-def test_a_link_that_breaks_is_told_and_given_back(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_link_that_breaks_is_reported_and_given_back(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw()
         engine.wire.breaks()
         await asyncio.sleep(0.01)
-        assert engine.by_hand.occupied is None
+        assert engine.manual.occupied is None
 
-    told = played(script, monkeypatch).fixture.events("raw")[-1]
-    assert (told["on"], told["reason"]) == (False, "the other side has closed the link")
+    last = played(script, monkeypatch).fixture.events("raw")[-1]
+    assert (last["on"], last["reason"]) == (False, "the other side has closed the link")
 
 
 def test_a_device_that_takes_no_bytes_gives_its_link_back(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -334,19 +332,19 @@ def test_a_device_that_takes_no_bytes_gives_its_link_back(monkeypatch: pytest.Mo
         with pytest.raises(RefusedError, match="interferometer does not take the bytes"):
             await engine.send("61")
         await asyncio.sleep(0.01)
-        assert engine.by_hand.occupied is None
+        assert engine.manual.occupied is None
 
     played(script, monkeypatch)
 
 
-def test_a_robot_whose_client_is_gone_is_stopped_when_its_driver_has_it_back(
+def test_losing_the_raw_bytes_client_stops_the_robot(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw("robot")
         engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(1.0)
-        assert engine.by_hand.occupied is None
+        assert engine.manual.occupied is None
 
     engine = played(script, monkeypatch)
     assert engine.arm.said("stop") == ["stop"]
@@ -367,7 +365,7 @@ def test_another_robot_of_the_cell_is_stopped_likewise(monkeypatch: pytest.Monke
         await asyncio.sleep(0)
         await engine.raw("second", arm="lab-1")
         if how == "stop":
-            assert engine.by_hand.stop("Ben stopped it")
+            assert engine.manual.stop("Ben stopped it")
         else:
             engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(1.0)
@@ -382,9 +380,9 @@ def test_another_robot_of_the_cell_is_stopped_likewise(monkeypatch: pytest.Monke
 def test_a_stop_reaches_a_robot_that_is_sent_raw_bytes(monkeypatch: pytest.MonkeyPatch, word: str) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw("interferometer")
-        assert not engine.by_hand.stop("Ben stopped it")
+        assert not engine.manual.stop("Ben stopped it")
         await engine.raw("robot")
-        assert getattr(engine.by_hand, word)("Ben stopped it")
+        assert getattr(engine.manual, word)("Ben stopped it")
         await asyncio.sleep(1.0)
         assert engine.fixture.detached_now == ["interferometer"]
 
@@ -392,9 +390,7 @@ def test_a_stop_reaches_a_robot_that_is_sent_raw_bytes(monkeypatch: pytest.Monke
 
 
 @pytest.mark.parametrize("word", ["stop", "abort", "release"])
-def test_a_stop_reaches_a_robot_whose_link_is_just_being_given_back(
-    monkeypatch: pytest.MonkeyPatch, word: str
-) -> None:
+def test_a_stop_reaches_a_robot_while_its_link_returns(monkeypatch: pytest.MonkeyPatch, word: str) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw("robot")
         engine.wire.closing_s = 0.5
@@ -403,9 +399,9 @@ def test_a_stop_reaches_a_robot_whose_link_is_just_being_given_back(
         if word == "release":
             engine.registry.lease.release(engine.ada)
         else:
-            assert getattr(engine.by_hand, word)("Ben stopped it")
+            assert getattr(engine.manual, word)("Ben stopped it")
         await given_back
-        assert not engine.by_hand.stop("Ben stopped it")
+        assert not engine.manual.stop("Ben stopped it")
 
     # Control that is given up after the link is no stop: what was started goes on at the operator's word.
     wanted = [] if word == "release" else ["stop"]
@@ -432,7 +428,7 @@ def test_an_arm_is_given_back_after_its_stop(monkeypatch: pytest.MonkeyPatch) ->
     assert stops_before == [["stop"]]
 
 
-def test_a_robot_that_cannot_be_stopped_after_that_is_warned_about(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_robot_not_stoppable_after_raw_bytes_warns(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw("robot")
         engine.fixture.acquire_error = RefusedError("the robot is not connected")
@@ -446,7 +442,7 @@ def test_a_robot_that_cannot_be_stopped_after_that_is_warned_about(monkeypatch: 
 def test_a_link_that_is_ended_in_its_first_moment_answers(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         begun = engine.raw("robot", arm="lab-1")
-        assert engine.by_hand.stop("Ben stopped it")
+        assert engine.manual.stop("Ben stopped it")
         with pytest.raises(RefusedError, match="Ben stopped it"):
             async with asyncio.timeout(1.0):
                 await begun
@@ -454,13 +450,13 @@ def test_a_link_that_is_ended_in_its_first_moment_answers(monkeypatch: pytest.Mo
     assert played(script, monkeypatch).wire.sink is None
 
 
-def test_whatever_keeps_a_robot_from_being_stopped_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_whatever_keeps_a_robot_from_being_stopped_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw("robot")
         engine.fixture.acquire_error = ValueError("no number: b'?'")
         engine.registry.leave(engine.ada, "it closed the connection")
         await asyncio.sleep(1.0)
-        assert engine.by_hand.occupied is None
+        assert engine.manual.occupied is None
 
     engine = played(script, monkeypatch)
     text = str(engine.fixture.events("warning")[0]["text"])
@@ -468,12 +464,12 @@ def test_whatever_keeps_a_robot_from_being_stopped_is_told(monkeypatch: pytest.M
     assert engine.aborts == [text]
 
 
-def test_a_stop_of_the_guard_ends_a_jog_and_has_to_be_cleared(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_guard_stop_ends_a_jog_and_must_be_cleared(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         await engine.jog()
         engine.fixture.guard.stops("the guard stopped the arm")
         await asyncio.sleep(1.0)
-        assert engine.by_hand.occupied is None
+        assert engine.manual.occupied is None
 
     engine = played(script, monkeypatch)
     assert engine.aborts == ["the guard stopped the arm"]
@@ -492,7 +488,7 @@ def test_an_arm_of_another_program_is_not_moved_by_hand(monkeypatch: pytest.Monk
     assert played(script, monkeypatch).arm.log == []
 
 
-def test_a_stop_of_the_guard_ends_raw_bytes_and_has_to_be_cleared(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_guard_stop_ends_raw_bytes_and_must_be_cleared(monkeypatch: pytest.MonkeyPatch) -> None:
     async def script(engine: Engine) -> None:
         await engine.raw("robot")
         engine.guard.stops("the guard stopped the arm")

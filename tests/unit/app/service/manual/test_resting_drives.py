@@ -82,7 +82,7 @@ async def test_drives_go_off_after_their_rest(bench: Bench) -> None:
     assert bench.drives.facts is None
 
 
-async def test_everybody_is_told_when_the_drives_go_off(bench: Bench) -> None:
+async def test_the_time_of_switching_drives_off_is_announced(bench: Bench) -> None:
     bench.drives.begin(300.0)
     begun = bench.clock.now_utc()
     for _ in range(3):

@@ -138,7 +138,7 @@ async def test_a_waiver_is_kept_with_the_run(real: TourBench) -> None:
     assert [e.data["reason"] for e in RunReader(outcome.path).events() if e.kind == "walk-waived"] == [REASON]
 
 
-async def test_a_report_tells_the_waiver(real: TourBench, tmp_path: Path) -> None:
+async def test_a_report_states_the_waiver(real: TourBench, tmp_path: Path) -> None:
     outcome = await real.run(waive_walk=REASON)
     write_page(run_report(RunReader(outcome.path), real.root), tmp_path / "report.html")
     assert REASON in (tmp_path / "report.html").read_text(encoding="utf-8")
@@ -165,7 +165,7 @@ async def test_an_empty_waiver_is_none(real: TourBench) -> None:
     assert (outcome.exit_code, real.moves) == (ExitCode.SAFETY, 0)
 
 
-async def test_a_motion_that_no_plan_foresaw_is_refused_at_the_gate(real: TourBench) -> None:
+async def test_an_unplanned_motion_is_refused_at_the_gate(real: TourBench) -> None:
     real.tour = Tour(surprise=ELSEWHERE)
     await real.walk()
     outcome = await real.run()
@@ -199,7 +199,7 @@ async def test_a_walk_of_another_arm_does_not_count(bench: TourBench) -> None:
         assert walked_legs(bench.root, cell, other) == []
 
 
-async def test_arms_without_serial_numbers_are_told_by_their_endpoint(
+async def test_arms_without_serial_numbers_are_distinguished_by_endpoint(
     real: TourBench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     nameless = Identity("fake", "1.0", "", False)

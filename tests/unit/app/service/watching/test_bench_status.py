@@ -1,4 +1,4 @@
-"""What a client that watches is told: values with their ages, nothing where nothing is known."""
+"""What a client that watches receives: values with their ages, nothing where nothing is known."""
 
 import json
 import math
@@ -32,13 +32,15 @@ def facts() -> BenchFacts:
     return facts_of(cell_from_template(), bench_from_template())
 
 
-def told(latest: LatestValues, *, moving: bool = False, simulated: bool | None = None) -> dict[str, Any]:
+def message_of(
+    latest: LatestValues, *, moving: bool = False, simulated: bool | None = None
+) -> dict[str, Any]:
     status = bench_status(facts(), latest, moving=moving, simulated=simulated, free_bytes=1000)
     return status.json_object()
 
 
-def test_of_a_bench_that_has_said_nothing_the_cell_file_is_told() -> None:
-    message = told(LatestValues(ManualClock()))
+def test_a_silent_bench_is_described_from_its_cell_file() -> None:
+    message = message_of(LatestValues(ManualClock()))
     assert [message[name] for name in ("robot", "beam", "air", "door_closed", "simulated")] == [None] * 5
     cell = cell_from_template()
     robot = {"name": "robot", "endpoint": cell.robot.endpoint, "driver": cell.robot.driver}
@@ -70,7 +72,7 @@ def test_further_devices_have_the_names_of_the_cell_file() -> None:
     assert (found.devices[-1].name, found.material) == ("steel", "steel")
 
 
-def test_what_is_shown_together_is_as_old_as_its_oldest_part() -> None:
+def test_a_group_of_values_has_its_oldest_parts_age() -> None:
     clock = ManualClock()
     latest = LatestValues(clock)
     latest.take_status(STATUS)
@@ -79,35 +81,35 @@ def test_what_is_shown_together_is_as_old_as_its_oldest_part() -> None:
     latest.take_joints((1.0, 2.0, 3.0, 4.0))
     latest.take_beam(BEAM)
     clock.advance(1.0)
-    message = told(latest)
+    message = message_of(latest)
     assert message["robot"]["age_s"] == message["beam"]["age_s"] == 3.0
     latest.take_status(replace(STATUS, running=True))
-    assert told(latest)["robot"]["age_s"] == 1.0
-    assert (message["robot"]["moving"], told(latest)["robot"]["moving"]) == (False, True)
+    assert message_of(latest)["robot"]["age_s"] == 1.0
+    assert (message["robot"]["moving"], message_of(latest)["robot"]["moving"]) == (False, True)
     assert message["robot"]["joints"] == [1.0, 2.0, 3.0, 4.0]
     assert (message["robot"]["override_percent"], message["robot"]["override_cap_percent"]) == (10.0, 20.0)
     beam = message["beam"]
     assert (beam["signal_native"], beam["displacement_mm"], beam["spread_um"]) == ("800 mV", 12.5, None)
 
 
-def test_the_run_knows_better_whether_the_arm_moves_and_the_devices_are_emulated() -> None:
+def test_the_run_overrides_whether_moving_and_simulated() -> None:
     latest = LatestValues(ManualClock())
     latest.take_status(STATUS)
     latest.connected("robot", Identity("m", "f", "s", simulated=True))
-    assert told(latest)["simulated"] is True
-    assert told(latest, moving=True)["robot"]["moving"] is True
-    assert told(latest, simulated=False)["simulated"] is False
+    assert message_of(latest)["simulated"] is True
+    assert message_of(latest, moving=True)["robot"]["moving"] is True
+    assert message_of(latest, simulated=False)["simulated"] is False
     latest.connected("environment", Identity("m", "f", "s", simulated=False))
-    assert told(latest)["simulated"] is False
+    assert message_of(latest)["simulated"] is False
 
 
-def test_mean_and_spread_of_the_last_second_are_told() -> None:
+def test_mean_and_spread_of_the_last_second_are_published() -> None:
     latest = LatestValues(ManualClock())
     for value_mm in (1.0, 1.001, 1.002):
         latest.take_displacement(value_mm)
     latest.take_beam(BEAM)
-    assert told(latest)["beam"]["spread_um"] == pytest.approx(1.0)
-    assert told(latest)["beam"]["mean_mm"] == pytest.approx(1.001)
+    assert message_of(latest)["beam"]["spread_um"] == pytest.approx(1.0)
+    assert message_of(latest)["beam"]["mean_mm"] == pytest.approx(1.001)
 
 
 def test_links_say_how_they_fare() -> None:
@@ -115,7 +117,7 @@ def test_links_say_how_they_fare() -> None:
     latest = LatestValues(clock)
 
     def robot() -> dict[str, Any]:
-        device: dict[str, Any] = told(latest)["devices"][0]
+        device: dict[str, Any] = message_of(latest)["devices"][0]
         return {name: device[name] for name in ("link", "error", "age_s")}
 
     latest.connecting("robot")
@@ -133,7 +135,7 @@ def test_links_say_how_they_fare() -> None:
     assert robot()["link"] == "closed"
     latest.taken("robot")
     assert robot() == {"link": "raw", "error": None, "age_s": None}
-    assert told(latest)["devices"][0]["identity"] == {
+    assert message_of(latest)["devices"][0]["identity"] == {
         "model": "RH",
         "firmware": "A1",
         "serial": "7",
@@ -141,27 +143,27 @@ def test_links_say_how_they_fare() -> None:
     }  # fmt: skip - a table
 
 
-def test_air_is_told_with_its_index_if_it_has_one() -> None:
+def test_air_is_published_with_its_index_if_any() -> None:
     latest = LatestValues(ManualClock())
     latest.take_air(AirSample(20.0, 1013.25, 50.0, 0.0))
-    air = told(latest)["air"]
+    air = message_of(latest)["air"]
     # Of ref-index 1.0 and AstroAtmosphere 1.6 at 450 ppm CO2 and 632.9908 nm.
     assert air["refractive_index"] == pytest.approx(1.0002713729, abs=1e-10)
     assert (air["formula"], air["temperature_c"]) == ("ciddor", 20.0)
     for lacking in (AirSample(20.0, None, 50.0, 0.0), AirSample(math.nan, 1013.0, 50.0, 0.0)):
         latest.take_air(lacking)
-        assert told(latest)["air"]["refractive_index"] is None
-        assert "NaN" not in json.dumps(told(latest))
+        assert message_of(latest)["air"]["refractive_index"] is None
+        assert "NaN" not in json.dumps(message_of(latest))
 
 
-def test_what_is_no_number_is_told_as_nothing() -> None:
+def test_what_is_no_number_is_published_as_none() -> None:
     """JSON of other languages has no NaN."""
     latest = LatestValues(ManualClock())
     latest.take_status(STATUS)
     latest.take_joints((math.nan, 2.0, math.inf, 4.0))
     latest.take_beam(replace(BEAM, signal=math.nan))
     latest.take_displacement(math.nan)
-    message = told(latest)
+    message = message_of(latest)
     json.dumps(message, allow_nan=False)
     assert message["robot"]["joints"] == [None, 2.0, None, 4.0]
     assert (message["beam"]["signal"], message["beam"]["displacement_mm"]) == (None, None)
@@ -169,7 +171,7 @@ def test_what_is_no_number_is_told_as_nothing() -> None:
 
 
 @given(theta1_deg=st.floats(-170.0, 170.0), theta2_deg=st.floats(-145.0, 145.0), number=st.integers(0, 2))
-def test_the_aim_is_the_reflector_that_the_beam_is_turned_to(
+def test_the_aim_is_the_reflector_the_beam_points_to(
     theta1_deg: float, theta2_deg: float, number: int
 ) -> None:
     layout = facts().bench
@@ -184,7 +186,7 @@ def test_the_aim_is_the_reflector_that_the_beam_is_turned_to(
     def aim(off_rad: float) -> object:
         joints: Pose = (theta1_deg, theta2_deg, 0.0, math.degrees(world_rad + off_rad - both))
         latest.take_joints(joints)
-        return told(latest)["layout"]["aim"]
+        return message_of(latest)["layout"]["aim"]
 
     assert aim(0.0) == goal.name
     assert aim(math.pi) != goal.name

@@ -38,9 +38,7 @@ def test_every_sample_is_in_the_column_of_its_time(samples: list[tuple[int, floa
 
 
 @given(st.lists(st.floats(-1e-3, 1e-3), min_size=3, max_size=40), st.floats(-1000.0, 1000.0))
-def test_mean_and_spread_are_those_of_the_samples_however_long_the_beam(
-    values: list[float], beam_mm: float
-) -> None:
+def test_mean_and_spread_are_exact_at_any_beam_length(values: list[float], beam_mm: float) -> None:
     columns = Columns()
     lengths_mm = [beam_mm + value for value in values]
     for number, length_mm in enumerate(lengths_mm):
@@ -49,7 +47,7 @@ def test_mean_and_spread_are_those_of_the_samples_however_long_the_beam(
     assert columns.mean() == pytest.approx(statistics.fmean(lengths_mm), abs=1e-9)
 
 
-def test_the_spread_forgets_what_is_older_than_a_second_and_needs_three_samples() -> None:
+def test_the_spread_needs_three_samples_within_a_second() -> None:
     columns = Columns()
     for number in range(10):
         columns.add(100.0 * number, 0.01 * number)

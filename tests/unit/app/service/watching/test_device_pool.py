@@ -58,7 +58,7 @@ def played(play: Callable[[Idle], Awaitable[None]]) -> Idle:
     return run(whole())
 
 
-def test_asleep_it_holds_nothing_and_awake_it_samples_each_device_at_its_rate() -> None:
+def test_devices_are_held_and_sampled_only_while_watched() -> None:
     async def play(idle: Idle) -> None:
         await asyncio.sleep(1.0)
         assert idle.held() == [False, False, False]
@@ -85,7 +85,7 @@ def test_asleep_it_holds_nothing_and_awake_it_samples_each_device_at_its_rate() 
     assert played(play).troubles == []
 
 
-def test_a_broken_device_hides_no_other_and_is_tried_again_ever_more_seldom() -> None:
+def test_a_broken_device_is_retried_with_growing_pauses() -> None:
     async def play(idle: Idle) -> None:
         idle.cell.counter.error = lost()
         await idle.watched(60.0)
@@ -124,7 +124,7 @@ def test_a_device_that_is_pulled_is_lost_and_comes_back() -> None:
     played(play)
 
 
-def test_a_refusal_loses_no_link_and_keeps_no_other_question_back() -> None:
+def test_a_refusal_neither_loses_the_link_nor_blocks_other_requests() -> None:
     async def play(idle: Idle) -> None:
         idle.cell.counter.refusal = DeviceRefusedError("there is no beam", 1)
         await idle.watched()
@@ -135,7 +135,7 @@ def test_a_refusal_loses_no_link_and_keeps_no_other_question_back() -> None:
     played(play)
 
 
-def test_a_fault_of_a_driver_is_told_like_a_lost_link() -> None:
+def test_a_driver_fault_is_shown_as_a_lost_link() -> None:
     async def play(idle: Idle) -> None:
         async def broken() -> None:
             raise ZeroDivisionError("division by zero")
@@ -148,7 +148,7 @@ def test_a_fault_of_a_driver_is_told_like_a_lost_link() -> None:
     played(play)
 
 
-def test_a_run_finds_every_link_free_at_once_and_the_bench_takes_them_up_after_it() -> None:
+def test_links_are_freed_for_a_run_and_reconnected_afterwards() -> None:
     async def play(idle: Idle) -> None:
         await idle.watched()
         start_s = VirtualClock().monotonic_s()
@@ -166,7 +166,7 @@ def test_a_run_finds_every_link_free_at_once_and_the_bench_takes_them_up_after_i
     played(play)
 
 
-def test_no_answer_is_cut_off_by_a_release_but_a_connection_that_hangs_is() -> None:
+def test_a_release_awaits_answers_but_not_hanging_connections() -> None:
     async def play(idle: Idle) -> None:
         await idle.watched(0.013)
         before = list(idle.cell.robot.log)
@@ -182,7 +182,7 @@ def test_no_answer_is_cut_off_by_a_release_but_a_connection_that_hangs_is() -> N
     played(play)
 
 
-def test_a_run_does_not_begin_while_a_driver_does_not_let_go() -> None:
+def test_a_run_cannot_begin_until_drivers_release_their_links() -> None:
     async def play(idle: Idle) -> None:
         await idle.watched()
         idle.cell.counter.hangs = asyncio.Event()
@@ -191,7 +191,7 @@ def test_a_run_does_not_begin_while_a_driver_does_not_let_go() -> None:
             with pytest.raises(RefusedError, match="interferometer: the driver does not let its link go"):
                 await idle.bench.release()
         assert VirtualClock().monotonic_s() - start_s <= 3 * CLOSE_LIMIT_S + 0.1
-        # Back between runs it is told, and nothing else is kept from being watched.
+        # Back between runs it is reported, and nothing else is kept from being watched.
         idle.bench.take_up()
         await asyncio.sleep(CLOSE_LIMIT_S + 1.0)
         assert idle.links() == ["ok", "lost", "ok"]
@@ -202,7 +202,7 @@ def test_a_run_does_not_begin_while_a_driver_does_not_let_go() -> None:
     played(play)
 
 
-def test_a_cell_file_that_is_wrong_is_told_and_read_again() -> None:
+def test_a_faulty_cell_file_is_reported_and_read_again() -> None:
     async def play(idle: Idle) -> None:
         idle.cell.fault = ConfigError("line 3: no such key")
         await idle.watched()
@@ -242,7 +242,7 @@ def test_a_borrower_has_the_robot_for_himself_and_is_seen() -> None:
     played(play)
 
 
-def test_nothing_is_lent_without_robot_or_beam_or_during_a_run() -> None:
+def test_acquiring_is_refused_without_devices_or_during_a_run() -> None:
     async def play(idle: Idle) -> None:
         idle.cell.counter.error = lost()
         with pytest.raises(RefusedError, match="interferometer is not connected: no cable"):
@@ -261,7 +261,7 @@ def test_nothing_is_lent_without_robot_or_beam_or_during_a_run() -> None:
     played(play)
 
 
-def test_a_robot_is_lent_by_itself_to_whoever_stops_it() -> None:
+def test_a_robot_alone_can_be_acquired_for_a_stop() -> None:
     async def play(idle: Idle) -> None:
         idle.cell.counter.error = lost()
         async with idle.bench.acquired_robot("robot") as robot:
@@ -281,7 +281,7 @@ def test_a_robot_is_lent_by_itself_to_whoever_stops_it() -> None:
     played(play)
 
 
-def test_a_robot_that_never_answers_keeps_a_borrower_waiting_for_a_bounded_time() -> None:
+def test_acquiring_a_silent_robot_fails_after_a_limit() -> None:
     async def play(idle: Idle) -> None:
         async def never() -> None:
             await asyncio.Event().wait()
@@ -296,7 +296,7 @@ def test_a_robot_that_never_answers_keeps_a_borrower_waiting_for_a_bounded_time(
     played(play)
 
 
-def test_a_parked_device_is_let_go_alone_and_connected_again() -> None:
+def test_a_detached_device_is_released_alone_and_reconnected() -> None:
     async def play(idle: Idle) -> None:
         await idle.watched()
         async with idle.bench.detached("environment"):
@@ -326,7 +326,7 @@ def test_a_parked_device_is_let_go_alone_and_connected_again() -> None:
     played(play)
 
 
-def test_a_robot_that_is_lost_while_its_borrower_waits_is_not_lent() -> None:
+def test_a_robot_lost_while_being_acquired_is_refused() -> None:
     async def play(idle: Idle) -> None:
         await idle.watched()
         asked = asyncio.Event()
@@ -345,7 +345,7 @@ def test_a_robot_that_is_lost_while_its_borrower_waits_is_not_lent() -> None:
     played(play)
 
 
-def test_a_device_that_is_parked_for_a_moment_is_asked_by_one_keeper_only() -> None:
+def test_a_briefly_detached_device_has_only_one_supervisor() -> None:
     async def play(idle: Idle) -> None:
         await idle.watched()
         asked = asyncio.Event()

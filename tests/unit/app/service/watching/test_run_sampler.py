@@ -61,7 +61,7 @@ def test_nothing_is_asked_while_the_run_works() -> None:
     played(play)
 
 
-def test_while_the_arm_moves_the_beam_alone_is_asked_at_most_four_times_a_second() -> None:
+def test_only_the_beam_is_sampled_slowly_during_motion() -> None:
     async def play(bench: Run) -> None:
         bench.control.moving = True
         asked = await bench.ticks(10.0)
@@ -73,7 +73,7 @@ def test_while_the_arm_moves_the_beam_alone_is_asked_at_most_four_times_a_second
 
 
 @pytest.mark.parametrize("state", [ControlState.HELD, ControlState.EXECUTE])
-def test_while_a_person_is_waited_for_the_joints_are_asked_too(state: ControlState) -> None:
+def test_joints_are_sampled_while_waiting_for_a_person(state: ControlState) -> None:
     async def play(bench: Run) -> None:
         bench.control.state = state
         bench.asking = state == ControlState.EXECUTE
@@ -112,7 +112,7 @@ def test_what_the_run_itself_reads_is_not_asked_again() -> None:
     played(play)
 
 
-def test_the_length_is_read_where_the_run_looks_at_the_signal_alone() -> None:
+def test_the_length_is_sampled_while_the_run_reads_signals() -> None:
     async def play(bench: Run) -> None:
         bench.asking = True
         devices = bench.sampler.devices
@@ -145,7 +145,7 @@ def test_a_link_in_use_is_left_alone() -> None:
     played(play)
 
 
-def test_a_device_that_does_not_answer_is_asked_seldom_and_ends_nothing() -> None:
+def test_a_device_not_answering_is_sampled_rarely() -> None:
     async def play(bench: Run) -> None:
         async def slow() -> None:
             bench.cell.counter.log.append("status")

@@ -1,4 +1,4 @@
-"""Those who watch are told, five times a second at most; while nobody watches nothing is done."""
+"""Those who watch receive the bench, five times a second at most; while nobody watches nothing is done."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -36,7 +36,7 @@ def played(folder: Path, play: Callable[[Telemetry, Listeners], Awaitable[None]]
     run(whole())
 
 
-def test_a_bench_that_nobody_knows_is_told_as_nothing(tmp_path: Path) -> None:
+def test_an_unknown_bench_has_no_status(tmp_path: Path) -> None:
     async def play(telemetry: Telemetry, listeners: Listeners) -> None:
         assert telemetry.bench() is None
         telemetry.describe(FACTS)
@@ -63,7 +63,7 @@ def test_five_messages_a_second_with_every_column_once(tmp_path: Path) -> None:
         times_s = [time_s for time_s, event, _ in listeners.received if event == "bench"]
         assert times_s == pytest.approx([1.0 + 0.2 * number for number in range(7)])
         counts = [count for event in samples for count in event["count"]]
-        # The sample from before is told to nobody.
+        # The sample from before is published to nobody.
         assert sum(counts) == 1000
         assert max(counts) <= 21
         assert len(counts) in range(59, 62)
@@ -76,7 +76,7 @@ def test_five_messages_a_second_with_every_column_once(tmp_path: Path) -> None:
     played(tmp_path, play)
 
 
-def test_whoever_wants_one_topic_is_told_no_other(tmp_path: Path) -> None:
+def test_subscribers_of_one_topic_receive_no_other(tmp_path: Path) -> None:
     async def play(telemetry: Telemetry, listeners: Listeners) -> None:
         watched: list[bool] = []
         telemetry.on_watched = watched.append
@@ -108,7 +108,7 @@ def test_whoever_wants_one_topic_is_told_no_other(tmp_path: Path) -> None:
     played(tmp_path, play)
 
 
-def test_devices_of_a_run_are_seen_and_their_traffic_goes_both_ways(tmp_path: Path) -> None:
+def test_a_runs_devices_are_observed_and_their_traffic_duplicated(tmp_path: Path) -> None:
     async def play(telemetry: Telemetry, listeners: Listeners) -> None:
         cell, stored = PulledCell(), list[tuple[str, str, bytes]]()
 
@@ -128,7 +128,7 @@ def test_devices_of_a_run_are_seen_and_their_traffic_goes_both_ways(tmp_path: Pa
     played(tmp_path, play)
 
 
-def test_another_bench_makes_the_values_of_the_first_one_void_and_another_aim_does_not(
+def test_another_bench_voids_values_but_another_aim_does_not(
     tmp_path: Path,
 ) -> None:
     async def play(telemetry: Telemetry, listeners: Listeners) -> None:
@@ -144,11 +144,11 @@ def test_another_bench_makes_the_values_of_the_first_one_void_and_another_aim_do
     played(tmp_path, play)
 
 
-def test_the_disk_of_a_folder_that_is_not_there_yet_is_known(tmp_path: Path) -> None:
+def test_free_space_is_known_for_a_missing_folder(tmp_path: Path) -> None:
     assert (free_bytes(tmp_path / "runs" / "of" / "today") or 0) > 0
 
 
-def test_a_fault_on_the_way_to_those_who_watch_does_not_end_the_watching(
+def test_a_publishing_fault_does_not_end_watching(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     async def play(telemetry: Telemetry, listeners: Listeners) -> None:

@@ -10,7 +10,7 @@ def test_nothing_is_kept_while_nobody_listens() -> None:
     assert traffic.take() is None
 
 
-def test_lines_are_told_once_in_their_order_and_long_ones_say_how_long() -> None:
+def test_lines_are_taken_once_and_long_ones_truncated() -> None:
     traffic = Traffic(ManualClock())
     traffic.listening = True
     traffic.record("robot", "tx", b"\x00\xff")
@@ -32,17 +32,17 @@ def test_lines_are_told_once_in_their_order_and_long_ones_say_how_long() -> None
     assert traffic.take() is None
 
 
-def test_too_many_lines_leave_the_newest_and_the_count_of_the_others() -> None:
+def test_excess_lines_are_counted_and_the_newest_kept() -> None:
     traffic = Traffic(ManualClock())
     traffic.listening = True
     for number in range(MOST_LINES + 50):
         traffic.record("umd", "rx", number.to_bytes(2))
-    told = traffic.take()
-    assert told is not None
-    assert [line.hex for line in told.lines] == [
+    taken = traffic.take()
+    assert taken is not None
+    assert [line.hex for line in taken.lines] == [
         number.to_bytes(2).hex() for number in range(50, MOST_LINES + 50)
     ]
-    assert told.missed == 50
+    assert taken.missed == 50
     traffic.record("umd", "rx", b"x")
     again = traffic.take()
     assert again is not None

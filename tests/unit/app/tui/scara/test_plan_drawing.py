@@ -120,9 +120,9 @@ def test_the_length_at_the_edge_is_to_scale() -> None:
     canvas = draw_plan(alone(), None, None, 100, 40)
     view = view_of(alone(), canvas)
     words = "".join(text for text, _ in list(canvas.lines())[-1])
-    told_mm = float(words.split(" mm", maxsplit=1)[0].split()[-1])
+    labelled_mm = float(words.split(" mm", maxsplit=1)[0].split()[-1])
     drawn = {x for x, y in dots_of(canvas.plain()) if y == canvas.height - 2}
-    assert (max(drawn) - min(drawn)) * view.mm_per_dot == pytest.approx(told_mm, abs=view.mm_per_dot)
+    assert (max(drawn) - min(drawn)) * view.mm_per_dot == pytest.approx(labelled_mm, abs=view.mm_per_dot)
 
 
 def test_joint_limits_are_arcs_where_there_is_room() -> None:

@@ -28,18 +28,18 @@ LOST["devices"][2].update(link="lost", error="no answer within 1 s: check cable 
 
 
 @pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize(("name", "told"), [("well", BENCH), ("lost", LOST)])
-async def test_looks(size: tuple[int, int], name: str, told: dict[str, Any]) -> None:
+@pytest.mark.parametrize(("name", "status"), [("well", BENCH), ("lost", LOST)])
+async def test_looks(size: tuple[int, int], name: str, status: dict[str, Any]) -> None:
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=size) as pilot:
-        link.publish("bench", **told)
+        link.publish("bench", **status)
         publish_strip(link)
         await shown(app, pilot)
         compare(f"bench-{name}-{size[0]}x{size[1]}", await shown(app, pilot))
 
 
-async def test_before_anything_is_told_then_length_of_the_strip_and_the_bench_from_above() -> None:
+async def test_the_bench_screen_changes_strip_length_and_view() -> None:
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
@@ -81,7 +81,7 @@ async def test_other_sizes_and_changes_of_size() -> None:
             assert max(map(len, text.splitlines())) <= size[0]
 
 
-async def test_all_about_the_chosen_device_is_read_and_copied_while_values_come() -> None:
+async def test_device_details_can_be_copied_while_values_arrive() -> None:
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=(80, 24)) as pilot:
@@ -106,7 +106,7 @@ async def test_all_about_the_chosen_device_is_read_and_copied_while_values_come(
         assert "H2165" in await shown(app, pilot)
 
 
-async def test_what_is_old_is_greyed_and_without_an_engine_the_reason_is_shown() -> None:
+async def test_stale_values_are_greyed_and_a_missing_engine_explained() -> None:
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=(120, 40)) as pilot:
@@ -156,6 +156,6 @@ asyncio.run(show())
 """
 
 
-def test_the_first_screen_is_painted_without_what_takes_long_to_load() -> None:
+def test_the_first_screen_loads_no_slow_modules() -> None:
     done = subprocess.run([sys.executable, "-c", FIRST_SCREEN], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

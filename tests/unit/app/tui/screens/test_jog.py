@@ -54,13 +54,13 @@ def jog_screen(app: CatseyeApp) -> JogScreen:
 
 
 async def jogging(
-    script: Script, size: tuple[int, int] = (80, 24), told: dict[str, Any] = BENCH
+    script: Script, size: tuple[int, int] = (80, 24), status: dict[str, Any] = BENCH
 ) -> ScriptedLink:
     """Play a script while this client jogs."""
     link = ScriptedLink()
     app = make_app(link, "jog")
     async with app.run_test(size=size) as pilot:
-        link.publish("bench", **told)
+        link.publish("bench", **status)
         publish_strip(link)
         link.engine.control = Client(client="tui-1", who="Ada")
         link.publish("jog", **MINE)
@@ -70,12 +70,12 @@ async def jogging(
 
 
 @pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize(("name", "told"), [("simulated", BENCH), ("real", bench(simulated=False))])
-async def test_looks_before(size: tuple[int, int], name: str, told: dict[str, Any]) -> None:
+@pytest.mark.parametrize(("name", "status"), [("simulated", BENCH), ("real", bench(simulated=False))])
+async def test_looks_before(size: tuple[int, int], name: str, status: dict[str, Any]) -> None:
     link = ScriptedLink()
     app = make_app(link, "jog")
     async with app.run_test(size=size) as pilot:
-        link.publish("bench", **told)
+        link.publish("bench", **status)
         publish_strip(link)
         await shown(app, pilot)
         compare(f"jog-{name}-{size[0]}x{size[1]}", await shown(app, pilot))
@@ -105,17 +105,17 @@ async def test_an_override_that_stays_low_is_shown() -> None:
     link = ScriptedLink()
     app = make_app(link, "jog")
     async with app.run_test(size=(80, 24)) as pilot:
-        for percent, told in ((5.0, True), (19.5, False), (20.0, False), (100.0, False)):
+        for percent, raised in ((5.0, True), (19.5, False), (20.0, False), (100.0, False)):
             link.publish("bench", **bench(robot={**BENCH["robot"], "override_percent": percent}))
             text = " ".join((await shown(app, pilot)).split())
-            assert (f"override {percent:g} %" in text) == told, percent
-            assert ("until raised at controller" in text) == told, percent
+            assert (f"override {percent:g} %" in text) == raised, percent
+            assert ("until raised at controller" in text) == raised, percent
 
 
 SPEEDS = ((("plus",), 10.0), (("pageup", "pageup", "pageup", "plus"), 20.0), (("minus",) * 9, 1.0))
 
 
-async def test_only_f8_begins_at_the_speed_that_was_chosen_and_never_beyond_the_cap() -> None:
+async def test_only_f8_begins_at_the_chosen_speed_within_the_cap() -> None:
     link = ScriptedLink()
     app = make_app(link, "jog")
     async with app.run_test(size=(80, 24)) as pilot:
@@ -165,7 +165,7 @@ async def test_a_real_arm_needs_the_typed_name() -> None:
         assert app.screen.query_one("#typed", Input).value == ""
 
 
-async def test_a_refused_jog_is_told_with_its_remedy() -> None:
+async def test_a_refused_jog_is_shown_with_its_remedy() -> None:
     link = ScriptedLink()
     link.refusals["jog"] = "the door is open: no motion; close it when nobody is inside, then jog again"
     app = make_app(link, "jog")
@@ -177,7 +177,7 @@ async def test_a_refused_jog_is_told_with_its_remedy() -> None:
         assert "→ close it when nobody is inside" in text
 
 
-async def test_keys_step_joints_and_beam_by_the_size_that_was_chosen() -> None:
+async def test_keys_step_joints_and_beam_by_the_chosen_size() -> None:
     async def press(play: Play) -> None:
         for keys, joint, sign in _STEPS:
             for key in keys:
@@ -256,7 +256,7 @@ async def hold_j1(play: Play) -> None:
 
 
 async def asks(link: ScriptedLink, request: AnyRequest, case: object = "") -> None:
-    """Wait until something is asked; where it is not, tell in which case."""
+    """Wait until something is asked; where it is not, say in which case."""
     for _ in range(500):
         if request in link.asked:
             return
@@ -364,9 +364,7 @@ def jog_screen_of(app: CatseyeApp) -> JogScreen:
     return next(screen for screen in stacks["jog"] if isinstance(screen, JogScreen))
 
 
-async def test_the_palette_has_the_actions_and_what_moves_asks_for_f8_there_and_leaving_ends_the_jog() -> (
-    None
-):
+async def test_palette_motions_need_f8_and_leaving_ends_the_jog() -> None:
     async def call(play: Play) -> None:
         callbacks = {command.title: command.callback for command in jog_screen(play.app).commands()}
         callbacks["Steps of 1 deg"]()
@@ -396,7 +394,7 @@ async def test_the_palette_has_the_actions_and_what_moves_asks_for_f8_there_and_
     await jogging(call)
 
 
-async def test_who_else_jogs_is_told_and_keys_do_nothing() -> None:
+async def test_who_else_jogs_is_shown_and_keys_do_nothing() -> None:
     link = ScriptedLink()
     app = make_app(link, "jog")
     async with app.run_test(size=(80, 24)) as pilot:

@@ -28,7 +28,7 @@ SIZES = [(80, 24), (120, 40)]
 
 
 def facts(name: str, last: dict[str, Any] | None = None, **needs: tuple[str, str]) -> dict[str, Any]:
-    """Return what the command tells of a procedure that is installed."""
+    """Return what the command says of a procedure that is installed."""
     procedure = load_procedure(name)
     return {
         "name": name,
@@ -53,7 +53,7 @@ LAST = {
     "id": "00beef",
     "age": "2 h ago",
 }
-TOLD = [
+LISTED = [
     facts(
         "beam-to-j4", reflectors=("met", "P1, P2"), levelling=("advised", "none on this cell; run beam-level")
     ),
@@ -75,7 +75,7 @@ WAY = [
 
 
 def lines(stages: list[dict[str, Any]]) -> str:
-    return "\n".join(json.dumps(each) for each in [*TOLD, {"cell": "lab-1", "stages": stages}])
+    return "\n".join(json.dumps(each) for each in [*LISTED, {"cell": "lab-1", "stages": stages}])
 
 
 def app_of(link: ScriptedLink, stages: list[dict[str, Any]] | None = None) -> CatseyeApp:
@@ -140,7 +140,7 @@ async def test_other_sizes_do_not_crash() -> None:
             await settled(app, pilot)
 
 
-async def test_a_fault_is_told_beside_its_field_and_nothing_begins() -> None:
+async def test_a_fault_is_shown_beside_its_field_and_nothing_begins() -> None:
     link = ScriptedLink()
     app = app_of(link)
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
@@ -235,7 +235,7 @@ async def test_real_hardware_is_armed_by_the_name_of_the_cell() -> None:
         assert (start.arm, start.speed) == ("lab-1", 1.0)
 
 
-async def test_the_start_tells_what_the_rehearsal_of_the_same_parameters_found() -> None:
+async def test_the_start_dialog_shows_the_matching_rehearsal() -> None:
     link = ScriptedLink()
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
@@ -251,7 +251,7 @@ async def test_the_start_tells_what_the_rehearsal_of_the_same_parameters_found()
         text = await settled(app, pilot)
         assert "first to J1 -140.00°, J2 0.00°, J3 50.00 mm, J4 30.00°" in text
         assert "8 steps, 16 moves, 8 distances" in text
-        # What was rehearsed before a run is not told after it.
+        # What was rehearsed before a run is not shown after it.
         await pilot.press("escape")
         link.publish("run-started", procedure="reflector-search", title="Search", run=RUN)
         link.publish("run-ended", status="complete", exit_code=0, text="", path="", drives_on=False, run=RUN)
@@ -262,7 +262,7 @@ async def test_the_start_tells_what_the_rehearsal_of_the_same_parameters_found()
         assert "not rehearsed with these parameters" in text
 
 
-async def test_a_refused_start_is_told_with_its_remedy_and_not_said_to_be_planned_any_more() -> None:
+async def test_a_refused_start_shows_its_remedy_and_is_not_pending() -> None:
     link = ScriptedLink()
     link.refusals["start"] = "the engine is aborted: clear it first"
     app = app_of(link)
@@ -271,7 +271,7 @@ async def test_a_refused_start_is_told_with_its_remedy_and_not_said_to_be_planne
         screen = app.screen
         assert isinstance(screen, ProceduresScreen)
         # Keys can come faster than fields: these are still those of the procedure before.
-        screen._choose("beam-to-j4")  # noqa: SLF001  # what the list tells, without a turn of the loop between
+        screen._choose("beam-to-j4")  # noqa: SLF001  # what the list announces, without a turn of the loop between
         screen.action_start()
         assert len(app.screen_stack) == 1
         await settled(app, pilot)
@@ -288,7 +288,7 @@ async def test_a_refused_start_is_told_with_its_remedy_and_not_said_to_be_planne
         assert "wait" not in text
 
 
-async def test_lost_devices_the_next_step_a_refused_plan_and_a_cell_that_is_gone_are_shown() -> None:
+async def test_lost_devices_refused_plans_and_missing_cells_are_shown() -> None:
     link = ScriptedLink()
     app = app_of(link)
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
@@ -334,9 +334,9 @@ async def test_a_cell_file_with_a_fault_is_shown() -> None:
 class SlowWork(ScriptedWork):
     """A rehearsal that never comes to its end by itself."""
 
-    def __init__(self, told: str) -> None:
+    def __init__(self, output: str) -> None:
         super().__init__()
-        self.outcomes["procedures"] = Done((), 0, told, "")
+        self.outcomes["procedures"] = Done((), 0, output, "")
         self.cancelled = False
 
     async def do(self, *arguments: str | Path, heard: Callable[[CommandEvent], None] | None = None) -> Done:
@@ -364,7 +364,7 @@ async def test_a_rehearsal_is_ended_by_escape() -> None:
         assert "ended before it was complete" in text
 
 
-async def test_what_was_typed_for_one_cell_is_not_kept_for_another() -> None:
+async def test_typed_parameters_are_not_kept_for_another_cell() -> None:
     link = ScriptedLink()
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:

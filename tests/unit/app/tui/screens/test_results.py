@@ -82,7 +82,7 @@ async def test_parts_as_they_are_seen(bench: Path, size: tuple[int, int]) -> Non
             compare(f"results-{name}-{size[0]}x{size[1]}", await press(app, pilot, *keys))
 
 
-async def test_screen_shows_the_figures_of_the_page_from_the_same_data(bench: Path) -> None:
+async def test_screen_and_page_show_figures_of_the_same_data(bench: Path) -> None:
     app = open_app(bench)
     async with app.run_test(size=(120, 40)) as pilot:
         await press(app, pilot, "enter", "d", "t", "enter", "1", "down", "c")
@@ -164,7 +164,7 @@ async def test_comparison_in_mdeg_and_in_combined_uncertainties(bench: Path) -> 
         assert "far.json" not in text
 
 
-async def test_a_comparison_with_a_result_of_before_is_shown_no_more(bench: Path) -> None:
+async def test_an_outdated_comparison_disappears(bench: Path) -> None:
     app = open_app(bench)
     async with app.run_test(size=(120, 60)) as pilot:
         await press(app, pilot, "enter")
@@ -190,7 +190,7 @@ async def look_again(app: CatseyeApp, pilot: Pilot[Any]) -> str:
     return await press(app, pilot)
 
 
-async def test_a_validation_that_ends_late_does_not_take_the_screen_of_another_result(bench: Path) -> None:
+async def test_a_late_validation_does_not_replace_another_results_screen(bench: Path) -> None:
     app = open_app(bench)
     async with app.run_test(size=(120, 40), notifications=True) as pilot:
         await press(app, pilot, "enter", "t", "enter")
@@ -219,7 +219,7 @@ async def test_conventional_model_has_no_map_and_says_so(bench: Path) -> None:
         assert len(titles) == len(set(titles)) == len(actions - {"back"}) + 1
 
 
-async def test_a_diagnosis_and_a_result_that_changes_or_goes_after_it(bench: Path) -> None:
+async def test_a_changed_result_drops_its_diagnosis(bench: Path) -> None:
     app = open_app(bench)
     async with app.run_test(size=(120, 40)) as pilot:
         text = await press(app, pilot, "enter", "5")
@@ -241,13 +241,13 @@ async def test_a_diagnosis_and_a_result_that_changes_or_goes_after_it(bench: Pat
         assert "THE FILE IS GONE" in await look_again(app, pilot)
 
 
-async def test_what_is_missing_for_a_diagnosis_or_a_validation_is_shown(bench: Path) -> None:
+async def test_missing_inputs_of_a_diagnosis_or_validation_are_shown(bench: Path) -> None:
     app = open_app(bench)
-    work_of(app).outcomes["export"] = failed(2, "it holds nothing to export: look at its story")
+    work_of(app).outcomes["export"] = failed(2, "it holds nothing to export: look at its timeline")
     async with app.run_test(size=(80, 24)) as pilot:
         text = await press(app, pilot, "enter", "t", "enter")
         assert isinstance(app.screen, ErrorDialog)
-        assert "→ look at its story" in text
+        assert "→ look at its timeline" in text
         assert [words[0] for words in work_of(app).done] == ["export"]
         work_of(app).done.clear()
         (bench / "runs" / RUN).rmdir()
@@ -257,7 +257,7 @@ async def test_what_is_missing_for_a_diagnosis_or_a_validation_is_shown(bench: P
         assert work_of(app).done == []
 
 
-async def test_validation_takes_the_newest_path_and_the_conventional_model_of_the_same_run(
+async def test_validation_uses_the_newest_path_and_matching_conventional_model(
     bench: Path,
 ) -> None:
     app = open_app(bench)

@@ -121,7 +121,7 @@ async def test_nothing_of_the_run_before_stays_on_the_plots() -> None:
         assert "nothing yet" in after
 
 
-async def test_what_the_engine_tells_beside_the_steps() -> None:
+async def test_what_the_engine_reports_beside_the_steps() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
@@ -149,7 +149,7 @@ async def test_what_the_engine_tells_beside_the_steps() -> None:
         assert "12 updates skipped here, all are in the record" in await shown(app, pilot)
 
 
-async def test_a_held_run_says_how_it_goes_on_and_a_long_reason_leaves_the_bench_where_it_is() -> None:
+async def test_held_runs_offer_going_on_and_long_reasons_are_truncated() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:

@@ -57,7 +57,7 @@ async def test_a_key_pressed_before_the_question_was_seen_answers_nothing() -> N
         assert answers(link) == []
 
 
-async def test_a_question_that_waited_behind_another_screen_is_looked_at_before_it_is_answered() -> None:
+async def test_a_question_hidden_behind_a_screen_ignores_immediate_answers() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
@@ -125,7 +125,7 @@ async def test_the_key_that_moves_the_arm_cannot_be_clicked() -> None:
         assert "f8" not in [key.key for key in app.screen.query(FooterKey)]
 
 
-async def test_a_refused_answer_is_told_beside_the_question() -> None:
+async def test_a_refused_answer_is_shown_beside_the_question() -> None:
     link = ScriptedLink(SNAPSHOT)
     link.refusals["answer"] = "'here' is no answer to 'jog/P1': type a number"
     app = app_of(link)
@@ -140,7 +140,7 @@ async def test_a_refused_answer_is_told_beside_the_question() -> None:
         assert "✗" not in await shown(app, pilot)
 
 
-async def test_a_question_is_seen_from_every_screen_and_has_the_focus_when_it_is_shown() -> None:
+async def test_a_question_is_announced_everywhere_and_focused_when_shown() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
@@ -183,7 +183,7 @@ async def test_somebody_elses_control_is_named_and_can_be_taken() -> None:
         assert ops(link) == ["control", "release"]
 
 
-async def test_the_time_to_answer_and_the_clock_are_those_of_the_run_not_of_this_program() -> None:
+async def test_the_time_to_answer_follows_the_runs_clock() -> None:
     question: dict[str, Any] = {
         "id": "a",
         "kind": "choice",
@@ -208,7 +208,7 @@ async def test_the_time_to_answer_and_the_clock_are_those_of_the_run_not_of_this
         assert "bench time" in text
 
 
-async def test_nobody_is_told_to_answer_while_the_run_is_being_stopped() -> None:
+async def test_no_answer_is_requested_while_stopping() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
@@ -267,7 +267,7 @@ async def test_a_confirmation_has_its_safe_answer_in_focus() -> None:
             assert answers(link)[number:] == [(f"place/{number}", answer)], case
 
 
-async def test_choices_are_taken_by_their_numbers_and_by_f8_where_the_arm_moves_after_them() -> None:
+async def test_choices_that_move_the_arm_need_f8() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
     choices = ["retry", "skip", "stop"]
@@ -334,7 +334,7 @@ async def test_choices_are_taken_by_their_numbers_and_by_f8_where_the_arm_moves_
         assert "29 s left, then y" in await shown(app, pilot)
 
 
-async def test_numbers_and_texts_are_checked_as_they_are_typed_and_gone_when_they_are_withdrawn() -> None:
+async def test_typed_answers_are_checked_and_cleared_on_withdrawal() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:
@@ -384,7 +384,7 @@ async def test_stop_and_ladder_from_within_an_input() -> None:
             assert app.focused.value == "hon", kind
 
 
-async def test_what_is_typed_moves_the_arm_by_f8_not_by_enter() -> None:
+async def test_typed_answers_move_the_arm_only_with_f8() -> None:
     link = ScriptedLink(SNAPSHOT)
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:

@@ -17,7 +17,7 @@ async def hold(pilot: Pilot[int], link: ScriptedLink) -> None:
     await pilot.pause()
 
 
-async def test_space_held_feeds_a_walk_and_says_what_it_is_not() -> None:
+async def test_holding_space_feeds_a_walk() -> None:
     link = ScriptedLink(WALK)
     app = app_of(link)
     async with app.run_test(size=(80, 24)) as pilot:

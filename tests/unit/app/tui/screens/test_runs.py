@@ -163,16 +163,16 @@ async def test_a_thousand_runs(tmp_path: Path, root: Path) -> None:
         assert sorted(ids(app)) == ["00003c", *(f"{number:06x}" for number in range(0x3C0, 0x3D0))]
 
 
-async def test_story(root: Path) -> None:
+async def test_timeline(root: Path) -> None:
     app = make_app(ScriptedLink(), "runs", root=root)
-    work_of(app).outcomes["show"] = Done((), 0, "the whole story\nof [a] run\n", "")
+    work_of(app).outcomes["show"] = Done((), 0, "the whole timeline\nof [a] run\n", "")
     async with app.run_test(size=(80, 24)) as pilot:
         await go_to(app, pilot, STOPPED)
         await pilot.press("enter")
         await settle(app, pilot)
         assert work_of(app).done == [("show", STOPPED, "--runs", str(root))]
         text = await shown(app, pilot)
-        assert "the whole story" in text
+        assert "the whole timeline" in text
         assert "of [a] run" in text
         assert "procedure        state" not in text
         await pilot.press("escape")
@@ -182,14 +182,14 @@ async def test_story(root: Path) -> None:
         await pilot.press("enter")
         await settle(app, pilot)
         text = await shown(app, pilot)
-        assert "the whole story" in text
+        assert "the whole timeline" in text
         assert "bbbbbb" in text
 
 
 CANNOT_GO_ON = ((COMPLETE, "start a new run"), (RUNNING, "a attaches"), (DAMAGED, "v says"))
 
 
-async def test_what_cannot_go_on_says_so_at_once_or_when_it_is_refused(root: Path) -> None:
+async def test_runs_that_cannot_resume_say_why(root: Path) -> None:
     link = ScriptedLink()
     link.refusals["resume"] = "the reflectors were moved: search again and start a new run"
     app = make_app(link, "runs", root=root)
@@ -284,7 +284,7 @@ async def test_report_says_where_it_is_and_is_opened(root: Path, monkeypatch: py
         await pilot.press("o")
         await settle(app, pilot)
         assert opened == [page.as_uri()]
-        # Without a display the path is told.
+        # Without a display the path is shown.
         monkeypatch.setattr("catseye.app.tui.screens.working.can_open", lambda: False)
         await pilot.press("o")
         assert "there is no display here" in await shown(app, pilot)
@@ -350,7 +350,7 @@ async def test_identify_from_marked_runs_and_with_draws(root: Path) -> None:
 
 
 class SlowWork(ScriptedWork):
-    """Tells how far it is and goes on until it is cancelled."""
+    """Reports how far it is and goes on until it is cancelled."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -404,7 +404,7 @@ async def test_attach(root: Path) -> None:
         assert app.current_mode == "run"
 
 
-async def test_attach_to_another_engine_tells_the_command(root: Path) -> None:
+async def test_attach_to_another_engine_shows_the_command(root: Path) -> None:
     app = make_app(ScriptedLink(), "runs", root=root)
     async with app.run_test(size=(120, 40)) as pilot:
         await go_to(app, pilot, RUNNING)

@@ -159,7 +159,7 @@ async def test_from_nothing_to_a_cell_file(folder: Path) -> None:
         assert not app.screen_stack[0].has_class("wizard")
 
 
-async def test_what_is_wrong_stands_beside_the_field_and_is_not_written(folder: Path) -> None:
+async def test_a_wrong_answer_is_marked_and_prevents_writing(folder: Path) -> None:
     app, _ = first_start()
     async with app.run_test(size=(80, 24)) as pilot:
         await begin(app, pilot)
@@ -175,7 +175,7 @@ async def test_what_is_wrong_stands_beside_the_field_and_is_not_written(folder: 
         assert not (folder / "cell.toml").exists()
 
 
-async def test_a_driver_brings_its_own_questions_and_reflectors_are_added_and_taken_away() -> None:
+async def test_drivers_add_questions_and_reflectors_can_be_edited() -> None:
     app, _ = first_start()
     async with app.run_test(size=(120, 40)) as pilot:
         await begin(app, pilot)
@@ -297,7 +297,7 @@ async def test_a_file_is_changed_and_keeps_its_comments(folder: Path) -> None:
         assert link.ops[-1] == "shutdown"
 
 
-async def test_comments_that_cannot_be_kept_are_told_and_the_file_is_left(folder: Path) -> None:
+async def test_a_file_whose_comments_would_be_lost_is_kept(folder: Path) -> None:
     path = folder / "mine.toml"
     start, end = TEMPLATE.index("[robot.limits_deg]"), TEMPLATE.index("[interferometer]")
     parted = TEMPLATE[:start] + TEMPLATE[end:] + "\n" + TEMPLATE[start:end]
@@ -324,7 +324,7 @@ async def test_a_file_that_is_no_cell_is_shown(folder: Path) -> None:
     path.write_text("a = 1\n", encoding="utf-8")
     app = make_app(ScriptedLink({"cell": str(path)}), "setup", cell=path)
     async with app.run_test(size=(80, 24)) as pilot:
-        # The start tells of it, too.
+        # The start mentions it, too.
         for _ in range(600):
             await pilot.pause(0.01)
             if isinstance(app.screen, ErrorDialog):
@@ -336,7 +336,7 @@ async def test_a_file_that_is_no_cell_is_shown(folder: Path) -> None:
         assert "not a cell file" in await shown(app, pilot)
 
 
-async def test_a_cell_file_with_faults_is_not_used_and_an_engine_of_another_one_is_asked_about(
+async def test_faulty_cell_files_are_refused_and_replacing_the_engine_confirmed(
     folder: Path,
 ) -> None:
     path = folder / "mine.toml"
@@ -379,7 +379,7 @@ async def test_the_demo_runs_and_shows_results() -> None:
 NO_FILES = (("adir", "is a folder"), ("", "is a folder"), ("no/cell.toml", "no folder no"))
 
 
-async def test_a_place_that_is_no_file_is_told_before_anything_is_asked(folder: Path) -> None:
+async def test_an_invalid_file_path_is_reported_before_asking(folder: Path) -> None:
     (folder / "adir").mkdir()
     path = folder / "mine.toml"
     path.write_text(TEMPLATE, encoding="utf-8")
@@ -387,16 +387,16 @@ async def test_a_place_that_is_no_file_is_told_before_anything_is_asked(folder: 
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.press("c")
         await settled(app, pilot)
-        for file, told in NO_FILES:
+        for file, message in NO_FILES:
             await type_answer(app, pilot, "file", file)
             await pilot.press("ctrl+s")
             await settled_but_dialogs(app, pilot)
             assert isinstance(app.screen, ErrorDialog), file
-            assert told in await shown(app, pilot), file
+            assert message in await shown(app, pilot), file
             await pilot.press("escape")
 
 
-async def test_a_change_that_was_left_and_a_new_file_that_was_left_are_kept_apart(folder: Path) -> None:
+async def test_unfinished_changes_and_new_files_are_kept_apart(folder: Path) -> None:
     path = folder / "mine.toml"
     path.write_text(TEMPLATE, encoding="utf-8")
     app = make_app(ScriptedLink({"cell": str(path)}), "setup", cell=path)

@@ -37,7 +37,7 @@ LINES = [
 ]
 
 
-def told(run: dict[str, Any] | None = None) -> ScriptedLink:
+def link_with_traffic(run: dict[str, Any] | None = None) -> ScriptedLink:
     link = ScriptedLink(run)
     link.publish("bench", **BENCH)
     link.publish("wire", lines=LINES, missed=3)
@@ -69,8 +69,8 @@ async def take_link(app: CatseyeApp, pilot: Pilot[Any], link: ScriptedLink, devi
     await shown(app, pilot)
 
 
-async def test_every_size_lines_that_were_missed_or_forgotten_and_the_palette() -> None:
-    app = make_app(told(), "terminal")
+async def test_the_terminal_fits_every_size_and_shows_missed_lines() -> None:
+    app = make_app(link_with_traffic(), "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
         text = await shown(app, pilot)
         compare("terminal_80x24", text)
@@ -89,8 +89,8 @@ async def test_every_size_lines_that_were_missed_or_forgotten_and_the_palette() 
         assert "1;1;STATE" not in await shown(app, pilot)
 
 
-async def test_traffic_is_asked_for_while_it_is_shown_and_anew_of_another_engine() -> None:
-    link = told()
+async def test_traffic_is_subscribed_only_while_shown() -> None:
+    link = link_with_traffic()
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
         await shown(app, pilot)
@@ -108,8 +108,8 @@ async def test_traffic_is_asked_for_while_it_is_shown_and_anew_of_another_engine
         assert traffic(link)[3:] == [True]
 
 
-async def test_stands_still_scrolls_and_follows_again_and_filters_by_device_and_text() -> None:
-    link = told()
+async def test_traffic_pauses_scrolls_follows_and_filters() -> None:
+    link = link_with_traffic()
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
         await shown(app, pilot)
@@ -147,7 +147,7 @@ async def test_stands_still_scrolls_and_follows_again_and_filters_by_device_and_
 
 
 async def test_instruments_are_sent_to_with_enter() -> None:
-    link = told()
+    link = link_with_traffic()
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
         await take_link(app, pilot, link, "interferometer")
@@ -169,10 +169,8 @@ async def test_instruments_are_sent_to_with_enter() -> None:
         assert link.asked_for(Raw)[1:] == [Raw(device="interferometer", on=False)]
 
 
-async def test_what_cannot_be_typed_is_not_sent_and_the_link_is_given_back_when_another_screen_is_shown() -> (
-    None
-):
-    link = told()
+async def test_invalid_input_is_not_sent_and_leaving_releases_the_link() -> None:
+    link = link_with_traffic()
     link.refusals["raw"] = "the engine is busy: try again"
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
@@ -194,7 +192,7 @@ async def test_what_cannot_be_typed_is_not_sent_and_the_link_is_given_back_when_
 
 
 async def test_the_robot_is_sent_to_by_f8_alone() -> None:
-    link = told()
+    link = link_with_traffic()
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
         await to_device(app, pilot, "robot")
@@ -234,7 +232,7 @@ async def test_a_real_robot_needs_the_cells_name() -> None:
 
 
 async def test_nothing_is_sent_during_a_run() -> None:
-    link = told(RUN)
+    link = link_with_traffic(RUN)
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
         await to_device(app, pilot, "interferometer")
@@ -246,7 +244,7 @@ async def test_nothing_is_sent_during_a_run() -> None:
 
 
 async def test_copies_and_saves(tmp_path: Path) -> None:
-    link = told()
+    link = link_with_traffic()
     app = make_app(link, "terminal")
     async with app.run_test(size=(80, 24)) as pilot:
         await shown(app, pilot)

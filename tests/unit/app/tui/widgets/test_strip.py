@@ -42,7 +42,7 @@ def test_a_new_engine_begins_a_new_strip() -> None:
     assert not engine.strip
 
 
-async def test_a_gap_on_the_screen_is_as_wide_as_the_time_that_was_missed() -> None:
+async def test_a_gap_is_as_wide_as_the_missed_time() -> None:
     link = ScriptedLink()
     app = make_app(link)
     async with app.run_test(size=(120, 40)) as pilot:

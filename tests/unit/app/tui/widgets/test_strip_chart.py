@@ -116,8 +116,8 @@ def test_numbers_at_the_axis_are_the_values(low_mm: float, high_mm: float) -> No
     base_mm = float(above[1] or 0.0)
     factor = 1.0 if scale.title == "mm" else 1e-3
     for value_mm in scale.marks_mm():
-        told_mm = base_mm + factor * float(scale.label(float(value_mm)))
-        assert told_mm == pytest.approx(value_mm, abs=1e-3 * scale.step_mm)
+        labelled_mm = base_mm + factor * float(scale.label(float(value_mm)))
+        assert labelled_mm == pytest.approx(value_mm, abs=1e-3 * scale.step_mm)
 
 
 def test_numbers_stand_at_their_rows() -> None:

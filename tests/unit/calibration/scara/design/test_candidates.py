@@ -51,7 +51,7 @@ def test_front_is_what_no_other_row_beats(rows: list[tuple[int, int]]) -> None:
         assert flag == (not beaten)
 
 
-def test_refinement_finds_the_bottom_of_a_bowl_within_its_last_step() -> None:
+def test_refinement_finds_the_minimum_of_a_bowl() -> None:
     bottom = np.array([[612.0, -37.0], [701.0, 250.0]])
 
     def value(places: Floats) -> float:

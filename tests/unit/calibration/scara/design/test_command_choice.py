@@ -38,15 +38,15 @@ def test_value_of_some_commands_is_that_of_the_dense_problem() -> None:
 
 
 @pytest.mark.parametrize("name", [name for name in get_args(CriterionName) if name != "E"])
-def test_rank_updates_tell_what_leaving_a_command_out_does(name: CriterionName) -> None:
+def test_rank_updates_predict_leaving_a_command_out(name: CriterionName) -> None:
     pool, criterion = small_pool(), criterion_of(study(SMALL), name)
     kept = np.ones(len(pool.rows), dtype=np.bool_)
-    told = usefulness(pool, kept, criterion)
+    predicted = usefulness(pool, kept, criterion)
     whole = pool.value(kept, criterion)
     for row in range(0, len(pool.rows), 5):
         without = kept.copy()
         without[row] = False
-        assert told[row] == pytest.approx(pool.value(without, criterion) - whole, rel=1e-5, abs=1e-14)
+        assert predicted[row] == pytest.approx(pool.value(without, criterion) - whole, rel=1e-5, abs=1e-14)
 
 
 @pytest.mark.parametrize("name", ["A", "D", "path"])
@@ -56,17 +56,17 @@ def test_rank_updates_agree_with_recomputation_over_random_exchanges(name: Crite
     kept = rng.permutation(n) < 38
     compared = 0
     for _ in range(300):
-        # Out with one command, in with another: each step is told before, and computed anew after.
+        # Out with one command, in with another: each step is predicted before, and computed anew after.
         for sign in (-1.0, 1.0):
             rows = np.flatnonzero(kept if sign < 0.0 else ~kept)
             row = int(rng.choice(rows))
-            told = changes_with(pool, rows, pool.covariance(kept), criterion, sign)[rows == row][0]
+            predicted = changes_with(pool, rows, pool.covariance(kept), criterion, sign)[rows == row][0]
             changed = kept.copy()
             changed[row] = sign > 0.0
-            if np.isinf(told):
+            if np.isinf(predicted):
                 break
             real = pool.value(changed, criterion) - pool.value(kept, criterion)
-            assert told == pytest.approx(real, rel=1e-4, abs=1e-9 * abs(pool.value(kept, criterion)))
+            assert predicted == pytest.approx(real, rel=1e-4, abs=1e-9 * abs(pool.value(kept, criterion)))
             kept, compared = changed, compared + 1
     assert compared > 500
 
@@ -84,7 +84,7 @@ def test_no_exchange_of_one_command_improves_the_least_useful_one(name: Criterio
         assert pool.value(trial, criterion) >= value - 1e-7 * abs(value)
 
 
-def test_leaving_out_two_commands_is_within_one_percent_of_trying_every_pair() -> None:
+def test_dropping_two_commands_is_near_the_exhaustive_optimum() -> None:
     pool, criterion = small_pool(), criterion_of(study(SMALL), "A")
     n = len(pool.rows)
 

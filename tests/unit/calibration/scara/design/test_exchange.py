@@ -51,7 +51,7 @@ def dense_a(blocks: list[Floats], places: Floats) -> float:
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])
-def test_a_optimum_is_that_of_trying_every_layout_with_the_dense_jacobian(count: int) -> None:
+def test_a_optimum_matches_exhaustive_search_with_the_dense_jacobian(count: int) -> None:
     problem = study(SMALL)
     pool, criterion = pool_of(problem, RING), criterion_of(problem, "A")
     blocks = [SMALL.block(place) for place in RING]

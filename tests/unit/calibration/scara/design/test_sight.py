@@ -65,7 +65,7 @@ def _half_shadow(place_mm: float, radius_mm: float, column_mm: float) -> float:
     return float(np.pi - np.arctan2(y, x))
 
 
-def test_a_shadow_in_the_middle_breaks_the_beam_and_begins_a_segment() -> None:
+def test_a_shadow_breaks_the_beam_and_begins_a_segment() -> None:
     sight = sight_of(np.array([700.0, 0.0]), circle(90.0, 270.0), RULES)
     assert sight.breaks == 1
     assert sight.segments == 2

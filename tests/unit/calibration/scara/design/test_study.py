@@ -53,7 +53,7 @@ def test_paper_layout_has_the_known_uncertainties(
     assert [float(f"{value:.2g}") for value in maps] == list(largest_mdeg)
 
 
-def test_what_is_common_to_all_distances_shifts_the_arm_as_the_dense_problem_says() -> None:
+def test_systematic_contributors_match_the_dense_problem() -> None:
     """A scale error and an axis-angle error of J1 by their definitions: columns of effects, one fit."""
     places = RING[[1, 8]]
     budget = Budget(
@@ -91,7 +91,7 @@ def test_a_break_of_the_beam_costs_a_dead_path() -> None:
     assert np.abs(values[:-1]).max() < 1e-6 * values[-1] + 1e-6 * np.linalg.eigvalsh(kept)[-1]
 
 
-def test_commands_that_see_nothing_count_as_if_they_were_not_there() -> None:
+def test_commands_without_sight_do_not_count() -> None:
     problem = study(SMALL)
     n = len(problem.commands)
     seen = np.arange(n) % 3 != 0
@@ -145,7 +145,7 @@ def test_what_is_undetermined_stays_so_however_good_the_distances(sigma_mm: floa
         assert np.isinf(criterion.value(covariance))
 
 
-def test_a_place_that_the_j4_axis_passes_over_brings_what_the_other_commands_see() -> None:
+def test_a_place_under_the_j4_axis_keeps_other_commands_information() -> None:
     problem = study(SMALL)
     theta1, theta2 = problem.commands.theta1_rad, problem.commands.theta2_rad
     positions = forward(theta1, theta2, problem.link1_mm, problem.link2_mm)

@@ -41,7 +41,7 @@ def strongest(series: HarmonicSeries) -> Harmonic | None:
     return min(series.harmonics, key=lambda one: (one.probability, -one.explained_um), default=None)
 
 
-def test_a_periodic_error_between_the_nodes_is_found_with_order_and_amplitude() -> None:
+def test_a_periodic_error_between_nodes_is_identified() -> None:
     extra = Extra(theta1=lambda p: 4.0 * MDEG * math.cos(36 * p.theta1 + 0.7))
     points = measured(TRUTH, commands_between(), extra, noise_mm=0.005, sigma_mm=0.005)
     found = series_of(points)
@@ -54,7 +54,7 @@ def test_a_periodic_error_between_the_nodes_is_found_with_order_and_amplitude() 
     assert not any(one.significant for one in others if one is not None)
 
 
-def test_on_the_nodes_alone_the_maps_absorb_every_order_of_their_own_joint() -> None:
+def test_maps_on_nodes_absorb_their_own_joints_orders() -> None:
     points = measured(TRUTH, commands_on_nodes(), noise_mm=0.005, sigma_mm=0.005)
     found = series_of(points)
     assert found["theta1(theta1)"].harmonics == ()
@@ -71,7 +71,7 @@ def test_crosstalk_shows_as_a_harmonic_of_the_other_joint() -> None:
     assert best.amplitude == pytest.approx(3.0 * MDEG, abs=4.0 * best.u)
 
 
-def test_radial_motion_of_j4_that_the_budget_states_is_explained_by_it() -> None:
+def test_budgeted_radial_motion_of_j4_is_marked_explained() -> None:
     extra = Extra(length=lambda p: 0.012 * math.cos(3 * p.beam))
     points = measured(TRUTH, commands_on_nodes(), extra, noise_mm=0.008, sigma_mm=0.008)
     budget = Budget((Contributor("J4", "radial", 0.010, "axis-angle", "j4"),))
@@ -90,7 +90,7 @@ def test_white_noise_raises_no_alarm() -> None:
     assert alarms <= 1
 
 
-def test_orders_that_a_grid_of_20_degrees_cannot_tell_apart() -> None:
+def test_orders_that_a_20_degree_grid_cannot_distinguish() -> None:
     groups = dict(aliased_orders(np.deg2rad(np.arange(-140.0, 61.0, 20.0)), range(1, 41)))
     # Waves on angles 20° apart repeat after 18 orders and fold at 9; orders 18 and 36 are constant there.
     assert groups[1] == (17, 19, 35, 37)

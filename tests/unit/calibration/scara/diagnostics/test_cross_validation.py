@@ -42,7 +42,7 @@ def arm_of(points: Points) -> Truth:
     )
 
 
-def test_left_out_reflector_is_predicted_as_by_a_fit_of_its_place_alone() -> None:
+def test_a_left_out_reflector_is_predicted_by_fitting_its_place() -> None:
     points = noisy()
     arm = arm_of(points.select(points.reflector != 2))
     at = np.array([true_position(arm, row) for row in sequence()])
@@ -59,7 +59,7 @@ def test_left_out_reflector_is_predicted_as_by_a_fit_of_its_place_alone() -> Non
     assert fold.predicted_um == pytest.approx(1e3 * float(np.sqrt(np.mean(misses(best.x) ** 2))), rel=1e-4)
 
 
-def test_left_out_sweep_is_predicted_as_by_a_fit_without_it() -> None:
+def test_a_left_out_sweep_is_predicted_as_by_refitting() -> None:
     points, commands = noisy(), noisy().commands
     sweep = (np.abs(commands.theta1_rad) < 1e-9) & (commands.direction1 > 0) & (commands.direction2 < 0)
     without = problem(points.select(~sweep)).solve()
@@ -87,7 +87,7 @@ def test_complete_model_predicts_as_well_as_expected() -> None:
     assert len(cross_validation(fitted(), "sweep").folds) == 44
 
 
-def test_a_reflector_that_moved_during_the_measurement_is_not_predicted_by_the_others() -> None:
+def test_a_reflector_moved_during_measurement_fails_cross_validation() -> None:
     points = noisy()
     late = (points.reflector == 1) & (np.arange(1056) % 352 > 176)
     moved = Points(
@@ -98,7 +98,7 @@ def test_a_reflector_that_moved_during_the_measurement_is_not_predicted_by_the_o
     assert folds[1].predicted_um > 1.5 * folds[1].expected_um
 
 
-def test_the_only_reflector_and_the_only_sweep_of_a_node_have_no_prediction() -> None:
+def test_the_only_reflector_or_sweep_has_no_prediction() -> None:
     points = paper_points(TRUTH, reflectors=1, noise_mm=np.random.default_rng(1).normal(0.0, 0.01, 352))
     alone = cross_validation(projection_of(problem(points).of_rows(np.arange(352)).solve()), "reflector")
     assert [fold.identified for fold in alone.folds] == [False]

@@ -43,7 +43,7 @@ def steady(seed: int) -> list[Change]:
     return changes_of(points_with(0.0, seed))
 
 
-def test_drift_of_a_segment_is_found_with_its_size_and_sign_and_no_other() -> None:
+def test_only_the_drifting_segment_is_found_with_signed_size() -> None:
     found = changes_of(points_with(ramp(0.03)))
     assert [(one.kind, one.reflector, one.segment) for one in found if one.significant] == [
         ("drift", "P2", 0)
@@ -83,7 +83,7 @@ def test_a_slip_of_the_counter_is_located(row: int, step_mm: float) -> None:
     assert found[0].size_um == pytest.approx(1e3 * step_mm, abs=3.5 * found[0].u_um)
 
 
-def test_a_drift_and_a_slip_are_told_apart() -> None:
+def test_a_drift_and_a_slip_are_distinguished() -> None:
     both = ramp(0.04)
     both[800:] = -0.06
     found = [one for one in changes_of(points_with(both)) if one.significant]

@@ -84,7 +84,7 @@ def test_nothing_is_significant_on_white_noise() -> None:
         assert not any(one.significant for one in found.values() if one.terms)
 
 
-def test_what_the_commands_cannot_tell_is_refused_with_its_reason() -> None:
+def test_what_the_commands_cannot_determine_is_refused_with_reason() -> None:
     found = compare_models(problem(on_nodes()), [*EXTENSIONS, Extension("periodic", periodic(1, (36,)))])
     refused = next(one for one in found if one.name == "periodic")
     assert "measure between the nodes" in refused.refused
@@ -115,7 +115,7 @@ def test_coarse_nodes_are_recommended_where_the_maps_are_straight() -> None:
     assert found.by_aicc.nodes1_rad[-1] == pytest.approx(np.deg2rad(60.0))
 
 
-def test_every_node_is_needed_where_the_maps_turn_from_node_to_node() -> None:
+def test_all_nodes_are_needed_for_a_jagged_map() -> None:
     points = measured(TRUTH, commands_on_nodes(), noise_mm=0.01, sigma_mm=0.01)
     found = node_spacing(problem(points))
     for best in (found.by_aicc, found.by_bic, found.by_prediction):

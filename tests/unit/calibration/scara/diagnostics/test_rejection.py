@@ -23,7 +23,7 @@ def with_errors(errors_mm: dict[int, float], seed: int = 1) -> Points:
     return replace(points, displacement_mm=displacement)
 
 
-def test_the_wrong_distances_go_and_no_others_and_each_says_why() -> None:
+def test_only_wrong_distances_are_rejected_with_reasons() -> None:
     wrong = {30: 0.08, 31: 5.0, 500: -0.12, 900: 0.09, 1000: 0.3}
     cleaned = reject(problem(with_errors(wrong)), 5.0)
     assert [one.row for one in cleaned.rejected] == [row + 1 for row in wrong]
@@ -52,7 +52,7 @@ def test_too_many_wrong_distances_question_the_model() -> None:
         reject(problem(with_errors({int(row): 0.5 for row in rows})), 4.0)
 
 
-def test_a_segment_that_loses_its_distances_goes_as_a_whole_and_row_numbers_stay() -> None:
+def test_losing_a_whole_segment_keeps_row_numbers() -> None:
     points = split(with_errors({351: 0.4, 700: 0.5}), 349)
     short = replace(points, dead_path=np.where(np.arange(1056) < 2, 4, points.dead_path))
     short = replace(short, dead_paths=(*points.dead_paths, ("P1", 2)))

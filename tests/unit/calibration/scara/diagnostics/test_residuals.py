@@ -32,7 +32,7 @@ def fitted() -> Identification:
 
 
 @pytest.mark.parametrize("row", ROWS)
-def test_external_residual_leverage_and_cook_are_those_of_a_fit_without_the_distance(row: int) -> None:
+def test_external_residual_leverage_and_cook_match_refitting(row: int) -> None:
     points, whole = noisy(), fitted()
     without = problem(points.select(np.arange(len(points)) != row)).solve()
     model = distance_model(whole.layout, points)
@@ -69,7 +69,7 @@ def shared_by_poses(seed: int) -> Problem:
     return replace(problem(replace(points, displacement_mm=points.displacement_mm + shared)), budget=budget)
 
 
-def test_errors_that_poses_share_are_expected_by_the_normalised_residual_only() -> None:
+def test_normalised_residuals_account_for_errors_shared_by_poses() -> None:
     squares, chi2 = [], []
     for seed in range(8):
         identified = shared_by_poses(seed).solve()

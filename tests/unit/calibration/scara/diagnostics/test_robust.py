@@ -108,7 +108,7 @@ def test_scale_of_clean_normal_errors_is_their_standard_deviation() -> None:
     assert fits[0].chi2_reduced is None
 
 
-def test_what_counts_little_is_told_and_is_not_rejected() -> None:
+def test_what_counts_little_is_reported_but_not_rejected() -> None:
     found = robust_fit(problem(noisy(9, 0.05)).solve(), "huber").identified
     loss = found.fit.loss
     assert found.rejected == []
@@ -137,7 +137,7 @@ def test_contributions_add_up_to_the_covariance(loss: Loss) -> None:
     assert parts.covariance == pytest.approx(found.identified.covariance, rel=1e-12, abs=1e-24)
 
 
-def test_what_a_systematic_contributor_makes_is_what_robust_fits_shift_by() -> None:
+def test_a_systematic_part_matches_the_robust_fits_shift() -> None:
     points = replace(noisy(5, 0.1, 0.2), sigma_mm=None)
     asked = replace(problem(points), budget=stated())
     parts = robust_fit(asked.solve(), "soft-l1").contributions

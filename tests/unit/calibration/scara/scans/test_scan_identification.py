@@ -108,7 +108,7 @@ def test_without_stated_sigma_the_scatter_gives_the_uncertainty() -> None:
     assert found.identified.fit.sigma0_um == pytest.approx(20.0, rel=0.03)
 
 
-def test_few_rows_stand_for_all_and_the_rest_moves_the_estimate_to_its_place() -> None:
+def test_starting_values_from_few_rows_need_two_iterations() -> None:
     # Half of so many rows give the starting values, see catseye.calibration.scara.scans.used_rows.
     points = scan(TRUTH, 41_000, noise_mm=0.01, sigma_mm=0.01)
     assert require_same(points).identified.fit.iterations == 2
@@ -213,7 +213,7 @@ def test_links_that_cannot_be_separated_are_named() -> None:
     assert any({"L1", "L2"} <= set(names) for names in caught.value.null_directions)
 
 
-def test_a_direction_too_weak_for_squares_is_refused_where_qr_still_tells_it() -> None:
+def test_a_direction_only_qr_resolves_is_refused() -> None:
     # θ2 moves by a thousandth of a degree: the singular values lie at 2e-6 and 9e-7 of the largest.
     theta2, direction2 = to_and_fro(np.arange(ROWS) / 40.0, 70.0, 70.001)
     commands = replace(POINTS.commands, theta2_rad=theta2, direction2=direction2)
@@ -243,7 +243,7 @@ def test_too_few_rows() -> None:
         solved(POINTS.rows(np.arange(60)))
 
 
-def test_the_first_row_outside_the_nodes_is_told() -> None:
+def test_the_first_row_outside_the_nodes_is_reported() -> None:
     short = replace(TRUTH, nodes2_rad=TRUTH.nodes2_rad[:-1])
     angle = np.rad2deg(LATE.commands.theta2_rad)
     row = 1 + int(np.flatnonzero(angle > 130.0)[0])

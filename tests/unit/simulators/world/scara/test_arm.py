@@ -47,7 +47,7 @@ def test_the_perfect_arm_is_where_the_geometry_says() -> None:
     assert insight.beam_deg == pytest.approx(100.0)
 
 
-def test_play_starts_on_the_negative_flank_and_changes_over_its_travel() -> None:
+def test_play_starts_negative_and_changes_over_its_travel() -> None:
     bench = quiet_bench(truth=played_arm())
     assert deviations_mdeg(bench)[0] == pytest.approx(3.0)
     go(bench, (0.025, 0.0, 0.0, 0.0))
@@ -73,7 +73,7 @@ def test_a_wide_gap_between_the_tables_widens_the_travel() -> None:
     assert deviations_mdeg(bench)[0] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_joint_reversed_by_a_stop_stays_partly_on_the_old_flank() -> None:
+def test_a_joint_stopped_while_reversing_stays_between_flanks() -> None:
     bench = quiet_bench(truth=played_arm())
     go(bench, (10.0, 0.0, 0.0, 0.0))
     bench.move_to((9.0, 0.0, 0.0, 0.0), 1.0)
@@ -207,7 +207,7 @@ def test_ringing_goes_on_into_the_next_motion_without_a_jump() -> None:
     assert bench.true_state().axis_mm == pytest.approx(before, abs=1e-9)
 
 
-def test_the_same_seed_gives_the_same_arm_and_another_seed_another() -> None:
+def test_the_seed_determines_the_arm() -> None:
     def place(seed: int) -> tuple[float, float]:
         config = EmulationConfig(reflectors=QUIET.reflectors, seed=seed)
         bench = scara_bench(draw_truth(seed, config), config)

@@ -44,7 +44,7 @@ def test_a_drawn_arm_is_plausible() -> None:
 
 
 @pytest.mark.parametrize("name", ["theta1_map", "theta2_map"])
-def test_drawn_maps_cover_the_limits_and_are_some_ten_millidegrees_large(name: str) -> None:
+def test_drawn_maps_cover_the_limits_with_realistic_size(name: str) -> None:
     for seed in range(20):
         table: JointMap = getattr(draw_truth(seed, QUIET), name)
         limits = QUIET.limits[0] if name == "theta1_map" else QUIET.limits[1]
