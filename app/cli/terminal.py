@@ -76,13 +76,8 @@ def endpoint_of(cell: "Cell", device: str) -> str:
     Raises:
         UsageError: the cell has no such device; the text names the nearest one.
     """
-    places = {
-        "robot": cell.robot.endpoint,
-        "interferometer": cell.interferometer.endpoint,
-        "environment": cell.environment.endpoint,
-        **({"tracker": cell.tracker.endpoint} if cell.tracker else {}),
-        **{further.name: further.endpoint for further in cell.device},
-    }
+    places: dict[str, str] = {role: section.endpoint for role, section in cell.instruments.items()}
+    places |= {further.name: further.endpoint for further in cell.device}
     if device in places:
         return places[device]
     near = difflib.get_close_matches(device, places, n=1, cutoff=0.5)
