@@ -25,6 +25,9 @@ EXTRA: Final = "extra"
 
 _RESERVED: Final = frozenset({"meta", "steps", "events", "prompts", "journal"})
 
+_TAKEN: Final = frozenset({*KEY, EXTRA, "place", "rowid", "oid"})
+"""Columns that the store has itself, or that SQLite and a reader number rows by."""
+
 
 @dataclass(frozen=True)
 class Column:
@@ -50,7 +53,7 @@ class Table:
         columns: in order.
 
     Raises:
-        ValueError: a name is the store's own, or would need quotes.
+        ValueError: a name is the store's or SQLite's own, or no plain word.
     """
 
     name: str
@@ -60,8 +63,8 @@ class Table:
         """Check the names."""
         names = [column.name for column in self.columns]
         wrong = [name for name in (self.name, *names) if not _NAME.fullmatch(name)]
-        taken = {self.name} & _RESERVED | set(names) & {*KEY, EXTRA}
-        if wrong or taken or len(set(names)) < len(names):
+        taken = {self.name} & _RESERVED | set(names) & _TAKEN
+        if wrong or taken or self.name.startswith("sqlite_") or len(set(names)) < len(names):
             raise ValueError(f"table {self.name!r} with columns {', '.join(names)}: choose other names")
 
     @property
