@@ -80,11 +80,15 @@ class Record:
     Attributes:
         table: name of the table that takes it.
         is_point: progress counts it, and front ends are shown it as it comes.
+        target_column: of a point, the column that names what it was measured at; empty for none.
+        segment_column: of a point, the column with the number of the count that it belongs to; empty for none.
         extra: what belongs to this record alone.
     """
 
     table: ClassVar[str]
     is_point: ClassVar[bool] = False
+    target_column: ClassVar[str] = ""
+    segment_column: ClassVar[str] = ""
     extra: Row = field(default_factory=dict)
 
 
