@@ -33,7 +33,8 @@ from catseye.simulators.control_port.messages import ReadTruth
 from catseye.simulators.registry import emulator_names
 
 _READY_TIMEOUT_S = 20.0
-_DEVICES = ("robot", "interferometer", "environment", "control")
+_LAST = "control"
+"""Every emulated bench has it; its endpoint is printed after those of the devices."""
 
 
 def emulation_config(cell: Cell, speed: float, seed: int, truth: Path | None) -> EmulationConfig:
@@ -83,8 +84,7 @@ def emulated_devices(cell: Cell) -> tuple[EmulatedDevice, ...]:
     Raises:
         ConfigError: there is no emulator of what a driver speaks.
     """
-    robot, counter, air = cell.robot, cell.interferometer, cell.environment
-    options = {**air.settings, "map": air.map, "pressure_address": air.pressure_register}
+    robot = cell.robot
     spoken = robot_driver(robot.driver).protocols or {"endpoint": robot.driver}
     devices = [EmulatedDevice("robot", spoken["endpoint"], robot.endpoint)]
     for key, endpoint in robot.further_endpoints.items():
@@ -92,9 +92,12 @@ def emulated_devices(cell: Cell) -> tuple[EmulatedDevice, ...]:
         # The settings are those of the driver in use.
         used = _plain(robot.settings) if robot.driver == driver else {}
         devices.append(EmulatedDevice("robot", protocol, endpoint, used))
-    settings = {**_lengths_of(counter), **counter.settings}
-    devices.append(_device("interferometer", counter.driver, counter.endpoint, settings))
-    devices.append(_device("environment", air.driver, air.endpoint, options))
+    if counter := cell.interferometer:
+        settings = {**_lengths_of(counter), **counter.settings}
+        devices.append(_device("interferometer", counter.driver, counter.endpoint, settings))
+    if air := cell.environment:
+        options = {**air.settings, "map": air.map, "pressure_address": air.pressure_register}
+        devices.append(_device("environment", air.driver, air.endpoint, options))
     if cell.io is not None:
         devices.append(_device("io", cell.io.driver, cell.io.endpoint, cell.io.settings))
     devices += [_device(d.name, d.driver, d.endpoint, d.settings) for d in cell.device]
@@ -207,7 +210,7 @@ async def _endpoints(process: asyncio.subprocess.Process, stderr: BinaryIO) -> d
         raise LinkFailedError("the emulator was started without a pipe")
     try:
         async with asyncio.timeout(_READY_TIMEOUT_S):
-            while not set(_DEVICES) <= set(found):
+            while _LAST not in found:
                 line = await stdout.readline()
                 if not line:
                     stderr.seek(0)

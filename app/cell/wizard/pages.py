@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from catseye.app.cell.model import CAP_WITHOUT_REASON_PERCENT
-from catseye.app.cell.wizard.drivers import drivers_of, further_endpoint_of, setting_questions
+from catseye.app.cell.wizard.drivers import drivers_of, further_endpoint_of, has_setting, setting_questions
 from catseye.app.cell.wizard.question import Choice, Question
 
 Answer = Callable[[str], str]
@@ -138,7 +138,7 @@ def _interferometer(answer: Answer) -> list[Question]:
             "choice",
             drivers_of("interferometer"),
         ),
-        *([profile] if driver == "line-counter" else []),
+        *([profile] if has_setting(driver, "profile") else []),
         Question(
             "interferometer.endpoint",
             "Endpoint",
