@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from catseye.app.cell.axes import arm_of
 from catseye.app.cell.bodies import workspace_of
 from catseye.app.cell.model import Cell
-from catseye.app.cell.scara.bench import scara_bench
+from catseye.app.cell.scara.bench import scara_bench, stated_arm
 from catseye.app.cell.scara.sections import ScaraSections
 from catseye.app.errors import ConfigError
 from catseye.procedures.kit.bench import Bench, Timing
@@ -79,7 +79,7 @@ def _bench(cell: Cell) -> Bench:
     timing = cell.measurement
     return Bench(
         name=cell.name,
-        arm=arm_of(cell.robot),
+        arm=stated_arm(arm_of(cell.robot), cell.robot),
         workspace=workspace_of(cell),
         timing=Timing(
             timing.settle_time_s, timing.dwell_time_s, timing.readings, timing.spread_limit_um * 1e-3
