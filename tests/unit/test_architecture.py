@@ -46,6 +46,13 @@ def test_a_room_imports_only_what_the_table_permits() -> None:
     assert not extra
 
 
+@pytest.mark.parametrize("top", ["app", "calibration", "procedures"])
+def test_every_folder_is_a_room_of_the_table(top: str) -> None:
+    folders = {f"{top}.{path.parent.name}" for path in (ROOT / top).glob("*/__init__.py")}
+    assert folders
+    assert folders <= permitted().keys()
+
+
 def test_permitted_imports_go_down_the_table_only() -> None:
     order = list(permitted())
     upward = [(a, b) for a, others in permitted().items() for b in others if order.index(b) <= order.index(a)]
