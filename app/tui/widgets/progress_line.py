@@ -2,7 +2,7 @@
 
 from textual.content import Content
 
-from catseye.app.results.numbers import duration_text
+from catseye.app.results.numbers import counted, duration_text
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.widgets.static_text import StaticText
 
@@ -33,7 +33,7 @@ class ProgressLine(StaticText):
             share = run.progress.share
             parts += [(bar(share, max(10, self.size.width // 5)), "$primary"), f" {100.0 * share:3.0f} %  "]
         done = sum(step.status == "done" for step in run.steps.values())
-        parts.append(f"{done} of {planned} steps" if planned >= done > 0 else f"{done} steps")
+        parts.append(f"{done} of {planned} steps" if planned >= done > 0 else counted(done, "step"))
         if run.progress is not None:
             parts.append(f"  passed {duration_text(run.progress.elapsed_s)}")
             if run.active:

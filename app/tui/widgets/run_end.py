@@ -7,6 +7,7 @@ from textual.app import ComposeResult
 from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 
+from catseye.app.results.numbers import counted
 from catseye.app.results.readiness.after_run import Advice
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.widgets.static_text import StaticText, lines
@@ -61,6 +62,7 @@ def _outcome(run: RunState) -> Content:
         return Content("it ended while nobody here was connected: Runs (F7) has its record")
     status, text = run.ended.status, run.ended.text
     done = sum(step.status == "done" for step in run.steps.values())
-    facts = f"  {done} steps" + (f", {run.points_seen} distances" if run.points_seen else "")
+    measured = f", {counted(run.points_seen, 'distance')}" if run.points_seen else ""
+    facts = f"  {counted(done, 'step')}{measured}"
     style = "bold $success" if status == "complete" else "bold $error"
     return Content.assemble((status.upper(), style), facts + (f": {text}" if text else ""))

@@ -2,12 +2,13 @@
 
 import pytest
 
-from catseye.app.protocol.run_events import LiveData
+from catseye.app.protocol.run_events import LiveData, RunEnded
 from catseye.app.protocol.scara.layout import ReflectorPlace
 from catseye.app.results.scara.map_known import MapKnown
-from catseye.app.tui.run_state import RunState
+from catseye.app.tui.run_state import RunState, Step
 from catseye.app.tui.widgets.band_bar import band_bar, band_text, value_text
 from catseye.app.tui.widgets.progress_line import bar
+from catseye.app.tui.widgets.run_end import _outcome  # noqa: PLC2701  # drawing without a screen
 from catseye.app.tui.widgets.run_plots import _scale, _uncertainties, _values  # noqa: PLC2701  # drawing without a screen
 from catseye.app.tui.widgets.task_picture import task_picture
 from catseye.procedures.kit.live import Live
@@ -24,6 +25,19 @@ def live(value: float, low: float | None, high: float | None) -> LiveData:
 )
 def test_a_bar_is_as_full_as_its_share(share: float, text: str) -> None:
     assert bar(share, 4) == text
+
+
+@pytest.mark.parametrize(
+    ("steps", "text"), [(0, "0 steps"), (1, "1 step, 1 distance"), (2, "2 steps, 2 distances")]
+)
+def test_the_outcome_counts_steps_and_distances(steps: int, text: str) -> None:
+    run = RunState("run", "open-loop", "Measurement", 0.0)
+    run.steps.update({str(number): Step(str(number), "", "done") for number in range(steps)})
+    run.points_seen = steps
+    run.ended = RunEnded(
+        run="run", status="stopped", exit_code=130, text="Ada stopped it", path="run", drives_on=False
+    )
+    assert _outcome(run).plain == f"STOPPED  {text}: Ada stopped it"
 
 
 def test_the_value_stands_on_its_band() -> None:
