@@ -1,12 +1,15 @@
 """The bench and the system that a cell file describes."""
 
+from collections.abc import Sequence
+
 from catseye.app.cell.axes import arm_of
 from catseye.app.cell.bodies import workspace_of
 from catseye.app.cell.model import Cell
-from catseye.app.cell.scara.bench import scara_bench
+from catseye.app.cell.scara.bench import scara_bench, stated_arm
 from catseye.app.cell.scara.sections import ScaraSections
 from catseye.app.errors import ConfigError
 from catseye.procedures.kit.bench import Bench, Timing
+from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.system import System
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.system import ScaraSystem
@@ -34,10 +37,7 @@ def scara_bench_of(cell: Cell, wanted_by: str = "open-loop tracking") -> ScaraBe
 def scara_sections(cell: Cell, wanted_by: str) -> ScaraSections:
     """Return what open-loop tracking takes from a cell file; see `scara_bench_of`."""
     found = stated_scara_sections(cell)
-    if found.missing:
-        raise ConfigError(
-            f"{wanted_by} needs {', '.join(found.missing)}: add them to the cell file {cell.name}"
-        )
+    _require_none(found.missing, cell, wanted_by)
     return found
 
 
@@ -48,18 +48,21 @@ def stated_scara_sections(cell: Cell) -> ScaraSections:
     )
 
 
-def bench_for(cell: Cell, kind: type[Bench], wanted_by: str) -> Bench:
-    """Return a bench of a kind.
+def bench_for(cell: Cell, needs: Needs, wanted_by: str) -> Bench:
+    """Return the bench that a procedure is planned on.
 
     Args:
         cell: that describes it.
-        kind: what is needed.
-        wanted_by: procedure that needs it.
+        needs: of the procedure.
+        wanted_by: name of the procedure.
 
     Raises:
-        ConfigError: names what the cell file does not have.
+        ConfigError: names every section and key that the cell file does not have.
     """
-    return scara_bench_of(cell, wanted_by) if issubclass(kind, ScaraBench) else bench_of(cell)
+    of_bench = stated_scara_sections(cell).missing if issubclass(needs.bench, ScaraBench) else []
+    devices = [f"[{role}]" for role in needs.roles if role not in cell.instruments]
+    _require_none([*of_bench, *devices], cell, wanted_by)
+    return bench_of(cell)
 
 
 def system_of(bench: Bench) -> System:
@@ -67,11 +70,16 @@ def system_of(bench: Bench) -> System:
     return ScaraSystem(bench) if isinstance(bench, ScaraBench) else System(bench)
 
 
+def _require_none(missing: Sequence[str], cell: Cell, wanted_by: str) -> None:
+    if missing:
+        raise ConfigError(f"{wanted_by} needs {', '.join(missing)}: add them to the cell file {cell.name}")
+
+
 def _bench(cell: Cell) -> Bench:
     timing = cell.measurement
     return Bench(
         name=cell.name,
-        arm=arm_of(cell.robot),
+        arm=stated_arm(arm_of(cell.robot), cell.robot),
         workspace=workspace_of(cell),
         timing=Timing(
             timing.settle_time_s, timing.dwell_time_s, timing.readings, timing.spread_limit_um * 1e-3

@@ -10,6 +10,7 @@ from catseye.app.cell.scara.uncertainty import Uncertainty
 from catseye.app.cell.section import RECORD, Name, NotNegative, Positive, Range, Section
 from catseye.app.cell.workspace import Workspace
 from catseye.drivers.links.endpoint import parse_endpoint
+from catseye.drivers.roles.device import Role
 
 Settings = dict[str, Any]
 """Settings of a driver, as that driver's own `Settings` model describes them; they are checked there."""
@@ -145,6 +146,11 @@ class Tracker(Section):
 
     _endpoint = field_validator("endpoint")(_checked_endpoint)
 
+    @property
+    def settings(self) -> Settings:
+        """Its driver has none."""
+        return {}
+
 
 class Conditions(Section):
     """[conditions]: the air in which a measurement goes on; outside of it the run is suspended."""
@@ -168,13 +174,13 @@ class Engine(Section):
 
 
 class Cell(Section):
-    """A whole cell file."""
+    """A whole cell file; whoever needs a section that not every bench has asks for it."""
 
     format: Literal["catseye-cell/1"]
     name: Name
     robot: Robot
-    interferometer: Interferometer
-    environment: Environment
+    interferometer: Interferometer | None = None
+    environment: Environment | None = None
     air: Air = Air()
     io: Io | None = None
     material: Material | None = None
@@ -189,6 +195,26 @@ class Cell(Section):
     uncertainty: Uncertainty = Uncertainty()
     workspace: Workspace = Workspace()
     body: list[Body] = Field(default_factory=list)
+
+    @property
+    def instruments(self) -> dict[Role, Robot | Interferometer | Environment | Io | Tracker]:
+        """The sections of devices by their roles, as far as the file has them."""
+        sections: dict[Role, Robot | Interferometer | Environment | Io | Tracker | None] = {
+            "robot": self.robot,
+            "interferometer": self.interferometer,
+            "environment": self.environment,
+            "io": self.io,
+            "tracker": self.tracker,
+        }
+        return {role: section for role, section in sections.items() if section is not None}
+
+    @model_validator(mode="after")
+    def _sensor_of_the_conditions(self) -> Self:
+        if self.environment is None and self.conditions != Conditions():
+            raise ValueError(
+                "[conditions] are those of the air: add the sensor, [environment], or leave them out"
+            )
+        return self
 
     @model_validator(mode="after")
     def _bodies_of_the_arm(self) -> Self:

@@ -11,8 +11,8 @@ from typing import Annotated, Any
 
 import typer
 
+from catseye.app.cli.event_channel import open_channel
 from catseye.app.cli.lazy import LazyGroup, add_commands
-from catseye.app.cli.reporting import open_channel
 
 
 class _Commands(LazyGroup):

@@ -35,7 +35,7 @@ def emulate(
         str, typer.Option(help="end of the controller's answers on TCP: none, cr, crlf")
     ] = "none",
     unaligned: Annotated[
-        bool, typer.Option("--unaligned", help="the beam lies as it was mounted: beside the J4 axis, tilted")
+        bool, typer.Option("--unaligned", help="the beam lies as it was mounted: beside its axis, tilted")
     ] = False,
     screw_sense: Annotated[
         str, typer.Option(help="screws act as the cell file says (normal), or the other way (reversed)")
@@ -51,7 +51,7 @@ def emulate(
     Example: catseye emulate cell.toml --speed 50
     """
     from catseye.app.cell.load import load_cell
-    from catseye.app.service.emulation import emulation_config
+    from catseye.app.service.scara.emulation import emulation_config
 
     if suffix not in _SUFFIXES:
         raise ConfigError(f"--suffix {suffix}: answers end with {', '.join(_SUFFIXES)}")

@@ -6,7 +6,7 @@ import traceback
 from collections.abc import Sequence
 from typing import Final
 
-from catseye.app.cli.reporting import report_failure
+from catseye.app.cli.event_channel import report_failure
 from catseye.app.errors import ReaderGoneError, exit_code_of
 from catseye.drivers.roles.text import harmless_lines
 

@@ -4,10 +4,10 @@ import os
 import sys
 from typing import Final
 
+from catseye.app.cli.event_channel import report_warning
 from catseye.app.cli.output import note, write_json
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.question_line import QuestionLine, live_text
-from catseye.app.cli.reporting import report_warning
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.run_events import (
     DrivesLeft,

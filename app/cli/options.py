@@ -1,7 +1,7 @@
 """Arguments and options that several commands share, each declared once."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
@@ -44,10 +44,6 @@ PointsCell = Annotated[Path | None, typer.Option(help="cell file for --points")]
 RunOrResult = Annotated[str, typer.Argument(metavar="RUN|RESULT", help="run, or result JSON")]
 Output = Annotated[Path, typer.Option("-o", "--output", help="file to write")]
 ResultFile = Annotated[Path, typer.Argument(metavar="RESULT", help="result JSON of catseye identify")]
-Hand = Annotated[Literal["right", "left"], typer.Option(help="of Cartesian positions: right has theta2 >= 0")]
-StartDirection = Annotated[
-    str, typer.Option(metavar="S1,S2", help="states of approach at the first Cartesian row, 1 or -1 each")
-]
 Workers = Annotated[
     int, typer.Option(min=0, help="processes that share the work; 0 takes one a core, 1 stays in this one")
 ]

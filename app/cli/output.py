@@ -4,7 +4,7 @@ import json
 import os
 import sys
 
-from catseye.app.cli.reporting import report_warning
+from catseye.app.cli.event_channel import report_warning
 from catseye.app.errors import OutputError, ReaderGoneError
 from catseye.drivers.roles.text import harmless_lines
 

@@ -5,7 +5,7 @@ import sys
 import time
 from collections.abc import Callable
 
-from catseye.app.cli.reporting import report_progress
+from catseye.app.cli.event_channel import report_progress
 from catseye.app.results.numbers import duration_text
 
 _BAR = 30

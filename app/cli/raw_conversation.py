@@ -100,6 +100,7 @@ async def converse(
     encode: Callable[[str], bytes],
     wait_s: float,
     io: Io | None,
+    stop: bytes | None,
 ) -> None:
     """Talk until stdin ends and the device is quiet.
 
@@ -109,12 +110,13 @@ async def converse(
         encode: returns the bytes of a typed line; ValueError for one that is not sent.
         wait_s: quiet for so long after the end of stdin, the conversation is over.
         io: says whether the door is closed; None when nobody has to know.
+        stop: bytes that stop the arm when the door opens; None: its driver knows none.
     """
     async with opened() as link:
         try:
             if io is not None:
                 await io.connect()
-            async with raw_door(io, link, SystemClock(), lambda text: note(f"{text}; STOP was sent")) as door:
+            async with raw_door(io, link, stop, SystemClock(), note) as door:
                 await _pass_lines(link, traffic, _if_closed(door, encode), wait_s)
         finally:
             if io is not None:

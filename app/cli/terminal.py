@@ -60,13 +60,14 @@ def terminal(
             )
         if not may_send:
             note(f"listening only: what is sent may move the robot; --arm {known.name} lets it pass")
-        io = None
+        io, stop = None, None
         if may_send and _moves(known, device):
-            link = partial(guarded, endpoint, _stop(known, device), traffic)
+            stop = _stop(known, device)
+            link = partial(guarded, endpoint, stop, traffic)
             io = device_builder(known, SystemClock())(_ignore).io
         else:
             link = partial(plain_connection, endpoint, traffic.show)
-        asyncio.run(converse(link, traffic, encode if may_send else _refusal(known), wait, io))
+        asyncio.run(converse(link, traffic, encode if may_send else _refusal(known), wait, io, stop))
 
 
 def endpoint_of(cell: "Cell", device: str) -> str:
@@ -75,13 +76,8 @@ def endpoint_of(cell: "Cell", device: str) -> str:
     Raises:
         UsageError: the cell has no such device; the text names the nearest one.
     """
-    places = {
-        "robot": cell.robot.endpoint,
-        "interferometer": cell.interferometer.endpoint,
-        "environment": cell.environment.endpoint,
-        **({"tracker": cell.tracker.endpoint} if cell.tracker else {}),
-        **{further.name: further.endpoint for further in cell.device},
-    }
+    places: dict[str, str] = {role: section.endpoint for role, section in cell.instruments.items()}
+    places |= {further.name: further.endpoint for further in cell.device}
     if device in places:
         return places[device]
     near = difflib.get_close_matches(device, places, n=1, cutoff=0.5)

@@ -8,11 +8,11 @@ from typing import TypeVar
 from catseye.app.cell.air import AirRule
 from catseye.app.engine.acknowledging import Acknowledging
 from catseye.app.engine.announcer import Announcer
-from catseye.app.engine.compensation import Compensation, missing_quantities
+from catseye.app.engine.compensation import missing_quantities
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.gate import MotionGate
-from catseye.app.engine.measuring import AirCache, measure, unless_dark
+from catseye.app.engine.measuring import AirCache, Lengths, lengths_of, measure, unless_dark
 from catseye.app.engine.mover import Mover
 from catseye.app.engine.operator import Answer, Operator
 from catseye.app.engine.recording import require_recordable, rows_of
@@ -114,9 +114,8 @@ class RunContext:
         self._gate = gate
         self._operator = operator
         self._announcer = announcer
-        self._air = AirCache(devices.environment, clock, air.max_age_s)
+        self._stated_lengths = lengths_of(devices, clock, air)
         self._material = devices.material and AirCache(devices.material, clock, _MATERIAL_MAX_AGE_S)
-        self._compensation = Compensation(devices.interferometer.compensated, air)
         self._doubts: set[str] = set()
         self._progress = Progress(clock)
         self._asked_s = 0.0
@@ -138,6 +137,19 @@ class RunContext:
     def resumed(self) -> bool:
         """The run goes on after an interruption."""
         return self._store.resumed
+
+    @property
+    def _lengths(self) -> Lengths:
+        """What distances are measured with.
+
+        Raises:
+            ConfigError: the cell has no device for it.
+        """
+        if self._stated_lengths is None:
+            raise ConfigError(
+                "this procedure needs [interferometer] and [environment] and the cell file lacks one of them; add it"
+            )
+        return self._stated_lengths
 
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step once; one that is done returns its stored result.
@@ -226,7 +238,7 @@ class RunContext:
     async def beam(self) -> BeamStatus:
         """Return the state of the beam now."""
         await self.checkpoint()
-        return await self._control.command(self._devices.interferometer.status())
+        return await self._control.command(self._lengths.counter.status())
 
     async def zero(self, dead_path_mm: float) -> None:
         """Zero the count.
@@ -416,9 +428,8 @@ class RunContext:
     async def _measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
         await self._sleep(settle_time_s)
         measured = await measure(
-            self._devices,
-            self._air,
-            self._compensation,
+            self._devices.robot,
+            self._lengths,
             self._clock,
             dwell_time_s,
             readings,
@@ -430,15 +441,15 @@ class RunContext:
         return replace(measured, beam=beam, material_c=material_c)
 
     async def _zero(self, dead_path_mm: float) -> int:
-        counter = self._devices.interferometer
-        number = await unless_dark(counter, counter.zero())
-        self._compensation.zeroed(await self._air.get(), dead_path_mm)
+        lengths = self._lengths
+        number = await unless_dark(lengths.counter, lengths.counter.zero())
+        lengths.compensation.zeroed(await lengths.air.get(), dead_path_mm)
         return number
 
     async def _warn_of_doubt(self, air: AirSample) -> None:
         """Warn once of each thing that is wrong with the samples of the air."""
         kind = ", ".join(missing_quantities(air)) or "range"
-        doubt = None if kind in self._doubts else self._compensation.doubt(air)
+        doubt = None if kind in self._doubts else self._lengths.compensation.doubt(air)
         if doubt is not None:
             self._doubts.add(kind)
             await self.warn(doubt)

@@ -30,8 +30,8 @@ class Devices:
 
     Attributes:
         robot: the controller.
-        interferometer: the length counter.
-        environment: the air sensor.
+        interferometer: the length counter, if the cell has one.
+        environment: the air sensor, if the cell has one.
         tracker: an independent instrument, if the cell has one.
         io: door interlock and stack light, if the cell has them.
         material: a sensor whose temperature is that of the links, if the cell has one.
@@ -39,8 +39,8 @@ class Devices:
     """
 
     robot: Robot
-    interferometer: Interferometer
-    environment: AirSensor
+    interferometer: Interferometer | None = None
+    environment: AirSensor | None = None
     tracker: Tracker | None = None
     io: Io | None = None
     material: AirSensor | None = None

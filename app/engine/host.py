@@ -57,6 +57,7 @@ from catseye.app.store.lines import LogHandler
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.interferometer import Interferometer
 from catseye.procedures.kit.records import Json
 
 _log = logging.getLogger(__name__)
@@ -176,12 +177,10 @@ class _Run:
         self._require_same_world(simulated)
         if devices.guard is not None:
             await self._own(devices.guard, simulated)
-        compensation = Compensation(devices.interferometer.compensated, self._request.air).facts()
-        self._require_same_compensation(compensation)
         facts: dict[str, Json] = {
             "devices": identities_as_json(identities),
             "simulated": simulated,
-            "compensation": compensation,
+            **self._compensation(devices.interferometer),
         }
         await self._describe(facts, simulated)
         self._handle.simulated = simulated
@@ -261,7 +260,7 @@ class _Run:
 
     def _conditions(self, devices: Devices) -> list[Condition]:
         conditions: list[Condition] = []
-        if self._request.air_limits.ranges:
+        if self._request.air_limits.ranges and devices.environment is not None:
             air = AirCache(devices.environment, self._clock, self._request.air.max_age_s)
             conditions.append(AirInRange(air, self._request.air_limits))
         return conditions
@@ -274,6 +273,14 @@ class _Run:
                 f"the aim comes from a search on {searched} devices and these are {present}: nothing was moved; "
                 "search on this bench first, or plan with --search none"
             )
+
+    def _compensation(self, counter: Interferometer | None) -> dict[str, Json]:
+        """Return who corrects lengths for the air, for the run; nothing where none is measured."""
+        if counter is None:
+            return {}
+        present = Compensation(counter.compensated, self._request.air).facts()
+        self._require_same_compensation(present)
+        return {"compensation": present}
 
     def _require_same_compensation(self, present: dict[str, Json]) -> None:
         meta = RunReader(self._store.path, Accept.UNCHECKED).meta

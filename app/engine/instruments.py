@@ -48,38 +48,29 @@ def require_drivers(cell: Cell) -> None:
 
 
 def _build(cell: Cell, clock: Clock, record: WireRecorder) -> Devices:
-    robot, counter, air = cell.robot, cell.interferometer, cell.environment
-    guard = ArmGuard(robot.endpoint)
-    settings = robot_settings(robot, record) | guard_setting(robot.driver, guard)
-    return Devices(
-        robot=_make(robot.driver, "robot", robot.endpoint, clock, record, settings, "robot"),
-        guard=guard,
-        interferometer=_make(
-            counter.driver,
-            "interferometer",
-            counter.endpoint,
-            clock,
-            record,
-            _joined("interferometer", _given(profile=counter.profile), counter.settings),
-            "interferometer",
-        ),
-        environment=_make(
-            air.driver,
-            "environment",
-            air.endpoint,
-            clock,
-            record,
-            _joined("environment", _given(map=air.map, pressure_address=air.pressure_register), air.settings),
-            "environment",
-        ),
-        io=None
-        if cell.io is None
-        else _make(cell.io.driver, "io", cell.io.endpoint, clock, record, cell.io.settings, "io"),
-        material=_material(cell, clock, record),
-        tracker=None
-        if cell.tracker is None
-        else _make(cell.tracker.driver, "tracker", cell.tracker.endpoint, clock, record, {}, "tracker"),
-    )
+    guard = ArmGuard(cell.robot.endpoint)
+    settings = _settings(cell)
+    settings["robot"] = robot_settings(cell.robot, record) | guard_setting(cell.robot.driver, guard)
+    made = {
+        role: _make(section.driver, role, section.endpoint, clock, record, settings[role], role)
+        for role, section in cell.instruments.items()
+    }
+    return Devices(**made, material=_material(cell, clock, record), guard=guard)
+
+
+def _settings(cell: Cell) -> dict[Role, dict[str, Any]]:
+    """Return the settings of the drivers that take them as they stand in the file."""
+    settings: dict[Role, dict[str, Any]] = {
+        role: section.settings for role, section in cell.instruments.items()
+    }
+    if counter := cell.interferometer:
+        settings["interferometer"] = _joined(
+            "interferometer", _given(profile=counter.profile), counter.settings
+        )
+    if air := cell.environment:
+        keys = _given(map=air.map, pressure_address=air.pressure_register)
+        settings["environment"] = _joined("environment", keys, air.settings)
+    return settings
 
 
 def _material(cell: Cell, clock: Clock, record: WireRecorder) -> AirSensor | None:

@@ -2,9 +2,10 @@
 
 import statistics
 from collections.abc import Callable, Coroutine
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
+from catseye.app.cell.air import AirRule
 from catseye.app.engine.compensation import Compensation
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.waiting import together
@@ -13,6 +14,7 @@ from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import RefusedError
 from catseye.drivers.roles.interferometer import BeamStatus, Interferometer, LengthReading
 from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.robot import Robot
 from catseye.procedures.kit.context import AirCorrection, Measurement
 from catseye.procedures.kit.errors import NoBeamError
 
@@ -43,6 +45,35 @@ class AirCache:
         return self._sample
 
 
+@dataclass(frozen=True)
+class Lengths:
+    """What a distance is measured with.
+
+    Attributes:
+        counter: the interferometer.
+        air: state of the air.
+        compensation: corrects for the air what the instrument does not.
+    """
+
+    counter: Interferometer
+    air: AirCache
+    compensation: Compensation
+
+
+def lengths_of(devices: Devices, clock: Clock, rule: AirRule) -> Lengths | None:
+    """Return what distances are measured with; None where a device for it is missing.
+
+    Args:
+        devices: of the run.
+        clock: of the run.
+        rule: of the correction for the air.
+    """
+    counter, air = devices.interferometer, devices.environment
+    if counter is None or air is None:
+        return None
+    return Lengths(counter, AirCache(air, clock, rule.max_age_s), Compensation(counter.compensated, rule))
+
+
 def dwell_interval_s(dwell_time_s: float, readings: int) -> float:
     """Return the time between two readings spread over a dwell, s; a single reading waits for nothing."""
     return dwell_time_s / (readings - 1) if readings > 1 else 0.0
@@ -64,9 +95,8 @@ async def unless_dark(counter: Interferometer, question: Coroutine[Any, Any, T])
 
 
 async def measure(
-    devices: Devices,
-    air: AirCache,
-    compensation: Compensation,
+    robot: Robot,
+    lengths: Lengths,
     clock: Clock,
     dwell_time_s: float,
     readings: int,
@@ -77,9 +107,8 @@ async def measure(
     The beam comes last since its latches show whether it was there during all readings.
 
     Args:
-        devices: of the run.
-        air: state of the air.
-        compensation: corrects for the air what the instrument does not.
+        robot: whose joints are read.
+        lengths: what the distance is measured with.
         clock: of the run.
         dwell_time_s: from the first to the last reading, s.
         readings: how many, at least 1.
@@ -104,17 +133,18 @@ async def measure(
                 await clock.sleep(wait_s)
             if number == readings - 1:
                 waited(clock.monotonic_s() - start_s)
-            taken.append(await unless_dark(devices.interferometer, devices.interferometer.read()))
+            taken.append(await unless_dark(lengths.counter, lengths.counter.read()))
 
     async def look() -> None:
-        reported.append(await devices.robot.joints())
+        reported.append(await robot.joints())
 
     async def sample() -> None:
-        samples.append(await air.get())
+        samples.append(await lengths.air.get())
 
     await together(read(), look(), sample())
-    beam = await devices.interferometer.status()
-    return replace(_average(taken, beam, reported[0], samples[0], time_utc, compensation), clock_s=clock_s)
+    beam = await lengths.counter.status()
+    averaged = _average(taken, beam, reported[0], samples[0], time_utc, lengths.compensation)
+    return replace(averaged, clock_s=clock_s)
 
 
 def _average(

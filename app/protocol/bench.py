@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from catseye.app.protocol.message import Message, absent
+from catseye.app.protocol.scara.layout import Layout
 
 LinkState = Literal["connecting", "ok", "lost", "closed", "raw"]
 
@@ -49,7 +50,7 @@ class AxisName(Message):
     unit: Literal["deg", "mm"]
 
     def text(self, value: float) -> str:
-        """Return a value with name and unit: J1 10.00°, J3 12.5 mm."""
+        """Return a value with name and unit: A1 10.00°, or 12.5 mm."""
         return f"{self.name} {value:.2f}°" if self.unit == "deg" else f"{self.name} {value:.1f} mm"
 
 
@@ -126,47 +127,6 @@ class AirStatus(Message):
     refractive_index: float | None
     formula: str
     age_s: float
-
-
-class ReflectorPlace(Message):
-    """A reflector as cell file or search have it."""
-
-    name: str
-    x_mm: float
-    y_mm: float
-    facing_deg: float
-    field_half_angle_deg: float
-
-
-class Layout(Message):
-    """The bench from above: a SCARA's, until arm descriptions bring their own.
-
-    Attributes:
-        link1_mm: length of link 1.
-        link2_mm: length of link 2.
-        column_radius_mm: of the robot's column.
-        theta40_deg: direction of the beam at J4 = 0.
-        limits_deg: lowest and highest angle, by axis.
-        reflectors: all.
-        aim: name of the one that the beam is meant for; None when it passes all.
-    """
-
-    link1_mm: float
-    link2_mm: float
-    column_radius_mm: float
-    theta40_deg: float
-    limits_deg: dict[str, tuple[float, float]]
-    reflectors: tuple[ReflectorPlace, ...]
-    aim: str | None
-
-    @property
-    def aimed(self) -> ReflectorPlace | None:
-        """The reflector that the beam is meant for."""
-        return self.reflector(self.aim)
-
-    def reflector(self, name: str | None) -> ReflectorPlace | None:
-        """Return a reflector by its name; None where there is none."""
-        return next((each for each in self.reflectors if each.name == name), None)
 
 
 class BenchStatus(Message):

@@ -10,71 +10,23 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from catseye.app.cell.axes import arm_of, robot_driver
-from catseye.app.cell.bench import scara_bench_of
+from catseye.app.cell.axes import robot_driver
 from catseye.app.cell.model import Cell, Interferometer
-from catseye.app.cell.scara.sections import Alignment
 from catseye.app.errors import ConfigError, LinkFailedError
-from catseye.app.files.documents import read_document
 from catseye.drivers.counter.profile import load_profile
 from catseye.drivers.roles.errors import ProfileError
 from catseye.drivers.roles.registry import driver_names, load_driver
 from catseye.simulators.config import (
     EmulatedDevice,
-    EmulationConfig,
     Option,
-    ReflectorPlace,
-    Scara,
-    Screws,
-    TruthText,
 )
 from catseye.simulators.control_port.client import ask
 from catseye.simulators.control_port.messages import ReadTruth
 from catseye.simulators.registry import emulator_names
 
 _READY_TIMEOUT_S = 20.0
-_DEVICES = ("robot", "interferometer", "environment", "control")
-
-
-def emulation_config(cell: Cell, speed: float, seed: int, truth: Path | None) -> EmulationConfig:
-    """Return the emulated bench of a cell file.
-
-    Args:
-        cell: what stands on the bench, and where its devices answer.
-        speed: bench seconds in one real second.
-        seed: of everything random.
-        truth: result JSON with the true arm; None draws one.
-
-    Raises:
-        ConfigError: an endpoint cannot be emulated, or the file with the true arm cannot be read.
-    """
-    bench = scara_bench_of(cell, "the emulated bench")
-    # The cell file narrows the height to where everything is measured; the emulated arm has its whole stroke.
-    one, two, height, four = (axis.range for axis in arm_of(cell.robot).axes)
-    return EmulationConfig(
-        reflectors=tuple(ReflectorPlace(r.name, r.x_mm, r.y_mm, r.facing_deg) for r in cell.reflector),
-        scara=Scara(bench.link1_mm, bench.link2_mm),
-        limits=(one, two, height, four),
-        start_joints=(0.0, 0.0, bench.j3_mm, 0.0),
-        acceptance_mm=cell.optics.acceptance_mm,
-        field_half_angle_deg=cell.optics.field_half_angle_deg,
-        column_radius_mm=cell.optics.column_radius_mm,
-        screws=_screws(cell.alignment),
-        one_reflector=cell.optics.one_reflector,
-        devices=emulated_devices(cell),
-        control="tcp://127.0.0.1:0" if cell.tracker is None else cell.tracker.endpoint,
-        speed=speed,
-        seed=seed,
-        truth=None if truth is None else TruthText(read_document(truth), str(truth)),
-    )
-
-
-def _screws(alignment: Alignment) -> Screws:
-    return Screws(
-        stage_mm_per_turn=alignment.stage_mm_per_turn * (1.0 if alignment.stage_clockwise == "+y" else -1.0),
-        level_mrad_per_turn=alignment.level_mrad_per_turn
-        * (1.0 if alignment.level_clockwise == "up" else -1.0),
-    )
+_LAST = "control"
+"""Every emulated bench has it; its endpoint is printed after those of the devices."""
 
 
 def emulated_devices(cell: Cell) -> tuple[EmulatedDevice, ...]:
@@ -83,8 +35,7 @@ def emulated_devices(cell: Cell) -> tuple[EmulatedDevice, ...]:
     Raises:
         ConfigError: there is no emulator of what a driver speaks.
     """
-    robot, counter, air = cell.robot, cell.interferometer, cell.environment
-    options = {**air.settings, "map": air.map, "pressure_address": air.pressure_register}
+    robot = cell.robot
     spoken = robot_driver(robot.driver).protocols or {"endpoint": robot.driver}
     devices = [EmulatedDevice("robot", spoken["endpoint"], robot.endpoint)]
     for key, endpoint in robot.further_endpoints.items():
@@ -92,9 +43,12 @@ def emulated_devices(cell: Cell) -> tuple[EmulatedDevice, ...]:
         # The settings are those of the driver in use.
         used = _plain(robot.settings) if robot.driver == driver else {}
         devices.append(EmulatedDevice("robot", protocol, endpoint, used))
-    settings = {**_lengths_of(counter), **counter.settings}
-    devices.append(_device("interferometer", counter.driver, counter.endpoint, settings))
-    devices.append(_device("environment", air.driver, air.endpoint, options))
+    if counter := cell.interferometer:
+        settings = {**_lengths_of(counter), **counter.settings}
+        devices.append(_device("interferometer", counter.driver, counter.endpoint, settings))
+    if air := cell.environment:
+        options = {**air.settings, "map": air.map, "pressure_address": air.pressure_register}
+        devices.append(_device("environment", air.driver, air.endpoint, options))
     if cell.io is not None:
         devices.append(_device("io", cell.io.driver, cell.io.endpoint, cell.io.settings))
     devices += [_device(d.name, d.driver, d.endpoint, d.settings) for d in cell.device]
@@ -207,7 +161,7 @@ async def _endpoints(process: asyncio.subprocess.Process, stderr: BinaryIO) -> d
         raise LinkFailedError("the emulator was started without a pipe")
     try:
         async with asyncio.timeout(_READY_TIMEOUT_S):
-            while not set(_DEVICES) <= set(found):
+            while _LAST not in found:
                 line = await stdout.readline()
                 if not line:
                     stderr.seek(0)

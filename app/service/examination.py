@@ -16,7 +16,7 @@ from catseye.app.errors import UsageError
 from catseye.app.protocol.examination import DeviceExamination
 from catseye.drivers.roles.air import AirSensor
 from catseye.drivers.roles.clock import SystemClock
-from catseye.drivers.roles.device import ROLES, Device, Role
+from catseye.drivers.roles.device import Device, Role
 from catseye.drivers.roles.errors import DeviceError, ProtocolError, RefusedError
 from catseye.drivers.roles.interferometer import Interferometer
 from catseye.drivers.roles.io import Io
@@ -39,17 +39,8 @@ async def examine(cell: Cell, only: str | None) -> list[DeviceExamination]:
     clock, rule, bench = SystemClock(), air_rule(cell), bench_of(cell)
     devices = device_builder(cell, clock)(_ignore)
     further = [(device, further_device(device, clock, _ignore)) for device in cell.device]
-    endpoints: dict[Role, str] = {
-        "robot": cell.robot.endpoint,
-        "interferometer": cell.interferometer.endpoint,
-        "environment": cell.environment.endpoint,
-    }
-    if cell.io is not None:
-        endpoints["io"] = cell.io.endpoint
-    if cell.tracker is not None:
-        endpoints["tracker"] = cell.tracker.endpoint
     drivers: list[tuple[str, str, Role, Any]] = [
-        (role, endpoints[role], role, devices.named()[role]) for role in ROLES if role in endpoints
+        (role, section.endpoint, role, devices.named()[role]) for role, section in cell.instruments.items()
     ]
     drivers += [
         (device.name, device.endpoint, load_driver(device.driver).role, driver) for device, driver in further

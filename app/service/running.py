@@ -103,7 +103,7 @@ def plan_run(
         ProcedureError: the plan violates a limit or cannot be made.
         UsageError: the search run cannot be used.
     """
-    bench = bench_for(loaded.cell, procedure.needs.bench, procedure.name)
+    bench = bench_for(loaded.cell, procedure.needs, procedure.name)
     aim = find_basis(procedure.needs.basis, bench, root, search)
     plan = procedure.plan(aim.bench, params)
     return PlannedRun(loaded, procedure, params, aim.bench, plan, aim.source, aim.simulated)

@@ -247,7 +247,7 @@ class RunReader:
         """Return how many rows a table has; 0 where the run has no such one."""
         if not self._query("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?", table):
             return 0
-        return int(self._query(f"SELECT count(*) FROM {table}")[0][0])
+        return int(self._query(f'SELECT count(*) FROM "{table}"')[0][0])
 
     @property
     def measured(self) -> int:
@@ -290,7 +290,7 @@ class RunReader:
             if "journal" in tables:
                 found = connection.execute("SELECT row, place, crc32 FROM journal WHERE of = ?", (table,))
                 entries = {row: (place, crc32) for row, place, crc32 in found}
-            rows = connection.execute(f'SELECT rowid AS "#", * FROM {table} ORDER BY rowid').fetchall()
+            rows = connection.execute(f'SELECT rowid AS "#", * FROM "{table}" ORDER BY rowid').fetchall()
         numbered = [dict(row) for row in rows]
         return {row.pop("#"): row for row in numbered}, entries
 

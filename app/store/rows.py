@@ -85,7 +85,8 @@ def row_crc32(table: str, row: Mapping[str, Value]) -> int:
 
 def _insert(db: sqlite3.Connection, table: str, names: Sequence[str], values: Sequence[Value]) -> None:
     places = ", ".join("?" * len(names))
-    stored = db.execute(f"INSERT INTO {table} ({', '.join(names)}) VALUES ({places})", values)
+    columns = ", ".join(f'"{name}"' for name in names)
+    stored = db.execute(f'INSERT INTO "{table}" ({columns}) VALUES ({places})', values)
     entry = (table, stored.lastrowid, row_crc32(table, dict(zip(names, values, strict=True))))
     db.execute("INSERT INTO journal (of, row, crc32) VALUES (?, ?, ?)", entry)
 

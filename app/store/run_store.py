@@ -23,7 +23,7 @@ from catseye.app.store.lines import DEFAULT_MAX_BYTES, JsonLines, WireLog
 from catseye.app.store.lock import RunLock
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.rows import Value, encode, insert, insert_data, to_json
-from catseye.app.store.tables import declare
+from catseye.app.store.tables import declare, require_fitting
 from catseye.app.store.writer import Writer
 from catseye.drivers.roles.clock import Clock
 from catseye.procedures.kit.records import Json, Record, Row, Table, tables_of
@@ -126,7 +126,7 @@ class RunStore:
 
         Raises:
             UsageError: the run is complete.
-            StorageError: another process writes it, or it cannot be opened.
+            StorageError: another process writes it, its tables are other ones, or it cannot be opened.
         """
         # Whoever planned how it goes on has compared it with its manifest, off the event loop.
         reader = RunReader(path, Accept.UNCHECKED)
@@ -135,6 +135,8 @@ class RunStore:
             raise UsageError(f"{path.name} is complete; start a new run")
         if before == "running":
             raise StorageError(f"{path} is being written by a running catseye; stop that first")
+        # While the run is still sealed: what is refused stays as it was.
+        require_fitting(reader.tables(), tables_of(records))
         require_space(path, reserve_bytes)
         # A process that is just sealing the run has stored its closing record and still holds the lock.
         lock = RunLock(path)

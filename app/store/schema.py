@@ -47,7 +47,7 @@ what it lacks; only newer programs read it then.
 def append_only(table: str) -> tuple[str, ...]:
     """Return the statements that keep a table from being changed."""
     return tuple(
-        f"CREATE TRIGGER IF NOT EXISTS {table}_no_{verb.lower()} BEFORE {verb} ON {table} "
+        f'CREATE TRIGGER IF NOT EXISTS {table}_no_{verb.lower()} BEFORE {verb} ON "{table}" '
         f"BEGIN SELECT RAISE(ABORT, '{table} is append-only'); END;"
         for verb in ("UPDATE", "DELETE")
     )

@@ -29,8 +29,9 @@ def tables_in(db: sqlite3.Connection) -> dict[str, Table]:
 def declare(db: sqlite3.Connection, tables: Iterable[Table]) -> dict[str, Table]:
     """Make the tables and columns that a run does not have yet; return all that it has then, by name.
 
-    Raises:
-        StorageError: a table of an earlier program has other columns than it would have now.
+    Args:
+        db: the run's file.
+        tables: that fit those of the run; see `require_fitting`.
     """
     known = tables_in(db)
     for table in tables:
@@ -39,6 +40,27 @@ def declare(db: sqlite3.Connection, tables: Iterable[Table]) -> dict[str, Table]
         else:
             _complete(db, known[table.name], table)
     return tables_in(db)
+
+
+def require_fitting(known: Iterable[Table], tables: Iterable[Table]) -> None:
+    """Check that a run of an earlier program can take what is to be stored.
+
+    Args:
+        known: tables of the run.
+        tables: of what is to be stored.
+
+    Raises:
+        StorageError: a table has other columns than it would have now.
+    """
+    stored = {table.name: table for table in known}
+    for table in tables:
+        columns = {*stored.get(table.name, table).columns}
+        lacking = {*table.columns} - columns
+        if any(column.required for column in lacking) or not columns <= {*table.columns}:
+            raise StorageError(
+                f"the run's table {table.name} has other columns than this program stores; go on with the version "
+                "that began the run, or start a new run"
+            )
 
 
 def measured_rows(db: sqlite3.Connection) -> int:
@@ -60,7 +82,7 @@ def _columns(db: sqlite3.Connection, name: str) -> tuple[Column, ...]:
 def _make(db: sqlite3.Connection, table: Table) -> None:
     columns = "".join(f"{_definition(column)}, " for column in table.columns)
     db.execute(
-        f"CREATE TABLE {table.name} (step_id TEXT NOT NULL, attempt INTEGER NOT NULL, seq INTEGER NOT NULL, "
+        f'CREATE TABLE "{table.name}" (step_id TEXT NOT NULL, attempt INTEGER NOT NULL, seq INTEGER NOT NULL, '
         f"{columns}extra TEXT NOT NULL CHECK (json_valid(extra)), PRIMARY KEY (step_id, attempt, seq)) STRICT"
     )
     for trigger in append_only(table.name):
@@ -70,15 +92,10 @@ def _make(db: sqlite3.Connection, table: Table) -> None:
 def _complete(db: sqlite3.Connection, known: Table, table: Table) -> None:
     """Add the columns that a table of an earlier program lacks."""
     names = {column.name for column in known.columns}
-    further = [column for column in table.columns if column.name not in names]
-    if any(column.required for column in further) or not {*known.columns} <= {*table.columns}:
-        raise StorageError(
-            f"the run's table {table.name} has other columns than this program stores; go on with the version that "
-            "began the run, or start a new run"
-        )
-    for column in further:
-        db.execute(f"ALTER TABLE {table.name} ADD COLUMN {_definition(column)}")
+    for column in (column for column in table.columns if column.name not in names):
+        db.execute(f'ALTER TABLE "{table.name}" ADD COLUMN {_definition(column)}')
 
 
 def _definition(column: Column) -> str:
-    return f"{column.name} {column.kind}{' NOT NULL' if column.required else ''}"
+    # Quoted, since a name that says what it is may be a word of SQL: index, order.
+    return f'"{column.name}" {column.kind}{" NOT NULL" if column.required else ""}'

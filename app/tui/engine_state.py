@@ -10,10 +10,11 @@ from catseye.app.tui.run_state import LogLine, RunState
 
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.
-    from catseye.app.protocol.bench import BenchStatus, ReflectorPlace, RobotStatus, Samples, WireLine
+    from catseye.app.protocol.bench import BenchStatus, RobotStatus, Samples, WireLine
     from catseye.app.protocol.engine_events import Client, DrivesFields, JogFields, RawChanged
     from catseye.app.protocol.events import AnyEvent
     from catseye.app.protocol.message import Event
+    from catseye.app.protocol.scara.layout import ReflectorPlace
     from catseye.app.protocol.snapshot import Snapshot
 
 WIRE_LINES: Final = 5000

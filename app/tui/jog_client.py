@@ -9,8 +9,6 @@ from catseye.app.service.dead_man import DeadMan
 from catseye.app.tui.link import Link
 from catseye.app.tui.requests import Requests
 
-HoldJoint = Literal["j1", "j2", "j4"]
-Joint = Literal["j1", "j2", "j4", "beam"]
 Way = Literal[-1, 1]
 
 FEED_S: Final = 0.05
@@ -22,12 +20,12 @@ class Step:
     """One step of a joint, or of the beam.
 
     Attributes:
-        joint: what moves.
+        joint: what moves, as the engine names it.
         by: deg; mm at the aim for the beam.
         aim: reflector that the beam is kept on, or measured at.
     """
 
-    joint: Joint
+    joint: str
     by: float
     aim: str | None = None
 
@@ -54,7 +52,7 @@ class JogClient:
         self._now_s = now_s
         self._failed = failed
         self._sleep = sleep
-        self._key: DeadMan[tuple[HoldJoint, Way]] = DeadMan()
+        self._key: DeadMan[tuple[str, Way]] = DeadMan()
         self._motion: asyncio.Task[None] | None = None
 
     @property
@@ -70,13 +68,13 @@ class JogClient:
         self._motion = asyncio.create_task(self._take(steps))
         return True
 
-    def press(self, joint: HoldJoint, way: Way) -> None:
+    def press(self, joint: str, way: Way) -> None:
         """Take a press of a key that moves a joint as long as it is held."""
         now_s = self._now_s()
         self._key.press((joint, way), now_s)
         if not self.busy and self._key.held(now_s) is not None:
             self._requests.refused = False
-            self._motion = asyncio.create_task(self._keep_moving())
+            self._motion = asyncio.create_task(self._keep_moving(joint))
 
     def let_go(self) -> None:
         """End whatever is under way; the arm stops now."""
@@ -84,11 +82,10 @@ class JogClient:
         if self._motion is not None and self.busy:
             self._motion.cancel()
 
-    async def _keep_moving(self) -> None:
-        """Feed the engine while the key is held; however this ends, the arm is stopped."""
+    async def _keep_moving(self, joint: str) -> None:
+        """Feed the engine while a key is held; however this ends, the arm is stopped."""
         from catseye.app.protocol.requests import JogHold
 
-        joint: HoldJoint = "j1"
         try:
             while (held := self._key.held(self._now_s())) is not None and not self._requests.refused:
                 joint, way = held
@@ -114,7 +111,7 @@ class JogClient:
         except (RefusedError, ServiceError) as error:
             self._failed(str(error))
         except asyncio.CancelledError:
-            self._requests.send(JogHold(joint="j4", direction=0))
+            self._requests.send(JogHold(joint=steps[0].joint, direction=0))
             raise
         finally:
             alive.cancel()

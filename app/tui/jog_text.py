@@ -7,6 +7,7 @@ from textual.content import Content
 
 from catseye.app.protocol.banners import SIMULATION
 from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.scara.jog_keys import JOINT_ROWS, NO_AIM, WITH_AIM
 from catseye.app.tui.widgets.status_bar import STALE_S, age_style
 
 STEPS: Final = (0.01, 0.1, 1.0, 5.0, 10.0)
@@ -14,12 +15,6 @@ STEPS: Final = (0.01, 0.1, 1.0, 5.0, 10.0)
 
 PERCENTS: Final = (1, 2, 5, 10, 15, 20, 30, 50, 100)
 """Speed overrides that can be chosen."""
-
-_KEYS: Final = (
-    ("J1", "← a", "→ d", 0),
-    ("J2", "↑ w", "↓ s", 1),
-    ("J4", "q", "e", 3),
-)
 
 
 @dataclass
@@ -164,8 +159,8 @@ def _steps(choices: Choices) -> list[tuple[str, str] | str]:
 
 def _aim(choices: Choices) -> list[tuple[str, str]]:
     if choices.aim is None:
-        return [("no aim: J1 and J2 take the beam away", "dim")]
-    return [_option(choices.aim, chosen=True), (" J4 follows steps · p points at it", "")]
+        return [(NO_AIM, "dim")]
+    return [_option(choices.aim, chosen=True), (WITH_AIM, "")]
 
 
 def _option(text: str, *, chosen: bool) -> tuple[str, str]:
@@ -177,7 +172,7 @@ def _key_table(engine: EngineState, choices: Choices, now_s: float) -> list[Cont
     age_s = None if engine.robot is None else engine.robot.age_s
     style, age = age_style(age_s, now_s - engine.bench_at_s)
     lines = [Content.styled(f"{'':<6}{'+ ↺':<9}{'− ↻':<9}{age.strip()}", "dim")]
-    for name, plus, minus, place in _KEYS:
+    for name, plus, minus, place in JOINT_ROWS:
         value = None if joints is None else joints[place]
         angle = "         —" if value is None else f"{value:10.3f} deg"
         lines.append(Content.assemble(f"{name:<6}{plus:<9}{minus:<9}", (angle, style)))

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from catseye.drivers.roles.device import Role
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.records import Row
 
@@ -95,12 +96,14 @@ class Needs:
 
     Attributes:
         bench: kind of bench that it is planned on.
+        roles: of the devices that it uses beside the robot.
         equipment: of the bench.
         after: procedures that should have been run.
         basis: earlier run that the plan is made from; None for none.
     """
 
     bench: type[Bench] = Bench
+    roles: tuple[Role, ...] = ()
     equipment: tuple[Equipment, ...] = ()
     after: tuple[After, ...] = ()
     basis: Basis | None = None

@@ -25,6 +25,9 @@ EXTRA: Final = "extra"
 
 _RESERVED: Final = frozenset({"meta", "steps", "events", "prompts", "journal"})
 
+_TAKEN: Final = frozenset({*KEY, EXTRA, "place", "rowid", "oid"})
+"""Columns that the store has itself, or that SQLite and a reader number rows by."""
+
 
 @dataclass(frozen=True)
 class Column:
@@ -50,7 +53,7 @@ class Table:
         columns: in order.
 
     Raises:
-        ValueError: a name is the store's own, or would need quotes.
+        ValueError: a name is the store's or SQLite's own, or no plain word.
     """
 
     name: str
@@ -60,8 +63,8 @@ class Table:
         """Check the names."""
         names = [column.name for column in self.columns]
         wrong = [name for name in (self.name, *names) if not _NAME.fullmatch(name)]
-        taken = {self.name} & _RESERVED | set(names) & {*KEY, EXTRA}
-        if wrong or taken or len(set(names)) < len(names):
+        taken = {self.name} & _RESERVED | set(names) & _TAKEN
+        if wrong or taken or self.name.startswith("sqlite_") or len(set(names)) < len(names):
             raise ValueError(f"table {self.name!r} with columns {', '.join(names)}: choose other names")
 
     @property
@@ -77,11 +80,15 @@ class Record:
     Attributes:
         table: name of the table that takes it.
         is_point: progress counts it, and front ends are shown it as it comes.
+        target_column: of a point, the column that names what it was measured at; empty for none.
+        segment_column: of a point, the column with the number of the count that it belongs to; empty for none.
         extra: what belongs to this record alone.
     """
 
     table: ClassVar[str]
     is_point: ClassVar[bool] = False
+    target_column: ClassVar[str] = ""
+    segment_column: ClassVar[str] = ""
     extra: Row = field(default_factory=dict)
 
 

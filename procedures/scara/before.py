@@ -2,9 +2,13 @@
 
 from typing import Final
 
+from catseye.drivers.roles.device import Role
 from catseye.procedures.kit.needs import After, Equipment
 from catseye.procedures.kit.procedure import Analysis, Stage
 from catseye.procedures.scara.bench import ScaraBench
+
+COUNTER: Final[tuple[Role, ...]] = ("interferometer", "environment")
+"""The length counter, and the sensor of the air that its lengths are corrected for."""
 
 WARM_S: Final = 4 * 3600.0
 """Links and drives cool down within hours."""

@@ -13,6 +13,8 @@ class Distance(Record):
 
     table: ClassVar[str] = "points"
     is_point: ClassVar[bool] = True
+    target_column: ClassVar[str] = "reflector"
+    segment_column: ClassVar[str] = "segment"
     reflector: str
     segment: int
     theta1_deg: float

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from catseye.app.cell.load import load_cell
-from catseye.app.service.emulation import emulation_config
+from catseye.app.service.scara.emulation import emulation_config
 from catseye.simulators.config import ErrorBudget, TruthText
 from catseye.simulators.emulated_bench import EmulatedBench
 

@@ -18,7 +18,7 @@ import pytest
 from scipy.stats import chi2
 
 from catseye.app.cell.load import load_cell
-from catseye.app.service.emulation import emulation_config
+from catseye.app.service.scara.emulation import emulation_config
 from catseye.calibration.core.types import Floats
 from catseye.simulators.config import EmulationConfig, ErrorBudget
 from catseye.simulators.world.scara.axis_errors import RadialError

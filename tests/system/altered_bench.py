@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from catseye.app.cell.load import load_cell
-from catseye.app.service.emulation import emulation_config
+from catseye.app.service.scara.emulation import emulation_config
 from catseye.simulators.config import EmulationConfig
 from catseye.simulators.emulated_bench import EmulatedBench
 

@@ -66,7 +66,7 @@ def modbus_cell(folder: Path) -> Iterator[ModbusCell]:
     """Emulate the cell at the speed of the clock."""
     with emulated(folder, "--speed", "1", text=TEMPLATE + _FURTHER.format(folder=folder)) as bench:
         cell = load_cell(bench.cell).cell
-        assert cell.io is not None
-        ports = [int(e.rpartition(":")[2]) for e in (cell.environment.endpoint, cell.io.endpoint)]
+        endpoints = (cell.instruments["environment"].endpoint, cell.instruments["io"].endpoint)
+        ports = [int(endpoint.rpartition(":")[2]) for endpoint in endpoints]
         lines = [str(folder / name) for name in ("air", "comet", "io", "ptu")]
         yield ModbusCell(bench, ports[0], ports[1], *lines)

@@ -9,16 +9,33 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from catseye.app.cell.load import load_cell
 from tests.patience import HANG_S
-from tests.system.command import Emulated, begun, emulated, environment
+from tests.system.command import Emulated, begun, catseye, emulated, environment
 from tests.system.feeder import FEED_S, hold
 from tests.system.forked import Forked
 from tests.system.guarded import guards_of
 from tests.system.socket_client import Lines
+
+ROBOT_ALONE = """
+format = "catseye-cell/1"
+name = "arm-1"
+
+[robot]
+endpoint = "{robot}"
+
+[robot.limits_deg]
+j1 = [-170.0, 10.0]
+
+[tracker]
+endpoint = "{tracker}"
+"""
 
 NARROW = {"j1 = [-170.0, 170.0]": "j1 = [-170.0, 10.0]"}
 
@@ -364,3 +381,19 @@ def test_raw_bytes_to_a_robot_need_the_cells_name(engine: Engine) -> None:
     until(lambda: len(engine.requests("STOP")) > stopped)
     engine.client = engine.joined("Ben")
     until(lambda: engine.client.ask("control")["ok"] and engine.client.ask("jog", on=True)["ok"])
+
+
+def test_a_cell_without_interferometer_is_examined_and_jogged(bench: Emulated, tmp_path: Path) -> None:
+    emulated_cell = load_cell(bench.cell).cell.instruments
+    path = tmp_path / "cell.toml"
+    endpoints = {role: emulated_cell[role].endpoint for role in ("robot", "tracker")}
+    path.write_text(ROBOT_ALONE.format(**endpoints), encoding="utf-8")
+    doctor = catseye("doctor", path, "--json", cwd=tmp_path)
+    assert doctor.returncode == 0, doctor.stderr
+    assert [each["device"] for each in json.loads(doctor.stdout)["devices"]] == ["robot", "tracker"]
+    with engine_of(replace(bench, cell=path)) as engine:
+        client, before = engine.steering(), engine.joints()
+        assert fed(client, "j1", -1, 0.5)["ok"]
+        engine.rest_s()
+        assert engine.joints()[0] < before[0]
+        assert client.ask("jog", on=False)["ok"]

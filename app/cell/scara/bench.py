@@ -5,15 +5,30 @@ from dataclasses import replace
 
 from catseye.app.cell.scara.sections import ScaraRobot, ScaraSections
 from catseye.app.cell.scara.uncertainty import Uncertainty
-from catseye.drivers.roles.pose import Axes
-from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.bench import Arm, Bench
 from catseye.procedures.scara.bench import Alignment, Noise, Optics, Reflector, ScaraBench
 
+_UNITS = ["deg", "deg", "mm", "deg"]
 _RANGE_KEYS = ("limits_deg.j1", "limits_deg.j2", "j3_mm or j3_range_mm", "limits_deg.j4")
 
 
+def stated_arm(arm: Arm, robot: ScaraRobot) -> Arm:
+    """Return a SCARA with the heights, speeds and accelerations of the cell file; any other arm as it is.
+
+    The acceleration of J3 is not known, so estimates of time leave it out.
+    """
+    if [axis.unit for axis in arm.axes] != _UNITS:
+        return arm
+    one, two, height, four = arm.axes
+    low, high = robot.j3_range_mm or height.range
+    turning = zip((one, two, four), robot.speed_deg_s, robot.acceleration_deg_s2, strict=True)
+    one, two, four = (replace(axis, speed=speed, acceleration=ramp) for axis, speed, ramp in turning)
+    height = replace(height, low=low, high=high, speed=robot.j3_speed_mm_s)
+    return replace(arm, axes=(one, two, height, four), range_keys=_RANGE_KEYS)
+
+
 def scara_bench(bench: Bench, sections: ScaraSections) -> ScaraBench:
-    """Return a bench with what open-loop tracking knows of it.
+    """Return a bench with what open-loop tracking knows of it; J3 stays at its height unless it has a range.
 
     Args:
         bench: arm, workspace, timing.
@@ -23,7 +38,7 @@ def scara_bench(bench: Bench, sections: ScaraSections) -> ScaraBench:
     link1_mm, link2_mm = robot.links_mm
     return ScaraBench(
         name=bench.name,
-        arm=replace(bench.arm, axes=_axes(bench.arm.axes, robot), range_keys=_RANGE_KEYS),
+        arm=bench.arm if heights else _at_height(bench.arm, robot.j3_mm),
         workspace=bench.workspace,
         timing=bench.timing,
         tracker=bench.tracker,
@@ -49,16 +64,9 @@ def facing_deg(x_mm: float, y_mm: float, given_deg: float | None) -> float:
     return math.degrees(math.atan2(y_mm, x_mm)) + 180.0 if given_deg is None else given_deg
 
 
-def _axes(axes: Axes, robot: ScaraRobot) -> Axes:
-    """Return the axes with speeds, accelerations and the height of J3 as the cell file states them.
-
-    The acceleration of J3 is not known, so estimates of time leave it out.
-    """
-    one, two, height, four = axes
-    low, high = robot.j3_range_mm or (robot.j3_mm, robot.j3_mm)
-    turning = zip((one, two, four), robot.speed_deg_s, robot.acceleration_deg_s2, strict=True)
-    one, two, four = (replace(axis, speed=speed, acceleration=ramp) for axis, speed, ramp in turning)
-    return (one, two, replace(height, low=low, high=high, speed=robot.j3_speed_mm_s), four)
+def _at_height(arm: Arm, j3_mm: float) -> Arm:
+    one, two, height, four = arm.axes
+    return replace(arm, axes=(one, two, replace(height, low=j3_mm, high=j3_mm), four))
 
 
 def _noise(stated: Uncertainty) -> Noise:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Literal, Self
+from typing import Annotated, Final, Literal, Self
 
 from pydantic import AfterValidator, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
@@ -22,6 +22,10 @@ def _ordered(value: list[float]) -> list[float]:
 
 
 Limit = Annotated[Range, AfterValidator(_ordered)]
+
+
+TIMES: Final = ("speed_deg_s", "j3_speed_mm_s", "acceleration_deg_s2")
+"""Keys of [robot] that serve estimates of time and say nothing about where anything stands."""
 
 
 class Limits(Section):

@@ -26,6 +26,12 @@ def further_endpoint_of(driver: str) -> str:
     return robot_driver(driver).abilities.further_endpoint if driver in known else ""
 
 
+def has_setting(driver: str, name: str) -> bool:
+    """Return whether an installed driver has a setting of this name."""
+    found = dict(_installed()).get(driver)
+    return found is not None and name in found.Settings.model_fields
+
+
 def setting_questions(section: str, driver: str, without: frozenset[str]) -> tuple[Question, ...]:
     """Return a question for each setting of a driver, from the driver's own model.
 

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from typing import Final
 
 from catseye.app.cell.model import CAP_WITHOUT_REASON_PERCENT
-from catseye.app.cell.wizard.drivers import drivers_of, further_endpoint_of, setting_questions
-from catseye.app.cell.wizard.question import Choice, Question
+from catseye.app.cell.wizard.drivers import drivers_of, further_endpoint_of, has_setting, setting_questions
+from catseye.app.cell.wizard.question import YES_NO, Choice, Question
+from catseye.app.cell.wizard.scara.questions import REFLECTORS, joint_limits, measurement, nominal_arm, optics
 
 Answer = Callable[[str], str]
 """Returns the present answer to a key; what is asked can depend on it."""
 
 _ENDPOINT: Final = "tcp://192.168.0.20:10001 or serial:///dev/ttyUSB0?baud=9600&parity=E&stopbits=2"
-YES_NO: Final = (Choice(True), Choice(False))
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ def _needs_reason(cap_percent: str) -> bool:
 
 
 def _robot(answer: Answer) -> list[Question]:
-    return [*_controller(answer), *_nominal_arm(), *_motion_limits(answer)]
+    return [*_controller(answer), *nominal_arm(), *_override_cap(answer), *joint_limits()]
 
 
 def _controller(answer: Answer) -> list[Question]:
@@ -83,25 +83,9 @@ def _controller(answer: Answer) -> list[Question]:
     ]
 
 
-def _nominal_arm() -> list[Question]:
-    return [
-        Question("robot.link1_mm", "Link 1, mm", "from J1 to J2, nominal, from the catalogue", "number"),
-        Question("robot.link2_mm", "Link 2, mm", "from J2 to J4, nominal, from the catalogue", "number"),
-        Question(
-            "robot.j3_mm",
-            "Height J3, mm",
-            "where the beam is at the height of the reflectors; beam-level finds it",
-            "number",
-        ),
-    ]
-
-
-def _motion_limits(answer: Answer) -> list[Question]:
+def _override_cap(answer: Answer) -> list[Question]:
     reason = Question("robot.override_cap_reason", "Reason for that", "why the arm is let go so fast")
     return [
-        Question(
-            "robot.j3_range_mm", "Range of J3, mm", "two numbers: heights levelling may go to", "numbers"
-        ),
         Question(
             "robot.override_cap_percent",
             "Override at most, %",
@@ -109,15 +93,6 @@ def _motion_limits(answer: Answer) -> list[Question]:
             "number",
         ),
         *([reason] if _needs_reason(answer("robot.override_cap_percent")) else []),
-        *(
-            Question(
-                f"robot.limits_deg.{joint}",
-                f"Limits of {joint.upper()}, deg",
-                "two numbers, lowest and highest; narrower than the controller's own, and mind the cables",
-                "numbers",
-            )
-            for joint in ("j1", "j2", "j4")
-        ),
     ]
 
 
@@ -138,7 +113,7 @@ def _interferometer(answer: Answer) -> list[Question]:
             "choice",
             drivers_of("interferometer"),
         ),
-        *([profile] if driver == "line-counter" else []),
+        *([profile] if has_setting(driver, "profile") else []),
         Question(
             "interferometer.endpoint",
             "Endpoint",
@@ -205,50 +180,6 @@ def _environment(answer: Answer) -> list[Question]:
     ]
 
 
-def _optics(_answer: Answer) -> list[Question]:
-    asked = [
-        ("acceptance_mm", "Acceptance, mm", "the cat's eye returns the beam up to this miss of its centre"),
-        (
-            "max_miss_mm",
-            "Largest miss, mm",
-            "moves are split so that the beam stays this close; below acceptance",
-        ),
-        ("field_half_angle_deg", "Half field, deg", "how far from its axis a cat's eye is seen"),
-        ("column_radius_mm", "Base column, mm", "radius of the robot's base, which hides what is behind it"),
-        ("column_margin_mm", "Column margin, mm", "what the beam keeps away from the column"),
-        ("theta40_deg", "Beam at J4 = 0, deg", "its direction, roughly; the search finds it"),
-        (
-            "signal_min",
-            "Least signal, 0 … 1",
-            "weaker returns are not measured with; 0: counter without a level",
-        ),
-    ]
-    carried = Question(
-        "optics.one_reflector",
-        "One cat's eye",
-        "yes: one is carried from nest to nest, and you are asked to",
-        "choice",
-        YES_NO,
-    )
-    return [*(Question(f"optics.{key}", title, text, "number") for key, title, text in asked), carried]
-
-
-def _measurement(_answer: Answer) -> list[Question]:
-    nodes = "-140 to 60 step 20, or each node: -140, -120, 0; the maps are identified at these"
-    asked = [
-        ("settle_time_s", "Settling, s", "wait after each motion"),
-        ("dwell_time_s", "Dwell, s", "time over which the readings of a point are spread"),
-        ("readings", "Readings", "of each point"),
-        ("take_up_deg", "Take-up, deg", "overshoot at every reversal; larger than any backlash"),
-        ("spread_limit_um", "Largest spread, µm", "readings that scatter more are taken again"),
-    ]
-    return [
-        Question("measurement.theta1_deg", "Nodes of J1, deg", nodes, "numbers"),
-        Question("measurement.theta2_deg", "Nodes of J2, deg", nodes, "numbers"),
-        *(Question(f"measurement.{key}", title, text, "number") for key, title, text in asked),
-    ]
-
-
 def _more(answer: Answer) -> list[Question]:
     io, tracker, material = (answer(section) == "yes" for section in OPTIONAL)
     asked = [Question("io", "Door and lights?", "remote inputs and outputs: [io]", "choice", YES_NO)]
@@ -297,9 +228,9 @@ PAGES: Final = (
     Page("robot", "Robot", "Controller, nominal arm and limits.", _robot, "robot"),
     Page("interferometer", "Interferometer", "The length counter.", _interferometer, "interferometer"),
     Page("environment", "Air sensor", "Temperature, pressure, humidity.", _environment, "environment"),
-    Page("optics", "Optics", "The beam, and what stands in its way.", _optics),
-    Page("reflector", "Reflectors", "Rough places from the J1 axis; ±20 mm are enough.", lambda _: ()),
-    Page("measurement", "Measurement", "Nodes of the maps, and timing.", _measurement),
+    Page("optics", "Optics", "The beam, and what stands in its way.", lambda _: optics()),
+    Page("reflector", "Reflectors", REFLECTORS, lambda _: ()),
+    Page("measurement", "Measurement", "Nodes of the maps, and timing.", lambda _: measurement()),
     Page("more", "More", "What not every bench has.", _more, "io"),
     Page("summary", "Summary", "What is written, and what is still to be found out.", lambda _: ()),
 )

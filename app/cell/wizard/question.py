@@ -112,3 +112,6 @@ def _spaced_text(values: list[Any]) -> str:
         return ""
     text = f"{values[0]!r} to {values[-1]!r} step {round(values[1] - values[0], 9)!r}"
     return text if numbers_of(text) == values else ""
+
+
+YES_NO: Final = (Choice(True), Choice(False))

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from catseye.app.cli.options import AsJson, Hand, Output, ResultFile, StartDirection
+from catseye.app.cli.options import AsJson, Output, ResultFile
 from catseye.app.cli.output import note, warn, write_json
+from catseye.app.cli.scara.options import Hand, StartDirection
 from catseye.app.errors import UsageError
 
 if TYPE_CHECKING:

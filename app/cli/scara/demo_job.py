@@ -36,8 +36,9 @@ from catseye.app.results.scara.result import Result, write_result
 from catseye.app.results.scara.truth import TruthComparison, compare_with_truth
 from catseye.app.results.scara.uncertainty import by_jacobian
 from catseye.app.results.scara.validation import PathValidation, validate_on_path
-from catseye.app.service.emulation import EmulatorProcess, emulation_config, emulator_process, fetch_truth
+from catseye.app.service.emulation import EmulatorProcess, emulator_process, fetch_truth
 from catseye.app.service.running import PlannedRun, carry_out, plan_run
+from catseye.app.service.scara.emulation import emulation_config
 from catseye.app.store.reader import RunReader
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.layout import ModelName

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from catseye.app.cell.bodies import workspace_of
 from catseye.app.cell.model import Cell
+from catseye.app.cell.scara.sections import TIMES
 from catseye.app.engine.walked.tube import Leg
 from catseye.app.errors import StorageError
 from catseye.app.store.catalog import paths_of
@@ -51,9 +52,7 @@ _NO_GEOMETRY: Final = (
     "settings",
     "override_cap_percent",
     "override_cap_reason",
-    "speed_deg_s",
-    "j3_speed_mm_s",
-    "acceleration_deg_s2",
+    *TIMES,
     "follow_speed_deg_s",
     "follow_acceleration_deg_s2",
 )

@@ -48,7 +48,7 @@ def needs_of(
     """
     declared = procedure.needs
     try:
-        bench_for(cell, declared.bench, procedure.name)
+        bench_for(cell, declared, procedure.name)
     except ConfigError as error:
         return [Need("cell file", "missing", str(error))]
     basis = None if declared.basis is None else bases[declared.basis]

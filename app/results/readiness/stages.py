@@ -59,7 +59,7 @@ def stages_of(
         if procedure.stage is not None:
             steps.append((procedure.stage, _on_the_bench(procedure, procedure.stage, counting, cell)))
         steps += [
-            (analysis.stage, _on_data(analysis, counting.run(procedure.name), results))
+            (analysis.stage, _on_data(analysis, procedure.name, counting, results))
             for analysis in procedure.analyses
         ]
     ordered = [step for _, step in sorted(steps, key=lambda each: each[0].order)]
@@ -90,6 +90,7 @@ class _Step:
         done: by what it is done; empty for not yet.
         command: what does it; `{result}` stands for the result that the way has led to so far.
         result: that it gave.
+        works_on: procedure of the run that it works on, where there is none yet; empty for none.
     """
 
     name: str
@@ -97,6 +98,7 @@ class _Step:
     done: str
     command: str
     result: Path | None = None
+    works_on: str = ""
 
 
 class _Counting:
@@ -139,11 +141,14 @@ def _on_the_bench(procedure: Procedure, stage: Stage, counting: _Counting, cell:
     return _Step(procedure.name, stage.purpose, stage.covered if covered else _by(run), _plain(command))
 
 
-def _on_data(analysis: Analysis, run: CellRun | None, results: Mapping[str, Path]) -> _Step:
+def _on_data(analysis: Analysis, procedure: str, counting: _Counting, results: Mapping[str, Path]) -> _Step:
+    run = counting.run(procedure)
     result = results.get(run.name) if run is not None and analysis.writes_result else None
     known = {"run": run.id if run else "RUN", "name": run.name if run else "RUN", "result": "{result}"}
     command = f"catseye {analysis.command} {analysis.usage.format(**known)}"
-    return _Step(analysis.command, analysis.stage.purpose, str(result or ""), command, result)
+    return _Step(
+        analysis.command, analysis.stage.purpose, str(result or ""), command, result, "" if run else procedure
+    )
 
 
 def _with_result(steps: Sequence[_Step]) -> Iterable[_Step]:
@@ -164,6 +169,8 @@ def _with_states(
         on_bench = step.name in needs
         if not step.done and on_bench and (why := _cannot(needs[step.name])):
             state, text = "left out", why
+        elif not step.done and step.works_on and _cannot(needs[step.works_on]):
+            state, text = "left out", f"it takes a run of {step.works_on}, which this cell cannot make"
         elif (
             not step.done
             and on_bench

@@ -7,6 +7,7 @@ from typing import Any
 
 from catseye.app.protocol.procedures import declared_by
 from catseye.app.results.runs.event_text import between_s, device_text, gap_text
+from catseye.app.results.runs.points import points_of
 from catseye.app.results.runs.timeline import last_signs
 from catseye.app.store.reader import RunReader
 from catseye.app.store.resumable import why_not_resumable
@@ -33,7 +34,7 @@ def summary(reader: RunReader) -> list[Entry]:
     entries += [(name, device_text(facts)) for name, facts in (meta.get("devices") or {}).items()]
     tables = ("steps", *(table.name for table in reader.tables()))
     counts = ", ".join(f"{count} {name}" for name in tables if (count := reader.count(name)))
-    entries += [("stored", counts or "nothing"), *_interruptions(reader), *_reflectors(reader, types)]
+    entries += [("stored", counts or "nothing"), *_interruptions(reader), *_targets(reader, types)]
     entries += [*_observed(reader, types), *_results(reader)]
     if not why_not_resumable(reader):
         entries.append(("to go on", f"catseye resume {reader.path.name}"))
@@ -62,13 +63,15 @@ def _interruptions(reader: RunReader) -> list[Entry]:
     ]
 
 
-def _reflectors(reader: RunReader, types: Sequence[type[Record]]) -> list[Entry]:
-    points = [row for kind in types if kind.is_point for row in reader.rows(kind.table)]
+def _targets(reader: RunReader, types: Sequence[type[Record]]) -> list[Entry]:
+    """Return how much was measured at each target, and how often the beam was lost."""
+    points = points_of(reader, types)
     entries: list[Entry] = []
-    for name in dict.fromkeys(row["reflector"] for row in points):
-        own = [row for row in points if row["reflector"] == name]
-        segments = len({row["segment"] for row in own})
-        entries.append((str(name), f"{len(own)} distances in {segments} segment(s)"))
+    for name in dict.fromkeys(point.target for point in points if point.target):
+        own = [point for point in points if point.target == name]
+        segments = {point.segment for point in own} - {None}
+        counted = f"{len(own)} distances in {len(segments)} segment(s)" if segments else f"{len(own)} points"
+        entries.append((name, counted))
     lost = sum(event.kind == "beam-lost" for event in reader.events())
     return [*entries, ("beam lost", f"{lost}×")] if lost else entries
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from catseye.app.protocol.procedures import declared_by
 from catseye.app.results.runs.event_text import between_s, device_text, event_text, gap_text, texts_of
+from catseye.app.results.runs.points import Point, points_of
 from catseye.app.results.runs.record_text import record_text
 from catseye.app.store.reader import RunReader, StoredEvent, StoredStep
 
@@ -61,7 +62,9 @@ def timeline(reader: RunReader) -> list[Moment]:
     """Return what happened, in order; steps that follow one another without anything between share a line."""
     declared = declared_by(str(reader.meta.get("procedure")))
     types = declared.records if declared else ()
-    points = _rows_of(row for kind in types if kind.is_point for row in reader.rows(kind.table))
+    points: dict[str, list[Point]] = {}
+    for point in points_of(reader, types):
+        points.setdefault(point.step_id, []).append(point)
     records = {
         step_id: [record_text(row, types) for row in rows]
         for step_id, rows in _rows_of(reader.records()).items()
@@ -275,7 +278,7 @@ def _answer_entries(prompt: dict[str, Any], asked_place: int | None) -> list[_En
 def _step_moments(
     group: str,
     steps: Sequence[StoredStep],
-    points: dict[str, list[dict[str, Any]]],
+    points: dict[str, list[Point]],
     records: dict[str, list[str]],
 ) -> list[Moment]:
     """Return the line of steps that follow one another, and lines of what else was recorded in them."""
@@ -295,12 +298,14 @@ def _step_moments(
 
 
 def _points_text(
-    steps: Sequence[StoredStep], measured: Sequence[StoredStep], points: dict[str, list[dict[str, Any]]]
+    steps: Sequence[StoredStep], measured: Sequence[StoredStep], points: dict[str, list[Point]]
 ) -> str:
-    rows = [row for step in measured for row in points[step.step_id]]
-    names = list(dict.fromkeys(str(row["reflector"]) for row in rows))
-    segments = list(dict.fromkeys(int(row["segment"]) for row in rows))
-    text = f"{'/'.join(names)}: {_range([step.step_id for step in measured])} measured, segment {_span(segments)}"
+    found = [point for step in measured for point in points[step.step_id]]
+    names = "/".join(dict.fromkeys(point.target for point in found if point.target))
+    segments = list(dict.fromkeys(point.segment for point in found if point.segment is not None))
+    text = f"{names}: " if names else ""
+    text += f"{_range([step.step_id for step in measured])} measured"
+    text += f", segment {_span(segments)}" if segments else ""
     left_out = [step.step_id for step in steps if step not in measured]
     return text + (
         f"; without a distance: {', '.join(_number(name) for name in left_out)}" if left_out else ""

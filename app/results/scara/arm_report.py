@@ -10,7 +10,6 @@ from catseye.app.results.runs.sections import (
     configuration_section,
     incident_section,
     run_section,
-    search_section,
 )
 from catseye.app.results.runs.trace import trace_section
 from catseye.app.results.scara.diagnosis_report import diagnosis_section
@@ -26,6 +25,7 @@ from catseye.app.results.scara.result_report import (
     parameter_section,
     reflector_section,
 )
+from catseye.app.results.scara.search_section import search_section
 from catseye.app.results.scara.standards_report import standards_section
 from catseye.app.results.scara.truth_tables import truth_statement
 from catseye.app.results.scara.validation_report import path_section

@@ -44,12 +44,7 @@ def measurement_of(readers: Sequence[RunReader], cell: Cell) -> Measurement:
 
 
 def _devices(readers: Sequence[RunReader], cell: Cell) -> list[DeviceRecord]:
-    endpoints = {
-        "robot": cell.robot.endpoint,
-        "interferometer": cell.interferometer.endpoint,
-        "environment": cell.environment.endpoint,
-        "tracker": "" if cell.tracker is None else cell.tracker.endpoint,
-    }
+    endpoints: dict[str, str] = {role: section.endpoint for role, section in cell.instruments.items()}
     answered: dict[str, DeviceRecord] = {}
     for reader in readers:
         devices: Any = reader.meta.get("devices") or {}

@@ -6,13 +6,9 @@ from contextlib import asynccontextmanager
 from catseye.app.engine.door_watch import DoorWatch
 from catseye.app.errors import SafetyError
 from catseye.drivers.links.transport import Transport
-from catseye.drivers.melfa.codec import encode
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError
 from catseye.drivers.roles.io import Io
-
-_STOP = b"\r" + encode("STOP")
-"""After what may be half a request, in a request of its own."""
 
 
 class RawDoor:
@@ -20,14 +16,16 @@ class RawDoor:
 
     Args:
         transport: of the robot's controller; it is open.
+        stop: bytes that stop the arm, whatever was written before; None: its driver knows none.
         on_open: called when the door has opened, with what it says.
 
     Attributes:
         watch: of the door; None where no door is watched.
     """
 
-    def __init__(self, transport: Transport, on_open: Callable[[str], None]) -> None:
+    def __init__(self, transport: Transport, stop: bytes | None, on_open: Callable[[str], None]) -> None:
         self._transport = transport
+        self._stop = stop
         self._on_open = on_open
         self._open = False
         self.watch: DoorWatch | None = None
@@ -47,10 +45,7 @@ class RawDoor:
         if self._open:
             return
         self._open = True
-        failure = self._written_stop()
-        self._on_open(trouble)
-        if failure:
-            self._on_open(failure)
+        self._on_open(f"{trouble}; {self._written_stop() or 'STOP was sent'}")
 
     def stop(self) -> None:
         """Write STOP now, past what waits and past a guard that lets nothing else pass."""
@@ -58,8 +53,10 @@ class RawDoor:
             self._on_open(failure)
 
     def _written_stop(self) -> str:
+        if self._stop is None:
+            return "this robot's driver knows no STOP: PRESS THE EMERGENCY STOP if the arm moves"
         try:
-            self._transport.send_urgent(_STOP)
+            self._transport.send_urgent(self._stop)
         except DeviceError as error:
             return f"STOP cannot be sent: PRESS THE EMERGENCY STOP if the arm moves ({error})"
         return ""
@@ -69,6 +66,7 @@ class RawDoor:
 async def raw_door(
     io: Io | None,
     transport: Transport,
+    stop: bytes | None,
     clock: Clock,
     on_open: Callable[[str], None],
 ) -> AsyncIterator[RawDoor]:
@@ -77,10 +75,11 @@ async def raw_door(
     Args:
         io: block with the interlock; None where no door is watched.
         transport: of the robot's controller.
+        stop: bytes that stop the arm; None: its driver knows none.
         clock: real time.
         on_open: called when the door has opened, with what it says.
     """
-    door = RawDoor(transport, on_open)
+    door = RawDoor(transport, stop, on_open)
     if io is None:
         yield door
         return

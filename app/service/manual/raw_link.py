@@ -138,12 +138,14 @@ class RawLink:
         facts = await self._bench.facts()
         device = _device(facts, self.device)
         self._require_permission(facts, device)
-        opened = await self._opening(device, owned)
+        stop = stop_request(device.driver, device.name, device.settings) if self._moves else None
+        opened = await self._opening(device, stop, owned)
         async with self._bench.pool.detached(self.device), opened as transport:
             try:
                 async with raw_door(
                     self._bench.door() if self._moves else None,
                     transport,
+                    stop,
                     self._bench.clock,
                     self._door_opened,
                 ) as self._door:
@@ -163,7 +165,7 @@ class RawLink:
                 self._transport = None
 
     async def _opening(
-        self, device: DeviceFacts, owned: AsyncExitStack
+        self, device: DeviceFacts, stop: bytes | None, owned: AsyncExitStack
     ) -> AbstractAsyncContextManager[Transport]:
         record = partial(self._bench.record, self.device)
         if not self._moves:
@@ -172,7 +174,7 @@ class RawLink:
         return raw_connection(
             guard,
             device.endpoint,
-            stop_request(device.driver, device.name, device.settings),
+            stop,
             record,
             self._bench.folder,
             simulated=self._simulated,

@@ -87,7 +87,7 @@ class Walk:
 
     @property
     def needs(self) -> Needs:
-        """It is planned as the procedure is; nothing is measured."""
+        """It is planned as the procedure is, and needs no device but the robot: nothing is measured."""
         return Needs(self.procedure.needs.bench, basis=self.procedure.needs.basis)
 
     @property

@@ -57,19 +57,10 @@ class BenchFacts:
 
 def facts_of(cell: Cell, bench: Bench) -> BenchFacts:
     """Return the facts of a cell with a bench that was made of it."""
-    fixed = {
-        "robot": cell.robot,
-        "interferometer": cell.interferometer,
-        "environment": cell.environment,
-        "io": cell.io,
-    }
     devices = [
-        DeviceFacts(name, section.endpoint, section.driver, section.settings)
-        for name, section in fixed.items()
-        if section is not None
+        DeviceFacts(role, section.endpoint, section.driver, section.settings)
+        for role, section in cell.instruments.items()
     ]
-    if cell.tracker is not None:
-        devices.append(DeviceFacts("tracker", cell.tracker.endpoint, cell.tracker.driver))
     devices += [
         DeviceFacts(device.name, device.endpoint, device.driver, device.settings) for device in cell.device
     ]

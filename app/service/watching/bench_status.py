@@ -11,17 +11,14 @@ from catseye.app.protocol.bench import (
     BenchStatus,
     DeviceStatus,
     Identity,
-    Layout,
-    ReflectorPlace,
     RobotStatus,
 )
 from catseye.app.service.watching.bench_facts import BenchFacts, DeviceFacts
 from catseye.app.service.watching.latest_values import LatestValues, LinkValues, Stamped
+from catseye.app.service.watching.scara.layout import layout_of
 from catseye.calibration.air import refractive_index
 from catseye.drivers.roles import device
 from catseye.drivers.roles.air import AirSample
-from catseye.drivers.roles.pose import Pose
-from catseye.procedures.scara.bench import ScaraBench
 
 
 def bench_status(
@@ -46,7 +43,7 @@ def bench_status(
         beam=_beam(latest),
         air=_air(latest, facts.air),
         door_closed=None if door is None else door.value,
-        layout=_layout(facts, None if latest.joints is None else latest.joints.value),
+        layout=layout_of(facts, None if latest.joints is None else latest.joints.value),
         axes=tuple(AxisName(name=axis.name, unit=axis.unit) for axis in facts.bench.arm.axes),
     )
 
@@ -153,28 +150,3 @@ def _index(air: AirSample, rule: AirRule) -> float | None:
         return float(refractive_index(rule.vacuum_wavelength_nm, *state, formula=rule.formula))
     except ValueError:
         return None
-
-
-def _layout(facts: BenchFacts, joints: Pose | None) -> Layout | None:
-    bench = facts.bench
-    if not isinstance(bench, ScaraBench):
-        return None
-    optics = bench.optics
-    return Layout(
-        link1_mm=bench.link1_mm,
-        link2_mm=bench.link2_mm,
-        column_radius_mm=optics.column_radius_mm,
-        theta40_deg=optics.theta40_deg,
-        limits_deg={"j1": bench.j1_limits_deg, "j2": bench.j2_limits_deg, "j4": bench.j4_limits_deg},
-        reflectors=tuple(
-            ReflectorPlace(
-                name=reflector.name,
-                x_mm=reflector.x_mm,
-                y_mm=reflector.y_mm,
-                facing_deg=reflector.facing_deg,
-                field_half_angle_deg=optics.field_half_angle_deg,
-            )
-            for reflector in bench.reflectors
-        ),
-        aim=None if joints is None else facts.system.aimed_at(joints),
-    )

@@ -269,8 +269,10 @@ def observed(devices: Devices, latest: LatestValues, material: str | None) -> De
     """
     return Devices(
         ObservedRobot("robot", devices.robot, latest),
-        ObservedInterferometer("interferometer", devices.interferometer, latest),
-        ObservedAir("environment", devices.environment, latest),
+        None
+        if devices.interferometer is None
+        else ObservedInterferometer("interferometer", devices.interferometer, latest),
+        None if devices.environment is None else ObservedAir("environment", devices.environment, latest),
         None if devices.tracker is None else ObservedTracker("tracker", devices.tracker, latest),
         None if devices.io is None else ObservedIo("io", devices.io, latest),
         None

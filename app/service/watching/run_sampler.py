@@ -12,6 +12,7 @@ from catseye.app.service.watching.latest_values import LatestValues, Stamped
 from catseye.app.service.watching.observed_devices import ObservedDevice
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError
+from catseye.drivers.roles.interferometer import Interferometer
 
 _log = logging.getLogger(__name__)
 
@@ -56,13 +57,17 @@ class RunSampler:
         if self.devices is None:
             return
         stands = not control.moving and (asking or control.state == ControlState.HELD)
-        if (stands or control.moving) and self._is_old(self._latest.beam, BEAM_AGE_S):
-            self._look("beam", self.devices.interferometer, self._look_at_beam(self.devices))
-        elif (stands or control.moving) and self._is_old(self._latest.displacement_mm, BEAM_AGE_S):
-            # A question that watches the signal asks for the state alone.
-            self._look("beam", self.devices.interferometer, self._look_at_length(self.devices))
+        if (stands or control.moving) and self.devices.interferometer is not None:
+            self._look_at_counter(self.devices.interferometer)
         if stands and self._is_old(self._latest.joints, JOINTS_AGE_S):
             self._look("joints", self.devices.robot, self._look_at_joints(self.devices))
+
+    def _look_at_counter(self, counter: Interferometer) -> None:
+        if self._is_old(self._latest.beam, BEAM_AGE_S):
+            self._look("beam", counter, self._look_at_beam(counter))
+        elif self._is_old(self._latest.displacement_mm, BEAM_AGE_S):
+            # A question that watches the signal asks for the state alone.
+            self._look("beam", counter, self._look_at_length(counter))
 
     def _is_old(self, value: Stamped[object] | None, limit_s: float) -> bool:
         return value is None or self._latest.age_s(value.time_s) >= limit_s
@@ -88,12 +93,12 @@ class RunSampler:
         now_s = self._clock.monotonic_s()
         self._due_s[what] = now_s + _PAUSE_SHARE * (now_s - start_s)
 
-    async def _look_at_beam(self, devices: Devices) -> None:
-        await devices.interferometer.status()
-        await devices.interferometer.read()
+    async def _look_at_beam(self, counter: Interferometer) -> None:
+        await counter.status()
+        await counter.read()
 
-    async def _look_at_length(self, devices: Devices) -> None:
-        await devices.interferometer.read()
+    async def _look_at_length(self, counter: Interferometer) -> None:
+        await counter.read()
 
     async def _look_at_joints(self, devices: Devices) -> None:
         await devices.robot.joints()

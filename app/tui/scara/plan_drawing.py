@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from catseye.app.protocol.bench import Layout, ReflectorPlace
+from catseye.app.protocol.scara.layout import Layout, ReflectorPlace
 from catseye.app.tui.widgets.braille import Canvas
 from catseye.calibration.scara.planar import forward
 

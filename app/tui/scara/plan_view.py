@@ -13,7 +13,7 @@ from catseye.app.tui.widgets.status_bar import STALE_S
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
-    from catseye.app.protocol.bench import Layout
+    from catseye.app.protocol.scara.layout import Layout
 
 _STYLES: Final = {
     "arm": "$primary bold",

@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.app.protocol.bench import Layout
+from catseye.app.protocol.scara.layout import Layout
 from catseye.app.tui.jog_client import Step
 from catseye.app.tui.scara.plan_drawing import pose_of
 from catseye.calibration.scara.pointing import aim, beam_direction, nearest_branch
@@ -36,6 +37,30 @@ def pointing_j4_deg(layout: Layout, joints: Sequence[float], name: str) -> float
         *sorted((nearest_deg - 360.0, nearest_deg + 360.0), key=lambda j4: abs(j4 - joints[3])),
     )
     return next((j4 for j4 in branches if low_deg <= j4 <= high_deg), None)
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A turn of J4 that points the beam at a reflector.
+
+    Attributes:
+        text: from where to where.
+        steps: that make it.
+    """
+
+    text: str
+    steps: list[Step]
+
+
+def turn_towards(layout: Layout, joints: Sequence[float], name: str) -> Turn | str:
+    """Return the turn of J4 that points the beam at a reflector, or why there is none; see `pointing_j4_deg`."""
+    target_deg, here_deg = pointing_j4_deg(layout, joints, name), joints[3]
+    if target_deg is None:
+        return f"J4 cannot point at {name} within its limits"
+    by_deg = target_deg - here_deg
+    return Turn(
+        f"J4 turns from {here_deg:.3f} to {target_deg:.3f} deg ({by_deg:+.3f} deg)", turn_of_j4(by_deg)
+    )
 
 
 def turn_of_j4(by_deg: float) -> list[Step]:

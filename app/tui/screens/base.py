@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from typing import ClassVar, cast
 
 from textual.app import ComposeResult, SystemCommand
+from textual.binding import BindingType
 from textual.containers import Vertical
 from textual.screen import Screen
 from textual.worker import Worker, WorkerState
@@ -26,6 +27,9 @@ class MainScreen(Screen[None]):
 
     SCREEN: ClassVar[str]
     """Name of this screen in `catseye.app.tui.main_screens`."""
+
+    BINDINGS: ClassVar[list[BindingType]] = []
+    """Keys of a subclass; every one has an id and an action in `commands`."""
 
     def __init__(self, session: Session) -> None:
         super().__init__()

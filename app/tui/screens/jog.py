@@ -11,7 +11,7 @@ from textual.widgets import Input
 
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
 from catseye.app.tui.engine_state import EngineState
-from catseye.app.tui.jog_client import JogClient, Joint, Step, Way
+from catseye.app.tui.jog_client import JogClient, Step, Way
 from catseye.app.tui.jog_text import (
     STEPS,
     Choices,
@@ -22,22 +22,13 @@ from catseye.app.tui.jog_text import (
     jog_percent_text,
     jog_reason,
 )
+from catseye.app.tui.scara.jog_keys import MOVES, POINT, POINT_COMMAND
 from catseye.app.tui.scara.plan_view import PlanView
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.beam_panel import BeamPanel
 from catseye.app.tui.widgets.static_text import StaticText, lines
 
-_MOVES: Final[tuple[tuple[str, Joint, Way, str], ...]] = (
-    ("left,a", "j1", 1, "J1 counter-clockwise"),
-    ("right,d", "j1", -1, "J1 clockwise"),
-    ("up,w", "j2", 1, "J2 counter-clockwise"),
-    ("down,s", "j2", -1, "J2 clockwise"),
-    ("q", "j4", 1, "J4 counter-clockwise"),
-    ("e", "j4", -1, "J4 clockwise"),
-    ("z", "beam", 1, "beam to the left"),
-    ("x", "beam", -1, "beam to the right"),
-)
 _SIGNS: Final = {1: "plus", -1: "minus"}
 
 
@@ -80,7 +71,7 @@ class JogScreen(MainScreen):
             "point",
             show=False,
             id="jog.point",
-            tooltip="turn J4 until the beam points at the aim",
+            tooltip=POINT,
         ),
         Binding("v", "view", "view", id="jog.view", tooltip="the beam, or the bench from above"),
         Binding("l", "window", "10/30/60 s", show=False, id="jog.window", tooltip="length of the strip"),
@@ -101,7 +92,7 @@ class JogScreen(MainScreen):
                 id=f"jog.{joint}-{_SIGNS[way]}",
                 tooltip=text,
             )
-            for keys, joint, way, text in _MOVES
+            for keys, joint, way, text in MOVES
         ),
     ]
 
@@ -147,14 +138,14 @@ class JogScreen(MainScreen):
         yield SystemCommand("End the jog", "the arm stops, drives as before", self.action_end)
         yield SystemCommand("Steps or hold", "how keys move the arm", self.action_mode)
         yield SystemCommand("Next aim", "reflector that the beam is kept on", self.action_aim)
-        yield SystemCommand("Point at the aim", "turn J4; asks first", self.action_point)
+        yield SystemCommand("Point at the aim", POINT_COMMAND, self.action_point)
         yield SystemCommand("Faster jog", "before it begins", self.action_faster)
         yield SystemCommand("Slower jog", "before it begins", self.action_slower)
         yield SystemCommand("Beam or bench from above", "where there is room for one only", self.action_view)
         yield SystemCommand("Length of the strip", "10, 30 or 60 s", self.action_window)
         for place, size in enumerate(STEPS):
             yield SystemCommand(f"Steps of {size:g} deg", "mm for the beam", partial(self.action_size, place))
-        for _, joint, way, text in _MOVES:
+        for _, joint, way, text in MOVES:
             yield SystemCommand(
                 f"One step: {text}", "asks first", partial(self._ask_to_step, joint, way, text)
             )
@@ -197,7 +188,7 @@ class JogScreen(MainScreen):
                 JogMode(on=False), "The jog is not ended: USE THE EMERGENCY STOP if the arm moves"
             )
 
-    def action_move(self, joint: Joint, way: Way) -> None:
+    def action_move(self, joint: str, way: Way) -> None:
         """Move by a step, or as long as the key repeats; the beam moves by steps only."""
         if not self._jogs:
             return
@@ -225,7 +216,7 @@ class JogScreen(MainScreen):
         self.show_now()
 
     def action_point(self) -> None:
-        """Turn J4 until the beam points at the aim, once F8 confirms it."""
+        """Turn the beam until it points at the aim, once F8 confirms it."""
         if not self._jogs or self.jog_client.busy:
             return
         engine, aim = self.session.link.engine, self.choices.aim
@@ -236,15 +227,15 @@ class JogScreen(MainScreen):
         if joints is None or engine.bench is None or engine.bench.layout is None:
             self._say("the joints that are known are too old")
             return
-        from catseye.app.tui.scara.pointing import pointing_j4_deg, turn_of_j4
+        from catseye.app.tui.scara.pointing import turn_towards
 
-        target_deg = pointing_j4_deg(engine.bench.layout, joints, aim)
-        if target_deg is None:
-            self._say(f"J4 cannot point at {aim} within its limits")
+        turn = turn_towards(engine.bench.layout, joints, aim)
+        if isinstance(turn, str):
+            self._say(turn)
             return
-        steps = turn_of_j4(target_deg - joints[3])
-        text = f"J4 turns from {joints[3]:.3f} to {target_deg:.3f} deg ({target_deg - joints[3]:+.3f} deg)"
-        self._ask(f"Point the beam at {aim}", f"{text}, {self._speed()}.", partial(self._take, *steps))
+        self._ask(
+            f"Point the beam at {aim}", f"{turn.text}, {self._speed()}.", partial(self._take, *turn.steps)
+        )
 
     def action_faster(self) -> None:
         """Choose a higher speed for the next jog."""
@@ -294,7 +285,7 @@ class JogScreen(MainScreen):
         )
         self._ask("Jog", f"The drives go on, at {percent:g} %; this is {kind}.", self.action_begin)
 
-    def _ask_to_step(self, joint: Joint, way: Way, text: str) -> None:
+    def _ask_to_step(self, joint: str, way: Way, text: str) -> None:
         unit = "mm" if joint == "beam" else "deg"
         if self._jogs and (joint != "beam" or self.choices.aim is not None):
             step = Step(joint, way * self.choices.by, self.choices.aim)

@@ -18,8 +18,8 @@ SETTLE_S: Final = 0.5
 
 if TYPE_CHECKING:
     # The first screen is painted before these are imported.
-    from catseye.app.protocol.bench import ReflectorPlace
     from catseye.app.protocol.run_events import PromptAsked
+    from catseye.app.protocol.scara.layout import ReflectorPlace
     from catseye.procedures.kit.context import Prompt
 
 

@@ -7,7 +7,7 @@ from catseye.procedures.kit.tasks import ClearBeam, PlaceReflector, Task, TurnSc
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
-    from catseye.app.protocol.bench import ReflectorPlace
+    from catseye.app.protocol.scara.layout import ReflectorPlace
 
 
 def task_picture(task: Task | None, reflectors: "Sequence[ReflectorPlace]" = ()) -> list[str]:

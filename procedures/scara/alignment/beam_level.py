@@ -27,7 +27,7 @@ from catseye.procedures.scara.beam.beam_scan import (
     signal_live,
 )
 from catseye.procedures.scara.beam.nests import Nests
-from catseye.procedures.scara.before import LEVELLING, REFLECTORS
+from catseye.procedures.scara.before import COUNTER, LEVELLING, REFLECTORS
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
@@ -84,7 +84,7 @@ class BeamLevel(Procedure):
 
     name = "beam-level"
     title = "Levelling of the beam"
-    needs = Needs(ScaraBench, equipment=(REFLECTORS,))
+    needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,))
     stage = LEVELLING
     records = (AlignmentRound, ScrewTurn)
     event_texts = texts.HEIGHT

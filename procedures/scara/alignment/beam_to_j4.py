@@ -29,7 +29,7 @@ from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
 from catseye.procedures.scara.beam.nests import Nests
-from catseye.procedures.scara.before import ALIGNING, LEVELLED, REFLECTORS
+from catseye.procedures.scara.before import ALIGNING, COUNTER, LEVELLED, REFLECTORS
 from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
@@ -96,7 +96,7 @@ class BeamToJ4(Procedure):
 
     name = "beam-to-j4"
     title = "Alignment of the beam to the J4 axis"
-    needs = Needs(ScaraBench, equipment=(REFLECTORS,), after=(LEVELLED,))
+    needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(LEVELLED,))
     stage = ALIGNING
     records = (AlignmentRound, ScrewTurn)
     params_type = BeamToJ4Params

@@ -10,7 +10,7 @@ from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.scara import texts
 from catseye.procedures.scara.aiming import SEARCHED
-from catseye.procedures.scara.before import ALIGNED, IDENTIFY, MEASURING, REFLECTORS, WARM
+from catseye.procedures.scara.before import ALIGNED, COUNTER, IDENTIFY, MEASURING, REFLECTORS, WARM
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, Rules, plan_open_loop
 from catseye.procedures.scara.records import ClosureVisit, Distance, Overlap
@@ -42,7 +42,7 @@ class OpenLoop(Procedure):
 
     name = "open-loop"
     title = "Automated open-loop tracking measurement"
-    needs = Needs(ScaraBench, equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
+    needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
     stage = MEASURING
     records = (Distance, Overlap, ClosureVisit)
     analyses = (IDENTIFY,)

@@ -15,7 +15,7 @@ from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.records import Row
 from catseye.procedures.scara import texts
 from catseye.procedures.scara.aiming import SEARCHED
-from catseye.procedures.scara.before import ALIGNED, DRIVING_A_PATH, REFLECTORS, TRACKER, VALIDATE
+from catseye.procedures.scara.before import ALIGNED, COUNTER, DRIVING_A_PATH, REFLECTORS, TRACKER, VALIDATE
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.entry import way_in
 from catseye.procedures.scara.path.joint_rows import plan_joint_rows
@@ -72,7 +72,7 @@ class ValidationPath(Procedure):
 
     name = "validation-path"
     title = "Validation path"
-    needs = Needs(ScaraBench, equipment=(REFLECTORS, TRACKER), after=(ALIGNED,), basis=SEARCHED)
+    needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS, TRACKER), after=(ALIGNED,), basis=SEARCHED)
     stage = DRIVING_A_PATH
     records = (PathPosition, Overlap)
     analyses = (VALIDATE,)

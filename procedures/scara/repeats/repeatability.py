@@ -14,7 +14,7 @@ from catseye.procedures.kit.stored import integer
 from catseye.procedures.scara import texts
 from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.beam.nests import Nests
-from catseye.procedures.scara.before import ALIGNED, REFLECTORS, WARM
+from catseye.procedures.scara.before import ALIGNED, COUNTER, REFLECTORS, WARM
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.motion.point_row import links_of
@@ -47,7 +47,7 @@ class Repeatability(Procedure):
 
     name = "repeatability"
     title = "Pose repeatability"
-    needs = Needs(ScaraBench, equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
+    needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
     records = (Repeat,)
     event_texts = texts.REPEATABILITY
     params_type = RepeatabilityParams

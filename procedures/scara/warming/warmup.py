@@ -16,7 +16,7 @@ from catseye.procedures.kit.stored import integer
 from catseye.procedures.scara import texts
 from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.beam.nests import Nests
-from catseye.procedures.scara.before import ALIGNED, REFLECTORS, WARMING
+from catseye.procedures.scara.before import ALIGNED, COUNTER, REFLECTORS, WARMING
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.following.rounds import Rounds
 from catseye.procedures.scara.motion.point_row import links_of
@@ -59,7 +59,7 @@ class Warmup(Procedure):
 
     name = "warmup"
     title = "Warm-up"
-    needs = Needs(ScaraBench, equipment=(REFLECTORS,), after=(ALIGNED,), basis=SEARCHED)
+    needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(ALIGNED,), basis=SEARCHED)
     stage = WARMING
     records = (Drift,)
     event_texts = texts.WARMUP

@@ -15,7 +15,7 @@ ALLOWED = {
     "results/scara": "the room of that system: its remedies name its procedures",
     "cell/scara": "the room of that system; a contributor to its budget has such a name",
     "cell/scara/template.py": "comments of the cell file of that system",
-    "cell/wizard/pages.py": "questions about the cell file of that system",
+    "cell/wizard/scara": "questions about the cell file of that system",
 }
 """Where a name may stand, and why; docstrings and the examples of help texts may name them anywhere."""
 

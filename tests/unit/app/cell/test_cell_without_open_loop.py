@@ -13,21 +13,36 @@ from catseye.app.cell.bench import bench_of, scara_bench_of, system_of
 from catseye.app.cell.load import LoadedCell, load_cell
 from catseye.app.cell.plausible import implausible
 from catseye.app.cell.scara.template import TEMPLATE
+from catseye.app.engine.gate import require_in_range
 from catseye.app.engine.walked.register import geometry_digest
-from catseye.app.errors import ConfigError
+from catseye.app.errors import ConfigError, LimitError
 from catseye.app.protocol.procedures import bases, load_procedure, procedure_names
 from catseye.app.results.readiness.cell_runs import runs_of_cell
 from catseye.app.results.readiness.needs import needs_of
 from catseye.app.service.running import plan_run
+from catseye.app.service.watching.cell_devices import cell_devices
+from catseye.app.service.watching.latest_values import LatestValues
 from catseye.drivers.roles.pose import Axis
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.system import System
+from tests.unit.app.engine.fakes import ManualClock
 
 NODES = r"^theta\d_deg = .*?$"
 REFLECTORS = r"^\[\[reflector\]\].*?(?=^\[|^# What)"
 MEASUREMENT = r"^\[measurement\].*?(?=^# The error budget)"
 OPTICS = r"^\[(optics|alignment)\].*?(?=^\[)"
 LINKS = r"^link\d_mm = .*?$"
+COUNTER = r"^\[interferometer\].*?(?=^\[)"
+SENSOR = r"^\[environment\].*?(?=^\[)"
+SENSOR_AND_CONDITIONS = r"^\[(environment|conditions)\].*?(?=^\[)"
+
+ROBOT_ALONE = """
+format = "catseye-cell/1"
+name = "arm-1"
+
+[robot]
+endpoint = "tcp://127.0.0.1:10001"
+"""
 
 
 def without(folder: Path, *patterns: str) -> LoadedCell:
@@ -48,6 +63,9 @@ def without(folder: Path, *patterns: str) -> LoadedCell:
         (MEASUREMENT, ["[measurement] theta1_deg", "[measurement] theta2_deg"]),
         (NODES, ["[measurement] theta1_deg", "[measurement] theta2_deg"]),
         (LINKS, ["[robot] link1_mm", "[robot] link2_mm"]),
+        (COUNTER, ["[interferometer]"]),
+        (SENSOR_AND_CONDITIONS, ["[environment]"]),
+        (f"{COUNTER}|{REFLECTORS}", ["[[reflector]]", "[interferometer]"]),
     ],
 )
 @pytest.mark.parametrize("name", ["open-loop", "beam-level"])
@@ -68,12 +86,42 @@ def test_everything_else_does_without_them(tmp_path: Path) -> None:
     assert type(bench) is Bench
     assert type(system_of(bench)) is System
     assert [axis.name for axis in bench.arm.axes] == ["J1", "J2", "J3", "J4"]
-    assert bench.arm.axes[2].range == (0.0, 150.0)
+    assert bench.arm.axes[2].range == (40.0, 60.0)
     assert bench.timing.readings == 10
     assert implausible(cell) == []
     assert geometry_digest(cell) != geometry_digest(without(tmp_path, REFLECTORS).cell)
     with pytest.raises(ConfigError, match=r"open-loop tracking needs \[robot\] link1_mm"):
         scara_bench_of(cell)
+
+
+def test_ranges_and_speeds_hold_without_open_loop_tracking(tmp_path: Path) -> None:
+    speeds = "speed_deg_s = [500.0, 800.0, 3500.0]\nj3_speed_mm_s = 1500.0\n"
+    text = re.sub(REFLECTORS, "", TEMPLATE, flags=re.MULTILINE | re.DOTALL)
+    path = tmp_path / "cell.toml"
+    path.write_text(text.replace("j3_mm = 50.0", f"{speeds}j3_mm = 50.0"), "utf-8")
+    bench = bench_of(load_cell(path).cell)
+    assert type(bench) is Bench
+    assert [axis.speed for axis in bench.arm.axes] == [500.0, 800.0, 1500.0, 3500.0]
+    with pytest.raises(LimitError, match="J3 = 61 mm is outside 40 … 60 mm"):
+        require_in_range(bench.arm.axes, (0.0, 0.0, 61.0, 0.0))
+
+
+def test_a_cell_may_have_nothing_but_a_robot(tmp_path: Path) -> None:
+    path = tmp_path / "cell.toml"
+    path.write_text(ROBOT_ALONE, "utf-8")
+    cell, clock = load_cell(path).cell, ManualClock()
+    assert list(cell.instruments) == ["robot"]
+    assert implausible(cell) == []
+    assert type(bench_of(cell)) is Bench
+    made = cell_devices(cell, LatestValues(clock), clock, lambda *_: None)
+    assert list(made.kept) == list(made.devices.named()) == ["robot"]
+
+
+def test_conditions_of_the_air_need_its_sensor(tmp_path: Path) -> None:
+    with pytest.raises(
+        ConfigError, match=r"\[conditions\] are those of the air: add the sensor, \[environment\]"
+    ):
+        without(tmp_path, SENSOR)
 
 
 def test_readiness_names_what_is_missing(tmp_path: Path) -> None:

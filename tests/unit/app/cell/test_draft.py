@@ -70,7 +70,9 @@ def test_the_needed_answers_give_a_file_with_comments_that_loads() -> None:
     assert cell.name == "lab-7"
     assert cell.robot.endpoint == NEEDED["robot.endpoint"]
     assert cell.tracker is None
+    assert cell.environment is not None
     assert cell.environment.pressure_register is None
+    assert cell.interferometer is not None
     assert cell.interferometer.profile is None
 
 
@@ -108,7 +110,7 @@ def test_driver_settings_are_asked_and_validated_by_the_drivers_model() -> None:
     assert "less than or equal to 2" in draft.faults(require_drivers)["interferometer.settings.axis"]
     draft.give("interferometer.settings.axis", "2")
     assert draft.faults(require_drivers) == {}
-    assert read_back(draft.written()[0]).interferometer.settings == {"axis": 2}
+    assert read_back(draft.written()[0]).instruments["interferometer"].settings == {"axis": 2}
 
 
 def test_another_driver_begins_without_the_settings_of_the_one_before() -> None:

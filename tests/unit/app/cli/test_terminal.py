@@ -20,7 +20,7 @@ def cell(tmp_path: Path) -> Cell:
 
 
 def test_devices_by_name(cell: Cell) -> None:
-    assert endpoint_of(cell, "interferometer") == cell.interferometer.endpoint
+    assert endpoint_of(cell, "interferometer") == "tcp://127.0.0.1:10002"
     assert endpoint_of(cell, "robot") == cell.robot.endpoint
     assert endpoint_of(cell, "door") == "tcp://10.0.0.5:502"
 

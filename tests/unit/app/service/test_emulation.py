@@ -6,7 +6,7 @@ import pytest
 
 from catseye.app.cell.model import Cell
 from catseye.app.cell.scara.template import TEMPLATE
-from catseye.app.service.emulation import emulation_config
+from catseye.app.service.scara.emulation import emulation_config
 
 
 def cell(alignment: str = "", optics: str = "") -> Cell:

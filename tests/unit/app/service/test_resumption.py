@@ -119,7 +119,7 @@ async def test_resuming_accepts_other_endpoints_and_timeouts(cell: Path, root: P
     write(cell, text + "\n[environment.settings]\ntimeout_s = 5.0\n")
     rest = plan_resume(root, run.name, load_cell(cell))
     assert rest.loaded.cell.robot.endpoint == "tcp://127.0.0.1:40001"
-    assert rest.loaded.cell.environment.settings == {"timeout_s": 5.0}
+    assert rest.loaded.cell.instruments["environment"].settings == {"timeout_s": 5.0}
     assert rest.relinked
 
 

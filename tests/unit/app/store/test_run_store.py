@@ -10,7 +10,9 @@ import stat
 import threading
 from collections.abc import AsyncIterator
 from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import pytest
 
@@ -23,7 +25,7 @@ from catseye.app.store.run_store import RunStore
 from catseye.app.store.schema import BASE_TABLES, VERSION, open_reader, open_writer
 from catseye.app.store.seal import MANIFEST
 from catseye.app.store.verify import verify
-from catseye.procedures.kit.records import Row, tables_of
+from catseye.procedures.kit.records import Column, Record, Row, Table, tables_of
 from tests.unit.app.store.fakes import PATH_ROW, RECORDS, SEARCH_ROW, TickingClock
 
 
@@ -373,3 +375,43 @@ async def test_a_path_not_in_utf_8_round_trips(tmp_path: Path) -> None:
     assert reader.meta["cell"] == cell
     assert reader.events()[1].data == {"text": cell}
     assert verify(made.path).ok
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Choice(Record):
+    """Its table and columns are words of SQL."""
+
+    table: ClassVar[str] = "group"
+    index: int
+    order: float
+    limit: str | None = None
+
+
+async def test_names_that_are_words_of_sql_are_stored(tmp_path: Path) -> None:
+    made = await RunStore.create(tmp_path, "spiral", {}, TickingClock(), records=[_Choice], reserve_bytes=0)
+    await made.append_step("s1", 1, "first", {}, [("group", {"index": 3, "order": 1.5})])
+    await made.finish("stopped", 5)
+    reader = RunReader(made.path)
+    assert (reader.count("group"), reader.rows("group")[0]["order"]) == (1, 1.5)
+    assert verify(made.path).problems == ()
+
+
+@pytest.mark.parametrize("name", ["place", "rowid", "oid", "extra"])
+def test_a_column_that_reading_would_hide_is_refused(name: str) -> None:
+    with pytest.raises(ValueError, match="choose other names"):
+        Table("samples", (Column(name, "REAL", required=True),))
+
+
+async def test_a_run_with_other_columns_stays_sealed(store: RunStore) -> None:
+    await store.finish("stopped", 5)
+    before = (store.path / MANIFEST).read_bytes()
+
+    @dataclass(frozen=True, kw_only=True)
+    class Seen(Record):
+        table: ClassVar[str] = "search"
+        reflector: str
+
+    with pytest.raises(StorageError, match="table search has other columns"):
+        await RunStore.reopen(store.path, TickingClock(), records=[Seen], reserve_bytes=0)
+    assert (store.path / MANIFEST).read_bytes() == before
+    assert verify(store.path).sealed

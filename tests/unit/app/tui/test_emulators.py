@@ -12,8 +12,7 @@ def test_it_loads_and_its_ports_are_free_and_its_own(tmp_path: Path) -> None:
     path = tmp_path / "cell.toml"
     path.write_text(emulated_cell(), encoding="utf-8")
     cell = load_cell(path).cell
-    assert cell.tracker is not None
-    endpoints = [one.endpoint for one in (cell.robot, cell.interferometer, cell.environment, cell.tracker)]
+    endpoints = [section.endpoint for section in cell.instruments.values()]
     ports = {int(endpoint.rpartition(":")[2]) for endpoint in endpoints}
     assert len(ports) == 4
     for port in ports:

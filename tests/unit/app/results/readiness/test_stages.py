@@ -144,6 +144,16 @@ async def test_what_the_cell_cannot_do_is_left_out(history: History) -> None:
     assert survey.next.name == "beam-to-j4"
 
 
+async def test_an_analysis_without_possible_runs_is_left_out(history: History) -> None:
+    text = history.cell.read_text()
+    history.cell.write_text(text.replace("link1_mm = 325.0", "").replace("link2_mm = 225.0", ""))
+    survey = history.survey()
+    assert {stage.state for stage in survey.stages} == {"left out"}
+    (identify,) = [stage for stage in survey.stages if stage.name == "identify"]
+    assert "takes a run of open-loop" in identify.text
+    assert survey.next is None
+
+
 async def test_last_runs_and_needs_are_listed(history: History, capsys: pytest.CaptureFixture[str]) -> None:
     run = await history.put("open-loop", status="stopped")
     list_procedures(history.cell, history.root, as_json=True)

@@ -1,17 +1,22 @@
 """The timeline of a scripted run: interrupted, resumed, with everything that may happen in it."""
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import pytest
 
 from catseye.app.protocol.procedures import procedure_names
+from catseye.app.results.runs import summary as summaries
+from catseye.app.results.runs import timeline as timelines
 from catseye.app.results.runs.event_text import event_text, texts_of
 from catseye.app.results.runs.reports import story_report
 from catseye.app.results.runs.summary import summary
 from catseye.app.results.runs.timeline import incidents, timeline
 from catseye.app.store.reader import RunReader, StoredEvent
 from catseye.app.store.run_store import RunStore
-from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.kit.procedure import Procedure
+from catseye.procedures.kit.records import Json, Record, Row
 from tests.unit.app.engine.fakes import ManualClock, point
 from tests.unit.app.store.fakes import RECORDS
 
@@ -216,6 +221,35 @@ async def test_the_summary_counts_lives_distances_and_segments(author: Author) -
     assert lines["P1"] == "7 distances in 2 segment(s)"
     # This run does not say what it was planned with, so it cannot go on.
     assert "to go on" not in lines
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Pose(Record):
+    table: ClassVar[str] = "poses"
+    is_point: ClassVar[bool] = True
+    q1_deg: float
+
+
+class _Poses(Procedure):
+    records = (_Pose,)
+
+
+@pytest.mark.parametrize("target", ["", "ball"])
+async def test_points_without_reflector_or_segment_are_counted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, target: str
+) -> None:
+    monkeypatch.setattr(_Pose, "target_column", "target" if target else "")
+    for module in (timelines, summaries):
+        monkeypatch.setattr(module, "declared_by", lambda _name: _Poses)
+    store = await RunStore.create(tmp_path, "poses", {}, ManualClock(), records=[_Pose], reserve_bytes=0)
+    for number in range(3):
+        row: Row = {"q1_deg": 1.0, "target": "ball"}
+        await store.append_step(f"pose/{number:04d}", 1, f"pose {number}", {}, [("poses", row)])
+    await store.finish("stopped", 130)
+    reader = RunReader(store.path)
+    prefix = f"{target}: " if target else ""
+    assert timeline(reader)[1].text.startswith(f"{prefix}points 1…3 measured, in ")
+    assert dict(summary(reader)).get("ball") == ("3 points" if target else None)
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,8 @@ from catseye.app.service.manual.raw_door import RawDoor, raw_door
 from catseye.app.testing.memory import MemoryTransport, pipe
 from tests.unit.app.engine.test_door_watch import Watched
 
+STOP = b"\r2;3;STOP\r"
+
 
 class Link:
     """A robot's link with the door of its cell."""
@@ -22,13 +24,13 @@ class Link:
         self.reported: list[str] = []
         self.stack = AsyncExitStack()
 
-    async def begin(self, *, watched: bool = True) -> RawDoor:
+    async def begin(self, *, watched: bool = True, stop: bytes | None = STOP) -> RawDoor:
         """Open both ends and watch the door."""
         await self.near.open()
         await self.far.open()
         io = self.watched.door if watched else None
         return await self.stack.enter_async_context(
-            raw_door(io, self.near, self.watched.clock, self.reported.append)
+            raw_door(io, self.near, stop, self.watched.clock, self.reported.append)
         )
 
 
@@ -51,8 +53,8 @@ async def test_a_door_that_opens_is_a_stop_on_the_link(link: Link) -> None:
     door.require_closed()
     link.watched.door.closed = False
     await link.watched.pass_s(4 * TICK_S)
-    assert sent(link.far) == b"\r1;1;STOP\r"
-    assert link.reported == ["the door is open: no motion; close it when nobody is inside"]
+    assert sent(link.far) == STOP
+    assert link.reported == ["the door is open: no motion; close it when nobody is inside; STOP was sent"]
     with pytest.raises(SafetyError, match="door is open"):
         door.require_closed()
 
@@ -66,7 +68,7 @@ async def test_each_opening_is_a_stop_of_its_own(link: Link) -> None:
         await link.watched.pass_s(3 * TICK_S)
         door.require_closed()
     stops = [await link.far.read() for _ in range(2)]
-    assert stops == [b"\r1;1;STOP\r"] * 2
+    assert stops == [STOP] * 2
 
 
 async def test_a_link_not_taking_stop_calls_for_the_emergency_stop(link: Link) -> None:
@@ -75,6 +77,14 @@ async def test_a_link_not_taking_stop_calls_for_the_emergency_stop(link: Link) -
     link.watched.door.closed = False
     await link.watched.pass_s(2 * TICK_S)
     assert "PRESS THE EMERGENCY STOP" in link.reported[-1]
+
+
+async def test_a_driver_without_stop_calls_for_the_emergency_stop(link: Link) -> None:
+    await link.begin(stop=None)
+    link.watched.door.closed = False
+    await link.watched.pass_s(2 * TICK_S)
+    assert "PRESS THE EMERGENCY STOP" in link.reported[-1]
+    assert sent(link.far) == b""
 
 
 async def test_without_a_watched_door_bytes_pass(link: Link) -> None:
@@ -98,6 +108,6 @@ async def test_a_watch_that_ends_counts_as_an_open_door(link: Link, fault: BaseE
 
     link.watched.door.door_closed = fail  # type: ignore[method-assign]  # a driver with a fault
     await link.watched.pass_s(4 * TICK_S)
-    assert sent(link.far) == b"\r1;1;STOP\r"
+    assert sent(link.far) == STOP
     with pytest.raises(SafetyError, match=f"watched no more: {why}"):
         door.require_closed()

@@ -51,6 +51,8 @@ def test_answers_pass_and_are_seen_with_their_time() -> None:
         assert latest.status is not None
         assert (latest.joints.value, latest.status.value) == (joints, status)
         assert latest.status.time_s == VirtualClock().monotonic_s() == latest.joints.time_s + 0.005
+        assert devices.interferometer is not None
+        assert devices.environment is not None
         reading, beam = await devices.interferometer.read(), await devices.interferometer.status()
         air = await devices.environment.sample()
         assert latest.displacement_mm is not None
@@ -76,6 +78,7 @@ def test_an_observed_robot_can_do_what_its_driver_can() -> None:
         latest, cell = LatestValues(VirtualClock()), PulledCell()
         plain = cell.observed(latest)
         assert plain.robot.abilities.following == "stops"
+        assert plain.interferometer is not None
         assert plain.interferometer.compensated == "none"
         cell.robot = Way()
         way = cell.observed(latest).robot
@@ -143,6 +146,7 @@ def test_a_refusal_is_an_answer(refusal: DeviceError) -> None:
         latest, cell = LatestValues(VirtualClock()), PulledCell()
         devices = cell.observed(latest)
         cell.counter.refusal = refusal
+        assert devices.interferometer is not None
         with pytest.raises(type(refusal)):
             await devices.interferometer.read()
         assert latest.links["interferometer"].state == "ok"

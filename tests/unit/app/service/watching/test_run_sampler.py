@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 
 import pytest
 
@@ -83,14 +84,26 @@ def test_joints_are_sampled_while_waiting_for_a_person(state: ControlState) -> N
     played(play)
 
 
+def test_without_a_counter_the_joints_alone_are_asked() -> None:
+    async def play(bench: Run) -> None:
+        assert bench.sampler.devices is not None
+        bench.sampler.devices = replace(bench.sampler.devices, interferometer=None)
+        bench.asking = True
+        assert set(await bench.ticks(10.0)) == {"joints"}
+
+    played(play)
+
+
 def test_what_the_run_itself_reads_is_not_asked_again() -> None:
     async def play(bench: Run) -> None:
         bench.asking = True
-        assert bench.sampler.devices is not None
+        devices = bench.sampler.devices
+        assert devices is not None
+        assert devices.interferometer is not None
         for _ in range(20):
-            await bench.sampler.devices.interferometer.status()
-            await bench.sampler.devices.interferometer.read()
-            await bench.sampler.devices.robot.joints()
+            await devices.interferometer.status()
+            await devices.interferometer.read()
+            await devices.robot.joints()
             before = list(bench.cell.counter.log), list(bench.cell.robot.log)
             bench.sampler.tick(bench.control, asking=True)
             await asyncio.sleep(0.2)
@@ -102,9 +115,11 @@ def test_what_the_run_itself_reads_is_not_asked_again() -> None:
 def test_the_length_is_sampled_while_the_run_reads_signals() -> None:
     async def play(bench: Run) -> None:
         bench.asking = True
-        assert bench.sampler.devices is not None
+        devices = bench.sampler.devices
+        assert devices is not None
+        assert devices.interferometer is not None
         for _ in range(50):
-            await bench.sampler.devices.interferometer.status()
+            await devices.interferometer.status()
             await bench.ticks(0.2)
             length = bench.latest.displacement_mm
             assert length is not None
@@ -117,8 +132,10 @@ def test_the_length_is_sampled_while_the_run_reads_signals() -> None:
 def test_a_link_in_use_is_left_alone() -> None:
     async def play(bench: Run) -> None:
         bench.control.moving = True
-        assert bench.sampler.devices is not None
-        reading = asyncio.create_task(bench.sampler.devices.interferometer.read())
+        devices = bench.sampler.devices
+        assert devices is not None
+        assert devices.interferometer is not None
+        reading = asyncio.create_task(devices.interferometer.read())
         await asyncio.sleep(0)
         bench.sampler.tick(bench.control, asking=False)
         await reading

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.app.protocol.bench import Layout
+from catseye.app.protocol.scara.layout import Layout
 from catseye.app.tui.scara.plan_drawing import BEAM_LOST, BEAM_OK, draw_plan, pose_of, view_of
 from catseye.app.tui.widgets.braille import Canvas
 from tests.unit.app.tui.scripted_bench import BENCH, bench_status

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from catseye.app.protocol.bench import Layout
+from catseye.app.protocol.scara.layout import Layout
 from catseye.app.tui.scara.pointing import pointing_j4_deg, turn_of_j4
 from tests.unit.app.tui.scripted_bench import bench_status
 

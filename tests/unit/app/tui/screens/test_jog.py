@@ -15,7 +15,6 @@ from catseye.app.protocol.requests import AnyRequest, Control, JogHold, JogMode,
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
-from catseye.app.tui.jog_client import Joint
 from catseye.app.tui.screens.jog import JogScreen
 from catseye.app.tui.widgets.strip import Strip
 from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, snapshot_with
@@ -23,7 +22,7 @@ from tests.unit.app.tui.scripted_bench import BENCH, bench, publish_strip
 
 SIZES = [(80, 24), (120, 40)]
 MINE = {"on": True, "by": "Ada (tui-1)", "percent": 5.0, "moving": None}
-_STEPS: tuple[tuple[tuple[str, ...], Joint, int], ...] = (
+_STEPS: tuple[tuple[tuple[str, ...], str, int], ...] = (
     (("left", "a"), "j1", 1),
     (("right", "d"), "j1", -1),
     (("up", "w"), "j2", 1),

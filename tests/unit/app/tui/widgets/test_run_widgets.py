@@ -2,8 +2,8 @@
 
 import pytest
 
-from catseye.app.protocol.bench import ReflectorPlace
 from catseye.app.protocol.run_events import LiveData
+from catseye.app.protocol.scara.layout import ReflectorPlace
 from catseye.app.results.scara.map_known import MapKnown
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.widgets.band_bar import band_bar, band_text, value_text

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from catseye.app.cli import reporting
+from catseye.app.cli import event_channel
 from catseye.app.cli.failure import write_failure
 from catseye.app.cli.output import warn
 from catseye.app.cli.progress import ProgressBar
@@ -36,7 +36,7 @@ class Starter:
 @pytest.fixture
 def starter(monkeypatch: pytest.MonkeyPatch) -> Iterator[Starter]:
     reading, writing = os.pipe()
-    monkeypatch.setattr(reporting, "_descriptor", writing)
+    monkeypatch.setattr(event_channel, "_descriptor", writing)
     yield Starter(reading)
     for descriptor in (reading, writing):
         os.close(descriptor)
@@ -74,7 +74,7 @@ def test_a_starter_that_is_gone_disturbs_nobody(
 ) -> None:
     reading, writing = os.pipe()
     os.close(reading)
-    monkeypatch.setattr(reporting, "_descriptor", writing)
+    monkeypatch.setattr(event_channel, "_descriptor", writing)
     warn("an estimate")
     assert "an estimate" in capsys.readouterr().err
     os.close(writing)
@@ -83,7 +83,7 @@ def test_a_starter_that_is_gone_disturbs_nobody(
 def test_what_a_command_starts_does_not_report_for_it() -> None:
     reading, writing = os.pipe()
     program = (
-        "import os; from catseye.app.cli.reporting import open_channel; "
+        "import os; from catseye.app.cli.event_channel import open_channel; "
         f"open_channel(); print(os.environ.get({EVENTS_FD!r}))"
     )
     found = subprocess.run(

@@ -1,0 +1,1 @@
+"""What the wizard asks about a SCARA and its interferometer."""

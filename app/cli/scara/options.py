@@ -1,0 +1,10 @@
+"""Arguments and options of commands about paths of a SCARA, each declared once."""
+
+from typing import Annotated, Literal
+
+import typer
+
+Hand = Annotated[Literal["right", "left"], typer.Option(help="of Cartesian positions: right has theta2 >= 0")]
+StartDirection = Annotated[
+    str, typer.Option(metavar="S1,S2", help="states of approach at the first Cartesian row, 1 or -1 each")
+]

@@ -1,0 +1,1 @@
+"""What clients see of a SCARA's bench alone."""

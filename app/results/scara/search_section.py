@@ -1,0 +1,43 @@
+"""What reflector searches found, as a section of a report."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from catseye.app.results.model import Block, Column, Paragraph, Section, Table, section
+from catseye.app.results.numbers import fixed, number
+
+
+def search_section(searches: Sequence[Mapping[str, Any]]) -> Section:
+    """Return what reflector searches found.
+
+    Args:
+        searches: as their last step returns it: `reflectors` (`name`, `x_mm`, `y_mm`, `u_x_mm`, `u_y_mm`,
+            `u_aim_mm`), `theta40_deg`, `u_theta40_deg`, `rms_deg`.
+    """
+    return section("search", "Reflector search", [block for search in searches for block in _search(search)])
+
+
+def _search(search: Mapping[str, Any]) -> list[Block]:
+    form = fixed(2)
+    table = Table(
+        "search",
+        "Places found by turning J4 (k = 1)",
+        (
+            Column("name", "reflector"),
+            Column("x_mm", "x", "mm", form),
+            Column("u_x_mm", "u", "mm", form),
+            Column("y_mm", "y", "mm", form),
+            Column("u_y_mm", "u", "mm", form),
+            Column("u_aim_mm", "u of the aim", "mm", form),
+        ),
+        tuple(
+            (
+                str(place["name"]),
+                *(place[key] for key in ("x_mm", "u_x_mm", "y_mm", "u_y_mm", "u_aim_mm")),
+            )
+            for place in search["reflectors"]
+        ),
+    )
+    theta40, u, rms = (number(search[key], fixed(4)) for key in ("theta40_deg", "u_theta40_deg", "rms_deg"))
+    text = f"Beam direction at J4 = 0: θ40 = {theta40}° (u = {u}°); rms of the sightings {rms}°."
+    return [table, Paragraph(text)]

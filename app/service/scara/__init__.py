@@ -1,0 +1,1 @@
+"""What only a SCARA's bench is served with."""
