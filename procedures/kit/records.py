@@ -157,10 +157,19 @@ def tables_of(records: Iterable[type[Record]]) -> tuple[Table, ...]:
 
 
 def row_of(record: Record) -> Row:
-    """Return the values of a record by name."""
+    """Return the values of a record by name.
+
+    Raises:
+        ValueError: a further value has the name of a column, and would hide what stands there.
+    """
     own = {each.name: getattr(record, each.name) for each in fields(record) if each.name != EXTRA}
-    kind: Row = {"kind": record.kind} if isinstance(record, Observation) else {}
-    return {**kind, **own, **record.extra}
+    if isinstance(record, Observation):
+        own = {"kind": record.kind, **own}
+    if hidden := record.extra.keys() & {*own, *_TAKEN}:
+        raise ValueError(
+            f"{type(record).__name__}: extra has {', '.join(sorted(hidden))}, which columns are called"
+        )
+    return {**own, **record.extra}
 
 
 def _column(name: str, hint: Any) -> Column:

@@ -5,14 +5,33 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Final, Literal, Self
 
-from pydantic import AfterValidator, ConfigDict, Field, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    ConfigDict,
+    Field,
+    ValidationInfo,
+    field_serializer,
+    field_validator,
+    model_validator,
+)
 
 from catseye.app.cell.arm import ArmDescription, shipped_arm
 from catseye.app.cell.scara.uncertainty import Uncertainty
 from catseye.app.cell.section import RECORD, Finite, Name, NotNegative, Positive, Range, Section
 
 Triple = Annotated[list[Positive], Field(min_length=3, max_length=3)]
-Nodes = Annotated[list[Finite], Field(min_length=2)]
+
+
+def _none_or_some(value: list[float]) -> list[float]:
+    # A run stores the empty list of a cell without nodes, and is read again.
+    if len(value) == 1:
+        raise ValueError(
+            "a joint needs at least 2 nodes; leave the key out where nothing is measured at nodes"
+        )
+    return value
+
+
+Nodes = Annotated[list[Finite], AfterValidator(_none_or_some), Field(json_schema_extra={"minItems": 2})]
 
 
 def _ordered(value: list[float]) -> list[float]:
@@ -70,6 +89,13 @@ class ScaraRobot(Section):
         """Distances of the axes that replace those of the arm's description, by joint."""
         stated = {"J2": self.link1_mm, "J3": self.link2_mm}
         return {joint: length_mm for joint, length_mm in stated.items() if length_mm is not None}
+
+    @field_serializer("limits_deg")
+    def _of_every_joint(self, limits: Limits) -> dict[str, list[float]]:
+        """Return the range of each joint that this arm turns, and of no other: what a run stores is read again."""
+        stated = limits.model_dump(exclude_unset=True)
+        turning = {joint.name.lower(): joint for joint in shipped_arm(self.arm).joint if joint.unit == "deg"}
+        return {name: stated.get(name, list(joint.range)) for name, joint in turning.items()}
 
     @field_validator("arm")
     @classmethod

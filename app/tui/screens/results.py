@@ -63,7 +63,7 @@ _FILE_COLUMNS: Final = (
     (" sim", 5),
     ("written UTC", 12),
 )
-_VALUE_COLUMNS: Final = (("quantity", 22), ("value", 14), ("u (k=1)", 10), ("U (k=2)", 10), ("unit", 6))
+_VALUE_COLUMNS: Final = (("quantity", 22), ("value", 14), ("u (k=1)", 10), ("U (k=2)", 10), (" unit", 6))
 _RIGHT: Final = frozenset({"value", "u (k=1)", "U (k=2)", "distances", "rms µm"})
 _RUN_FOLDERS: Final = ("runs", "catseye-runs")
 
@@ -174,7 +174,7 @@ class ResultsScreen(WorkScreen):
                 label = Text(name, justify="right" if name in _RIGHT else "left")
                 self.query_one(table, DataTable).add_column(label, width=width, key=name or "mark")
         self._timer = self.set_interval(_LOOK_S, self._look)
-        self._show()
+        self.query_one("#heading", StaticText).set_text(Content("reading the result files …"))
 
     def on_unmount(self) -> None:
         """Leave nothing behind."""
@@ -395,13 +395,14 @@ class ResultsScreen(WorkScreen):
             self.spawn(self._look_for_files, "look")
 
     async def _look_for_files(self) -> None:
+        first = self._shelf is None
         try:
             if self._shelf is None:
                 self._shelf = await asyncio.to_thread(_shelf, self.session.root)
             files = await asyncio.to_thread(self._shelf.look)
         finally:
             self._looking = False
-        if files == self._files:
+        if files == self._files and not first:
             return
         self._files = files
         self._follow(files)
@@ -440,9 +441,8 @@ class ResultsScreen(WorkScreen):
         file = self._file
         if file is None or file.result is None:
             where = "Enter shows one" if self._files else "none yet: identify on Runs (F7), i"
-            self.query_one("#heading", StaticText).set_text(
-                Content(f"{counted(len(self._files), 'result')}; {where}")
-            )
+            count = counted(len(self._files), "result")
+            self.query_one("#heading", StaticText).set_text(Content(f"{count}; {where}"))
             return
         from catseye.app.tui import result_texts as texts
 

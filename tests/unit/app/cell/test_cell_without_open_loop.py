@@ -7,10 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from catseye.app.cell import arm
 from catseye.app.cell.arm import ArmDescription
 from catseye.app.cell.axes import axes_of
 from catseye.app.cell.bench import bench_of, scara_bench_of, system_of
 from catseye.app.cell.load import LoadedCell, load_cell
+from catseye.app.cell.model import Cell
 from catseye.app.cell.plausible import implausible
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.engine.gate import require_in_range
@@ -117,6 +119,19 @@ def test_a_cell_may_have_nothing_but_a_robot(tmp_path: Path) -> None:
     assert list(made.kept) == list(made.devices.named()) == ["robot"]
 
 
+@pytest.mark.parametrize("pattern", [NODES, MEASUREMENT, LINKS, REFLECTORS, COUNTER])
+def test_a_cell_is_read_as_a_run_stores_it(tmp_path: Path, pattern: str) -> None:
+    cell = without(tmp_path, pattern).cell
+    assert Cell.model_validate_json(cell.model_dump_json()) == cell
+
+
+def test_one_node_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "cell.toml"
+    path.write_text(f"{ROBOT_ALONE}\n[measurement]\ntheta1_deg = [3.0]\n", "utf-8")
+    with pytest.raises(ConfigError, match="theta1_deg: a joint needs at least 2 nodes"):
+        load_cell(path)
+
+
 def test_conditions_of_the_air_need_its_sensor(tmp_path: Path) -> None:
     with pytest.raises(
         ConfigError, match=r"\[conditions\] are those of the air: add the sensor, \[environment\]"
@@ -174,3 +189,15 @@ def test_a_description_of_six_joints_gives_six_axes() -> None:
     assert [axis.name for axis in axes] == ["A1", "A2", "A3", "A4", "A5", "A6"]
     assert axes[1] == Axis("A2", "deg", 0.0, 90.0, 250.0, 1000.0)
     assert axes[5] == Axis("A6", "deg", -106.0, 106.0, 250.0, 1000.0)
+
+
+def test_a_cell_of_six_axes_is_read_as_stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "six.toml").write_text(SIX.replace('"A', '"J'), "utf-8")
+    monkeypatch.setattr(arm, "_SHIPPED", tmp_path)
+    limits = "limits_deg = { j5 = [-10.0, 10.0] }"
+    path = tmp_path / "cell.toml"
+    path.write_text(f'{ROBOT_ALONE}arm = "six"\n{limits}\n', "utf-8")
+    stored = Cell.model_validate_json(load_cell(path).cell.model_dump_json())
+    ranges = [axis.range for axis in bench_of(stored).arm.axes]
+    assert ranges[:2] == [(-101.0, 101.0), (-102.0, 102.0)]
+    assert ranges[4] == (-10.0, 10.0)

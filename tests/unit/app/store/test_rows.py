@@ -3,8 +3,8 @@
 import pytest
 
 from catseye.app.store.rows import encode
-from catseye.procedures.kit.records import Json, Record, table_of
-from catseye.procedures.scara.records import PathPosition, SeenReflector
+from catseye.procedures.kit.records import Json, Record, row_of, table_of
+from catseye.procedures.scara.records import PathPosition, ScrewTurn, SeenReflector
 from tests.unit.app.store.fakes import PATH_ROW, SEARCH_ROW
 
 
@@ -35,3 +35,10 @@ def test_what_would_not_come_back_as_it_was_is_refused(record: type[Record], nam
 def test_all_missing_columns_are_named() -> None:
     with pytest.raises(ValueError, match="lacks theta1_deg, theta2_deg"):
         encode(table_of(SeenReflector), {"reflector": "P1"})
+
+
+@pytest.mark.parametrize("name", ["kind", "turns", "step_id", "seq", "extra"])
+def test_a_further_value_hides_no_column(name: str) -> None:
+    record = ScrewTurn(screw="stage", turns=0.5, round=1, text="turn it", extra={name: 1})
+    with pytest.raises(ValueError, match=f"extra has {name}"):
+        row_of(record)

@@ -4,6 +4,7 @@ import json
 import os
 import re
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import pytest
@@ -12,6 +13,7 @@ from textual.widgets import ContentSwitcher, DataTable, Input
 
 from catseye.app.results.figure_document import figures_json
 from catseye.app.results.figures import Figure
+from catseye.app.results.scara.result_files import ResultFile, ResultFiles
 from catseye.app.results.scara.run_report import result_file_report
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
@@ -347,6 +349,24 @@ async def test_nothing_to_show_yet(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         text = await press(app, pilot, *"12345678", *"dtcupoey", "escape", "enter")
         assert isinstance(app.screen, ResultsScreen)
         assert "0 results; none yet: identify on Runs (F7), i" in text
+
+
+async def test_no_count_before_the_files_were_read(bench: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    read, look = Event(), ResultFiles.look
+
+    def slow_look(files: ResultFiles) -> list[ResultFile]:
+        read.wait(10.0)
+        return look(files)
+
+    monkeypatch.setattr(ResultFiles, "look", slow_look)
+    app = open_app(bench)
+    async with app.run_test(size=(80, 24)) as pilot:
+        before = await shown(app, pilot)
+        read.set()
+        after = await press(app, pilot)
+    assert "reading the result files …" in before
+    assert "none yet" not in before
+    assert "4 results; Enter shows one" in after
 
 
 async def test_any_size(bench: Path) -> None:
