@@ -49,7 +49,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
         "Go on with a run that stopped, failed, was aborted or died; steps that are done are not repeated."
     ),
     "runs": Command("List the stored runs, oldest first."),
-    "show": Command("Show a run's story: what, with which devices, what happened, how it ended."),
+    "show": Command("Show a run's timeline: what, with which devices, what happened, how it ended."),
     "verify": Command("Check a stored run against its manifest and its own rules."),
     "identify": Command("Identify the arm from distances.", _SCARA),
     "diagnose": Command(

@@ -10,7 +10,7 @@ def show(
     unverified: Unverified = False,
     as_json: AsJson = False,
 ) -> None:
-    """Show a run's story: what, with which devices, what happened, how it ended."""
+    """Show a run's timeline: what, with which devices, what happened, how it ended."""
     from catseye.app.render.text import report_text
     from catseye.app.results.runs.documents import run_document
     from catseye.app.results.runs.reports import story_report

@@ -340,8 +340,12 @@ class RunContext:
         return MotionAfter(
             override_percent=percent,
             speed_deg_s=tuple(axis.speed * percent / 100.0 for axis in self._axes if axis.unit == "deg"),
-            axes=tuple(AxisName(name=axis.name, unit=axis.unit) for axis in self._axes),
+            axes=self._axis_names,
         )
+
+    @property
+    def _axis_names(self) -> tuple[AxisName, ...]:
+        return tuple(AxisName(name=axis.name, unit=axis.unit) for axis in self._axes)
 
     def _begin(self, step_id: str, title: str) -> _OpenStep:
         attempt = self._store.next_attempt(step_id)
@@ -409,7 +413,7 @@ class RunContext:
 
     async def _first_motion(self, here: Pose | None, way: Sequence[Pose]) -> None:
         """Show where the arm is led from where it stands, before it moves."""
-        data = FirstMotionData(stands=here, way=tuple(way))
+        data = FirstMotionData(stands=here, way=tuple(way), axes=self._axis_names)
         await self._store.event("first-motion", data.json_object())
         self._announcer.publish(FirstMotionShown(state=self._control.state, data=data))
 

@@ -72,13 +72,25 @@ def header_fault(table: TableRule, header: Sequence[str]) -> str:
     missing = [column for column in form if not column.optional and column.name not in header]
     if missing:
         return f"column {', '.join(column.name for column in missing)} is missing{_remedy(table, missing)}"
+    if fault := doubled_fault(form if table.source else None, header):
+        return f"{fault}; allowed are {forms_text(table)}"
     if table.source:
         return ""
-    if doubled := sorted({name for name in header if header.count(name) > 1}):
-        return f"column {', '.join(doubled)} stands twice; allowed are {forms_text(table)}"
     if unknown := [name for name in header if name not in {column.name for column in form}]:
         return f"unknown column {', '.join(unknown)}; allowed are {forms_text(table)}"
     return ""
+
+
+def doubled_fault(form: Form | None, header: Sequence[str]) -> str:
+    """Return which columns stand twice; empty when none does.
+
+    Args:
+        form: rules of the columns that are looked at; None looks at all of the header.
+        header: names of the columns.
+    """
+    wanted = set(header) if form is None else {column.name for column in form}
+    doubled = sorted(name for name in wanted if header.count(name) > 1)
+    return f"column {', '.join(doubled)} stands twice" if doubled else ""
 
 
 def _remedy(table: TableRule, missing: Sequence[ColumnRule]) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from catseye.app.errors import ConfigError, UsageError
-from catseye.app.files.column_rules import Form, first_fault, form_of, places_among
+from catseye.app.files.column_rules import Form, doubled_fault, first_fault, form_of, places_among
 from catseye.app.files.csv_lines import require_file
 from catseye.calibration.core.types import Floats
 from catseye.procedures.kit.columns import ColumnRule, Columns, Kind, TableRule
@@ -56,7 +56,11 @@ def _parquet_form(path: Path, table: TableRule, present: Sequence[str]) -> Form:
     form = form_of(table, present)
     missing = [column.name for column in form if not column.optional and column.name not in present]
     if missing:
-        raise UsageError(f"{path}: column {', '.join(missing)} is missing")
+        faults = [text for name, text in table.misplaced if name in present]
+        faults.append(f"column {', '.join(missing)} is missing")
+        raise UsageError(f"{path}: {faults[0]}")
+    if fault := doubled_fault(form, present):
+        raise UsageError(f"{path}: {fault}")
     return tuple(column for column in form if column.name in present)
 
 

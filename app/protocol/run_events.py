@@ -4,6 +4,7 @@ from typing import Literal, Self
 
 from pydantic import Field
 
+from catseye.app.protocol.bench import AxisName
 from catseye.app.protocol.message import Event, JsonData, Message, absent
 from catseye.app.protocol.prompts import PromptFields
 from catseye.app.protocol.state import ControlState
@@ -76,10 +77,12 @@ class FirstMotionData(Message):
     Attributes:
         stands: joints now, in the order of the axes; None where they are not known.
         way: targets.
+        axes: of the joints; None from programs that did not send them.
     """
 
     stands: tuple[float, ...] | None
     way: tuple[tuple[float, ...], ...]
+    axes: tuple[AxisName, ...] | None = Field(default=None, exclude_if=absent)
 
 
 class FirstMotionShown(Event):

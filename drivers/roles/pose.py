@@ -26,6 +26,7 @@ class Axis:
 
     Attributes:
         name: as the arm's maker numbers it.
+        unit: of its values.
         low: smallest value.
         high: largest value.
         speed: fastest at 100 % override, deg/s or mm/s.

@@ -23,7 +23,6 @@ PROTOCOL = "drivers/melfa/"
 """Its axes are named J1 to J8 on the wire."""
 
 LISTED = {
-    "app/results/runs/event_text.py": "a first motion: the stored event does not name the axes",
     "calibration/__init__.py": "the library's public names, those of the SCARA's models among them",
 }
 """Files that name them outside those rooms, and why."""

@@ -1,9 +1,11 @@
 """What was stored, in words."""
 
+from collections.abc import Sequence
 from datetime import datetime
 from functools import cache
 from typing import Final
 
+from catseye.app.protocol.bench import AxisName
 from catseye.app.protocol.procedures import declared_by
 from catseye.app.results.numbers import duration_text
 from catseye.app.store.reader import StoredEvent
@@ -43,13 +45,16 @@ def texts_of(procedure: str) -> EventTexts:
 
 def first_motion_text(data: Data) -> str:
     """Return where the arm stands before its first motion, and where it is led."""
-    stands = data.get("stands")
-    start = _pose_text(stands) if stands else "where it is"
-    return f"first motion: from {start} to {', then '.join(map(_pose_text, data['way']))} (J1, J2, J3, J4)"
+    axes = [AxisName.model_validate(axis) for axis in data.get("axes") or ()]
+    start = _pose_text(axes, data["stands"]) if data.get("stands") else "where it is"
+    return f"first motion: from {start} to {', then '.join(_pose_text(axes, pose) for pose in data['way'])}"
 
 
-def _pose_text(pose: list[float]) -> str:
-    return " ".join(f"{value:.2f}{unit}" for value, unit in zip(pose, ("°", "°", " mm", "°"), strict=True))
+def _pose_text(axes: Sequence[AxisName], pose: Sequence[float]) -> str:
+    if len(axes) != len(pose):
+        # Runs of older programs do not state the axes.
+        return " ".join(f"{value:.2f}" for value in pose)
+    return " ".join(axis.text(value) for axis, value in zip(axes, pose, strict=True))
 
 
 def device_text(facts: Data) -> str:

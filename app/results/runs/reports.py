@@ -1,4 +1,4 @@
-"""Stored runs as reports: the list, the story of one, whether one is what was written."""
+"""Stored runs as reports: the list, the timeline of one, whether one is what was written."""
 
 from collections.abc import Sequence
 from datetime import datetime

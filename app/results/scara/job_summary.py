@@ -7,7 +7,7 @@ from catseye.app.results.scara.result import Fit
 from catseye.app.results.scara.truth import TruthComparison
 from catseye.app.results.scara.validation import PathValidation
 from catseye.app.results.scara.validation_report import comparison_table
-from catseye.app.results.scara.validation_text import path_statement
+from catseye.app.results.scara.validation_text import LEFT_OUT, path_statement
 
 
 def job_summary(truth: TruthComparison, fit: Fit, validation: PathValidation) -> Report:
@@ -22,7 +22,12 @@ def job_summary(truth: TruthComparison, fit: Fit, validation: PathValidation) ->
         f"{fit.n_points} distances, residuals {fit.rms_um:.1f} µm rms; errors over their u: "
         f"{truth.rms_normalised:.2f} rms (1 is honest)."
     )
-    statements = (Statement(Sign.NEUTRAL, quality), path_statement(validation))
+    left_out = f"{int((~validation.compared).sum())} rows of the path are left out {LEFT_OUT}."
+    statements = (
+        Statement(Sign.NEUTRAL, quality),
+        path_statement(validation),
+        Statement(Sign.NEUTRAL, left_out),
+    )
     return Report(
         "Summary",
         origin_now(simulated=True),

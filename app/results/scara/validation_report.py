@@ -14,7 +14,7 @@ from catseye.app.results.scara.path_view import Gap, PathAxis, gaps, model_title
 from catseye.app.results.scara.repeat_table import repeat_blocks
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.validation import ModelOnPath, PathValidation
-from catseye.app.results.scara.validation_text import agreement_statement
+from catseye.app.results.scara.validation_text import LEFT_OUT, agreement_statement
 
 _UM = fixed(1)
 
@@ -69,7 +69,8 @@ def _measured(validation: PathValidation, axis: PathAxis) -> str:
     compared, rows = int(validation.compared.sum()), validation.compared.size
     return (
         f"Path {axis.title}; {rows} positions located by an independent instrument {_stated(validation)}. "
-        f"{compared} rows compared, {rows - compared} left out; all models are compared over the same rows."
+        f"{compared} rows compared, {rows - compared} left out {LEFT_OUT}; all models are compared over the same "
+        "rows."
     )
 
 

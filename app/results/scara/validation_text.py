@@ -11,6 +11,9 @@ from catseye.calibration.core.types import Bools
 _BETTER = 0.8
 """An error map that leaves more than this share of the conventional model's error has not earned its keep."""
 
+LEFT_OUT = "(beyond the nodes, or a joint has just reversed)"
+"""Why rows of a path are not compared."""
+
 
 def compared_text(compared: Bools) -> str:
     """Return how many rows were compared."""

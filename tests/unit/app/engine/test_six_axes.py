@@ -15,6 +15,7 @@ from catseye.app.engine.walked.register import as_row
 from catseye.app.engine.walked.speed import walking_percent
 from catseye.app.engine.walked.tube import Leg, Tubes, legs_through
 from catseye.app.errors import LimitError
+from catseye.app.results.runs.event_text import first_motion_text
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.motion.clear_way import way_check
 from catseye.procedures.kit.system import System
@@ -103,4 +104,7 @@ async def test_a_run_drives_six_axes(tmp_path: Path) -> None:
     assert (outcome.status, bench.robot.pose) == ("complete", TURNED)
     assert asked == [(STRETCHED, TURNED)]
     (first,) = (entry for entry in bench.published if entry.get("kind") == "first-motion")
-    assert first["data"] == {"stands": list(STRETCHED), "way": [list(TURNED)]}
+    axes = [{"name": f"A{number}", "unit": "deg"} for number in range(1, 7)]
+    data = {"stands": list(STRETCHED), "way": [list(TURNED)], "axes": axes}
+    assert first["data"] == data
+    assert first_motion_text(data).endswith("A4 0.00° A5 0.00° A6 84.00°")

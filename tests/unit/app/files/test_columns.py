@@ -128,3 +128,12 @@ def test_parquet_obeys_the_same_rules(tmp_path: Path) -> None:
     parquet.write_table(arrow.table({"way": [1], "x_mm": [2.0], "note_mm": [6.0]}), path)
     with pytest.raises(UsageError, match=r"row 1: note_mm = 6.0 cannot be; it has to be .* at most 5 mm"):
         read_table(path, TABLE)
+
+
+def test_a_doubled_parquet_column_is_named(tmp_path: Path) -> None:
+    arrow, parquet = (importlib.import_module(name) for name in ("pyarrow", "pyarrow.parquet"))
+    path = tmp_path / "t.parquet"
+    columns = [arrow.array(values) for values in ([1], [2.0], [3.0])]
+    parquet.write_table(arrow.table(columns, names=["way", "x_mm", "x_mm"]), path)
+    with pytest.raises(UsageError, match=r"t\.parquet: column x_mm stands twice"):
+        read_table(path, TABLE)

@@ -38,6 +38,7 @@ def test_the_parameter_takes_the_rows_of_the_file(tmp_path: Path) -> None:
         (HEADER + "200,-400,1,2,1,0,\n", "rows.csv:2: direction2 = '0' is not 1 or -1"),
         (HEADER, "holds no rows"),
         ("theta1_deg,theta2_deg,direction1,direction2\n1,2,1,1\n", "column x_mm, y_mm is missing"),
+        (f"x_mm,{HEADER}7,200,-400,1,2,1,-1,5\n", "rows.csv:1: column x_mm stands twice"),
     ],
 )
 def test_what_cannot_be_driven_is_refused(tmp_path: Path, text: str, part: str) -> None:

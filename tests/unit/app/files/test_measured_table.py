@@ -1,5 +1,6 @@
 """Measured CSV: both forms of commands, and what is said about a file that cannot be used."""
 
+import importlib
 from pathlib import Path
 
 import pytest
@@ -85,3 +86,11 @@ def test_a_file_that_is_none_is_reported(tmp_path: Path) -> None:
         read_table(tmp_path / "none.csv", MEASURED)
     with pytest.raises(UsageError, match="is no name of a file"):
         read_table(Path("a\0b.csv"), MEASURED)
+
+
+def test_parquet_of_distances_is_called_by_its_name(tmp_path: Path) -> None:
+    arrow, parquet = (importlib.import_module(name) for name in ("pyarrow", "pyarrow.parquet"))
+    path = tmp_path / "points.parquet"
+    parquet.write_table(arrow.table({"theta1_deg": [1.0], "displacement_mm": [2.0]}), path)
+    with pytest.raises(UsageError, match="holds distances to reflectors, and positions are needed"):
+        read_table(path, MEASURED)
