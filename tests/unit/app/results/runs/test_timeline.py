@@ -15,6 +15,7 @@ from catseye.app.results.runs.summary import summary
 from catseye.app.results.runs.timeline import incidents, timeline
 from catseye.app.store.reader import RunReader, StoredEvent
 from catseye.app.store.run_store import RunStore
+from catseye.app.store.software import SOFTWARE
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.records import Json, Record, Row
 from tests.unit.app.engine.fakes import ManualClock, point
@@ -114,7 +115,7 @@ async def test_a_resumed_run_reads_in_chronological_order(author: Author) -> Non
         "count zeroed (no. 1), dead path 279.95 mm",
         "P1: points 1…37 measured, segment 0, in 37 s",
         "DIED: nothing was stored after this, the run was not closed",
-        f"RESUMED by Bob on {host} with catseye 0.1.0, 2 min 05 s after it died",
+        f"RESUMED by Bob on {host} with {SOFTWARE}, 2 min 05 s after it died",
         "the same devices answer as before",
         "QUESTION resume/reflectors: Has it been moved?",
         "ANSWER resume/reflectors: “untouched”, Bob, after 4.0 s",
