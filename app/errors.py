@@ -155,7 +155,6 @@ def text_of(error: BaseException, where: str = "") -> str:
     """Return the text of an error for people; a fault of the program is called one.
 
     Args:
-        error: whose text is wanted.
         where: says where to find more about a fault of the program; empty where there is nothing.
     """
     if exit_code_of(error) != ExitCode.FAULT:

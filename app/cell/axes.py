@@ -16,7 +16,6 @@ def axes_of(description: ArmDescription, limits: Mapping[str, Sequence[float]]) 
     """Return the axes of an arm.
 
     Args:
-        description: of the arm.
         limits: narrower ranges by name of the joint in lower case, deg or mm.
     """
     return tuple(_axis(joint, limits.get(joint.name.lower(), joint.range)) for joint in description.joint)

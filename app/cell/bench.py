@@ -26,7 +26,6 @@ def scara_bench_of(cell: Cell, wanted_by: str = "open-loop tracking") -> ScaraBe
 
     Args:
         cell: that describes it.
-        wanted_by: procedure or analysis that needs it.
 
     Raises:
         ConfigError: names what the cell file does not have.
@@ -53,8 +52,6 @@ def bench_for(cell: Cell, needs: Needs, wanted_by: str) -> Bench:
 
     Args:
         cell: that describes it.
-        needs: of the procedure.
-        wanted_by: name of the procedure.
 
     Raises:
         ConfigError: names every section and key that the cell file does not have.

@@ -22,7 +22,6 @@ def rewritten(text: str, wanted: Mapping[str, Any]) -> str:
     Comments right above a table belong to it: they go with it, and stay when the table before it goes.
 
     Args:
-        text: a TOML file.
         wanted: all its values, as `tomllib` reads them.
 
     Raises:

@@ -36,12 +36,7 @@ _REQUESTS: Final = {
 
 
 class Front:
-    """What both share: events come, lines go, Ctrl-C holds and stops for whoever has control.
-
-    Args:
-        client: the connection.
-        control: this client holds control.
-    """
+    """What both share: events come, lines go, Ctrl-C holds and stops for whoever has control."""
 
     def __init__(self, client: EngineClient, *, control: bool) -> None:
         self._client = client
@@ -164,12 +159,7 @@ class Programs(Front):
 
 
 class People(Front):
-    """Events are shown on stderr; lines are answers and commands.
-
-    Args:
-        client: the connection.
-        control: this client holds control.
-    """
+    """Events are shown on stderr; lines are answers and commands."""
 
     def __init__(self, client: EngineClient, *, control: bool) -> None:
         super().__init__(client, control=control)

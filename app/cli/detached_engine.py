@@ -73,9 +73,6 @@ def detach(request: Start | Resume, cell: Path, root: Path, *, as_json: bool) ->
     """Have an engine of its own session do what a request says; end when its devices are ready.
 
     Args:
-        request: what to run.
-        cell: cell file.
-        root: folder of all runs.
         as_json: the run's path is written as JSON.
     """
     arguments = ["engine", "--cell", str(cell.resolve()), "--runs", str(root.resolve()), "--once"]

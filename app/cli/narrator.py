@@ -38,7 +38,6 @@ class Narrator:
     """Takes the events of one run.
 
     Args:
-        title: what is under way.
         as_json: every event goes to stdout as a line of JSON too.
         go_on: what a person does about a held run.
 

@@ -17,7 +17,6 @@ class ProgressBar:
     """A bar that is redrawn on a terminal, and a line for each tenth where stderr is a file.
 
     Args:
-        title: what is under way.
         wall_clock: monotonic seconds of real time.
     """
 

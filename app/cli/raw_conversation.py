@@ -105,8 +105,6 @@ async def converse(
     """Talk until stdin ends and the device is quiet.
 
     Args:
-        opened: the link.
-        traffic: shows what passes.
         encode: returns the bytes of a typed line; ValueError for one that is not sent.
         wait_s: quiet for so long after the end of stdin, the conversation is over.
         io: says whether the door is closed; None when nobody has to know.

@@ -28,7 +28,6 @@ class WalkKeys:
     """Takes single keys while no question is open.
 
     Args:
-        descriptor: of the terminal.
         feed: keeps the arm going.
         command: takes h, g, s or a.
         clock: real time.

@@ -23,11 +23,7 @@ _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM
 
 
 class Processes:
-    """Carries out items in a pool of processes.
-
-    Args:
-        pool: the processes.
-    """
+    """Carries out items in a pool of processes."""
 
     def __init__(self, pool: ProcessPoolExecutor) -> None:
         self._pool = pool

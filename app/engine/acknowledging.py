@@ -19,13 +19,9 @@ class Acknowledging:
     """Asks until a person has said yes to all that has stopped the robot, and the door is closed.
 
     Args:
-        control: the stop ladder.
-        gate: of the motions.
         guard: of the arm, which has to know too; None where there is none.
-        clock: of the run.
         poll_s: between two looks at a door that is still open, s of the clock.
         ask: puts a question to the operator, whatever state the run is in.
-        warn: stores and publishes a warning.
     """
 
     def __init__(

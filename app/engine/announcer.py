@@ -14,7 +14,6 @@ class Announcer:
 
     Args:
         run: the run's name.
-        clock: of the run.
         publish: the front end.
         on_lost: called once when the front end is gone; what happens after that is still offered to it, since
             part of a front end may live on.

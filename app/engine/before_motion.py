@@ -16,7 +16,6 @@ def beyond(arm: Arm, own: Sequence[Range]) -> list[str]:
     """Return which of the cell's ranges go beyond the controller's, and the remedy.
 
     Args:
-        arm: with the ranges of the cell.
         own: the controller's lowest and highest of each axis, deg or mm.
     """
     return [

@@ -50,7 +50,6 @@ class Compensation:
 
     Args:
         done_by: who has corrected a length before it comes here.
-        rule: how to do it.
     """
 
     def __init__(self, done_by: CompensatedBy, rule: AirRule) -> None:
@@ -98,7 +97,6 @@ class Compensation:
 
         Args:
             raw_mm: as the instrument gave it, mm.
-            air: at that time.
 
         Raises:
             MeasurementRejectedError: the air is not known.

@@ -37,12 +37,7 @@ class Condition(Protocol):
 
 
 class AirInRange:
-    """The air is as the cell demands; a quantity that the sensor does not give is not judged here.
-
-    Args:
-        air: samples of the air.
-        limits: ranges of the cell.
-    """
+    """The air is as the cell demands; a quantity that the sensor does not give is not judged here."""
 
     def __init__(self, air: AirCache, limits: AirLimits) -> None:
         self._air = air
@@ -68,12 +63,8 @@ class Watchman:
     A controller that answers late delays nothing but this: the door has a watch of its own.
 
     Args:
-        control: of the run.
-        robot: the controller.
-        conditions: of the surroundings.
         ready: raises when a controller in this state may not move: InterruptionError if somebody who acknowledges
             that is enough to go on.
-        clock: of the run.
         poll_s: between two looks while nothing moves, s of the clock.
     """
 

@@ -75,13 +75,6 @@ class RunContext:
     """Implements `catseye.procedures.kit.context.Context` with real or emulated instruments.
 
     Args:
-        devices: connected instruments.
-        store: of the run.
-        control: the stop ladder.
-        clock: of the run.
-        axes: of the arm.
-        gate: passes motions.
-        operator: answers prompts.
         announcer: publishes to front ends.
         air: how the program corrects for the air where the instrument does not.
         poll_s: between two looks at a condition that is missing, s of the clock.
@@ -289,7 +282,6 @@ class RunContext:
         """Put a question to the operator; question and answer are stored.
 
         Args:
-            prompt: the question.
             watch: reads a value that is shown until the answer is there.
 
         Raises:

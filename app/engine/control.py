@@ -42,7 +42,6 @@ class RunControl:
     """State of a run and the ways to change it; requests take effect at once, in the event loop.
 
     Args:
-        clock: of the run.
         on_change: called with each new state and its reason.
         limits: how long a halt may take.
 

@@ -30,7 +30,6 @@ class DoorWatch:
 
     Args:
         io: block with the interlock; its own time-out ends a question.
-        clock: of the run.
         on_trouble: called with each look at which the door forbids motion, and with each tick of its silence.
         speed: seconds of the clock in one real second: the door is a real device on a real link.
 

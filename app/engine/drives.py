@@ -28,10 +28,7 @@ async def leave_drives(robot: Robot, clock: Clock, limit_s: float, *, keep: bool
     """Switch the drives of a robot that stands off, unless they are to be kept.
 
     Args:
-        robot: the controller.
-        clock: of the run.
         limit_s: for the answer, s of the clock.
-        keep: leave them on.
     """
     if keep:
         return DrivesLeft(True, _KEPT)

@@ -22,11 +22,7 @@ EndStatus = Literal["complete", "stopped", "aborted", "failed"]
 
 
 class DeviceFaultError(CatseyeError):
-    """A device or the program failed during a run; the cause says which.
-
-    Args:
-        cause: what failed.
-    """
+    """A device or the program failed during a run; the cause says which."""
 
     def __init__(self, cause: BaseException) -> None:
         super().__init__(text_of(cause, _WHERE))

@@ -25,8 +25,6 @@ async def require_rest(
     """Wait until the arm stands and no program but our own runs; return where it stands.
 
     Args:
-        robot: the controller.
-        clock: of the run.
         speed: seconds of the clock in one real second.
         warn: called once with the reason when the arm is not at rest.
 

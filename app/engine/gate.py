@@ -37,8 +37,6 @@ class MotionGate:
     """Decides about each motion from fresh facts.
 
     Args:
-        robot: the controller.
-        axes: with the ranges of the cell.
         blocked: says why bodies are in the way of a motion.
         override_cap_percent: highest speed override that the cell allows.
         conditions: of the surroundings that come back by themselves: the air.

@@ -76,9 +76,7 @@ async def run_procedure(
     """Run a procedure; every ending leaves the robot at rest, the devices closed and the record sealed.
 
     Args:
-        request: what to run.
         build_devices: makes the devices; their transports record into the run's transcript.
-        clock: of the run.
         publish: takes the headless events.
         install_signals: delivers signals to the stop ladder.
 

@@ -24,7 +24,6 @@ def device_builder(cell: Cell, clock: Clock) -> DeviceBuilder:
 
     Args:
         cell: names drivers and endpoints.
-        clock: of the run.
 
     Raises:
         ConfigError: a driver is not installed or a setting is wrong.
@@ -88,8 +87,6 @@ def further_device(
     """Return the driver of a [[device]], not connected.
 
     Args:
-        device: section of the cell file.
-        clock: of the run.
         record: takes the bytes that pass.
         role: what it has to be a driver of; None for anything.
 
@@ -130,7 +127,6 @@ def stop_request(driver: str, device: str, settings: Mapping[str, Any]) -> bytes
     """Return what stops an arm on a link on which anything may have been sent before; None: its driver knows nothing.
 
     Args:
-        driver: of the robot.
         device: its name in the cell file, for texts.
         settings: of the robot in the cell file.
 

@@ -37,7 +37,6 @@ class StackLight:
     """Shows a run's state; always behind it, never in its way.
 
     Args:
-        io: the block with the lamps.
         on_trouble: called once when the block stops taking orders.
     """
 

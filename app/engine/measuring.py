@@ -25,8 +25,6 @@ class AirCache:
     """The state of the air, sampled anew when the last sample is older than a limit.
 
     Args:
-        sensor: what is sampled.
-        clock: of the run.
         max_age_s: how old a sample may be, s of the clock.
     """
 
@@ -61,13 +59,7 @@ class Lengths:
 
 
 def lengths_of(devices: Devices, clock: Clock, rule: AirRule) -> Lengths | None:
-    """Return what distances are measured with; None where a device for it is missing.
-
-    Args:
-        devices: of the run.
-        clock: of the run.
-        rule: of the correction for the air.
-    """
+    """Return what distances are measured with; None where a device for it is missing."""
     counter, air = devices.interferometer, devices.environment
     if counter is None or air is None:
         return None
@@ -107,9 +99,6 @@ async def measure(
     The beam comes last since its latches show whether it was there during all readings.
 
     Args:
-        robot: whose joints are read.
-        lengths: what the distance is measured with.
-        clock: of the run.
         dwell_time_s: from the first to the last reading, s.
         readings: how many, at least 1.
         waited: called with how long the dwell took, s of the clock.

@@ -19,10 +19,6 @@ class Mover:
     arm stands on it.
 
     Args:
-        robot: the controller.
-        axes: of its arm.
-        control: the stop ladder.
-        gate: passes motions.
         wait_until: suspends the run until a condition is back.
         timed: awaits a motion and takes its time.
         waive: has somebody say why the arm may be driven where it was not walked.
@@ -56,7 +52,6 @@ class Mover:
         """Take note of where the procedure knows the arm to stand.
 
         Args:
-            here: reported joints.
             waits: of the control, before they were asked for.
         """
         self._stood, self._waits_then = here, waits

@@ -50,10 +50,8 @@ class Operator:
     answers file was written before anybody saw the robot. Where nobody is there the procedure's safe answer counts.
 
     Args:
-        clock: of the run.
         answers: answers file, by prompt id.
         answerer: a front end, if there is one.
-        simulated: all devices are emulated.
         hands: of the emulated operator; None where the cell has no [tracker] to reach the emulated bench by.
     """
 

@@ -25,9 +25,6 @@ Note = Callable[[str, Mapping[str, Json]], Awaitable[None]]
 class Reentry:
     """The way back into an interrupted run.
 
-    Args:
-        reader: of the run.
-
     Attributes:
         abort_cause: why the run was aborted, while no operator has cleared that; None otherwise.
         since_utc: when the last step was done, or the run begun: points are worth something if nothing was touched

@@ -32,11 +32,7 @@ class StepTime:
 
 
 class Progress:
-    """Estimates the time left from expected bench seconds, corrected by the run's own pace.
-
-    Args:
-        clock: of the run.
-    """
+    """Estimates the time left from expected bench seconds, corrected by the run's own pace."""
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock

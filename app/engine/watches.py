@@ -21,9 +21,6 @@ class Watches:
     """The watches of a run, each a task of its own: none waits for another one.
 
     Args:
-        control: of the run.
-        devices: of the run.
-        clock: of the run.
         speed: seconds of the clock in one real second.
 
     Attributes:

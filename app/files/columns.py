@@ -36,7 +36,6 @@ def table_blocks(path: Path, table: TableRule, names: Sequence[str] = ()) -> Ite
 
     Args:
         path: the file; .parquet is Parquet, anything else CSV.
-        table: what it may hold.
         names: that a column of names may hold, each once.
 
     Yields:

@@ -141,7 +141,6 @@ def require_line(path: Path, number: int, line: str) -> str:
     """Return a line that a table may have.
 
     Args:
-        path: the file.
         number: where it stands, from 1.
         line: decoded with surrogates in place of what is no UTF-8.
 

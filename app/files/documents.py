@@ -69,7 +69,6 @@ def parse_toml(text: str, where: object) -> dict[str, Any]:
     """Return the table of a TOML text.
 
     Args:
-        text: to be parsed.
         where: it comes from, for the error.
 
     Raises:

@@ -58,7 +58,6 @@ class ArmGuard:
         Args:
             who: what moves the arm, such as the name of a run.
             folder: of all runs; the guard's log is there.
-            simulated: the arm is an emulator.
 
         Raises:
             ArmInUseError: another program owns it.

@@ -126,7 +126,6 @@ class Guard:
     """Watches one engine.
 
     Args:
-        engine: this side of the pair.
         pid: number of the engine's process.
     """
 

@@ -75,7 +75,6 @@ async def raw_connection(
         stop: bytes that stop the robot; None: nobody knows any.
         sink: is called with all bytes that pass.
         folder: of all runs, for the guard's log.
-        simulated: the robot is an emulator.
         report: is called with what has become of this arm since it was given back last.
 
     Raises:

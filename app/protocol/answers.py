@@ -127,10 +127,6 @@ def refused(re: RequestId | None, refusal: Refusal) -> JsonObject:
 def answer_as(kind: type[Found], message: dict[str, Any]) -> Found:
     """Return what an answer carries.
 
-    Args:
-        kind: that the request is answered with.
-        message: the answer.
-
     Raises:
         MessageError: it is no such answer.
     """

@@ -55,11 +55,7 @@ def rung_of(state: ControlState) -> Rung | None:
 
 
 def top_text(state: ControlState) -> str:
-    """Return why no rung is left, for people.
-
-    Args:
-        state: one that has none.
-    """
+    """Return why no rung is left, for people."""
     if state is ControlState.ABORTING:
         return "the run is being aborted: use the emergency stop if the arm moves"
     return f"the run has ended: it is in state {state}"

@@ -11,12 +11,7 @@ Consequence = Literal["nothing", "warn", "hold", "stop"]
 
 
 def after_loss(policy: LossPolicy, state: ControlState) -> Consequence:
-    """Return what is done about a lost front end.
-
-    Args:
-        policy: of the run.
-        state: of the run.
-    """
+    """Return what is done about a lost front end."""
     if state in ENDED | ENDING:
         return "nothing"
     match policy:

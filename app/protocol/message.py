@@ -30,7 +30,6 @@ class MessageError(ValueError):
     """A line is no message of this protocol.
 
     Args:
-        text: what is wrong with it.
         re: id of the request, as far as it could be read.
     """
 
@@ -111,7 +110,6 @@ def faults_of(error: ValidationError, skip: int = 0) -> str:
     """Return what is wrong with a message, in one line.
 
     Args:
-        error: of the validation.
         skip: parts of a place that name the model and not the field.
     """
     faults = []

@@ -99,7 +99,6 @@ def param_text(facts: dict[str, Any], name: str, text: str) -> str:
 
     Args:
         facts: the parameter's JSON schema.
-        name: of the parameter.
         text: without a fault.
     """
     text = text.strip()

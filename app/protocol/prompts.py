@@ -67,7 +67,6 @@ class PromptFields(Message):
         """Return a prompt as the wire has it.
 
         Args:
-            prompt: the question.
             motion: as it would be now; left out where no answer moves the arm.
         """
         after: dict[str, Any] = {}

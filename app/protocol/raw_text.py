@@ -15,8 +15,6 @@ def encoded(line: str, end: LineEnd, *, as_hex: bool) -> bytes:
 
     Args:
         line: hex digits, or text with the escapes \r \n \t \e \\ and \xNN.
-        end: what is put behind it.
-        as_hex: which of both.
 
     Raises:
         ValueError: it is neither; the text says what is wrong.

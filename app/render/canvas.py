@@ -55,7 +55,6 @@ def svg(figure: Figure, name: str, label: str) -> str:
     """Return a figure as an SVG element that may stand beside others in one page.
 
     Args:
-        figure: what to draw.
         name: word that keeps the names inside this figure apart from those of other figures.
         label: what is read to somebody who cannot see it.
     """

@@ -15,8 +15,6 @@ def element(name: str, *children: str, **attributes: str) -> Html:
     """Return an element.
 
     Args:
-        name: tag.
-        children: texts and markup inside.
         attributes: a trailing underscore is dropped, so that `class_` and `id_` can be written.
     """
     written = "".join(
@@ -44,7 +42,6 @@ def table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]], nume
     """Return a table that scrolls by itself on a narrow screen.
 
     Args:
-        caption: what it shows.
         head: names of the columns with their units.
         rows: cells; the first names the row.
         numeric: which columns stand flush right.

@@ -58,8 +58,6 @@ def number(value: float | None, form: Format, minus: str = MINUS) -> str:
     """Return a number as text; a dash for None and for what is not finite.
 
     Args:
-        value: number to write.
-        form: how it is written.
         minus: sign of negative numbers; "-" where a program may read them.
     """
     if value is None or not math.isfinite(value):

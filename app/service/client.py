@@ -91,10 +91,6 @@ class EngineClient:
     async def ask(self, request: AnyRequest, kind: type[Found]) -> Found:
         """Put a request and return what its answer carries.
 
-        Args:
-            request: what is asked.
-            kind: that it is answered with.
-
         Raises:
             RefusedError: the engine does not do it; the text says why.
             ServiceError: the connection is closed, or the engine answers something else.
@@ -189,8 +185,6 @@ async def connect(
     """Connect to an engine and say hello.
 
     Args:
-        path: its socket.
-        program: name of this program.
         who: the person; the user of this process when left out.
         clock: real time.
 

@@ -129,7 +129,6 @@ class ClientRegistry:
         """Remove a client; one that held control of a run has been lost.
 
         Args:
-            member: that is gone.
             reason: how it went; None when the engine ended the conversation.
         """
         self._members.pop(member.name, None)

@@ -27,13 +27,7 @@ def command_of(line: str, *, asked: bool) -> str:
 
 
 class Console:
-    """Takes typed lines for the run under way.
-
-    Args:
-        registry: of the run.
-        who: the person at the terminal.
-        say: writes a line of talk.
-    """
+    """Takes typed lines for the run under way."""
 
     def __init__(self, registry: ClientRegistry, who: str, say: Callable[[str], None]) -> None:
         self._registry = registry

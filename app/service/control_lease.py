@@ -76,7 +76,6 @@ class ControlLease:
         """Let nobody hold control.
 
         Args:
-            change: how that came.
             before: the client that gave it up, or is gone.
         """
         self._give(change, None, before.text)

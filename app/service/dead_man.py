@@ -29,7 +29,6 @@ class DeadMan(Generic[T]):
         """Take a press or a repeat of a key.
 
         Args:
-            asked: what the key asks for.
             now_s: monotonic time, s.
         """
         patience_s = REPEAT_S if self._repeats else FIRST_REPEAT_S

@@ -33,10 +33,8 @@ class EngineBench:
     """Knows the cell file of an engine.
 
     Args:
-        registry: of the clients.
         clock: real time.
         cell: cell file of the bench; read anew whenever its devices are made.
-        root: folder of all runs.
 
     Attributes:
         telemetry: for the clients that watch.

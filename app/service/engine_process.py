@@ -48,10 +48,6 @@ _WAIT_POLL_S = 0.2
 class EngineProcess:
     """Runs one procedure after another for its clients.
 
-    Args:
-        cell: cell file of the bench.
-        root: folder of all runs.
-
     Attributes:
         registry: of its clients.
         manual: what they do by hand between runs.
@@ -108,7 +104,6 @@ class EngineProcess:
         """Run one procedure for whoever attaches to it.
 
         Args:
-            request: what to run.
             opened: takes the run's directory when its record is open.
             ready: is called when the devices are.
 

@@ -23,7 +23,6 @@ class Lines:
     A process in the background leaves its terminal alone: reading there would stop the process, with the arm moving.
 
     Args:
-        descriptor: to read.
         on_line: takes each line, without its end.
         on_end: called when no line follows, or none that anybody types.
         keys: takes single keys from what was read and returns what belongs to lines.

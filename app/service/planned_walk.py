@@ -17,8 +17,6 @@ def as_walk(planned: PlannedRun, root: Path, walked: Iterable[Leg] = ()) -> Plan
     """Return the walk-through of a planned run.
 
     Args:
-        planned: what is walked.
-        root: folder of all runs.
         walked: motions that this walk has driven before it was interrupted.
     """
     whole = replace(planned, resume=None)

@@ -38,11 +38,6 @@ class PromptBroker:
     def answer(self, prompt_id: str, text: str, who: str) -> None:
         """Give an answer.
 
-        Args:
-            prompt_id: which question is meant.
-            text: the answer.
-            who: gives it.
-
         Raises:
             RefusedError: that question is not open, or this is no answer to it; it stays open.
         """

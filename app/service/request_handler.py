@@ -68,7 +68,6 @@ class RequestHandler:
     """Carries requests out.
 
     Args:
-        registry: of the engine.
         engine: that can start runs; None where a run serves itself.
         telemetry: of the bench; None where nobody can watch it.
     """
@@ -86,7 +85,6 @@ class RequestHandler:
 
         Args:
             member: who asks; None before it introduced itself.
-            request: what is asked.
 
         Raises:
             RefusedError: it is not done; the text says why.

@@ -30,7 +30,6 @@ def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> Plan
     their stored results. Nothing is written and no device is touched here.
 
     Args:
-        root: folder of all runs.
         run: path, name, beginning of a name, or id.
         changed: a cell file with other endpoints, or time-outs, than those of last time.
 

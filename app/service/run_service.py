@@ -19,7 +19,6 @@ class RunService:
     Args:
         policy: what becomes of the run when a client with control is lost.
         console: the person at the terminal of this process; None without one.
-        root: folder of all runs.
 
     Attributes:
         registry: of its clients.

@@ -92,9 +92,6 @@ def plan_run(
     """Plan a procedure; every limit is checked here.
 
     Args:
-        loaded: the cell file.
-        procedure: what is to be done.
-        params: what was chosen.
         root: folder of all runs; the newest search of this cell is looked for there.
         search: "auto", "none" or a search run.
 
@@ -127,8 +124,6 @@ async def carry_out(
     """Run a planned procedure on the cell's devices.
 
     Args:
-        planned: what plan_run returned.
-        root: folder of all runs.
         publish: takes the headless events.
         speed: bench seconds in one real second; above 1 for emulators only.
         arm: the cell's name as typed to allow real hardware to move.
@@ -191,7 +186,6 @@ async def rehearse(planned: PlannedRun, here: Pose | None = None) -> DryRunConte
     """Run a planned procedure without any device and return what it would do; what is done already is left out.
 
     Args:
-        planned: what plan_run returned.
         here: where the arm stands; at rest when nobody knows.
     """
     system = planned.system

@@ -33,7 +33,6 @@ class Server:
     """Accepts clients at any number of sockets.
 
     Args:
-        registry: that all clients share.
         clock: real time.
         engine: that can start runs; None where a run serves itself.
         patience: with each client.

@@ -41,11 +41,8 @@ class Session:
     """Serves one connection.
 
     Args:
-        registry: of the engine.
-        handler: carry requests out.
         streams: to and from the client.
         clock: real time.
-        patience: with the client.
     """
 
     def __init__(

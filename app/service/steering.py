@@ -34,7 +34,6 @@ class Steering:
     """Acts at once, on whatever moves.
 
     Args:
-        runs: knows the run under way.
         between: moves the arm between runs; None where a run serves itself.
     """
 

@@ -45,7 +45,6 @@ def find_basis(
     Args:
         basis: what is looked for; None for nothing.
         bench: as the cell file describes it.
-        root: folder of all runs.
         wanted: "auto" takes the newest complete run that fits this bench, "none" the cell file, anything else names a
             run.
         opened: opens a run, on the terms of what is to be planned.

@@ -61,11 +61,7 @@ class RunLine:
 
 
 class RunHistory:
-    """The runs of a folder.
-
-    Args:
-        root: folder of all runs.
-    """
+    """The runs of a folder."""
 
     def __init__(self, root: Path) -> None:
         self._root = root

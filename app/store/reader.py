@@ -28,7 +28,6 @@ def ending(last: sqlite3.Row | None, run: str) -> Status | None:
 
     Args:
         last: that record; None without one.
-        run: its name.
 
     Raises:
         StorageError: it ended in a way that only a newer program knows.
@@ -120,7 +119,6 @@ class RunReader:
 
     Args:
         path: the run's directory.
-        terms: which runs are taken.
 
     Attributes:
         path: the run's directory.

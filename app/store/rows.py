@@ -58,7 +58,6 @@ def insert_data(db: sqlite3.Connection, table: Table, key: Sequence[Value], valu
 
     Args:
         db: the run's file.
-        table: which table.
         key: step, attempt and number within the step.
         values: what `encode` returned.
     """

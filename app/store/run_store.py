@@ -83,7 +83,6 @@ class RunStore:
             procedure: name of the procedure, part of the run's name.
             meta: what the run says about itself, beside versions and clock anchor.
             clock: stamps every record.
-            records: types of what will be stored.
             reserve_bytes: free space that must be there.
             max_log_bytes: where each log file is cut.
 
@@ -120,7 +119,6 @@ class RunStore:
             path: the run's directory.
             clock: stamps every record.
             about: what is to be stored with the reopening, beside versions and clock anchor.
-            records: types of what will be stored.
             reserve_bytes: free space that must be there.
             max_log_bytes: where each log file is cut.
 
@@ -222,8 +220,6 @@ class RunStore:
         Args:
             step_id: stable name within the run.
             attempt: which one this was, from 1.
-            title: what the step did.
-            result: what it returned.
             rows: of data, each with the name of its table.
             started_utc: ISO 8601 UTC time; now when it is None.
 
@@ -285,7 +281,6 @@ class RunStore:
 
         Args:
             status: how the run ended.
-            exit_code: of the process.
             text: why it did not complete; empty otherwise.
 
         Raises:

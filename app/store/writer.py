@@ -21,7 +21,6 @@ class Writer:
     A failed fsync may have dropped the data it was asked to keep, so nothing after it can be trusted.
 
     Args:
-        path: the database file.
         on_failure: called once, in the writer's thread, when storage fails.
     """
 

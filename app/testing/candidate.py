@@ -83,7 +83,6 @@ def candidate_of(
     Args:
         name: entry point in the group `catseye.drivers`.
         endpoint: what it is to talk to; None for the built-in emulator.
-        settings: as in a cell file.
         allow_motion: a robot behind `endpoint` may be moved.
 
     Raises:

@@ -12,9 +12,6 @@ async def close_server(server: asyncio.Server) -> None:
 
     A connection that is accepted in the very turn in which its server closes is neither served nor closed by asyncio:
     its socket stays open until the garbage collector finds it.
-
-    Args:
-        server: accepts on the running event loop.
     """
     loop = asyncio.get_running_loop()
     for listener in server.sockets:

@@ -101,7 +101,6 @@ class FaultyTransport(WrappedTransport):
     """Makes a transport go wrong.
 
     Args:
-        inner: the transport that does the work.
         faults: what goes wrong; of several for one chunk the last one counts.
         note: stands behind the endpoint in texts, such as the seed of random faults.
     """

@@ -36,7 +36,6 @@ class ReplayTransport:
     """Plays the device of a transcript.
 
     Args:
-        steps: the transcript.
         endpoint: name for texts.
     """
 

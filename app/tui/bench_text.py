@@ -167,7 +167,6 @@ def engine_lines(engine: EngineState, most: int) -> list[Content]:
     """Return who is connected, who has control, how many messages newer ones replaced, and the last of the log.
 
     Args:
-        engine: as far as it is known.
         most: lines of the log.
     """
     if not engine.connected:

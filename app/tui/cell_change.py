@@ -11,7 +11,6 @@ def use_cell(app: Program, path: Path) -> None:
     """Have everything go on with a cell file; the idle engine is started anew with it.
 
     Args:
-        app: the program.
         path: the cell file; it has passed every check.
     """
     link = app.session.link

@@ -176,7 +176,6 @@ class EngineState:
         """Take an event.
 
         Args:
-            event: of the engine.
             now_s: monotonic time of its arrival, s.
         """
         from catseye.app.protocol import engine_events
@@ -217,7 +216,6 @@ class EngineState:
         """Take the bench as it is now.
 
         Args:
-            bench: as the engine sees it.
             now_s: monotonic time of its arrival, s.
         """
         self.bench, self.bench_at_s = bench, now_s

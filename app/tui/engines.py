@@ -34,11 +34,7 @@ def engines_of_runs(root: Path) -> list[Path]:
 
 
 class EngineProcess:
-    """The process of an engine; it stays that process when its number is given to another one.
-
-    Args:
-        pid: of the engine.
-    """
+    """The process of an engine; it stays that process when its number is given to another one."""
 
     def __init__(self, pid: object) -> None:
         self._descriptor: int | None = None

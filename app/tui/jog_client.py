@@ -34,7 +34,6 @@ class JogClient:
     """Asks the engine for motions by hand.
 
     Args:
-        link: to the engine.
         now_s: monotonic time, s.
         failed: called with why something did not move.
         sleep: waits, real s.

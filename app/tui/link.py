@@ -84,7 +84,6 @@ class EngineLink:
     """Implements `Link` over the engine's socket.
 
     Args:
-        root: folder of all runs.
         cell: cell file of the bench; None while there is none.
         clock: real time.
     """

@@ -15,11 +15,7 @@ def can_open() -> bool:
 
 
 async def open_page(uri: str) -> str:
-    """Show a page; return why it is not shown, empty when it is.
-
-    Args:
-        uri: of the page.
-    """
+    """Show a page; return why it is not shown, empty when it is."""
     opener = _opener()
     if opener is None:
         return "neither xdg-open nor open is installed"

@@ -106,7 +106,6 @@ class Program(App[int]):
         """Have the engine do something; a refusal is shown with its remedy. Returns at once what ends with it.
 
         Args:
-            request: to the engine.
             failure: title of the error when it is not done.
             control: take control first when nobody has it.
             done: shown when it is done.

@@ -18,7 +18,6 @@ class Requests:
     """Sends requests in order, and reports the first refusal.
 
     Args:
-        link: to the engine.
         failed: called with why a request was refused.
 
     Attributes:
@@ -40,7 +39,6 @@ class Requests:
         """Put a request without waiting for its answer.
 
         Args:
-            request: what is asked for.
             needed: a refusal is reported.
         """
         task = asyncio.create_task(self._request(request, needed=needed))

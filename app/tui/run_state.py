@@ -207,7 +207,6 @@ class RunState:
         """Take an event of this run.
 
         Args:
-            event: of the engine.
             now_s: monotonic time of its arrival, s.
         """
         from catseye.app.protocol import run_events

@@ -16,7 +16,6 @@ def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
 
     Args:
         cell: cell file; None for the only one in this folder, else set-up.
-        root: folder of all runs.
         speed: bench seconds in one real second; emulators only.
 
     Raises:

@@ -11,7 +11,6 @@ async def check_settings(app: Program, keymap: dict[str, str]) -> None:
     """Show names in `keys.toml` that nothing has, of keys that two things have, and of a cell file of no use.
 
     Args:
-        app: the program.
         keymap: a user's keys by name.
     """
     if keymap and (fault := await asyncio.to_thread(unknown_names, frozenset(keymap))):

@@ -15,7 +15,6 @@ def with_run_fields(procedure: "ProcedureEntry", speed: float, *, real: bool) ->
     """Return the parameters of a procedure and what else a start may choose.
 
     Args:
-        procedure: whose.
         speed: bench seconds in one real second, where nothing is typed.
         real: the devices are real: their time runs as it runs.
     """

@@ -24,7 +24,6 @@ async def stop_by_every_way(
     """Stop by the connection; without its answer by new ones, and at last by a signal to the engine's process.
 
     Args:
-        op: stop or abort.
         client: the connection; None when there is none.
         process: of the engine that is, or was, connected.
         root: folder of all runs; an engine of it that moves an arm is found although nobody here was connected.

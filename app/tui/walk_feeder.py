@@ -16,7 +16,6 @@ class WalkFeeder:
     """Feeds the engine while a key is held.
 
     Args:
-        link: to the engine.
         now_s: monotonic time, s.
         failed: called with why the engine is not fed.
         sleep: waits, real s.

@@ -61,7 +61,6 @@ def row_errors(model: Model, values: Floats, fit: FitStatistics) -> RowErrors:
     Args:
         model: the rows.
         values: the estimate, shape (p,).
-        fit: its statistics.
     """
     widened = not model.stated or fit.variance_factor != 1.0
     return RowErrors(

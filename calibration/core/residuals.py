@@ -40,7 +40,6 @@ def studentised(projection: Projection, stated: bool) -> StudentisedResiduals:
 
     Args:
         projection: the fit, on the space that its model cannot reach.
-        stated: the weights are stated uncertainties.
     """
     free = projection.orthonormal.shape[1]
     leverage = np.einsum("ij,ij->i", projection.orthonormal, projection.orthonormal)

@@ -163,7 +163,6 @@ def _sandwich(
 
     Args:
         model: rows and parameters.
-        found: the robust estimate.
         scale: robust standard deviation of a weighted row.
         influence: of each row, in units of the scale, shape (n,).
         slope: derivative of the influence by the standardised residual, shape (n,).

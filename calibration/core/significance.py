@@ -105,7 +105,6 @@ def f_test(
     Args:
         gain: sum of squares that it explains.
         gain_expected: expectation of the gain for the stated uncertainties.
-        rank: parameters that it has more.
         rest: sum of squares that it leaves.
         rest_expected: its expectation for the stated uncertainties.
         rest_dof: degrees of freedom that it leaves.

@@ -95,9 +95,6 @@ _LONG_MM = 1e5
 class Gaps:
     """Distances of all pairs of bodies that may meet.
 
-    Args:
-        scene: the bodies.
-
     Attributes:
         pairs: names of the bodies, in the order of the distances.
         levers: upper bound of how much the distance of a pair changes with each joint, mm per deg or mm, shape
@@ -173,7 +170,6 @@ def outermost_levers(chain: Chain, arm: Sequence[Capsule]) -> Floats:
 
     Args:
         chain: the arm's joints.
-        arm: its bodies.
 
     Returns:
         mm per deg of a revolute joint, 1 for a prismatic one, shape (joints,).

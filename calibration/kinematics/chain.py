@@ -92,7 +92,6 @@ class Chain:
         Args:
             joint: number of the joint that moves, from 1.
             frame: number of the frame that the point is fixed to, not before that of the joint.
-            point_mm: the point in that frame.
 
         Returns:
             mm per deg of a revolute joint, 1 for a prismatic one; it holds at every pose within the joints' ranges.

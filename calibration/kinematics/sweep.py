@@ -72,7 +72,6 @@ def first_contact(
     """Return where a way first comes nearer than the clearance; None when it is clear.
 
     Args:
-        gaps: the bodies.
         way: targets, the present pose first, deg or mm, shape (n, joints).
         clearance_mm: what is kept between any two bodies.
         passed: at which targets the arm does not stand still but cuts the corner, shape (n,); None for none. It stays

@@ -52,7 +52,6 @@ def compensate(arm: IdentifiedArm, commands: Commands, wished_mm: Floats) -> Com
     4 steps where the maps change by at most 1 mdeg a degree and 12 where they change by 100, and one that confirms.
 
     Args:
-        arm: the identified arm.
         commands: uncorrected commands, n rows: states of approach, elbow (θ2 >= 0 is right) and turns of J1 stay as
             they are here.
         wished_mm: where the arm shall stand, in the frame that the gauge of the arm fixes, mm, shape (n, 2).

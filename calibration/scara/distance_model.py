@@ -130,7 +130,6 @@ def distance_model(layout: Layout, points: Points, budget: Budget | None = None)
 
     Args:
         layout: order of the parameters.
-        points: what was measured.
         budget: contributors to the uncertainty of a distance; None for what the points state alone.
 
     Raises:

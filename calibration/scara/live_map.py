@@ -149,7 +149,6 @@ class LiveMap:
             theta2_rad: J2 command, rad.
             direction1: state of approach of J1, 1 or -1.
             direction2: state of approach of J2, 1 or -1.
-            reflector: name of the reflector.
             segment: number of the segment; it counts within its reflector.
             displacement_mm: distance relative to the zero of the segment, mm.
 

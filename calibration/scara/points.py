@@ -193,7 +193,6 @@ def without_short_segments(points: Points, fewest: int = FEWEST) -> tuple[Points
     """Drop segments that are too short to carry a dead path of their own.
 
     Args:
-        points: all distances.
         fewest: smallest number of distances that a segment keeps its place with.
 
     Returns:

@@ -62,7 +62,6 @@ def predict(arm: IdentifiedArm, commands: Commands, link1_mm: float, link2_mm: f
     """Predict the positions of commands.
 
     Args:
-        arm: the arm.
         commands: joint angles with their direction of approach, n rows.
         link1_mm: nominal length of link 1, mm, for the command position.
         link2_mm: nominal length of link 2, mm.
@@ -86,7 +85,6 @@ def position_effects(arm: IdentifiedArm, commands: Commands) -> Floats:
     Errors of neighbouring rows belong together; e eᵀ over any rows and axes is their covariance.
 
     Args:
-        arm: the arm.
         commands: n rows inside the identified range.
 
     Returns:

@@ -36,7 +36,6 @@ def radial_effects(points: Points, unit: Floats, budget: RadialBudget) -> Floats
     Args:
         points: where the arm was sent, n rows.
         unit: unit vectors from the reflector to the arm, shape (n, 2).
-        budget: rms displacements.
 
     Returns:
         Effects, mm, shape (n, 12 · orders); the covariance that they give the distances is E Eᵀ.

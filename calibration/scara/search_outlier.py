@@ -50,7 +50,6 @@ def find_outlier(
     (Student's t, with the chance of a false alarm shared among all sightings).
 
     Args:
-        sightings: all of them.
         found: solution from all of them.
         link1_mm: nominal length of link 1, mm.
         link2_mm: nominal length of link 2, mm.

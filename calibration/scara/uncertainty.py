@@ -28,7 +28,6 @@ def chunks(identified: Identification, draws: int, seed: int) -> list[Chunk]:
     """Return the work of a Monte Carlo.
 
     Args:
-        identified: what the solver returned.
         draws: how many draws, at least 2.
         seed: the same one gives the same draws.
 
@@ -45,7 +44,6 @@ def draw_estimates(identified: Identification, draws: int, seed: int) -> Floats:
     """Draw errors from the whole budget and identify every draw anew.
 
     Args:
-        identified: what the solver returned.
         draws: how many, at least 2.
         seed: the same one gives the same draws.
 
@@ -62,7 +60,6 @@ def with_draws(identified: Identification, parameters: Floats) -> Identification
     """Return an identification whose covariance is that of draws.
 
     Args:
-        identified: what the solver returned.
         parameters: one row a draw, shape (draws, p).
     """
     return replace(identified, covariance=np.cov(parameters, rowvar=False))

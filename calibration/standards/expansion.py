@@ -29,7 +29,6 @@ def at_reference(length_mm: float, u_mm: float, material: Material) -> tuple[flo
     Args:
         length_mm: at the material's temperature, mm.
         u_mm: its standard uncertainty, mm.
-        material: what it is made of.
     """
     warmer_k = material.temperature_c - REFERENCE_C
     u_expansion = math.hypot(warmer_k * material.u_cte_per_k, material.cte_per_k * material.u_temperature_k)

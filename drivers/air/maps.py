@@ -216,7 +216,6 @@ def decode(words: Sequence[int], quantity: Quantity, word_order: WordOrder) -> f
 
     Args:
         words: as many registers as the quantity takes.
-        quantity: what they hold.
         word_order: `little` when the less significant word comes first.
     """
     if quantity.kind == "int16" and words[0] == _MISSING_INT16:

@@ -51,7 +51,6 @@ class ModbusAir(AirSensor):
     """Air sensor driver.
 
     Args:
-        registers: the sensor.
         clock: time of the samples.
         register_map: where the values are.
     """

@@ -38,7 +38,6 @@ class VaisalaAscii(AirSensor):
     by the names and units in its line.
 
     Args:
-        transport: the connection.
         clock: time of the samples.
     """
 

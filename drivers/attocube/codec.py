@@ -19,7 +19,6 @@ def encode(method: str, params: tuple[object, ...], number: int, dialect: Dialec
     """Return a request; it ends with its last brace.
 
     Args:
-        method: full name.
         params: its parameters; without any the key is left out.
         number: of the request; the answer carries the same.
         dialect: the newer generation wants to be named in each request.

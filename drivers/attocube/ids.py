@@ -66,7 +66,6 @@ class AttocubeIds(Interferometer):
     Args:
         transport: the connection, to TCP port 9090.
         clock: time of the readings.
-        settings: see there.
     """
 
     Settings: ClassVar[type[IdsSettings]] = IdsSettings

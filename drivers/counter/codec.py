@@ -124,7 +124,6 @@ def parse_value(reply: str, text: str) -> tuple[float, str]:
 
     Args:
         reply: regular expression with a group `value` and perhaps `unit`.
-        text: the answer.
 
     Returns:
         The number and the unit as sent, empty if none.

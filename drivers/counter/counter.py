@@ -47,9 +47,7 @@ class LineCounter(Interferometer):
     may have started anew meanwhile, and nothing proves that its count went on.
 
     Args:
-        transport: the connection.
         clock: time of the readings.
-        profile: what the instrument speaks.
         quiet_s: silence after which the link counts as drained, real s.
     """
 

@@ -284,7 +284,6 @@ def parse_profile(text: str, source: str) -> CounterProfile:
     """Read a profile's text.
 
     Args:
-        text: TOML.
         source: file name, for texts.
 
     Raises:

@@ -32,9 +32,7 @@ class StreamedCounter(Interferometer):
     with and 0 without a beam. Zeroing is done here.
 
     Args:
-        transport: the connection.
         clock: time of the readings.
-        profile: what the instrument speaks.
     """
 
     def __init__(self, transport: Transport, clock: Clock, profile: CounterProfile) -> None:

@@ -54,7 +54,6 @@ class HeidenhainNd(Interferometer):
     Args:
         transport: the connection; the display's line has 9600 baud, 7 bits, even parity, 2 stop bits.
         clock: time of the readings.
-        settings: see there.
     """
 
     Settings: ClassVar[type[NdSettings]] = NdSettings

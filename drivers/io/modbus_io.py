@@ -95,7 +95,6 @@ class ModbusIo(Io):
     """Driver of a block of inputs and outputs.
 
     Args:
-        bits: the block.
         settings: what is connected where.
     """
 

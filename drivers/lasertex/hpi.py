@@ -49,9 +49,7 @@ class LasertexHpi(Interferometer):
     """Interferometer driver.
 
     Args:
-        transport: the connection.
         clock: time of the readings.
-        settings: see there.
     """
 
     Settings: ClassVar[type[HpiSettings]] = HpiSettings

@@ -91,7 +91,6 @@ class Channel:
         """Hand bytes to the operating system at once; what it had not taken before is dropped.
 
         Args:
-            data: what is urgent.
             cut: goes in front when something is dropped, so that the other side takes what it has of it as ended.
 
         Raises:

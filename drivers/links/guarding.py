@@ -83,7 +83,6 @@ class GuardedTransport(WrappedTransport):
     """Has the guard keep a duplicate of a transport's connection while it is open.
 
     Args:
-        inner: the transport that does the work.
         name: of the connection, without blanks.
         stop: bytes that stop the arm on it.
     """

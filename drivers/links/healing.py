@@ -97,7 +97,6 @@ async def repeated(work: Callable[[], Awaitable[T]], losses: Losses, where: str)
 
     Args:
         work: heals its link first if need be.
-        losses: of that link.
         where: device and endpoint, for the text.
 
     Raises:
@@ -128,7 +127,6 @@ async def reopened(attempt: Callable[[], Awaitable[None]], hopeful: Callable[[],
     """Open a link again that was lost; try for a while, since its device may refuse for a moment.
 
     Args:
-        attempt: opens the link.
         hopeful: whether another attempt makes sense.
 
     Raises:

@@ -159,7 +159,6 @@ class RequestLink:
 
         Args:
             data: the request as sent.
-            decoder: makes the decoder of the answer.
             timeout_s: for sending and answer, real s; waiting for the turn is not counted.
             repeat: what may be done when the answer does not come or is garbage.
             permit: is asked when the request's turn has come, and again after a healing; what it raises keeps it

@@ -8,7 +8,6 @@ class RecordingTransport(WrappedTransport):
     """Hands what passes through a transport to a sink.
 
     Args:
-        inner: the transport that does the work.
         sink: is called with direction and bytes: sent ones before they are sent, since a transcript
             must hold what a failed write may have put on the wire.
     """

@@ -151,7 +151,6 @@ class StreamLink(Generic[T]):
         """Wait until something has come.
 
         Args:
-            arrived: whether it has.
             timeout_s: how long at most, real s.
             what: is waited for, for texts.
 

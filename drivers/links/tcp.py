@@ -23,7 +23,6 @@ class TcpTransport(ChannelTransport):
 
     Args:
         host: name or address of the instrument.
-        port: its port.
         connect_timeout_s: how long connecting may take, s.
     """
 

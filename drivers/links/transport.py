@@ -45,7 +45,6 @@ class Transport(Protocol):
         What the operating system had not taken before is dropped, and its writer gets an error.
 
         Args:
-            data: what is urgent.
             cut: goes in front when something is dropped, so that the other side takes what it has of it as ended:
                 the protocol's terminator.
 
@@ -74,11 +73,7 @@ class Transport(Protocol):
 
 
 class WrappedTransport:
-    """Forwards everything to another transport: base of those that add something of their own. See `Transport`.
-
-    Args:
-        inner: the transport that does the work.
-    """
+    """Forwards everything to another transport: base of those that add something of their own. See `Transport`."""
 
     def __init__(self, inner: Transport) -> None:
         self._inner = inner

@@ -16,7 +16,6 @@ class UdpTransport:
 
     Args:
         host: name or address of the instrument.
-        port: its port.
 
     Attributes:
         lost_datagrams: how many came while the queue of those that nobody had read was full; bounded at 1 MiB.

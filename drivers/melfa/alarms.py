@@ -173,7 +173,6 @@ def describe(number: int, level: int = 0) -> str:
     """Return what an alarm means and what to do.
 
     Args:
-        number: alarm number.
         level: as the controller gives it: 1 H, 2 L, 3 C; 0 when unknown.
 
     Returns:

@@ -83,7 +83,6 @@ class MelfaController:
         """Write a variable.
 
         Args:
-            name: as a program spells it.
             value: number, joints or position.
             program: of the running program whose variable it is; None: the edit slot's.
 

@@ -31,7 +31,6 @@ class Halt:
     written to until the stop is over, and closed then.
 
     Args:
-        connections: to the controller.
         clock: time of the pause between two looks.
     """
 

@@ -31,7 +31,6 @@ class Jog:
 
     Args:
         session: where telegrams go.
-        command: the telegram.
         require_no_stop: refuses once a stop has begun.
     """
 
@@ -91,7 +90,6 @@ async def jogging(
     """Jog joints while the caller feeds; at the end, however it comes, the robot is stopped.
 
     Args:
-        session: that holds the operation right.
         directions: joint names with -1 or 1.
         stop: stops the robot and waits for its standstill.
         require_no_stop: refuses once a stop has begun.

@@ -16,11 +16,7 @@ from catseye.drivers.roles.robot import JogDirection, Robot, RobotStatus
 
 
 class LedArm(Robot):
-    """Base of a driver that leaves session, drives, override and alarms to the R-protocol.
-
-    Args:
-        controller: the R-protocol side.
-    """
+    """Base of a driver that leaves session, drives, override and alarms to the R-protocol."""
 
     def __init__(self, controller: MelfaR3) -> None:
         self._controller = controller

@@ -273,8 +273,6 @@ async def account_for(
         clock: time of the pause between two polls.
         settings: gives the pause and the tolerances.
         target: joints of the motion, deg or mm.
-        lost: how the answer was lost.
-        stop: stops the robot.
         still_polls: equal positions in a row that count as standstill elsewhere.
 
     Raises:

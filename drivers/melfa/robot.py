@@ -62,7 +62,6 @@ class MelfaR3(Robot):
         transport: connection that holds the operation right once it is needed.
         stop_transport: connection for STOP, on this or another port of the controller; None: there is but one.
         clock: time of the polls.
-        settings: see there.
         byte_s: time of one byte on a serial line, real s; 0 on a network.
         status_transport: connection for questions while the arm moves; None: the stop connection serves them.
         variable: of the controller that carries targets, one of `VARIABLES`; by default each connection takes any.
@@ -402,7 +401,6 @@ class MelfaR3(Robot):
 
         Args:
             target: joints of the motion, deg or mm.
-            lost: how the answer was lost.
 
         Raises:
             AlarmError: an alarm is the reason.

@@ -15,7 +15,6 @@ async def servo_is(session: Session, clock: Clock, settings: MelfaSettings, *, o
         session: where to ask.
         clock: time of the pause between two polls.
         settings: gives the pause and the longest wait.
-        on: what was ordered.
 
     Raises:
         AlarmError: an alarm keeps them from coming on.

@@ -62,7 +62,6 @@ class Session:
     """An R-protocol session.
 
     Args:
-        transport: the connection.
         name: what is behind it, for texts.
         set_up: runs after each opening, the first one and those that heal; may use `greet_ask` only.
         byte_s: time of one byte on a serial line, real s; 0 on a network.

@@ -22,7 +22,6 @@ async def start_once(
     RUN is written once. When its answer is lost, the controller is asked whether the program runs.
 
     Args:
-        session: that holds the operation right.
         clock: time of the pause between two looks.
         settings: gives the pause between two looks.
         name: by which RUN starts it.

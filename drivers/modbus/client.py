@@ -91,7 +91,6 @@ class RegisterClient:
         Args:
             function: 3 for holding, 4 for input registers.
             address: as sent.
-            count: how many.
 
         Raises:
             RefusedError: the sensor answers with an exception.
@@ -109,7 +108,6 @@ class RegisterClient:
         Args:
             function: 1 for coils, 2 for discrete inputs.
             address: as sent.
-            count: how many.
 
         Raises:
             RefusedError: the device answers with an exception.
@@ -125,7 +123,6 @@ class RegisterClient:
 
         Args:
             address: of the first one, as sent.
-            bits: what to set.
 
         Raises:
             RefusedError: the device answers with an exception.

@@ -106,7 +106,6 @@ class _Decoder:
 
     Args:
         device_id: unit identifier that was asked; 0 takes any.
-        function: that was asked.
     """
 
     may_end = False

@@ -31,7 +31,6 @@ def read_regular(path: Path, largest_bytes: int = LARGEST_BYTES) -> bytes:
 
     Args:
         path: of the file; symbolic links are followed.
-        largest_bytes: of a file that is taken.
 
     Raises:
         OSError: it is missing, no regular file, larger, or cannot be read; `strerror` says which.

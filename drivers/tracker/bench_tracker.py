@@ -80,8 +80,6 @@ class BenchTracker(Tracker):
     """Asks the emulated bench where a laser tracker would see the last axis.
 
     Args:
-        transport: leads to the control port.
-        settings: see there.
         clock_speed: seconds of the run's clock in one real second; None where nobody knows.
     """
 

@@ -69,9 +69,7 @@ class UmdDisplay(Interferometer):
     """Interferometer driver. The display gives no signal level: it is 1 with and 0 without a beam.
 
     Args:
-        transport: the connection.
         clock: time of the readings.
-        settings: see there.
 
     Attributes:
         lost_samples: samples that were missing in the stream so far.

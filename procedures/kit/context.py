@@ -225,7 +225,6 @@ class Context(Protocol):
 
         Args:
             file: its path, as an operator types it.
-            table: what it may hold.
             rehearsed: what a rehearsal, which has no file, goes on with.
 
         Raises:
@@ -237,7 +236,6 @@ class Context(Protocol):
         """Put a question to the operator and wait for the answer.
 
         Args:
-            prompt: the question.
             watch: reads a value that is shown again and again until the answer is there; it must not move the robot.
         """
         ...

@@ -28,7 +28,6 @@ def step_target(bench: ScaraBench, here: Pose, joint: str, by: float, aim: str |
 
     Args:
         bench: nominal arm, direction of the beam, places of the reflectors.
-        here: the joints now.
         joint: what moves; "beam" turns J4.
         by: deg; for the beam mm sideways at the reflector.
         aim: the reflector; means nothing where J4 is stepped by an angle.

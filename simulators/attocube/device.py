@@ -38,11 +38,7 @@ Method = Callable[..., list[object] | str]
 
 
 class IdsError(Exception):
-    """A result with an error number.
-
-    Args:
-        values: what the result holds nevertheless.
-    """
+    """A result with an error number."""
 
     def __init__(self, number: int, *values: object) -> None:
         super().__init__(number)
@@ -75,9 +71,7 @@ class Ids:
     """The instrument that all clients share.
 
     Args:
-        instrument: its length counter.
         probe: what its environment unit measures.
-        options: see there.
     """
 
     def __init__(self, instrument: Instrument, probe: AirProbe, options: IdsOptions) -> None:

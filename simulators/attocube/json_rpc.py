@@ -83,7 +83,6 @@ class IdsSession(Session):
     """Conversation with one client.
 
     Args:
-        ids: the instrument.
         note: called with each request.
     """
 

@@ -16,7 +16,6 @@ async def ask(endpoint: str, request: Request[A], limit_s: float = 10.0) -> A:
 
     Args:
         endpoint: of the control port, `tcp://host:port`.
-        request: what is asked.
         limit_s: longest real time.
 
     Raises:

@@ -11,11 +11,7 @@ LONGEST_BYTES = 65_536
 
 
 class ControlSession(Session):
-    """Conversation with one client of the control port.
-
-    Args:
-        reach: what it can reach.
-    """
+    """Conversation with one client of the control port."""
 
     def __init__(self, reach: Reach) -> None:
         self._reach = reach

@@ -61,7 +61,6 @@ class CounterSession(Session):
     """Conversation with one client.
 
     Args:
-        instrument: what it shows.
         note: called with each request.
         lengths: how it shows lengths; by default corrected for the air.
     """

@@ -135,7 +135,6 @@ class NdSession(Session):
     """Conversation with one client.
 
     Args:
-        display: the display.
         note: called with each command.
     """
 

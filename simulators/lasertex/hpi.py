@@ -31,9 +31,6 @@ class Hpi:
     """The instrument that all clients share.
 
     Args:
-        instrument: its length counter.
-        probe: its air sensor.
-        lengths: how it shows lengths.
         full_scale: level of a full signal.
     """
 
@@ -95,7 +92,6 @@ class HpiSession(Session):
     """Conversation with one client.
 
     Args:
-        hpi: the instrument.
         note: called with each command.
     """
 

@@ -40,7 +40,6 @@ class ArmControl:
     """The controller's hold on the arm.
 
     Args:
-        bench: the arm.
         config: limits, nominal links, delays.
         changed: called when a motion ends at another moment than it would have.
         choices: what no source says of a controller.

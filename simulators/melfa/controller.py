@@ -20,7 +20,6 @@ class Controller(ArmControl):
     """What all clients of one controller share.
 
     Args:
-        bench: the arm.
         config: limits, nominal links, delays.
         changed: called when a motion ends at another moment than it would have.
         choices: what no source says of a controller.

@@ -67,7 +67,6 @@ class Datalink(Resident):
 
     Args:
         controller: where it runs.
-        number_format: how it prints numbers.
     """
 
     def __init__(

@@ -11,11 +11,7 @@ _ARRIVED = 1e-9
 
 
 class Jog:
-    """Joint jog of one arm. All axes move at their own jog speed until the first one reaches its limit.
-
-    Args:
-        controller: whose arm it is.
-    """
+    """Joint jog of one arm. All axes move at their own jog speed until the first one reaches its limit."""
 
     def __init__(self, controller: ArmControl) -> None:
         self._controller = controller

@@ -86,7 +86,6 @@ class Mxt(Resident):
 
     Args:
         controller: where it runs.
-        options: of real-time control.
         sync: advances bench time to this moment.
     """
 
@@ -280,7 +279,6 @@ class MxtSession(Session):
     """Conversation with one address.
 
     Args:
-        program: what all addresses talk to.
         note: called with each command but set points, which are too many.
     """
 

@@ -63,7 +63,6 @@ def encode(request: Request, silent_cycles: int, data: tuple[bytes, bytes, bytes
     """Return the answer to a request.
 
     Args:
-        request: whose types and counter are repeated.
         silent_cycles: cycles without reception before it.
         data: what the wanted types stand for, 40 bytes each.
     """

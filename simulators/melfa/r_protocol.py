@@ -19,7 +19,6 @@ class MelfaSession(Session):
     """Conversation with one client.
 
     Args:
-        controller: the controller that all clients share.
         suffix: what is appended to each answer.
         note: called with each request.
         segments: a request may end with its segment or a pause, as on TCP; on a serial line it has a terminator.

@@ -30,7 +30,6 @@ class AirSensor:
     """Registers of the sensor.
 
     Args:
-        probe: what it measures.
         pressure_register: PDU address of the pressure in hPa; the sheet does not know that of a PTU300.
     """
 

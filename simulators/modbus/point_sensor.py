@@ -107,9 +107,6 @@ class PointSensor:
     """Registers of the sensor; what lies between them does not exist.
 
     Args:
-        probe: what it measures.
-        title: product name of its identification.
-        points: its quantities.
         little: less significant word first.
         fixed: registers with a fixed content, by address.
     """

@@ -33,7 +33,6 @@ class RtuSession(Session):
     """Conversation over one line.
 
     Args:
-        registers: the device.
         unit: its address, 1...247.
         note: called with each request.
         silence_s: what ends a request, real s.

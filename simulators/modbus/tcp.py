@@ -61,7 +61,6 @@ class ModbusSession(Session):
     """Conversation with one client; the unit identifier is echoed and otherwise ignored.
 
     Args:
-        registers: the device.
         note: called with each request.
     """
 

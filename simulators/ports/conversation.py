@@ -55,11 +55,7 @@ class Wire(Protocol):
 
 
 class Conversation:
-    """Hands bytes to a session and answers back, one request after the other.
-
-    Args:
-        wire: leads to it.
-    """
+    """Hands bytes to a session and answers back, one request after the other."""
 
     def __init__(self, session: Session, wire: Wire, faults: Faults) -> None:
         self._session = session

@@ -43,8 +43,6 @@ class Port(Faults):
     """One listening endpoint of one device.
 
     Args:
-        device: name of the device.
-        protocol: name of the protocol.
         endpoint: where to listen, in one of the three forms of `parse_address`.
         keeper: bench time.
         session: makes the session of a new client.

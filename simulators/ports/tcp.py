@@ -84,11 +84,7 @@ class TcpListener:
 
 
 class Connection(asyncio.Protocol):
-    """One client.
-
-    Args:
-        listener: the listener that it came to.
-    """
+    """One client."""
 
     gap_s = 0.0
     """A segment comes as a whole."""

@@ -96,7 +96,6 @@ class _Client:
     """One address that sends.
 
     Args:
-        peer: its address.
         send: sends a datagram to it.
         converse: starts the conversation.
     """

@@ -58,10 +58,7 @@ class Umd:
     """The display that all clients share. It samples while somebody listens.
 
     Args:
-        instrument: its length counter.
-        probe: its air sensor.
         keeper: bench time.
-        options: see there.
     """
 
     def __init__(
@@ -148,11 +145,7 @@ class Umd:
 
 
 class UmdSession(Session):
-    """What one client hears.
-
-    Args:
-        umd: the display.
-    """
+    """What one client hears."""
 
     def __init__(self, umd: Umd) -> None:
         self._umd = umd

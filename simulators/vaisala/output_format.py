@@ -49,7 +49,6 @@ class Format:
 
     Args:
         text: as after FORM.
-        quantities: names of what can be shown.
 
     Raises:
         ValueError: it cannot be understood.

@@ -97,7 +97,6 @@ class Ptu300Session(Session):
     """Conversation with one client.
 
     Args:
-        device: the instrument.
         note: called with each command.
     """
 

@@ -33,7 +33,6 @@ class Air:
     """Air whose state follows from bench time alone.
 
     Args:
-        state: mean state and drift.
         seed: seed of the drift.
     """
 

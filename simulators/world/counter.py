@@ -248,7 +248,6 @@ def gaps_between(
 
     Args:
         last: the look before them, shape (1,).
-        sight: the looks.
         limit_mm_s: displacement rate that counters follow.
         air_index: refractive index of the air at a bench time.
     """

@@ -171,7 +171,6 @@ def plan_motion(
     """Return the motion between two poses; the joint that needs longest sets the pace.
 
     Args:
-        start: joints at the start.
         end: joints at the end.
         start_s: bench time of the start, s.
         dynamics: largest speeds and accelerations.
@@ -199,7 +198,6 @@ def plan_way(start: Joints, times_s: Floats, joints: Floats, start_s: float) -> 
     """Return the motion through knots, straight and at constant speed from one to the next.
 
     Args:
-        start: joints at the start.
         times_s: when each knot is passed, s after the start, above 0 and increasing, shape (m,).
         joints: knots, deg or mm, shape (m, n).
         start_s: bench time of the start, s.
@@ -267,7 +265,6 @@ def plan_stop(motion: Motion, time_s: float, dynamics: ArmDynamics) -> Motion:
     Where the way is shorter than the brakes need, its last leg goes straight on.
 
     Args:
-        motion: the motion under way.
         time_s: bench time of the stop, s.
         dynamics: largest accelerations.
     """

@@ -20,8 +20,6 @@ def implausible_sections(
 
     Args:
         sections: of the cell file; nothing is missing there.
-        description: of the arm.
-        own: bodies of the cell file.
     """
     return [*_arm(sections, description, own), *_nodes(sections), *_places(sections)]
 

@@ -46,7 +46,6 @@ class Draft:
 
     Args:
         text: of the file whose comments and further values are kept.
-        data: its values to begin with.
 
     Attributes:
         beginning: text that it began with.

@@ -36,7 +36,6 @@ def setting_questions(section: str, driver: str, without: frozenset[str]) -> tup
     """Return a question for each setting of a driver, from the driver's own model.
 
     Args:
-        section: of the cell file.
         driver: its name; none that is installed has no settings.
         without: settings that have questions of their own.
     """

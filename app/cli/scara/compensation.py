@@ -107,10 +107,6 @@ def correction_of(
     """Correct a path and check it.
 
     Args:
-        arm: that was identified.
-        origin: of the files.
-        commanded: path CSV.
-        form: what is written.
         hand: of Cartesian rows.
         start: states of approach before the first row, as typed.
         cell: cell file that the commands have to keep to.

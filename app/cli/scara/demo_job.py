@@ -121,7 +121,6 @@ async def measure(
     Args:
         folder: where everything is written.
         speed: bench seconds in one real second.
-        seed: of the emulated bench.
         truth: result JSON with the true arm; None draws one.
         publish: makes what takes the events of each run.
 

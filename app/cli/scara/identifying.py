@@ -85,7 +85,6 @@ def identified(
 
     Args:
         source: distances, and what they were measured with.
-        method: how.
         sharing: provides who shares the draws of a Monte Carlo.
     """
     bench, terms = source.bench, parse_extensions(method.extend)
@@ -161,11 +160,7 @@ def _require_streamable(points: Path, method: Method) -> None:
 
 
 class _Bar:
-    """A progress bar whose time begins with the first thing that it shows.
-
-    Args:
-        title: what is under way.
-    """
+    """A progress bar whose time begins with the first thing that it shows."""
 
     def __init__(self, title: str) -> None:
         self._title = title

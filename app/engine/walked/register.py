@@ -78,13 +78,7 @@ def walk_fact(procedure: str, cell: Cell) -> dict[str, Json]:
 
 
 def walked_legs(root: Path, cell: Cell, arm: Identity) -> list[Leg]:
-    """Return every motion of sealed, unchanged walks of this arm in this cell that was driven to its end.
-
-    Args:
-        root: folder of all runs.
-        cell: as it is now.
-        arm: who answers now.
-    """
+    """Return every motion of sealed, unchanged walks of this arm in this cell that was driven to its end."""
     digest, found = geometry_digest(cell), []
     for path in paths_of(root, WALK):
         try:

@@ -41,7 +41,6 @@ class WalkRule:
     """Knows which motions of one run were walked; in force on a real arm, from `begin` on, until it is waived.
 
     Args:
-        axes: of the arm.
         motions_from: returns every motion that the run would drive from where the arm stands.
         walked: returns the motions of valid walks of an arm.
         blended: the arm passes the targets of a way without standing still.
@@ -72,9 +71,7 @@ class WalkRule:
         """Look at the whole plan before anything moves.
 
         Args:
-            arm: who answers.
             here: where it stands.
-            desk: asks for a waiver.
             store: of the run, which keeps it.
 
         Raises:
@@ -116,7 +113,6 @@ class WalkRule:
 
         Args:
             missing: what was not walked.
-            desk: asks.
             store: of the run, which keeps the answer.
 
         Raises:

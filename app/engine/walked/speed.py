@@ -21,11 +21,6 @@ _LEAST_PERCENT: Final = 1.0
 def walking_percent(bench: Bench, leg: Leg, cap_percent: float) -> float:
     """Return the highest whole override with which a motion is walked.
 
-    Args:
-        bench: bodies and fastest joints.
-        leg: the motion.
-        cap_percent: what the cell allows.
-
     Raises:
         SafetyError: the motion is too fast with the lowest override that controllers take.
     """

@@ -53,7 +53,6 @@ def legs_through(start: Pose, way: Sequence[Pose], *, blended: bool) -> list[Leg
 
     Args:
         start: where it begins.
-        way: targets.
         blended: the arm passes the targets before the last one without standing still.
     """
     places = (start, *way)
@@ -68,7 +67,6 @@ class Tubes:
     """The union of the tubes around walked motions.
 
     Args:
-        axes: of the arm.
         legs: that were driven to their end.
     """
 

@@ -41,10 +41,7 @@ def after_run(procedure: str, status: str, run: str, root: Path) -> list[Advice]
     Results and reports go beside the folder of runs: a run's own folder is sealed.
 
     Args:
-        procedure: that was run.
         status: complete, stopped, aborted or failed.
-        run: its name.
-        root: folder of all runs.
     """
     folder, run_id = root.absolute().parent, run.rpartition("_")[2]
     words = ("report", run, "--runs", str(root))

@@ -41,11 +41,7 @@ class CellRun:
 
 
 class CellRuns:
-    """All runs of one cell, oldest first.
-
-    Args:
-        runs: of the cell.
-    """
+    """All runs of one cell, oldest first."""
 
     def __init__(self, runs: list[CellRun]) -> None:
         self._runs = runs
@@ -58,7 +54,6 @@ class CellRuns:
         """Return the newest complete run of a procedure.
 
         Args:
-            procedure: its name.
             after: an older one than this does not count.
         """
         found = (run for run in reversed(self._runs) if run.procedure == procedure and run.complete)
@@ -71,7 +66,6 @@ class CellRuns:
         """Return the newest complete run of a procedure, if it is fresh enough.
 
         Args:
-            procedure: its name.
             fresh_for_s: it counts for so long; None for ever.
             after: an older one than this does not count.
         """
@@ -88,8 +82,6 @@ def runs_of_cell(root: Path, cell: str, now: datetime) -> CellRuns:
     """Return the runs of a cell.
 
     Args:
-        root: folder of all runs.
-        cell: name of the cell.
         now: UTC time.
     """
     found = []

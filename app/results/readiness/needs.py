@@ -40,11 +40,8 @@ def needs_of(
     """Return what a procedure needs on a cell.
 
     Args:
-        procedure: which.
-        cell: which.
         bench: as the cell file describes it.
         bases: what it would be planned from.
-        runs: of this cell.
     """
     declared = procedure.needs
     try:

@@ -45,12 +45,9 @@ def stages_of(
     """Return the stages, at most one of them the next.
 
     Args:
-        procedures: that are installed.
-        runs: of the cell.
         needs: of each procedure by name.
         bases: runs that plans are made from now, by the procedure that makes such runs.
         results: by the name of the run that they hold.
-        cell: cell file.
     """
     procedures = list(procedures)
     counting = _Counting(runs, bases, {each.name: each.stage for each in procedures if each.stage})
@@ -105,7 +102,6 @@ class _Counting:
     """Which runs of a cell count as stages of the way.
 
     Args:
-        runs: of the cell.
         bases: runs that plans are made from now, by procedure.
         stages: by procedure.
     """

@@ -44,8 +44,6 @@ def survey_cell(path: Path, root: Path, now: datetime) -> Survey:
     Results are looked for beside the cell file, beside the folder of runs, and in it.
 
     Args:
-        path: cell file.
-        root: folder of all runs.
         now: UTC time.
 
     Raises:

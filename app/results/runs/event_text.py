@@ -29,7 +29,6 @@ def event_text(event: StoredEvent, texts: EventTexts) -> str:
     """Return what happened, as a sentence; empty when another line of the timeline says it.
 
     Args:
-        event: of a run.
         texts: what `texts_of` returns for the run's procedure.
     """
     phrase = texts.get(event.kind)

@@ -10,7 +10,6 @@ def record_text(row: Row, records: Iterable[type[Record]]) -> str:
     """Return an observation as a sentence.
 
     Args:
-        row: as it is stored.
         records: types that the run's procedure declares.
     """
     own = {key: value for key, value in row.items() if key not in {*KEY, EXTRA, "kind"}}

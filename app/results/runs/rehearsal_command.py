@@ -19,12 +19,7 @@ class _Started(BaseModel):
 
 
 def rehearsal_command(meta: Mapping[str, object], root: Path) -> tuple[str, ...]:
-    """Return the words of `catseye` that rehearse the same run; empty when it does not say enough of itself.
-
-    Args:
-        meta: what the run says about itself.
-        root: folder of all runs.
-    """
+    """Return the words of `catseye` that rehearse the same run; empty when it does not say enough of itself."""
     try:
         started = _Started.model_validate(meta)
     except ValidationError:

@@ -30,7 +30,6 @@ def run_section(measurement: Measurement, sources: Sequence[str]) -> Section:
     """Return runs, devices and the air.
 
     Args:
-        measurement: what the runs say.
         sources: names of the runs and files from which the results were identified.
     """
     known = {run.name for run in measurement.runs}
@@ -112,7 +111,6 @@ def cell_lines(cell: CellFile, origins: Mapping[str, str]) -> list[tuple[str, st
     """Return a cell with all its values, one a line, as the cell file names them, each with its origin.
 
     Args:
-        cell: the configuration.
         origins: "file" or "default" by dotted key; what is missing counts as "file".
     """
     values = _values(cell.model_dump(exclude_none=True), "")

@@ -14,7 +14,6 @@ def trace_section(
     Args:
         software: name and version of the program that made the report.
         sources: what it ran on, and the result files that it was made from.
-        runs: that the report draws on.
         result_software: what identified the results; shown where no run is known.
     """
     files = [(run.name, name, digest) for run in runs for name, digest in run.files.items()]

@@ -46,10 +46,7 @@ def arm_report(
     """Return everything that is known about an arm, the verdict first.
 
     Args:
-        title: heading.
         origin: where the report comes from.
-        findings: what was computed.
-        measurement: how it was measured.
         sources: what the report was made with and from.
     """
     sections = (

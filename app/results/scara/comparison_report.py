@@ -24,8 +24,6 @@ def comparison_report(comparison: ResultComparison, names: tuple[str, str], orig
 
     Args:
         comparison: second minus first result.
-        names: of their files.
-        origin: of the report.
     """
     remarks = (Statement(Sign.NEUTRAL, f"{text[:1].upper()}{text[1:]}.") for text in comparison.remarks)
     figures = [map_differences(comparison, in_u=in_u) for in_u in (False, True)] if comparison.maps else []

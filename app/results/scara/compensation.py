@@ -80,7 +80,6 @@ def compensate_path(
     brings about: they are kept, and a step that goes against one is a warning.
 
     Args:
-        arm: the identified arm.
         path: wished positions, or commands whose nominal positions are wished.
         nominal: nominal links, mm.
         take_up_deg: overshoot that brings a state of approach about, deg.
@@ -106,7 +105,6 @@ def require_limits(path: CompensatedPath, j1_deg: Range, j2_deg: Range, lines: S
     """Refuse commands and take-up positions outside the limits of the joints.
 
     Args:
-        path: what will be driven.
         j1_deg: smallest and largest J1.
         j2_deg: smallest and largest J2.
         lines: line of each row in its file.
@@ -128,9 +126,7 @@ def require_clear(path: CompensatedPath, bench: ScaraBench, j4_deg: float, lines
     """Refuse commands and take-up positions where, or on the way to which, bodies come too near each other.
 
     Args:
-        path: what will be driven.
         bench: the arm, its bodies, its surroundings.
-        j4_deg: angle of J4 all along.
         lines: line of each row in its file.
 
     Raises:

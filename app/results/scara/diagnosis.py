@@ -29,7 +29,6 @@ def diagnose_distances(source: DistanceSource, progress: Callable[[str], None] =
     """Diagnose the error map of distances.
 
     Args:
-        source: the distances.
         progress: called with what comes next.
 
     Raises:

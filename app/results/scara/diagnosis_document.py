@@ -240,7 +240,6 @@ def diagnosis_document(diagnosis: Diagnosis, names: Sequence[str]) -> DiagnosisD
     """Return a diagnosis as plain values.
 
     Args:
-        diagnosis: what was found.
         names: of the runs or of the points file.
     """
     validations = (diagnosis.reflectors, diagnosis.sweeps, diagnosis.segments)

@@ -99,7 +99,6 @@ def validate_on_distances(path: DistancePath, identified: list[Identification]) 
     dead path of its own, which is fitted for each model.
 
     Args:
-        path: what was measured.
         identified: the models, the reference (conventional) first.
 
     Raises:

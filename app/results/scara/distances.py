@@ -47,8 +47,6 @@ def load_distances(
 
     Args:
         run: runs by path, name, beginning of a name, or id.
-        points: points file instead of runs.
-        cell: its cell file.
         runs: folder of the runs; None for the usual one.
         unverified: take sealed runs too whose files were changed.
 

@@ -10,12 +10,7 @@ from catseye.app.results.scara.validation_of_files import FileValidation
 
 
 def file_validation_report(validation: FileValidation, measured: str) -> Report:
-    """Return what models leave on the path of a file.
-
-    Args:
-        validation: what was compared.
-        measured: name of the file.
-    """
+    """Return what models leave on the path of a file."""
     simulated = any(bool(result.provenance.simulated) for result in validation.results)
     report = arm_report(
         f"Validation on {measured}",

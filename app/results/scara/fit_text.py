@@ -77,12 +77,7 @@ def left_out_statements(result: Result) -> list[Statement]:
 
 
 def fit_statement(fit: Fit, name: str) -> Statement:
-    """Return whether a model explains its distances.
-
-    Args:
-        fit: statistics of the fit.
-        name: what a reader calls the model.
-    """
+    """Return whether a model explains its distances."""
     lack = fit.lack_of_fit
     if lack is not None and lack.significant and not lack.explained:
         return Statement(Sign.BAD, f"LACK OF FIT: repeats {_misses(name, lack)}; {_widened(fit)}.")

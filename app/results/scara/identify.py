@@ -83,9 +83,7 @@ def problem_of_points(
     Args:
         points: distances in measuring order.
         bench: nodes, nominal links and rough reflectors.
-        model: which model.
         budget: contributors of the uncertainty; None for what the points state themselves.
-        terms: functions beyond the model.
     """
     places = {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}
     distances = to_points(points, places)

@@ -15,7 +15,6 @@ def job_summary(truth: TruthComparison, fit: Fit, validation: PathValidation) ->
 
     Args:
         truth: identified against true values.
-        fit: of the error map.
         validation: models on an independently measured path.
     """
     quality = (

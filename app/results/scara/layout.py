@@ -69,7 +69,6 @@ def scene_of(bench: ScaraBench | None, result: Result | None, path_mm: Floats | 
     """Return the scene, None when neither a bench nor a result with its commands is there.
 
     Args:
-        bench: as it was planned with.
         result: where there is no bench.
         path_mm: validation path, shape (m, 2).
     """

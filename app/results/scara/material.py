@@ -16,7 +16,6 @@ def with_reference_links(result: Result, readers: Sequence[RunReader]) -> Result
 
     Args:
         result: identified from these runs.
-        readers: the runs.
     """
     section = _common_section(readers)
     temperatures = [point.get("material_c") for reader in readers for point in reader.rows(Distance.table)]

@@ -36,7 +36,6 @@ def measured_path(
     row is not compared.
 
     Args:
-        file: the file.
         nominal: nominal links, mm.
         hand: of Cartesian commands.
         start: states of approach of the first Cartesian command.

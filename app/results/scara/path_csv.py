@@ -48,7 +48,6 @@ def read_path_csv(
     """Read a path.
 
     Args:
-        path: the file.
         nominal: nominal links, mm.
         hand: of positions: "right" has θ2 >= 0.
         start: states of approach of the first position, 1 or -1.
@@ -136,10 +135,8 @@ def require_reach(
 
     Args:
         lines: line of each position in its file.
-        file: the file.
         place_mm: positions, mm, shape (n, 2).
         nominal: nominal links, mm.
-        hand: of the positions.
 
     Raises:
         UsageError: names file and line of the first one, or the unit that the positions seem to be in.

@@ -47,12 +47,7 @@ class PathComparison:
 
 
 def compare_path(reader: RunReader, root: Path) -> PathComparison:
-    """Compare a run of validation-path with the models of the newest complete open-loop run of the same bench.
-
-    Args:
-        reader: the run.
-        root: folder of all runs.
-    """
+    """Compare a run of validation-path with the models of the newest complete open-loop run of the same bench."""
     measured = _measurement(reader, root)
     if measured is None:
         return PathComparison(

@@ -17,7 +17,6 @@ def outside_text(arm: IdentifiedArm, commands: Commands, lines: Sequence[int]) -
     """Return a sentence about rows outside the identified range; empty when there are none.
 
     Args:
-        arm: what was identified.
         commands: n rows.
         lines: line of each row in its file.
     """

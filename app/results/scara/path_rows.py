@@ -19,7 +19,6 @@ def path_measurement(reader: RunReader, take_up_deg: float) -> PathMeasurement:
     """Return the mean of all passes of a stored validation path.
 
     Args:
-        reader: a run of validation-path.
         take_up_deg: travel after which a direction of approach holds.
 
     Raises:

@@ -80,7 +80,6 @@ def gaps(validation: PathValidation, error_map: Result | None) -> list[Gap]:
     """Return the stretches of the path's axis whose rows are not compared.
 
     Args:
-        validation: what was compared.
         error_map: names the joint that leaves its nodes; without it the reason stays general.
     """
     axis = path_axis(validation.path)

@@ -45,10 +45,6 @@ COLUMNS = tuple(column.name for column in _REQUIRED)
 def read_points(path: Path, reflectors: Iterable[str]) -> Columns:
     """Read a points file.
 
-    Args:
-        path: the file.
-        reflectors: names that the cell file knows.
-
     Raises:
         UsageError: the file is missing, a column is missing, a value is wrong; names file and line.
     """

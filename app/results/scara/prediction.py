@@ -49,7 +49,6 @@ def predict_path(result: Result, path: CommandPath, name: str) -> PredictedPath:
     """Predict a path.
 
     Args:
-        result: identified model.
         path: commands.
         name: of the path's file.
 

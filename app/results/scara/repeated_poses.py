@@ -34,7 +34,6 @@ def repeated_poses(path: PathMeasurement, model: ModelOnPath) -> RepeatedPoses:
     not depend on a frame.
 
     Args:
-        path: what was measured.
         model: aligned with the measurement.
     """
     commands = path.commands

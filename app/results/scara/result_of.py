@@ -38,10 +38,8 @@ def result_of(
     """Return an identification as a result.
 
     Args:
-        identified: what the solver returned.
         nominal: nominal links, mm.
         runs: names of the runs or of the points file.
-        software: name and version of the program.
         created: ISO 8601 UTC time.
         simulated: the distances are those of emulated devices; None when it is not known.
     """

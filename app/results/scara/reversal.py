@@ -17,7 +17,6 @@ def u_reversal_mdeg(result: Result, joint: int) -> list[float] | None:
     Both directions share the links and the reflectors, so their estimates are correlated.
 
     Args:
-        result: an error map.
         joint: 1 or 2.
     """
     first, second = result.theta1_map, result.theta2_map

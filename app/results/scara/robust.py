@@ -18,7 +18,6 @@ def identify_robustly(
     """Identify; first leave out what lies beyond a limit, then weigh what is far off less.
 
     Args:
-        problem: distances and model.
         loss: "squares", "huber" or "soft-l1".
         limit: robust standard deviations beyond which a distance is left out; None for none.
 

@@ -49,11 +49,7 @@ def job_report(
     """Return the report of several runs of one job.
 
     Args:
-        title: heading.
         runs: all of them, in order.
-        measured: the one with the distances.
-        results: identified models.
-        truth: what an emulated bench really is.
         validation: models on an independently measured path.
     """
     bench = bench_of_runs([measured], measured.path.parent)

@@ -106,11 +106,7 @@ def spooled_points(
 
 
 class _DeadPaths:
-    """Numbers the segments in the order in which they first appear.
-
-    Args:
-        known: names of the reflectors.
-    """
+    """Numbers the segments in the order in which they first appear."""
 
     def __init__(self, known: tuple[str, ...]) -> None:
         self._known = known

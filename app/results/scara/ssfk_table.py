@@ -58,7 +58,6 @@ def ssfk_table(joint: int, table: BidirectionalMap, origin: Origin) -> str:
 
     Args:
         joint: 1 or 2.
-        table: its map.
         origin: of the map, for the comments.
 
     Raises:

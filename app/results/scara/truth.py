@@ -46,7 +46,6 @@ def compare_with_truth(identified: Identification, truth: dict[str, Any]) -> Tru
     both directions, and its reflectors are turned by the same angle.
 
     Args:
-        identified: an error-map identification.
         truth: result JSON document with the true arm.
     """
     layout = identified.layout

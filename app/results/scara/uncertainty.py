@@ -56,7 +56,6 @@ def by_jacobian(identified: Identification, found: Contributions | None = None) 
     """Return the uncertainties that the law of propagation gives; intervals from the t-distribution.
 
     Args:
-        identified: what the solver returned.
         found: contributions to its covariance; None for those of least squares.
     """
     found = contributions(identified) if found is None else found
@@ -73,10 +72,6 @@ def by_monte_carlo(
     """Return the uncertainties that draws give; shortest intervals, and the Jacobian's ones tested by them.
 
     Args:
-        identified: what the solver returned.
-        draws: how many.
-        seed: of the draws.
-        share: who carries them out.
         done: is called with the number of finished draws, each time it grows.
 
     Raises:

@@ -123,7 +123,6 @@ def validate_on_path(
     """Compare models with a measured path, all over the same rows.
 
     Args:
-        path: what was measured.
         arms: the models, the reference (conventional) first.
         nominal: nominal links, mm.
         titles: what a reader calls them; without, the models' own names.

@@ -139,9 +139,7 @@ def validation_document(
     """Return what a validation found as plain values.
 
     Args:
-        file: what was compared.
         limit_um: 2-D rms that may be left.
-        figures: of the path.
     """
     validation = file.validation
     left_um = validation.models[-1].comparison.rms_2d_um

@@ -47,9 +47,6 @@ def validate_files(
     """Compare results with a measured file.
 
     Args:
-        result: result JSON.
-        measured: measured CSV.
-        reference: result JSON to compare with.
         hand: of Cartesian commands.
         start_direction: option with the states of approach of the first Cartesian command.
 

@@ -90,7 +90,6 @@ def comparison_table(validation: PathValidation, lines: Sequence[int] = ()) -> T
     """Return what each model leaves on the path.
 
     Args:
-        validation: what was compared.
         lines: of the path's file, one a row; empty for a run.
     """
     first_um = validation.models[0].comparison.rms_2d_um

@@ -94,12 +94,7 @@ def _map_values(joint: int, table: MapTable) -> list[ResultValue]:
 
 
 def parameter_table(result: Result, kinds: Collection[Kind] = KINDS) -> Table:
-    """Return parameters, nominal and identified, with their standard and their expanded uncertainties.
-
-    Args:
-        result: identified model.
-        kinds: of the parameters.
-    """
+    """Return parameters, nominal and identified, with their standard and their expanded uncertainties."""
     form = fixed(4)
     return Table(
         "values",

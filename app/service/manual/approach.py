@@ -40,7 +40,6 @@ class Approach:
 
         Args:
             time_s: when it was asked for: the answer is older than its arrival.
-            value: of the joint.
 
         Returns:
             Zero or less when the joint has to be stopped now.

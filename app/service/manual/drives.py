@@ -37,7 +37,6 @@ class RestingDrives:
     """Counts down while the arm rests; a jog restarts the count.
 
     Args:
-        pool: of the robot.
         clock: real time.
         announce: sends every client an event.
         hands: what is done by hand meanwhile, and is no rest.

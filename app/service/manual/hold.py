@@ -37,11 +37,8 @@ class Hold:
     """One joint, moving one way until it is released.
 
     Args:
-        robot: with a dead-man of its own.
-        axis: what moves.
         number: of the axis in a pose, from 0.
         approach: to the cell's limit.
-        sight: of arm and surroundings.
         clock: real time.
 
     Attributes:

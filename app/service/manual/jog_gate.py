@@ -14,8 +14,6 @@ class JogGate:
     """Decides about each motion by hand from fresh facts.
 
     Args:
-        devices: the robot.
-        facts: limits of the cell.
         percent: speed override that is asked for.
         door: of the cell; None where no door is watched.
 
@@ -62,7 +60,6 @@ class JogGate:
         """Check that a motion may begin; an override that somebody raised is lowered again, and read back.
 
         Args:
-            targets: of the motion.
             here: where the arm stands.
 
         Raises:

@@ -38,9 +38,7 @@ class Jogging:
     """One jog, from the request that begins it to its end. It is under way from the moment it is made.
 
     Args:
-        bench: whose arm is moved.
         request: how fast, and the typed permission.
-        client: moves it.
 
     Attributes:
         client: moves it.

@@ -46,8 +46,6 @@ class ManualArm:
     """Moves an arm by hand.
 
     Args:
-        robot: that is ready.
-        system: what steps by hand lead to.
         gate: of every motion.
         clock: real time.
         limits: how long a halt may take.
@@ -79,7 +77,6 @@ class ManualArm:
         """Begin a step; the result is there when the arm stands.
 
         Args:
-            request: which.
             heard_s: when its client gave its last sign of life, on the clock.
 
         Raises:

@@ -18,8 +18,6 @@ class ManualControl:
     """Carries out `jog`, `jog-step`, `jog-hold`, `raw` and `send`.
 
     Args:
-        registry: of the clients.
-        bench: between runs.
         require_idle: raises RefusedError during a run, and after an abort that nobody has cleared.
         on_abort: takes why nothing may move before an operator has cleared it.
 

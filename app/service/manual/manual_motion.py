@@ -23,7 +23,6 @@ class ManualMotion:
 
     Args:
         joint: what moves, as clients see it.
-        robot: the controller.
         clock: real time.
         limits: how long a halt may take.
         hold: the feed; None for a step.
@@ -74,8 +73,6 @@ class ManualMotion:
         """Move; the arm stands when this returns, or raises.
 
         Args:
-            gate: looks whether the motion may begin.
-            action: moves the robot.
             watches: go on meanwhile.
 
         Raises:

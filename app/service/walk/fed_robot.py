@@ -20,7 +20,6 @@ class FedRobot(Robot):
     """A robot controller that moves to one target after another, while somebody feeds.
 
     Args:
-        robot: that moves.
         feed: keeps it going.
         meet: called with who answers.
         clock: real time.

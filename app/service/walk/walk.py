@@ -44,9 +44,7 @@ class Walk:
     """Drives what has not been walked yet, and ends where the procedure can begin without leaving a tube.
 
     Args:
-        procedure: that is walked.
         system: arm, limits, ways.
-        motions_from: what the procedure would drive.
         walked: what this walk has driven before it was interrupted.
         before: returns what other walks of an arm have driven.
         feed: keeps the arm going.
@@ -138,7 +136,6 @@ class Walk:
         """Walk until a procedure that begins where the arm stands would leave no tube.
 
         Args:
-            ctx: the bench.
             plan: of the procedure; its motions are planned again, since the first ones depend on where the arm is.
 
         Raises:

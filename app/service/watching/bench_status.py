@@ -27,8 +27,6 @@ def bench_status(
     """Return the bench as it is now.
 
     Args:
-        facts: of the bench.
-        latest: what its devices reported.
         moving: the run under way moves the arm.
         simulated: of the run under way, where that is known.
         free_bytes: of the disk that runs are stored on; None where that is not known.

@@ -103,9 +103,6 @@ class DevicePool:
     async def acquired_robot(self, device: str) -> AsyncIterator[Robot]:
         """Give one robot of the cell by itself, to whoever has to stop it: what else is out of reach does not matter.
 
-        Args:
-            device: its name in the cell file.
-
         Raises:
             RefusedError: a run is under way or begins, the device is acquired or detached already, not connected, or
                 it is no robot.
@@ -121,9 +118,6 @@ class DevicePool:
     @asynccontextmanager
     async def detached(self, device: str) -> AsyncIterator[None]:
         """Have the driver of one device closed meanwhile; its link state is "raw". It is connected again after it.
-
-        Args:
-            device: its name in the cell file.
 
         Raises:
             RefusedError: there is no such device, a run is under way or begins, the device is acquired or detached

@@ -29,8 +29,6 @@ class ObservedDevice(Device):
 
     Args:
         name: of the device in the cell file.
-        driver: that does the work.
-        latest: take what it answers.
 
     Attributes:
         name: of the device in the cell file.
@@ -264,7 +262,6 @@ def observed(devices: Devices, latest: LatestValues, material: str | None) -> De
 
     Args:
         devices: of a run, or of the bench between runs.
-        latest: take what they answer.
         material: name of the sensor of the links' temperature in the cell file.
     """
     return Devices(

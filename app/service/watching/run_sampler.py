@@ -48,12 +48,7 @@ class RunSampler:
         self._due_s: dict[str, float] = {}
 
     def tick(self, control: RunControl, *, asking: bool) -> None:
-        """Begin the looks that are due and permitted.
-
-        Args:
-            control: of the run under way.
-            asking: a question is open.
-        """
+        """Begin the looks that are due and permitted."""
         if self.devices is None:
             return
         stands = not control.moving and (asking or control.state == ControlState.HELD)

@@ -70,7 +70,6 @@ class Telemetry:
     """Keeps the bench's latest values and publishes them while somebody watches.
 
     Args:
-        audience: the clients.
         clock: real time.
         root: folder of the runs, whose disk is looked at.
         look_at_disk: returns the free bytes of the disk of a folder, however long that takes.
@@ -114,7 +113,6 @@ class Telemetry:
 
         Args:
             facts: of the run's bench, which is the one that is watched from now on.
-            build: makes the devices.
         """
         self.describe(facts)
         # Those of the run before are closed.

@@ -33,7 +33,6 @@ class Traffic:
         """Take bytes.
 
         Args:
-            device: its name in the cell file.
             direction: "tx" is sent, "rx" is received.
             data: the bytes, as they went.
         """

@@ -15,7 +15,6 @@ class ConfirmDialog(ModalScreen[bool]):
     """Asks; y agrees, Esc does not, and Enter does nothing.
 
     Args:
-        title: what it is about.
         text: what follows from yes, and from no.
         yes: what y does, in a word or two.
         no: what Esc does.

@@ -39,9 +39,6 @@ class FormDialog(ModalScreen[Answers | None]):
     """Asks; Enter in a field answers, None goes back.
 
     Args:
-        title: what the answers are for.
-        fields: questions.
-        text: stands above them.
         fault: returns what is wrong with answers, empty when nothing is.
     """
 

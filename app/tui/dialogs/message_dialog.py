@@ -7,12 +7,7 @@ from textual.screen import ModalScreen
 
 
 class MessageDialog(ModalScreen[None]):
-    """A title and a text; a subclass puts them on the screen.
-
-    Args:
-        title: what it is about.
-        text: what is shown.
-    """
+    """A title and a text; a subclass puts them on the screen."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,enter", "dismiss_it", "close", id="dialog.close"),

@@ -12,12 +12,7 @@ from catseye.app.tui.widgets.key_line import KeyLine
 
 
 class MotionDialog(ModalScreen[bool]):
-    """Says what will move, how far and how fast; F8 has it done.
-
-    Args:
-        title: what for.
-        text: target and speed.
-    """
+    """Says what will move, how far and how fast; F8 has it done."""
 
     DEFAULT_CSS = """
     MotionDialog { align: center middle; }

@@ -27,9 +27,6 @@ class StartDialog(ModalScreen[Permission | None]):
     """Shows what is about to begin. F8 begins it, Enter never does; None goes back.
 
     Args:
-        title: what begins.
-        text: lines about it.
-        cell: name of the cell.
         simulated: every device is an emulator; None when nobody knows yet.
     """
 

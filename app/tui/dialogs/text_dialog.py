@@ -9,12 +9,7 @@ from catseye.app.tui.widgets.key_line import KeyLine
 
 
 class TextDialog(MessageDialog):
-    """Facts about one thing.
-
-    Args:
-        title: what it is about.
-        text: lines.
-    """
+    """Facts about one thing."""
 
     DEFAULT_CSS = """
     TextDialog { align: center middle; }

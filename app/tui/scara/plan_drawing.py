@@ -72,7 +72,6 @@ def pose_of(layout: Layout, joints: Sequence[float]) -> Pose:
     """Return where the nominal arm is.
 
     Args:
-        layout: of the bench.
         joints: J1 deg, J2 deg, J3 mm, J4 deg.
     """
     one, two, four = (math.radians(joints[place]) for place in (0, 1, 3))
@@ -87,9 +86,7 @@ def view_within(reach_mm: float, places_mm: Sequence[tuple[float, float]], canva
     """Return the largest scale at which the arm's whole reach and every reflector are seen, wherever the arm is.
 
     Args:
-        reach_mm: of the arm.
         places_mm: x and y of the reflectors.
-        canvas: that is drawn on.
     """
     across = [-reach_mm, reach_mm, *(x_mm for x_mm, _ in places_mm)]
     upwards = [-reach_mm, reach_mm, *(y_mm for _, y_mm in places_mm)]
@@ -119,7 +116,6 @@ def draw_plan(
     """Return the bench from above.
 
     Args:
-        layout: of the bench.
         joints: J1 deg, J2 deg, J3 mm, J4 deg; None when they are not known.
         beam_ok: the beam comes back; None when that is not known.
         columns: width in cells.

@@ -19,9 +19,7 @@ def pointing_j4_deg(layout: Layout, joints: Sequence[float], name: str) -> float
     """Return J4 that points the beam at a reflector, the nearest within the cell's limits; None when there is none.
 
     Args:
-        layout: of the bench.
         joints: J1 deg, J2 deg, J3 mm, J4 deg.
-        name: of the reflector.
     """
     reflector = layout.reflector(name)
     if reflector is None:

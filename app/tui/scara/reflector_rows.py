@@ -24,8 +24,6 @@ class ReflectorField(Input):
 
     Args:
         number: of the reflector, from 0.
-        key: of the value.
-        text: as it is typed.
         hint: what is taken where nothing is typed.
     """
 

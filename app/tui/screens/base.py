@@ -84,6 +84,5 @@ class MainScreen(Screen[None]):
         """Show what concerns this screen.
 
         Args:
-            engine: as far as it is known.
             now_s: monotonic time, s.
         """

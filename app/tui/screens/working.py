@@ -75,8 +75,6 @@ class WorkScreen(MainScreen):
         """Have something done beside the screen, as long as the screen lives.
 
         Args:
-            work: what is done.
-            group: of its kind.
             exclusive: what is under way of its kind is given up.
         """
         worker: Worker[None] = self.run_worker(work, group=group, exclusive=exclusive, exit_on_error=False)
@@ -93,7 +91,6 @@ class WorkScreen(MainScreen):
         """Have a command do something; an error is shown with its remedy. Returns at once.
 
         Args:
-            title: what is under way.
             failure: title of the error when it fails.
             arguments: of the command.
             done: is given how it ended, when it ended well.

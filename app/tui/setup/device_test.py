@@ -27,8 +27,6 @@ class DeviceTest(ModalScreen[None]):
     """Runs `catseye doctor` on one device. Esc cancels, and closes.
 
     Args:
-        device: its name.
-        text: a cell file with it.
         work: runs commands.
         now_s: monotonic time, s.
     """

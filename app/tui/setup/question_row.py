@@ -38,8 +38,6 @@ class QuestionRow(Vertical):
     """A question.
 
     Args:
-        question: what is asked.
-        text: the present answer.
         default: what is taken without one.
     """
 

@@ -29,9 +29,6 @@ FILE: Final = "file"
 class Wizard(Horizontal):
     """Asks for a cell file.
 
-    Args:
-        draft: answers so far.
-
     Attributes:
         draft: answers so far.
         faults: what is wrong by key, when it was judged last.

@@ -27,7 +27,6 @@ def band_bar(live: "LiveData", width: int) -> str:
     """Return a bar: the band between its marks, the value on it; an arrow where the value lies outside the bar.
 
     Args:
-        live: the value.
         width: in characters.
     """
     low, high = _ends(live)

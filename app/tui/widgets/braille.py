@@ -72,7 +72,6 @@ class Canvas:
         Args:
             start: x and y.
             end: x and y.
-            ink: of its cells.
             dash: dots drawn and dots left out, by turns; 0 leaves none out.
         """
         if not all(map(math.isfinite, (*start, *end))):
@@ -93,7 +92,6 @@ class Canvas:
         Args:
             x: shape (n,).
             y: shape (n,).
-            ink: of its cells.
             dash: dots drawn and dots left out, by turns along the whole line; 0 leaves none out.
         """
         length = np.maximum(np.abs(np.diff(x)), np.abs(np.diff(y)))
@@ -133,7 +131,6 @@ class Canvas:
             radius: in dots.
             start_rad: direction from the centre, from the right counter-clockwise.
             end_rad: likewise; beyond the start.
-            ink: of its cells.
             dash: dots drawn and dots left out, by turns; 0 leaves none out.
         """
         steps = math.ceil(radius * abs(end_rad - start_rad)) + 2
@@ -152,7 +149,6 @@ class Canvas:
         Args:
             top: smaller y, one for each column of dots.
             bottom: larger y.
-            ink: of the bars' cells.
         """
         count = min(top.size, self.width)
         drawn = np.isfinite(top[:count]) & np.isfinite(bottom[:count])

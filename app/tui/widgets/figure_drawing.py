@@ -42,7 +42,6 @@ def draw_figure(figure: Figure, width: int, height: int) -> list[Line]:
     """Return a figure that fills its place: what says what above, note and caption below.
 
     Args:
-        figure: as data.
         width: in cells.
         height: in cells; rows of panels that have too little room are cut off at the end.
     """

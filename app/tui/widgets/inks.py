@@ -32,7 +32,6 @@ def painted(lines: Iterable[Line], styles: Mapping[str, str], *, faded: bool = F
     """Return lines in their colours.
 
     Args:
-        lines: pieces of text with their ink.
         styles: style of each ink; others are plain.
         faded: everything is dim: it is old.
     """

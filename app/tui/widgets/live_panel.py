@@ -43,7 +43,6 @@ class LivePanel(Horizontal):
         """Show the newest value.
 
         Args:
-            run: that is shown.
             now_s: monotonic time, s.
         """
         live = None if run is None else run.newest

@@ -28,8 +28,6 @@ class ParameterRow(Horizontal):
     """One parameter.
 
     Args:
-        name: of the parameter.
-        facts: its JSON schema.
         text: what was typed for it before; empty for its default.
     """
 
@@ -124,11 +122,7 @@ class ParameterForm(VerticalScroll):
     """Whose parameters are shown; empty while others are being put there."""
 
     class Described(Message):
-        """Another field has the focus.
-
-        Args:
-            text: what it is.
-        """
+        """Another field has the focus."""
 
         def __init__(self, text: str) -> None:
             super().__init__()
@@ -138,8 +132,6 @@ class ParameterForm(VerticalScroll):
         """Show the fields of a procedure.
 
         Args:
-            procedure: its name.
-            schema: its parameters.
             typed: what was typed for it before.
         """
         self.procedure = ""
@@ -166,11 +158,7 @@ class ParameterForm(VerticalScroll):
         return [f"{row.parameter}: {row.fault}" for row in self.rows if row.fault]
 
     def params(self, names: set[str]) -> list[str]:
-        """Return the chosen parameters as `--param` takes them.
-
-        Args:
-            names: of the parameters that are meant.
-        """
+        """Return the chosen parameters as `--param` takes them."""
         return [
             param_text(row.facts, row.parameter, row.text)
             for row in self.rows

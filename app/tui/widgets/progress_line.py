@@ -20,7 +20,6 @@ class ProgressLine(StaticText):
         """Show what is known.
 
         Args:
-            run: that is shown.
             planned: steps of the whole run; 0 where that is not known.
             skipped: updates that did not reach this client.
             fast: bench time runs faster than real time.

@@ -43,12 +43,7 @@ class PromptPanel(Vertical):
     """
 
     class Answered(Message):
-        """A person has decided.
-
-        Args:
-            prompt: id of the question.
-            text: the answer.
-        """
+        """A person has decided."""
 
         def __init__(self, prompt: str, text: str) -> None:
             super().__init__()
@@ -97,7 +92,6 @@ class PromptPanel(Vertical):
             now_s: monotonic time, s.
             speed: bench seconds in one real second; the time to answer is bench time.
             note: who may answer, when that is not this client.
-            reflectors: of the bench.
         """
         self._now_s = now_s
         if (asked and asked.id) != (self._asked and self._asked.id) or at_s != self._at_s:

@@ -70,7 +70,6 @@ class ResidualsPart(Vertical):
         """Show the residuals of a result.
 
         Args:
-            result: whose residuals.
             diagnosis: of it, its figures before the others; None before it is made.
         """
         from catseye.app.results.scara.result_report import residual_figures
@@ -91,11 +90,7 @@ class PathPart(Vertical):
             yield StaticText(id="validation")
 
     def show(self, found: "ValidationDocument | None") -> None:
-        """Show a validation.
-
-        Args:
-            found: what a validation found; None before it.
-        """
+        """Show a validation."""
         from catseye.app.tui.result_texts import path_text
 
         self.query_one(Figures).show(*(() if found is None else found.figures))
@@ -123,8 +118,6 @@ class ComparePart(Vertical):
         """Show a comparison.
 
         Args:
-            names: of both results.
-            found: the comparison.
             in_u: differences of the maps in combined standard uncertainties, not in mdeg.
         """
         from catseye.app.results.scara.comparison_report import map_differences

@@ -39,8 +39,6 @@ class RunEnd(Vertical):
         """Show the end of a run, or nothing.
 
         Args:
-            run: that is shown.
-            advice: what is sensible now.
             doing: what a command that was begun here says.
         """
         ended = run is not None and not run.active

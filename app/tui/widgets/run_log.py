@@ -31,12 +31,7 @@ class RunLog(StaticText):
         self.border_title = "Log" if self.least == 0 else f"Log: {LEVELS[self.least]} and worse"
 
     def show(self, run: RunState | None, control: str) -> None:
-        """Show the last lines.
-
-        Args:
-            run: that is shown.
-            control: who holds control.
-        """
+        """Show the last lines."""
         self.border_subtitle = Content(f"control: {control}")
         wanted = LEVELS[self.least :]
         found: list[Content] = []

@@ -154,7 +154,6 @@ def age_style(age_s: float | None, since_s: float, stale_s: float = STALE_S) -> 
 
     Args:
         age_s: its age when it was sent, s; None when it is not known.
-        since_s: time since then.
         stale_s: older than this it is greyed and says its age.
     """
     if age_s is None:

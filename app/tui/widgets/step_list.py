@@ -49,7 +49,6 @@ class StepList(StaticText):
         """Show the steps.
 
         Args:
-            run: that is shown.
             planned: all steps of its rehearsal, in order; empty where there is none.
         """
         if run is None:

@@ -128,7 +128,6 @@ def draw(low_mm: Floats, high_mm: Floats, scale: Scale, columns: int, rows: int)
     Args:
         low_mm: smallest value of each column of dots; NaN leaves it empty.
         high_mm: largest value.
-        scale: of the upright axis.
         columns: width in cells, numbers included.
         rows: height in cells.
     """

@@ -11,12 +11,7 @@ if TYPE_CHECKING:
 
 
 def task_picture(task: Task | None, reflectors: "Sequence[ReflectorPlace]" = ()) -> list[str]:
-    """Return lines that show a task; none for a mere question.
-
-    Args:
-        task: of the prompt.
-        reflectors: of the bench.
-    """
+    """Return lines that show a task; none for a mere question."""
     match task:
         case TurnScrew():
             return _screw(task.turns, task.screw)

@@ -95,7 +95,6 @@ def covariances(matrix: Floats, effects: Floats | None) -> Floats:
     """Return the covariances of information of shape (..., f, f).
 
     Args:
-        matrix: information.
         effects: of shared errors, shape (..., f, m); None leaves them out.
 
     Returns:

@@ -67,9 +67,7 @@ def exchange(pool: Pool, start: Ints, criterion: Criterion) -> Chosen:
     """Improve a choice by exchanges until none improves it.
 
     Args:
-        pool: candidates.
         start: indices of different, compatible candidates, shape (k,).
-        criterion: what is made small.
     """
     chosen, value = np.array(start, dtype=np.int64), pool.value(start, criterion)
     idle, position = 0, 0
@@ -113,11 +111,8 @@ def _best_addition(
     """Return the candidate that goes best with others, and the value reached; the present one unless beaten.
 
     Args:
-        pool: candidates.
         others: the rest of the choice.
         present: the place to beat; -1 for none, then the first possible one stands in where all are singular.
-        value: what is reached with it.
-        criterion: what is made small.
     """
     possible = np.asarray(np.all(pool.compatible[others], axis=0), dtype=np.bool_).reshape(len(pool))
     possible[others] = False

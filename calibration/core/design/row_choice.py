@@ -128,7 +128,6 @@ def _change(criterion: Criterion, covariance: Floats, wanted: Floats, inner: Flo
     """Return the change of the criterion where C turns into C - sign · Uᵀ K U.
 
     Args:
-        criterion: which.
         covariance: C of what is wanted, shape (f, f).
         wanted: U of each command, shape (m, k, f).
         inner: K of each command, shape (m, k, k).

@@ -53,7 +53,6 @@ def diagnose(problem: Problem, progress: Callable[[str], None] = lambda _: None)
     """Look at a fit from all sides.
 
     Args:
-        problem: distances with an error map.
         progress: called with what comes next.
 
     Raises:

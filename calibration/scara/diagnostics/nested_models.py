@@ -84,8 +84,6 @@ def compare_models(
     """Fit the conventional model, the error map, each extension of it, and all that could be identified together.
 
     Args:
-        problem: distances with the error map.
-        extensions: what to try beyond the maps.
         progress: called with the name of each model when its turn comes.
 
     Raises:

@@ -78,7 +78,6 @@ def reject(problem: Problem, limit: float, most: float = MOST_REJECTED) -> Clean
     gross error does not lean on its neighbours. A round leaves out only what exceeds half of the largest.
 
     Args:
-        problem: distances and model.
         limit: in robust standard deviations.
         most: largest share of the distances that may go.
 

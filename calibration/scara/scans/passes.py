@@ -56,7 +56,6 @@ class Passes:
         """Prepare a block.
 
         Args:
-            block: distances.
             weighted: give them the uncertainty of the white contributors where they state none.
         """
         elapsed = self.used.elapsed_share(block)

@@ -71,7 +71,6 @@ def identify_scan(
     for: there is no test of the lack of fit.
 
     Args:
-        source: measured distances.
         model: "conventional" (L1, L2, θ20) or "error-map" (L1, L2, both maps).
         nodes1_rad: nodes of the J1 map, rad, strictly increasing.
         nodes2_rad: nodes of the J2 map, rad, strictly increasing.

@@ -82,7 +82,6 @@ def used_rows(source: PointSource, check: Callable[[Points, int], None]) -> Used
     """Count the rows of each segment and leave out the short ones.
 
     Args:
-        source: all distances.
         check: is called with each block and the number of its first row, from 1; raises if it cannot be used.
     """
     counts = np.zeros(len(source.dead_paths), dtype=np.int64)

@@ -45,7 +45,6 @@ def encode(number: int, command: int, values: tuple[float, ...] = ()) -> bytes:
 
     Args:
         number: distinguishes this request from others.
-        command: see the program.
         values: up to four; missing ones are 0.
 
     Raises:

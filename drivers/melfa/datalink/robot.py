@@ -58,13 +58,7 @@ class DatalinkSettings(MelfaSettings):
 
 
 class MelfaDatalink(LedArm):
-    """Robot driver.
-
-    Args:
-        controller: the R-protocol side.
-        transport: connection to the program.
-        settings: see there.
-    """
+    """Robot driver."""
 
     Settings: ClassVar[type[DatalinkSettings]] = DatalinkSettings
     summary: ClassVar[str] = "MELFA with program CATSDL: passes targets in one motion"

@@ -31,7 +31,6 @@ class WayProfile:
 
     Args:
         start: where the arm stands.
-        way: targets.
         bounds: of every joint.
     """
 

@@ -45,13 +45,7 @@ _REST_DEG = 1e-3
 
 
 class MelfaMxt(LedArm):
-    """Robot driver.
-
-    Args:
-        controller: the R-protocol side.
-        stream: the set points.
-        settings: see there.
-    """
+    """Robot driver."""
 
     Settings: ClassVar[type[MxtSettings]] = MxtSettings
     summary: ClassVar[str] = "MELFA with program CATSMXT: streams set points"

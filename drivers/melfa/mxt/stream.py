@@ -26,7 +26,6 @@ class SetPointStream:
     for again; the next set point is sent instead, since the arm stands at the last one meanwhile.
 
     Args:
-        transport: the datagrams.
         clock: measures the controller's cycle.
         name: what is behind it, for texts.
     """

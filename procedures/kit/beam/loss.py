@@ -40,7 +40,6 @@ def cause_of(status: BeamStatus, override_percent: float) -> Cause | None:
     """Return the cause that the interferometer itself states.
 
     Args:
-        status: of beam and counter.
         override_percent: of the speed at which the beam was lost.
     """
     if not status.laser_ready:
@@ -119,11 +118,7 @@ class LossCount:
 
 
 class LossLog:
-    """Records losses of a stage and says why.
-
-    Args:
-        ctx: the bench.
-    """
+    """Records losses of a stage and says why."""
 
     def __init__(self, ctx: Context) -> None:
         self._ctx = ctx
@@ -133,7 +128,6 @@ class LossLog:
         """Store a loss and warn of it.
 
         Args:
-            cause: why.
             where: the place on the way to which, or at which, the beam was lost, for people.
             facts: what the event names beside the cause: reflector, point, segment.
         """
@@ -148,8 +142,6 @@ class BeamLoss:
     """Decides what follows a loss: waits, asks, gives up.
 
     Args:
-        ctx: the bench.
-        policy: see there.
         target_name: what is aimed at, for people: reflector P1.
         question_id: returns the id of a question by its number, from 1; answers files name it.
     """
@@ -173,7 +165,6 @@ class BeamLoss:
         """Count a loss and return whether to try again, by itself or as asked for, or to leave the place out.
 
         Args:
-            cause: why.
             where: as in `LossLog.note`.
             kept: the beam was kept until then; no attempt to get it back has failed.
             goal: where the arm goes after "retry", which the question shows.

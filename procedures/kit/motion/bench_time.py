@@ -10,7 +10,6 @@ class BenchTime:
     recovery takes is done and to do at once, so the end of the run moves by as much and the pace stays honest.
 
     Args:
-        ctx: the bench.
         total_s: expected time of the whole plan, s.
     """
 
@@ -28,13 +27,7 @@ class BenchTime:
             self._ctx.progress(self._done_s, self._total_s)
 
     def passed(self, planned_s: float, extra_s: float, text: str) -> None:
-        """Take note of a step that is done.
-
-        Args:
-            planned_s: what the plan expected.
-            extra_s: what it took beyond that.
-            text: what was done.
-        """
+        """Take note of a step that is done."""
         self._done_s += planned_s
         self._extra_s += extra_s
         if self._begun:

@@ -35,7 +35,6 @@ def move_time_s(arm: Arm, travel: Floats) -> Floats:
     """Return the time of moves, s, shape (n,).
 
     Args:
-        arm: axes and override.
         travel: of each axis in each move, deg or mm, shape (n, axes).
     """
     return _time_s(_pace(arm), travel)

@@ -112,7 +112,6 @@ class BeamLevel(Procedure):
         """Measure and instruct until the pitch is within its tolerance.
 
         Args:
-            ctx: the bench.
             plan: what plan() returned.
 
         Raises:

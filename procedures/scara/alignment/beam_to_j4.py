@@ -113,7 +113,6 @@ class BeamToJ4(Procedure):
         """Measure and instruct until the offset is within its tolerance.
 
         Args:
-            ctx: the bench.
             plan: what plan() returned.
 
         Raises:

@@ -113,7 +113,6 @@ def respond(screw: Screw, before: Observed, after: Observed, turns: float) -> Re
     """Compare the change of a quantity with what a turn should have done.
 
     Args:
-        screw: as it was taken to act.
         before: the quantity before the turn.
         after: the quantity after it.
         turns: what was asked for, clockwise positive.
@@ -144,9 +143,6 @@ class GuidedScrew:
     """Measures and instructs round by round. Each round's measurement, judgement and turn is a step of its own.
 
     Args:
-        ctx: the bench.
-        screw: what is turned.
-        measure: measures the quantity inside a step.
         watch: reads what is shown while hands turn the screw.
         max_rounds: most measurements.
         target: where each measurement begins, which the questions show.

@@ -84,7 +84,6 @@ async def find_return(
     """Turn J4 about a pose until the beam returns, then centre it.
 
     Args:
-        ctx: the bench.
         pose: where to start; only J4 is moved.
         half_range_deg: how far J4 may turn to either side.
         half_window: expected half width of the return window, deg.
@@ -111,7 +110,6 @@ async def find_height(
     """Lift J3 about a pose until the beam returns, then centre it.
 
     Args:
-        ctx: the bench.
         pose: where to start; only J3 is moved.
         half_range_mm: how far J3 may go to either side.
         half_window_mm: expected half height of the return window, mm.

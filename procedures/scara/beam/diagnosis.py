@@ -79,9 +79,7 @@ def hidden(joints: Pose, bench: ScaraBench, reflector: Reflector) -> Cause | Non
     """Return the cause that geometry lets suspect where nothing returns: base column or field.
 
     Args:
-        joints: as reported.
         bench: nominal arm, column, field.
-        reflector: what is aimed at.
     """
     optics = bench.optics
     one, two = np.deg2rad(joints[:2])

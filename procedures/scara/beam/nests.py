@@ -11,7 +11,6 @@ class Nests:
     """Asks for the cat's eye where it is needed; nothing is asked where every nest has its own.
 
     Args:
-        ctx: the bench.
         bench: says whether one reflector serves all.
     """
 
@@ -24,7 +23,6 @@ class Nests:
         """Have the cat's eye put into a reflector's nest unless this process knows it to be there.
 
         Args:
-            reflector: whose nest.
             number: how many times the plan has come to this nest, from 1; part of the question's id.
             target: where the arm goes then, which the question shows.
 

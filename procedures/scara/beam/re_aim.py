@@ -56,10 +56,8 @@ async def brighten(
     """Turn J4 in small steps to where the signal is strongest, with the beam kept all the time.
 
     Args:
-        ctx: the bench.
         pose: where the arm stands; only J4 is moved.
         half_window_deg: half the width of the return window.
-        j4_limits_deg: limits of J4.
 
     Returns:
         J4 there; None when the beam was lost, and the count with it.

@@ -29,9 +29,7 @@ class Follower:
     """Drives the arm, looks after the beam, and knows whether the count holds.
 
     Args:
-        ctx: the bench.
         bench: nominal arm, optics, timing.
-        reflector: what is aimed at.
         segment: number of the last segment that was used; -1 for none.
 
     Attributes:
@@ -82,7 +80,6 @@ class Follower:
         The last leg is followed by a measurement, which looks at the latch itself.
 
         Args:
-            legs: the way.
             goal: whose node it ends at.
         """
         self.at = None
@@ -188,7 +185,6 @@ class Follower:
         """Find out why the beam was lost, where the arm stands; J4 may be turned for that.
 
         Args:
-            loss: what is known already.
             visit: the point on the way to which, or at which, it was lost.
         """
         if loss.cause is not None:

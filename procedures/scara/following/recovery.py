@@ -58,9 +58,7 @@ class Recovery:
     """Measures points and closes the gaps that a lost beam leaves.
 
     Args:
-        ctx: the bench.
         bench: nominal arm, optics, timing.
-        reflector: what is aimed at.
         follower: arm, beam and count.
         attempts: failures in a row before the operator is asked.
 
@@ -84,9 +82,6 @@ class Recovery:
     def carried(self, segment: int) -> tuple[float, int] | None:
         """Return what a displacement of an earlier segment has to be changed by to count from the present zero.
 
-        Args:
-            segment: of the displacement.
-
         Returns:
             The change, mm, and the number of overlaps that it rests on; None when a gap was not overlapped.
         """
@@ -103,7 +98,6 @@ class Recovery:
         """Measure a point.
 
         Args:
-            visit: the point.
             before: the point before it in the plan; None for the first one.
             step_id: names the operator's questions.
 
@@ -135,7 +129,6 @@ class Recovery:
         """Find out and report why the beam was lost; the count is given up.
 
         Args:
-            loss: what is known already.
             visit: the point on the way to which, or at which, it was lost.
         """
         follower, command = self._follower, visit.command

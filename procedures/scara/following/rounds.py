@@ -46,9 +46,7 @@ class Rounds:
     """Drives round trips and begins a new segment whenever the beam was lost.
 
     Args:
-        ctx: the bench.
         bench: limits, optics, timing.
-        trip: the way.
         nests: where the one cat's eye is, if there is only one.
         segment: last segment that the run knows of, -1 for none.
     """

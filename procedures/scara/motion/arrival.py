@@ -10,7 +10,6 @@ class Arrival:
     """Brings the arm to the first pose of this process; the ways from there on are checked by the plan.
 
     Args:
-        ctx: the bench.
         bench: nominal arm, limits, reflectors.
     """
 

@@ -13,13 +13,7 @@ from catseye.procedures.scara.motion.visits import Visit
 
 
 def approach(visit: Visit, bench: ScaraBench, reflector: Reflector) -> tuple[Pose, Pose]:
-    """Return take-up pose and node: from the one to the other both joints move in the point's directions.
-
-    Args:
-        visit: what is approached.
-        bench: nominal arm and take-up.
-        reflector: what is aimed at.
-    """
+    """Return take-up pose and node: from the one to the other both joints move in the point's directions."""
     command, node = visit.command, visit.node
     one = command.theta1_deg - command.direction1 * bench.take_up_deg
     two = command.theta2_deg - command.direction2 * bench.take_up_deg
@@ -37,7 +31,6 @@ def way_in(here: Pose, take_up: Pose, bench: ScaraBench) -> tuple[Pose, ...]:
     J2 folds or stretches the arm first, J1 turns it, and J2 brings it to the target.
 
     Args:
-        here: reported joints.
         take_up: where the way leads.
         bench: nominal arm, limits, reflectors.
 

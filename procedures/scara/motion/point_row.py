@@ -23,11 +23,9 @@ def distance_of(
     """Return the record of a distance.
 
     Args:
-        reflector: name.
         segment: number of the unbroken stretch.
         command: the node.
         sent: where the joints were sent.
-        measured: the distance.
     """
     reported, used = measured.reported, measured.correction
     distance = Distance(

@@ -77,9 +77,7 @@ def plan_track(
     """Plan how the beam follows a reflector over the stops.
 
     Args:
-        stops: the way.
         bench: nominal arm, optics, limits.
-        reflector: what is aimed at.
         subdivide: split legs to keep the miss within the plan's limit; False states the miss of whole legs.
 
     Raises:
@@ -143,8 +141,6 @@ def leg_miss_mm(legs: Legs, parts: int, bench: ScaraBench, reflector: Reflector)
     Args:
         legs: m legs.
         parts: equal parts of each.
-        bench: nominal arm.
-        reflector: what is aimed at.
     """
     share = np.linspace(0.0, 1.0, parts * _MISS_SAMPLES + 1)
     positions = _positions(legs.at(share), bench)

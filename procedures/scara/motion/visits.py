@@ -91,10 +91,8 @@ def plan_visits(
     """Return the points that see the reflector, with the way to each, and the commands that do not.
 
     Args:
-        stops: the way.
         track: how the reflector is followed over it.
         bench: nominal arm, timing.
-        reflector: what is aimed at.
     """
     visits: list[Visit] = []
     blind: list[Command] = []

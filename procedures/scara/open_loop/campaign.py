@@ -45,11 +45,8 @@ class ReflectorCampaign:
     """Measures one reflector.
 
     Args:
-        ctx: the bench.
-        plan: the whole measurement.
         part: this reflector's part of it.
         knowledge: takes the points in.
-        time: reports the progress.
 
     Attributes:
         left_out: titles of the points that were not measured, with the reason.

@@ -49,9 +49,7 @@ def plan_closures(
 
     Args:
         visits: points in measuring order.
-        count: how many trips are wanted.
         bench: nominal arm, optics, limits.
-        reflector: what is aimed at.
 
     Returns:
         The trips that the beam can be kept on, and a warning when there are fewer than wanted.
@@ -77,10 +75,8 @@ def trip_within_reach(
 
     Args:
         visits: points in measuring order.
-        planned: the trip that was planned.
         places: among the visits; points that the present count goes back to.
         bench: nominal arm, optics, limits.
-        reflector: what is aimed at.
 
     Returns:
         The trip to the earliest of those points; None when the beam cannot be kept on the way to the first few.

@@ -28,9 +28,7 @@ class Knowledge:
     """Takes the points of a run in, fresh and stored ones, and reports what they are good for.
 
     Args:
-        ctx: the bench.
         bench: nodes, nominal links, noise.
-        reflectors: those that are measured.
         stop_at_mdeg: standard uncertainty of both maps that is good enough to end with; 0 never ends.
     """
 
@@ -97,7 +95,6 @@ class Knowledge:
         """Report how well the maps are known after a row of J2; return whether that is good enough to end with.
 
         Args:
-            reflector: name.
             command: last one of the row.
             fresh: a point of the row was measured now.
         """

@@ -65,10 +65,6 @@ class OpenLoop(Procedure):
     async def run(self, ctx: Context, plan: OpenLoopPlan) -> None:
         """Measure all reflectors.
 
-        Args:
-            ctx: the bench.
-            plan: what plan_open_loop returned.
-
         Raises:
             BeamLostError: the beam stays away and the operator ends the run.
             WayBlockedError: the arm cannot be led to a point from where it stands.

@@ -47,7 +47,6 @@ def matched_positions(
     Args:
         file: its name, for complaints.
         points: commands of one pass.
-        passes: how often the path was driven.
         measured: rows of the file, in order.
 
     Raises:

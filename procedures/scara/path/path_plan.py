@@ -68,7 +68,6 @@ def plan_path(
     """Plan the paper's path, there and back.
 
     Args:
-        bench: nominal arm and limits.
         x_mm: where the path runs.
         y_from_mm: first end.
         y_to_mm: other end.
@@ -111,7 +110,6 @@ def path_points(
     """Return the commands of a path along y, there and back.
 
     Args:
-        bench: nominal arm.
         x_mm: where the path runs.
         ends_mm: y at both ends.
         step_mm: largest distance between points.

@@ -59,7 +59,6 @@ class PathPoint:
             pass_number: of the drive along the path, from 0.
             measured_mm: x and y where an independent instrument saw the arm; None where a distance was measured.
             u_mm: standard uncertainty of each coordinate; None when it is not stated.
-            further: what belongs to this point alone.
         """
         x_meas_mm, y_meas_mm = measured_mm or (None, None)
         return PathPosition(
@@ -117,7 +116,6 @@ def plan_tracked_path(
     Args:
         run_in: from where the first point of each pass is approached.
         points: commands of one pass.
-        passes: how often the path is driven.
         bench: nominal arm, optics, limits.
         name: of the reflector; empty for the one that sees most of the path, with the fewest breaks.
 
@@ -147,9 +145,7 @@ class TrackedCampaign:
     """Drives a tracked path and records its distances.
 
     Args:
-        ctx: the bench.
         bench: nominal arm, optics, timing.
-        tracked: the plan.
         points: commands of one pass.
     """
 

@@ -98,7 +98,6 @@ class ValidationPath(Procedure):
 
         Args:
             ctx: the bench; it has the instrument that the plan names.
-            plan: what plan_path returned.
 
         Raises:
             BeamLostError: the operator ends the run since the beam does not come back.

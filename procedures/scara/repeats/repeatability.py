@@ -61,10 +61,6 @@ class Repeatability(Procedure):
     async def run(self, ctx: Context, plan: RepeatabilityPlan) -> None:
         """Attain all poses in all cycles.
 
-        Args:
-            ctx: the bench.
-            plan: what plan_repeatability returned.
-
         Raises:
             BeamLostError: the beam was lost again and again and the operator stops.
             InsufficientPointsError: no pose was attained twice with one dead path.

@@ -41,9 +41,6 @@ async def solve(ctx: Context, plan: SearchPlan, run: SightingRun, reported: set[
     """Solve Eq. 2 for all reflectors.
 
     Args:
-        ctx: the bench.
-        plan: of the search.
-        run: the looks so far.
         reported: poses whose sightings are known to be left out.
 
     Raises:

@@ -66,10 +66,6 @@ class ReflectorSearch(Procedure):
     async def run(self, ctx: Context, plan: SearchPlan) -> None:
         """Search for all reflectors; poses are added until the aim holds over the whole plan.
 
-        Args:
-            ctx: the bench.
-            plan: what plan_search returned.
-
         Raises:
             ReflectorNotFoundError: too few sightings, or an aim that would not hold over the plan.
         """

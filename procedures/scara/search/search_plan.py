@@ -174,7 +174,6 @@ def looking_poses(
 
     Args:
         bench: nominal arm, rough reflectors, limits.
-        reflector: what is looked for.
         half_range_deg: how far J4 turns to either side.
         at_deg: J1 and J2 of the only pose to consider; None for poses all over the range of the nodes.
     """

@@ -103,8 +103,6 @@ def weakest(
     the beam from fewer than half of the poses is not looked for again: more poses are not what it lacks.
 
     Args:
-        plan: of the search.
-        now: what the sightings so far give.
         spare: poses not yet looked from, each next one far from those before.
         looked: how often each reflector was looked for, by name.
     """

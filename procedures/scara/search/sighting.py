@@ -48,10 +48,6 @@ class Sighting:
 class SightingRun:
     """Looks for reflectors from one pose after the other and keeps what was found.
 
-    Args:
-        ctx: the bench.
-        plan: of the search.
-
     Attributes:
         sightings: found so far, in order.
         looked: how often each reflector was looked for.

@@ -82,10 +82,6 @@ class Warmup(Procedure):
     async def run(self, ctx: Context, plan: WarmupPlan) -> None:
         """Exercise and watch.
 
-        Args:
-            ctx: the bench.
-            plan: what plan_warmup returned.
-
         Raises:
             NotWarmError: the drift is not below the limit after the longest time.
             BeamLostError: the beam was lost again and again and the operator stops.

@@ -76,7 +76,6 @@ def plan_warmup(
 
     Args:
         bench: nominal arm, reflectors, limits.
-        exercise: what is asked for.
         window_s: time over which the drift is taken, s.
         limit_um_per_10min: largest accepted drift.
         checks: so many visits in a row have to be below it.

@@ -90,12 +90,6 @@ def nothing(controller: Controller, client: Client, arguments: str) -> str:
 def place_in(client: Client, list_name: str, which: str, length: int) -> int | None:
     """Return the index that TOP, END, +1 or -1 leads to in a list, None beyond its ends.
 
-    Args:
-        client: who reads.
-        list_name: of what.
-        which: the word.
-        length: entries in the list.
-
     Raises:
         Refusal: there is no such word.
     """

@@ -53,8 +53,6 @@ def carry_out(controller: Controller, client: Client, request: str) -> str | Run
     """Carry out a request.
 
     Args:
-        controller: the controller.
-        client: who asks.
         request: `[robot];[slot];COMMAND…`, without terminator.
 
     Raises:

@@ -35,7 +35,6 @@ def bench_cost(bench: ScaraBench, sequence: tuple[Command, ...], kept: Bools | N
     """Plan the measurement of a bench's reflectors, as open-loop does, and say what it costs.
 
     Args:
-        bench: with the reflectors of the layout.
         sequence: commands in measuring order.
         kept: commands that are measured, shape (n,); None for all.
     """

@@ -109,9 +109,6 @@ def design(problem: Problem, wanted: Wanted, share: Share, done: Done) -> Design
     """Find a layout and what belongs to it.
 
     Args:
-        problem: what it is for.
-        wanted: how much.
-        share: who carries out the work.
         done: is called with the progress.
 
     Raises:

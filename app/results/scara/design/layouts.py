@@ -151,11 +151,6 @@ def best_layouts(
     """Find the best layout of each number of reflectors.
 
     Args:
-        problem: what it is for.
-        places: candidates.
-        counts: numbers of reflectors.
-        seed: of the random starts.
-        share: who carries out the searches.
         done: is called with how many of how many are finished.
 
     Raises:

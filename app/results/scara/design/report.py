@@ -44,7 +44,6 @@ def design_report(design: Design, cell_name: str) -> Report:
     """Return what a design says.
 
     Args:
-        design: the design.
         cell_name: of the cell that it was made for.
     """
     sections = (_places(design), _comparison(design), _weakness(design), _commands(design), _front(design))

@@ -45,7 +45,6 @@ def path_figure(validation: PathValidation, gaps: Sequence[Gap] = ()) -> Figure:
     The measurement is aligned to each model by itself.
 
     Args:
-        validation: models on the path.
         gaps: stretches that are not compared.
     """
     axis, way = path_axis(validation.path), there(validation.path)

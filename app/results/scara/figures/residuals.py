@@ -27,13 +27,7 @@ _LETTERS = "efghijklmn"
 
 
 def residual_figure(residuals: Residuals, reference: Reference, model: str) -> Figure:
-    """Return the residuals of a fit.
-
-    Args:
-        residuals: of one model.
-        reference: what they are compared with.
-        model: what a reader calls the model.
-    """
+    """Return the residuals of a fit."""
     names = list(dict.fromkeys(residuals.reflector))
     value = np.array(residuals.residual_um)
     means = [pose_means(residuals, name) for name in names]
