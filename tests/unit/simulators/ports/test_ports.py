@@ -7,7 +7,7 @@ import time
 import tty
 from collections import deque
 from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager, contextmanager
+from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -422,11 +422,12 @@ async def test_answers_that_take_time_streams_and_faults_work_on_datagrams() -> 
 
 
 async def test_peers_are_bounded_in_number() -> None:
-    async with served("udp://127.0.0.1:0") as serving:
+    # All stay open: the system hands a closed peer's port out again, which would make it the same peer.
+    async with served("udp://127.0.0.1:0") as serving, AsyncExitStack() as peers:
         for _ in range(MOST_PEERS + 3):
-            async with datagrams(serving.port.endpoint) as (peer, to_peer):
-                to_peer.sendto(b"x\n")
-                assert await peer.next() == b"1 x\n"
+            peer, to_peer = await peers.enter_async_context(datagrams(serving.port.endpoint))
+            to_peer.sendto(b"x\n")
+            assert await peer.next() == b"1 x\n"
         listener = serving.port._listener  # noqa: SLF001  # what it remembers is inside
         assert len(listener._clients) == MOST_PEERS  # type: ignore[union-attr]  # noqa: SLF001  # the same
 
