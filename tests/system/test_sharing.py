@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from distributed import Client
 
 from catseye.app.cluster.errors import WorkerLostError
 from catseye.app.cluster.sharing import sharing
@@ -128,28 +129,18 @@ def workers(scheduler: str, tmp_path: Path) -> Iterator[subprocess.Popen[bytes]]
         yield process
 
 
-@contextmanager
-def ready(address: str) -> Iterator[None]:
-    """Wait until workers have reported to a scheduler."""
-
-    def reported() -> bool:
-        try:
-            with sharing(1, address):
-                return True
-        except ConfigError as error:
-            if "has no workers" not in str(error):
-                raise
-            return False
-
-    wait_until(reported, "the workers' report")
-    yield
+def wait_for_workers(address: str) -> None:
+    """Wait until both workers have reported: one that dies while it starts takes the other with it."""
+    with Client(address) as client:
+        client.wait_for_workers(2, timeout=HANG_S)
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("workers")
 def test_dask_gives_the_same_numbers_and_the_same_errors(scheduler: str) -> None:
     seen: list[int] = []
-    with ready(scheduler), sharing(1, scheduler) as share:
+    wait_for_workers(scheduler)
+    with sharing(1, scheduler) as share:
         found = share.map(drawn, np.random.SeedSequence(7).spawn(5), seen.append)
         with pytest.raises(UnidentifiableError, match="three") as caught:
             share.map(fails_at_three, range(8))
@@ -169,7 +160,8 @@ def test_workers_that_all_go_are_reported_and_nothing_hangs(
     scheduler: str, workers: subprocess.Popen[bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("catseye.app.cluster.machines._LOOK_S", 0.4)
-    with ready(scheduler), sharing(1, scheduler) as share:
+    wait_for_workers(scheduler)
+    with sharing(1, scheduler) as share:
 
         def leave(_: int) -> None:
             workers.terminate()
