@@ -11,10 +11,10 @@ from catseye.app.cli.progress import ProgressBar
 from catseye.app.cluster.share import Share
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.distances import DistanceSource
-from catseye.app.results.scara.extensions import parse_extensions
 from catseye.app.results.scara.identify import (
     are_simulated,
     identified_result,
+    parse_extensions,
     problem_of_points,
     with_what_speaks_against,
 )

@@ -26,9 +26,7 @@ def predict(
     from catseye.app.files.atomic import require_output
     from catseye.app.results.scara.identified_arm import nominal_of
     from catseye.app.results.scara.path_csv import read_path_csv, start_states
-    from catseye.app.results.scara.predicted_csv import write_predicted_csv
-    from catseye.app.results.scara.prediction import predict_path
-    from catseye.app.results.scara.prediction_report import prediction_report
+    from catseye.app.results.scara.prediction import predict_path, prediction_report, write_predicted_csv
     from catseye.app.results.scara.result import read_result
 
     require_output(output, result, path)

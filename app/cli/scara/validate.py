@@ -36,9 +36,8 @@ def validate(
     from catseye.app.errors import MeasurementRejectedError
     from catseye.app.files.atomic import require_output
     from catseye.app.render.page import require_html, write_page
-    from catseye.app.results.scara.file_validation_report import file_validation_report
     from catseye.app.results.scara.validation_document import validation_document
-    from catseye.app.results.scara.validation_of_files import validate_files
+    from catseye.app.results.scara.validation_of_files import file_validation_report, validate_files
 
     require_output(output, result, measured, reference)
     if output is not None:

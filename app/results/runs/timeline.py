@@ -8,8 +8,9 @@ from typing import Any
 from catseye.app.protocol.procedures import declared_by
 from catseye.app.results.runs.event_text import between_s, device_text, event_text, gap_text, texts_of
 from catseye.app.results.runs.points import Point, points_of
-from catseye.app.results.runs.record_text import record_text
 from catseye.app.store.reader import RunReader, StoredEvent, StoredStep
+from catseye.procedures.kit.event_text import plain_text
+from catseye.procedures.kit.records import EXTRA, KEY, Observation, Record, Row
 
 _INCIDENTS = frozenset({"beam-lost", "step-dropped", "run-reopened", "walk-waived"})
 """Events that disturbed a run, or whose reason a reader of its result has to know."""
@@ -326,3 +327,16 @@ def _number(step_id: str) -> str:
 
 def _span(segments: Sequence[int]) -> str:
     return str(segments[0]) if len(segments) == 1 else f"{segments[0]}…{segments[-1]}"
+
+
+def record_text(row: Row, records: Iterable[type[Record]]) -> str:
+    """Return an observation as a sentence.
+
+    Args:
+        records: types that the run's procedure declares.
+    """
+    own = {key: value for key, value in row.items() if key not in {*KEY, EXTRA, "kind"}}
+    kind = str(row["kind"])
+    known = (record for record in records if issubclass(record, Observation) and record.kind == kind)
+    declared = next(known, None)
+    return (declared.describe(own) if declared else "") or plain_text(kind, own)

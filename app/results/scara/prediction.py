@@ -1,19 +1,33 @@
-"""Where an identified arm really goes on a path."""
+"""Where an identified arm really goes on a path: positions, report, predicted CSV (version 1)."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from catseye.app.errors import MeasurementRejectedError
-from catseye.app.results.numbers import counted
+from catseye.app.files.atomic import write_atomically
+from catseye.app.files.csv_text import csv_text
+from catseye.app.results.model import Report, Sign, Statement, section
+from catseye.app.results.numbers import counted, fixed
+from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.identified_arm import arm_of, arm_remarks, nominal_of
 from catseye.app.results.scara.path_csv import CommandPath
 from catseye.app.results.scara.path_range import lines_text, outside_text
 from catseye.app.results.scara.path_start import start_text
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.validation import TAKE_UP_DEG, established_rows
+from catseye.app.results.summary import Line, summary_table
+from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.prediction import Prediction, predict
+
+ADDED = ("x_pred_mm", "y_pred_mm", "ex_um", "ey_um", "u_ex_um", "u_ey_um")
+
+_DECIMALS = (6, 6, 3, 3, 3, 3)
+"""A nanometre throughout."""
+
+_UM = fixed(1)
 
 
 @dataclass(frozen=True)
@@ -86,3 +100,46 @@ def _just_reversed(arm: IdentifiedArm, path: CommandPath) -> str:
 def _start(arm: IdentifiedArm, path: CommandPath) -> str:
     """Return a sentence about a first row that the path leaves against its state; joint commands state theirs."""
     return "" if arm.layout.model == "conventional" or not path.cartesian else start_text(path.commands)
+
+
+def write_predicted_csv(path: CommandPath, prediction: Prediction, output: Path) -> None:
+    """Write the path's own columns as they were, and the prediction; cells of rows without one are empty.
+
+    Args:
+        path: as it was read from its file.
+        prediction: of each of its rows.
+        output: file to write, whole or not at all.
+    """
+    numbers = np.hstack([prediction.position_mm, 1e3 * prediction.error_mm, 1e3 * prediction.u_mm])
+    rows = ([*row.cells.values(), *_cells(own)] for row, own in zip(path.rows, numbers, strict=True))
+    write_atomically(output, csv_text([*path.rows[0].cells, *ADDED], rows))
+
+
+def _cells(numbers: Floats) -> list[str]:
+    # Adding 0.0 turns a rounded −0 into 0.
+    return [
+        f"{round(float(value), decimals) + 0.0:.{decimals}f}" if np.isfinite(value) else ""
+        for value, decimals in zip(numbers, _DECIMALS, strict=True)
+    ]
+
+
+def prediction_report(path: PredictedPath) -> Report:
+    """Return warnings and a summary of a prediction."""
+    figures = path.figures()
+    lines = (
+        Line("rows predicted", "", f"{figures['predicted']} of {figures['rows']}"),
+        Line("error of the arm, 2-D rms", "µm", figures["rms_um"], _UM),
+        Line("error of the arm, largest", "µm", figures["max_um"], _UM),
+        Line("its standard uncertainty, 2-D median", "µm", figures["median_u_um"], _UM),
+        Line("its standard uncertainty, 2-D largest", "µm", figures["max_u_um"], _UM),
+    )
+    warnings = [Statement(Sign.ATTENTION, f"{text}.") for text in path.warnings]
+    table = summary_table("predicted minus command", lines)
+    return Report(
+        "Prediction",
+        origin_now(),
+        (
+            section("verdict", "Verdict", warnings, brief=True),
+            section("summary", "Summary", [table], brief=True),
+        ),
+    )

@@ -1,10 +1,14 @@
-"""A result file, and a reference, against a measured file."""
+"""A result file, and a reference, against a measured file: the comparison and its report."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from catseye.app.errors import UsageError
+from catseye.app.results.model import Report, Section, Sign, Statement
+from catseye.app.results.origin import origin_now
+from catseye.app.results.scara.arm_report import arm_report
+from catseye.app.results.scara.findings import Findings
 from catseye.app.results.scara.identified_arm import arm_of, arm_remarks, nominal_of
 from catseye.app.results.scara.joint_maps import JointMap, joint_maps
 from catseye.app.results.scara.measured import measured_path
@@ -108,3 +112,21 @@ def _left_out(arms: Sequence[IdentifiedArm], validation: PathValidation, lines: 
             "is what a cell file has by default"
         )
     return list(dict.fromkeys(text for text in texts if text))
+
+
+def file_validation_report(validation: FileValidation, measured: str) -> Report:
+    """Return what models leave on the path of a file."""
+    simulated = any(bool(result.provenance.simulated) for result in validation.results)
+    report = arm_report(
+        f"Validation on {measured}",
+        origin_now(simulated=simulated),
+        Findings(validation.results, validation=validation.validation, lines=validation.lines),
+    )
+    first, *others = report.sections
+    return replace(report, sections=(_with_remarks(first, validation), *others))
+
+
+def _with_remarks(verdict: Section, validation: FileValidation) -> Section:
+    left_out = (Statement(Sign.NEUTRAL, f"Left out: {text}.") for text in validation.left_out)
+    remarks = (Statement(Sign.ATTENTION, f"{text}.") for text in validation.remarks)
+    return replace(verdict, blocks=(*verdict.blocks, *left_out, *remarks))

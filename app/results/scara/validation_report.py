@@ -11,7 +11,7 @@ from catseye.app.results.scara.circle_table import circle_blocks
 from catseye.app.results.scara.figures.path import path_figure
 from catseye.app.results.scara.figures.trajectories import trajectory_figure
 from catseye.app.results.scara.path_view import Gap, PathAxis, gaps, model_title, path_axis
-from catseye.app.results.scara.repeat_table import repeat_blocks
+from catseye.app.results.scara.repeated_poses import repeat_blocks
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.validation import ModelOnPath, PathValidation
 from catseye.app.results.scara.validation_text import LEFT_OUT, agreement_statement

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.core.blockwise.covariance import white_covariance
 from catseye.calibration.core.blockwise.descent import Minimum, descend
+from catseye.calibration.core.blockwise.normal_sums import white_covariance
 from catseye.calibration.core.blockwise.residual_sums import ResidualSums
 from catseye.calibration.core.errors import CalibrationError, InsufficientPointsError
 from catseye.calibration.core.fit_statistics import FitSums, summed_statistics
@@ -67,7 +67,7 @@ def identify_scan(
 
     Solves the same problem as `identification.identify`, by Gauss-Newton steps whose normal equations are summed up
     block by block; the gradient is that of all rows, so squaring costs no digits of the estimate. Rank and covariance
-    come from the normal matrix (`catseye.calibration.core.blockwise.covariance`). Repeats of poses are not looked
+    come from the normal matrix (`catseye.calibration.core.blockwise.normal_sums`). Repeats of poses are not looked
     for: there is no test of the lack of fit.
 
     Args:

@@ -7,8 +7,8 @@ import pytest
 
 from catseye.app.render.mpl import drawn
 from catseye.app.results.scara.arm_report import verdict
+from catseye.app.results.scara.distance_report import distance_figure
 from catseye.app.results.scara.distance_validation import DistancePath, DistanceValidation, ModelOnDistances
-from catseye.app.results.scara.figures.distances import distance_figure
 from catseye.app.results.scara.findings import Findings
 from catseye.calibration.scara.points import Commands, Points
 from tests.unit.app.render.page_reader import read_page

@@ -3,7 +3,7 @@
 import pytest
 
 from catseye.app.errors import UsageError
-from catseye.app.results.scara.extensions import parse_extensions
+from catseye.app.results.scara.identify import parse_extensions
 from catseye.calibration.scara.extension import Term
 
 
