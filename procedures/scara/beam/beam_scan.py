@@ -1,12 +1,21 @@
-"""Finding the beam's return by turning J4 or lifting J3, and the middle of its window (Remark 1)."""
+"""Finding the beam's return by turning J4 or lifting J3, and the middle of its window (Remark 1); how wide it is."""
 
 import math
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
+from catseye.calibration.scara.planar import forward, wrap_rad
+from catseye.calibration.scara.pointing import beam_direction
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.live import Live
+from catseye.procedures.scara.bench import Reflector, ScaraBench
+
+LOOK_AROUND_DEG = 0.5
+"""How far J4 is turned to either side to find a beam again."""
 
 _J3, _J4 = 2, 3
 
@@ -65,6 +74,34 @@ class HeightWindow:
 def half_window_deg(acceptance_mm: float, beam_mm: float) -> float:
     """Return half the width of the return window expected from geometry, deg."""
     return math.degrees(math.asin(min(1.0, acceptance_mm / beam_mm)))
+
+
+def beam_mm(joints: Pose, bench: ScaraBench, reflector: Reflector) -> float:
+    """Return the length of the beam from a pose to a reflector, mm."""
+    return float(np.hypot(*(reflector.xy_mm - _position_mm(joints, bench))))
+
+
+def window_deg(joints: Pose, bench: ScaraBench, reflector: Reflector) -> float:
+    """Return half the width of the return window from a pose, deg."""
+    return half_window_deg(bench.optics.acceptance_mm, beam_mm(joints, bench, reflector))
+
+
+def look_around_deg(joints: Pose, bench: ScaraBench, reflector: Reflector) -> float:
+    """Return how far J4 may turn from a pose without meeting another reflector, deg.
+
+    The distance to that one would be taken for this one's.
+    """
+    if bench.optics.one_reflector:
+        return LOOK_AROUND_DEG
+    here = _position_mm(joints, bench)
+    own = beam_direction(here, reflector.xy_mm)
+    margin_deg = 2.0 * window_deg(joints, bench, reflector)
+    off_deg = [
+        float(np.rad2deg(np.abs(wrap_rad(beam_direction(here, other.xy_mm) - own)))) - margin_deg
+        for other in bench.reflectors
+        if other != reflector
+    ]
+    return max(0.0, min(LOOK_AROUND_DEG, *off_deg)) if off_deg else LOOK_AROUND_DEG
 
 
 def scan_offsets_deg(half_range_deg: float, step_deg: float) -> list[float]:
@@ -221,3 +258,8 @@ def with_joint(pose: Pose, joint: int, value: float) -> Pose:
 def signal_live(signal: float, signal_min: float) -> Live:
     """Return the signal, 0...1, with its band."""
     return Live("signal", signal, "", signal_min, 1.0)
+
+
+def _position_mm(joints: Pose, bench: ScaraBench) -> NDArray[np.float64]:
+    one, two = np.deg2rad(joints[:2])
+    return forward(one, two, bench.link1_mm, bench.link2_mm)
