@@ -1,7 +1,7 @@
 """Finding the beam's return by turning J4 or lifting J3, and the middle of its window (Remark 1); how wide it is."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -164,49 +164,38 @@ async def find_height(
     return scan.cut_off
 
 
+@dataclass(eq=False)
 class _Scan:
-    """One joint is moved, the others stay.
+    """One joint is moved, the others stay; lengths in the unit of the joint, mm or deg."""
 
-    Attributes:
-        cut_off: which end of the joint's range cut the window off, if one did.
-    """
-
-    def __init__(
-        self,
-        ctx: Context,
-        pose: Pose,
-        joint: int,
-        limits: tuple[float, float],
-        half_window: float,
-        signal_min: float,
-    ) -> None:
-        self._ctx = ctx
-        self._pose = pose
-        self._joint = joint
-        self._limits = limits
-        self._half_window = half_window
-        self._signal_min = signal_min
-        self._signal = 0.0
-        self.cut_off: Literal["lower", "upper"] | None = None
+    ctx: Context
+    pose: Pose
+    joint: int
+    limits: tuple[float, float]
+    half_window: float
+    signal_min: float
+    signal: float = field(default=0.0, init=False)
+    cut_off: Literal["lower", "upper"] | None = field(default=None, init=False)
+    """Which end of the joint's range cut the window off, if one did."""
 
     async def search(self, half_range: float) -> tuple[float, float, float] | None:
         """Return both edges and the signal in the middle."""
-        low, high = self._limits
-        for offset in scan_offsets_deg(half_range, 1.4 * self._half_window):
-            value = self._pose[self._joint] + offset
+        low, high = self.limits
+        for offset in scan_offsets_deg(half_range, 1.4 * self.half_window):
+            value = self.pose[self.joint] + offset
             if low <= value <= high and await self._returns_at(value):
                 return await self._centre(value)
         return None
 
     async def _centre(self, hit: float) -> tuple[float, float, float] | None:
         for _ in range(_TRIES):
-            upper = await self._edge(hit, self._half_window)
-            lower = await self._edge(hit, -self._half_window)
+            upper = await self._edge(hit, self.half_window)
+            lower = await self._edge(hit, -self.half_window)
             if upper is None or lower is None:
                 self.cut_off = "upper" if upper is None else "lower"
                 return None
             if await self._are_edges(lower, upper):
-                return lower, upper, self._signal
+                return lower, upper, self.signal
         return None
 
     async def _are_edges(self, lower: float, upper: float) -> bool:
@@ -214,8 +203,8 @@ class _Scan:
 
         Two looks at the middle: what has stood in the beam since the edges were looked for shows at the first.
         """
-        low, high = self._limits
-        beside, middle = _BESIDE * self._half_window, 0.5 * (lower + upper)
+        low, high = self.limits
+        beside, middle = _BESIDE * self.half_window, 0.5 * (lower + upper)
         returns = await self._returns_at(middle)
         for value in (upper + beside, lower - beside):
             if returns and low <= value <= high:
@@ -224,13 +213,13 @@ class _Scan:
 
     async def _edge(self, hit: float, stride: float) -> float | None:
         """Return where the return ends on the side of the stride's sign; None beyond the limits."""
-        low, high = self._limits
+        low, high = self.limits
         inside, outside = hit, min(max(hit + stride, low), high)
         while await self._returns_at(outside):
             if outside in (low, high):
                 return None
             inside, outside = outside, min(max(outside + stride, low), high)
-        while abs(outside - inside) > _EDGE_RESOLUTION[self._joint]:
+        while abs(outside - inside) > _EDGE_RESOLUTION[self.joint]:
             middle = 0.5 * (inside + outside)
             if await self._returns_at(middle):
                 inside = middle
@@ -239,13 +228,13 @@ class _Scan:
         return 0.5 * (inside + outside)
 
     async def _returns_at(self, value: float) -> bool:
-        target = with_joint(self._pose, self._joint, value)
-        await self._ctx.move(target)
-        beam = await self._ctx.beam()
-        self._signal = beam.signal
-        self._ctx.show(signal_live(beam.signal, self._signal_min))
-        name, unit = _NAMES[self._joint]
-        self._ctx.show(Live(name, value, unit, *self._limits))
+        target = with_joint(self.pose, self.joint, value)
+        await self.ctx.move(target)
+        beam = await self.ctx.beam()
+        self.signal = beam.signal
+        self.ctx.show(signal_live(beam.signal, self.signal_min))
+        name, unit = _NAMES[self.joint]
+        self.ctx.show(Live(name, value, unit, *self.limits))
         return beam.beam_ok
 
 
