@@ -124,14 +124,9 @@ def plan_tracked_path(
         PlanError: no such reflector, or it sees less than half of the path.
     """
     stops = _stops(run_in, points, passes)
-    if name:
-        known = {reflector.name: reflector for reflector in bench.reflectors}
-        if name not in known:
-            raise PlanError(f"reflector {name} is not in the cell file; known: {', '.join(known)}")
-        return _require_sight(_followed(stops, bench, known[name]))
     found: list[TrackedPath] = []
     refusals: list[PlanError] = []
-    for reflector in bench.reflectors:
+    for reflector in bench.chosen((name,) if name else ()):
         try:
             found.append(_followed(stops, bench, reflector))
         except PlanError as error:
