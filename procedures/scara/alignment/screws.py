@@ -117,8 +117,6 @@ def respond(screw: Screw, before: Observed, after: Observed, turns: float) -> Re
     """Compare the change of a quantity with what a turn should have done.
 
     Args:
-        before: the quantity before the turn.
-        after: the quantity after it.
         turns: what was asked for, clockwise positive.
     """
     asked, change = turns * screw.per_turn, after.value - before.value

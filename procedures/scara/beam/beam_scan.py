@@ -121,8 +121,6 @@ async def find_return(
     """Turn J4 about a pose until the beam returns, then centre it.
 
     Args:
-        pose: where to start; only J4 is moved.
-        half_range_deg: how far J4 may turn to either side.
         half_window: expected half width of the return window, deg.
         j4_limits_deg: limits of J4; offsets beyond them are left out.
         signal_min: lower end of the signal's band that is shown, 0...1.
@@ -147,8 +145,6 @@ async def find_height(
     """Lift J3 about a pose until the beam returns, then centre it.
 
     Args:
-        pose: where to start; only J3 is moved.
-        half_range_mm: how far J3 may go to either side.
         half_window_mm: expected half height of the return window, mm.
         j3_range_mm: range of J3; heights beyond it are left out.
         signal_min: lower end of the signal's band that is shown, 0...1.

@@ -28,7 +28,6 @@ class Follower:
     """Drives the arm, looks after the beam, and knows whether the count holds.
 
     Args:
-        bench: nominal arm, optics, timing.
         segment: number of the last segment that was used; -1 for none.
 
     Attributes:

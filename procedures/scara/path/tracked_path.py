@@ -116,7 +116,6 @@ def plan_tracked_path(
     Args:
         run_in: from where the first point of each pass is approached.
         points: commands of one pass.
-        bench: nominal arm, optics, limits.
         name: of the reflector; empty for the one that sees most of the path, with the fewest breaks.
 
     Raises:
@@ -140,7 +139,6 @@ class TrackedCampaign:
     """Drives a tracked path and records its distances.
 
     Args:
-        bench: nominal arm, optics, timing.
         points: commands of one pass.
     """
 

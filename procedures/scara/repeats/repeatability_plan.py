@@ -63,9 +63,7 @@ def plan_repeatability(
     """Plan a repeatability test.
 
     Args:
-        bench: nominal arm, reflectors, limits.
         poses: J1 and J2 of the poses, deg; or how many to spread over the nodes.
-        cycles: how often each pose is attained.
         names: reflectors; all when empty.
 
     Raises:

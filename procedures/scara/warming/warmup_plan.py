@@ -75,7 +75,6 @@ def plan_warmup(
     """Plan a warm-up.
 
     Args:
-        bench: nominal arm, reflectors, limits.
         window_s: time over which the drift is taken, s.
         limit_um_per_10min: largest accepted drift.
         checks: so many visits in a row have to be below it.
