@@ -131,7 +131,9 @@ def _judged(
     )
     sigma_um = 1e3 * scale / float(np.sqrt(np.mean(weights**2)))
     counted = RobustLoss(loss, sigma_um, _half(loss), int(np.sum(share < 0.5)))
-    fit = replace(_statistics(found.fit, found.residuals_mm, scale, rounds), sigma0_um=sigma_um, loss=counted)
+    fit = replace(
+        _statistics(found.fit, found.residuals_mm, scale, rounds), sigma0_um=sigma_um, robust=counted
+    )
     return RobustEstimate(replace(found, covariance=parts.covariance, fit=fit), scale, share, rounds, parts)
 
 
