@@ -63,9 +63,7 @@ def robust_estimate(
     uncertainties; the stated shared errors are added to it.
 
     Args:
-        model: rows and parameters.
         first: estimate of least squares, from where the iteration starts.
-        loss: "huber" or "soft-l1".
         scatter: name of what stands for the stated white contributors.
 
     Raises:
@@ -164,7 +162,6 @@ def _sandwich(
     what the loss lets it.
 
     Args:
-        model: rows and parameters.
         scale: robust standard deviation of a weighted row.
         influence: of each row, in units of the scale, shape (n,).
         slope: derivative of the influence by the standardised residual, shape (n,).
