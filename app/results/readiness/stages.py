@@ -45,7 +45,6 @@ def stages_of(
     """Return the stages, at most one of them the next.
 
     Args:
-        needs: of each procedure by name.
         bases: runs that plans are made from now, by the procedure that makes such runs.
         results: by the name of the run that they hold.
     """

@@ -21,7 +21,7 @@ Length = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 
 class _Part(BaseModel):
     # Keys beyond version 1 are kept out of the way, not refused: results travel between versions.
-    model_config = ConfigDict(frozen=True, extra="ignore")
+    model_config = ConfigDict(frozen=True, extra="ignore", from_attributes=True)
 
 
 class _Columns(_Part):
