@@ -16,12 +16,12 @@ from catseye.app.protocol.requests import (
     Plain,
     Raw,
     Reply,
-    Request,
     Resume,
     Send,
     Start,
     WalkFeed,
     Watch,
+    may_move,
 )
 
 MAY_MOVE: list[AnyRequest] = [
@@ -63,13 +63,13 @@ MOVE_NOTHING: list[AnyRequest] = [
 
 
 @pytest.mark.parametrize("request_", MAY_MOVE, ids=repr)
-def test_may_move(request_: Request) -> None:
-    assert request_.may_move
+def test_may_move(request_: AnyRequest) -> None:
+    assert may_move(request_)
 
 
 @pytest.mark.parametrize("request_", MOVE_NOTHING, ids=repr)
-def test_moves_nothing(request_: Request) -> None:
-    assert not request_.may_move
+def test_moves_nothing(request_: AnyRequest) -> None:
+    assert not may_move(request_)
 
 
 def test_the_tables_judge_every_request() -> None:
