@@ -52,7 +52,6 @@ class ModbusAir(AirSensor):
 
     Args:
         clock: time of the samples.
-        register_map: where the values are.
     """
 
     Settings: ClassVar[type[AirSettings]] = AirSettings

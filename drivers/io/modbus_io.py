@@ -91,11 +91,7 @@ class Bits(Protocol):
 
 
 class ModbusIo(Io):
-    """Driver of a block of inputs and outputs.
-
-    Args:
-        settings: what is connected where.
-    """
+    """Driver of a block of inputs and outputs."""
 
     Settings: ClassVar[type[IoSettings]] = IoSettings
     summary: ClassVar[str] = "Modbus TCP or RTU: door contact and stack light"
@@ -110,7 +106,6 @@ class ModbusIo(Io):
 
         Args:
             endpoint: of the block, tcp:// or serial://.
-            clock: not needed here.
             sink: is shown all bytes.
             settings: fields of `IoSettings`.
 

@@ -68,7 +68,6 @@ class RequestLink:
 
     Args:
         transport: where the bytes go.
-        name: what is behind it, for texts.
         greet: runs after each opening, with the link held; asks by `exchange` who is there.
         identify: asks by `exchange` something on the open connection whose answer cannot be mistaken for that to
             another question; None: the protocol has no such question, and a link out of step is opened again.

@@ -38,7 +38,6 @@ class RegisterClient:
     Args:
         target: socket, or serial line for RTU.
         device_id: unit identifier.
-        name: what to call the device in texts.
         timeout_s: for connecting, real s.
         answer_timeout_s: for an answer, real s; `timeout_s` by default.
         sink: is shown all bytes.
