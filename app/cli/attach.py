@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli.options import AsJson, Runs
+from catseye.app.store.runs_folder import runs_folder
 
 
 def attach(
@@ -29,8 +30,6 @@ def attach(
 
     Example: catseye attach 1a2b3c --control
     """
-    from catseye.app.store.runs_folder import runs_folder
-
     followed = _follow(run, runs_folder(runs), control=control or force, force=force, as_json=as_json)
     sys.exit(int(asyncio.run(followed)))
 

@@ -18,6 +18,7 @@ from textual.content import Content
 from textual.timer import Timer
 from textual.widgets import ContentSwitcher, DataTable
 
+from catseye.app.errors import UsageError
 from catseye.app.results.numbers import counted
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
@@ -489,7 +490,6 @@ def _shelf(root: Path) -> "ResultFiles":
 
 def _compared(file: "ResultFile", other: "ResultFile") -> "ResultComparison | str":
     """Return both results compared, or why they cannot be."""
-    from catseye.app.errors import UsageError
     from catseye.app.results.scara.comparison import compare_results
 
     if file.result is None or other.result is None:
