@@ -35,8 +35,7 @@ def attach(
 
 
 async def _follow(run: str | None, root: Path, *, control: bool, force: bool, as_json: bool) -> int:
-    from catseye.app.cli.attached import PROGRAM, People, Programs
-    from catseye.app.cli.running_engines import only_engine, socket_of
+    from catseye.app.cli.attached import PROGRAM, People, Programs, only_engine, socket_of
     from catseye.app.service.client import connect
     from catseye.app.store.catalog import resolve_run
 
