@@ -1,4 +1,4 @@
-"""A screen that lets commands of catseye work, one at a time, with progress; the pages that they write in the browser."""
+"""A screen that lets commands of catseye work, one at a time with progress, and shows the pages that they write."""
 
 import asyncio
 import os
