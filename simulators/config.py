@@ -165,7 +165,7 @@ class EmulatedDevice:
 
     Attributes:
         name: of the device; a device with several endpoints, like the robot, stands here several times.
-        protocol: what it speaks, a name of `catseye.simulators.registry.PROTOCOLS`.
+        protocol: what it speaks, see `catseye.simulators.emulator.emulator_names`.
         endpoint: where it listens: `tcp://host:port` or `udp://host:port` (port 0 takes a free one), or
             `serial:///path?baud=…` (a pseudo-terminal under that path; /dev/ptmx takes a free one).
     """

@@ -3,31 +3,19 @@
 from dataclasses import dataclass
 from types import TracebackType
 
-from catseye.simulators.config import EmulatedDevice, EmulationConfig, ErrorBudget, ReflectorPlace
+from catseye.simulators.config import EmulatedDevice, EmulationConfig
 from catseye.simulators.context import EmulationContext
-from catseye.simulators.control_port.operations import Reach
-from catseye.simulators.control_port.session import ControlSession
-from catseye.simulators.emulator import DeviceOptions
+from catseye.simulators.control_port.operations import ControlSession, Reach
+from catseye.simulators.emulator import DeviceOptions, sessions_of
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.ports.port import Port
-from catseye.simulators.registry import sessions_of
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.journal import Journal
-from catseye.simulators.world.scara.bench import scara_bench
+from catseye.simulators.world.scara.arm import scara_bench
 from catseye.simulators.world.scara.truth import draw_truth, true_arm, truth_document
 from catseye.simulators.world.timekeeper import TimeKeeper
 from catseye.simulators.world.tracker import Tracker
-
-__all__ = [
-    "EmulatedBench",
-    "EmulatedDevice",
-    "EmulationConfig",
-    "EmulatorError",
-    "ErrorBudget",
-    "ReflectorPlace",
-    "ServedEndpoint",
-]
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from catseye.simulators.config import (
 )
 from catseye.simulators.control_port.client import ask
 from catseye.simulators.control_port.messages import ReadTruth
-from catseye.simulators.registry import emulator_names
+from catseye.simulators.emulator import emulator_names
 
 _READY_TIMEOUT_S = 20.0
 _LAST = "control"

@@ -27,8 +27,8 @@ from catseye.simulators.control_port.messages import (
     fault_named,
 )
 from catseye.simulators.emulated_bench import EmulatedBench
+from catseye.simulators.emulator import load_emulator
 from catseye.simulators.errors import EmulatorError
-from catseye.simulators.registry import load_emulator
 
 _REFLECTORS = (
     ReflectorPlace("P1", 650.0, -400.0),

@@ -8,7 +8,7 @@ from typing import Any
 from catseye.drivers.roles.device import Role
 from catseye.drivers.roles.registry import load_driver
 from catseye.simulators.config import Option
-from catseye.simulators.registry import emulator_names
+from catseye.simulators.emulator import emulator_names
 
 _LEAST_PATIENCE_S, _MOST_PATIENCE_S = 5.0, 40.0
 _SLOW = ("move", "start", "servo", "stop")

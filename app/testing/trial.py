@@ -15,7 +15,7 @@ from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.device import Role
 from catseye.drivers.roles.errors import DeviceError
 from catseye.simulators.config import ArmDynamics, EmulatedDevice
-from catseye.simulators.registry import load_emulator
+from catseye.simulators.emulator import load_emulator
 
 ROBOT = "robot"
 _SERVO_DELAY_S = 0.05

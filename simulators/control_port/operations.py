@@ -1,16 +1,25 @@
-"""What each request of the control port does to the bench."""
+"""What each request of the control port does to the bench, and the conversation with its clients."""
 
 from dataclasses import asdict, dataclass
 from functools import singledispatch
 from itertools import chain
 from typing import Any
 
+from pydantic import ValidationError
+
 from catseye.simulators.context import EmulationContext
 from catseye.simulators.control_port import messages
-from catseye.simulators.control_port.messages import Answer, Request
+from catseye.simulators.control_port.messages import (
+    Answer,
+    Request,
+    decode_request,
+    encode_answer,
+    encode_refusal,
+)
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.ports.lossy import Lossy
 from catseye.simulators.ports.port import Port
+from catseye.simulators.ports.session import Session
 from catseye.simulators.world.air_probe import AirFault
 from catseye.simulators.world.tracker import Tracker
 
@@ -278,3 +287,33 @@ def _weaken(request: messages.Weaken, reach: Reach) -> Answer:
 def _slip(request: messages.Slip, reach: Reach) -> Answer:
     reach.context.bench.slip(request.joint, request.deg)
     return _DONE
+
+
+LONGEST_BYTES = 65_536
+
+
+class ControlSession(Session):
+    """Conversation with one client of the control port."""
+
+    def __init__(self, reach: Reach) -> None:
+        self._reach = reach
+        self._bytes = bytearray()
+
+    def feed(self, data: bytes) -> None:
+        """Take bytes, cut anywhere."""
+        self._bytes += data
+
+    def answer(self) -> bytes | None:
+        """Carry out the next line."""
+        line, newline, rest = self._bytes.partition(b"\n")
+        if not newline and len(self._bytes) <= LONGEST_BYTES:
+            return None
+        self._bytes = rest
+        try:
+            return encode_answer(carry_out(decode_request(bytes(line)), self._reach))
+        except ValidationError as error:
+            first = error.errors()[0]
+            key = ".".join(str(part) for part in first["loc"])
+            return encode_refusal(f"{key}: {first['msg']}")
+        except EmulatorError as error:
+            return encode_refusal(str(error))

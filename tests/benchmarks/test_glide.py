@@ -3,7 +3,7 @@
 import time
 
 from catseye.simulators.config import EmulationConfig
-from catseye.simulators.world.scara.bench import scara_bench
+from catseye.simulators.world.scara.arm import scara_bench
 from catseye.simulators.world.scara.truth import draw_truth
 from tests.unit.simulators.benches import P1, P2, P3, aimed
 

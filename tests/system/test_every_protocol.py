@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from catseye.drivers.roles.registry import driver_names
-from catseye.simulators.registry import emulator_names
+from catseye.simulators.emulator import emulator_names
 from tests.system.command import catseye, emulated
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "every-protocol.toml"

@@ -9,7 +9,7 @@ import pytest
 
 from tests.patience import HANG_S
 from tests.system.command import catseye, start
-from tests.system.test_sharing import ready, scheduler, workers
+from tests.system.test_sharing import scheduler, wait_for_workers, workers
 from tests.unit.app.cli.distances import write_points
 from tests.unit.calibration.scara.diagnostics.bench import commands_on_nodes, measured
 from tests.unit.calibration.scara.paper import random_truth
@@ -64,5 +64,5 @@ def test_draws_shared_by_processes_are_the_same(folder: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.usefixtures("workers")
 def test_draws_over_dask_are_the_same(folder: Path, scheduler: str) -> None:
-    with ready(scheduler):
-        assert identified(folder) == identified(folder, "--dask", scheduler)
+    wait_for_workers(scheduler)
+    assert identified(folder) == identified(folder, "--dask", scheduler)

@@ -28,8 +28,8 @@ from catseye.drivers.tracker.bench_tracker import ObjectDecoder
 from catseye.drivers.umd.codec import SampleDecoder
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.emulated_bench import EmulatedBench
+from catseye.simulators.emulator import emulator_names, sessions_of
 from catseye.simulators.ports.session import Pending, Session
-from catseye.simulators.registry import emulator_names, sessions_of
 from catseye.simulators.world.bench import Bench
 from tests.unit.simulators.benches import QUIET
 

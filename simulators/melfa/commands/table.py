@@ -11,9 +11,7 @@ from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.arm_control import Run
 from catseye.simulators.melfa.commands import (
-    connection as session,
-)
-from catseye.simulators.melfa.commands import (
+    connection,
     editing,
     errors,
     files,
@@ -30,7 +28,7 @@ from catseye.simulators.melfa.commands.command import Client, Command
 from catseye.simulators.melfa.controller import Controller
 
 COMMANDS: dict[str, Command] = {
-    **session.COMMANDS,
+    **connection.COMMANDS,
     **running.COMMANDS,
     **state.COMMANDS,
     **positions.COMMANDS,

@@ -19,6 +19,7 @@ import numpy as np
 
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.world.arm import BeamPoses
+from catseye.simulators.world.bench import Bench, OnEvent
 from catseye.simulators.world.motion import (
     SHORTEST,
     STANDSTILL,
@@ -300,3 +301,8 @@ class ScaraArm:
 
 def _played(play: float, change: float) -> float:
     return min(1.0, max(-1.0, play + change))
+
+
+def scara_bench(truth: TrueArm, config: EmulationConfig, on_event: OnEvent | None = None) -> Bench:
+    """Return the bench on which a true arm stands; see `Bench`."""
+    return Bench(ScaraArm(truth, config), truth.reflectors, config, on_event)

@@ -8,8 +8,8 @@ import numpy as np
 from catseye.calibration.scara.error_map import BidirectionalMap
 from catseye.simulators.config import EmulationConfig, ErrorBudget, Joints, ReflectorPlace
 from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.scara.arm import scara_bench
 from catseye.simulators.world.scara.axis_errors import JointMap
-from catseye.simulators.world.scara.bench import scara_bench
 from catseye.simulators.world.scara.truth import TrueArm
 
 P1 = ReflectorPlace("P1", 650.0, -400.0)

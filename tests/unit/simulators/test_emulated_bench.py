@@ -9,8 +9,9 @@ from dataclasses import replace
 
 import pytest
 
-from catseye.simulators.config import EmulatedDevice
-from catseye.simulators.emulated_bench import EmulatedBench, EmulationConfig, EmulatorError, ServedEndpoint
+from catseye.simulators.config import EmulatedDevice, EmulationConfig
+from catseye.simulators.emulated_bench import EmulatedBench, ServedEndpoint
+from catseye.simulators.errors import EmulatorError
 from tests.patience import HANG_S
 from tests.unit.simulators.benches import QUIET, aimed
 

@@ -11,9 +11,9 @@ from catseye.app.testing.memory import MemoryTransport
 from catseye.drivers.roles.errors import LinkError
 from catseye.simulators.config import EmulatedDevice, Option
 from catseye.simulators.context import EmulationContext
+from catseye.simulators.emulator import sessions_of
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.ports.session import Pending, Session
-from catseye.simulators.registry import sessions_of
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.journal import Journal

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.simulators.control_port.session import LONGEST_BYTES, ControlSession
+from catseye.simulators.control_port.operations import LONGEST_BYTES, ControlSession
 from catseye.simulators.emulated_bench import EmulatedBench
 from catseye.simulators.melfa.r_protocol import MelfaSession
 from catseye.simulators.modbus.air_sensor import AirSensor

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from catseye.simulators.counter.line_protocol import CounterSession
 from catseye.simulators.world.bench import Bench, Instrument
-from catseye.simulators.world.scara.bench import scara_bench
+from catseye.simulators.world.scara.arm import scara_bench
 from tests.unit.simulators.benches import QUIET, aimed, go, perfect_arm, quiet_bench, without_j4_play
 
 VALUE = re.compile(r"^(?P<ch>[A-Z0-9]*)\s*(?P<val>[+-]?\s*\d+(?:[.,]\d+)?(?:[Ee][+-]?\d+)?)\s*(?P<unit>\S*)")

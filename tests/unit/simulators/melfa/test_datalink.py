@@ -13,7 +13,7 @@ from catseye.simulators.melfa.choices import Choices
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.melfa.datalink import Datalink, DatalinkSession, NumberFormat
 from catseye.simulators.ports.session import Pending
-from catseye.simulators.world.scara.bench import scara_bench
+from catseye.simulators.world.scara.arm import scara_bench
 from tests.transcripts import melfa_datalink as records
 from tests.unit.simulators.benches import QUIET, perfect_arm, without_j4_play
 

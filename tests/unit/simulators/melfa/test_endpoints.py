@@ -6,7 +6,8 @@ import struct
 import pytest
 
 from catseye.simulators.config import EmulatedDevice, EmulationConfig
-from catseye.simulators.emulated_bench import EmulatedBench, EmulatorError
+from catseye.simulators.emulated_bench import EmulatedBench
+from catseye.simulators.errors import EmulatorError
 from tests.patience import HANG_S
 from tests.transcripts import melfa_datalink, melfa_mxt
 from tests.unit.simulators.benches import P1

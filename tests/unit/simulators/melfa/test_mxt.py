@@ -12,7 +12,7 @@ from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.melfa.mxt import Mode, Mxt, MxtOptions, MxtSession
 from catseye.simulators.ports.session import Pending
-from catseye.simulators.world.scara.bench import scara_bench
+from catseye.simulators.world.scara.arm import scara_bench
 from tests.transcripts import melfa_mxt
 from tests.unit.simulators.benches import QUIET, perfect_arm, without_j4_play
 

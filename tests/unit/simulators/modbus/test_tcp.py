@@ -12,7 +12,7 @@ from catseye.simulators.modbus.air_sensor import AirSensor
 from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError, ModbusSession, respond
 from catseye.simulators.world.air import dew_point_c
 from catseye.simulators.world.air_probe import AirFault, AirProbe
-from catseye.simulators.world.scara.bench import scara_bench
+from catseye.simulators.world.scara.arm import scara_bench
 from tests.unit.simulators.benches import QUIET, perfect_arm, quiet_bench, without_j4_play
 
 

@@ -14,7 +14,7 @@ from catseye.simulators.config import AirState, EmulationConfig, ErrorBudget, Jo
 from catseye.simulators.errors import BenchError
 from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.counter import Reading
-from catseye.simulators.world.scara.bench import scara_bench
+from catseye.simulators.world.scara.arm import scara_bench
 from catseye.simulators.world.scara.truth import draw_truth
 from tests.unit.simulators.benches import (
     P1,

@@ -15,7 +15,7 @@ from catseye.simulators.config import ArmDynamics, EmulationConfig, ErrorBudget,
 from catseye.simulators.errors import BenchError
 from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.motion import blend, plan_way
-from catseye.simulators.world.scara.bench import scara_bench
+from catseye.simulators.world.scara.arm import scara_bench
 from catseye.simulators.world.scara.truth import draw_truth
 from catseye.simulators.world.types import Floats
 from tests.unit.simulators.benches import (

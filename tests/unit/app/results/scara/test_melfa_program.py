@@ -13,8 +13,8 @@ from catseye.app.results.scara.melfa_program import MelfaSettings, melfa_program
 from catseye.app.results.scara.path_csv import CommandPath, cartesian_commands
 from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.layout import Layout
+from catseye.simulators.world.scara.arm import scara_bench
 from catseye.simulators.world.scara.axis_errors import JointMap
-from catseye.simulators.world.scara.bench import scara_bench
 from catseye.simulators.world.scara.truth import TrueArm
 from tests.unit.simulators.benches import QUIET
 from tests.unit.simulators.melfa.desk import Desk

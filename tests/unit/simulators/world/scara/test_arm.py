@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 
 from catseye.simulators.config import EmulationConfig, ErrorBudget
 from catseye.simulators.world.bench import Bench
-from catseye.simulators.world.scara.arm import ScaraArm
+from catseye.simulators.world.scara.arm import ScaraArm, scara_bench
 from catseye.simulators.world.scara.axis_errors import JointMap, RadialError
-from catseye.simulators.world.scara.bench import scara_bench
 from catseye.simulators.world.scara.truth import TrueArm, draw_truth
 from tests.unit.simulators.benches import (
     QUIET,

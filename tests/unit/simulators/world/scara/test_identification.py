@@ -10,8 +10,8 @@ import pytest
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.identification import identify
 from catseye.calibration.scara.points import Commands, Points
+from catseye.simulators.world.scara.arm import scara_bench
 from catseye.simulators.world.scara.axis_errors import JointMap
-from catseye.simulators.world.scara.bench import scara_bench
 from catseye.simulators.world.scara.truth import TrueArm
 from tests.unit.simulators.benches import QUIET, calibration_map, go, without_j4_play
 

@@ -5,8 +5,8 @@ import pytest
 from catseye.app.testing.candidate import candidate_of
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.emulated_bench import EmulatedBench
+from catseye.simulators.emulator import emulator_names, load_emulator, sessions_of
 from catseye.simulators.errors import EmulatorError
-from catseye.simulators.registry import emulator_names, load_emulator, sessions_of
 from tests.unit.simulators.benches import QUIET
 
 
