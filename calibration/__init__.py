@@ -8,127 +8,84 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from catseye.calibration.core.coverage import coverage_factor, shortest_interval, symmetric_interval
-    from catseye.calibration.core.design.exchange import Pool, exchange, greedy_start
-    from catseye.calibration.core.errors import CalibrationError
-    from catseye.calibration.scara.budget import Budget, Contributor
-    from catseye.calibration.scara.comparison import Comparison, compare
-    from catseye.calibration.scara.compensation import Compensation, compensate
-    from catseye.calibration.scara.design.criterion import Criterion
-    from catseye.calibration.scara.design.sight import Rules, Way, sight_of
-    from catseye.calibration.scara.design.study import Study
-    from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
-    from catseye.calibration.scara.diagnostics.problem import Problem
-    from catseye.calibration.scara.diagnostics.rejection import reject
-    from catseye.calibration.scara.diagnostics.robust import robust_fit
-    from catseye.calibration.scara.error_map import BidirectionalMap
-    from catseye.calibration.scara.extension import Term, crosstalk, j4_map, periodic, thermal_drift
-    from catseye.calibration.scara.identification import Identification, IdentifiedArm, identify
-    from catseye.calibration.scara.planar import forward, inverse
-    from catseye.calibration.scara.points import Commands, Points
-    from catseye.calibration.scara.prediction import Prediction, predict
-    from catseye.calibration.scara.scans.scan_identification import identify_scan
-    from catseye.calibration.scara.scans.source import SlicedPoints
-    from catseye.calibration.scara.uncertainty import contributions, draw_estimates
-    from catseye.calibration.standards.iso230_2 import positioning, systematic_of_map
-
-__all__ = [
-    "BidirectionalMap",
-    "Budget",
-    "CalibrationError",
-    "Commands",
-    "Comparison",
-    "Compensation",
-    "Contributor",
-    "Criterion",
-    "Diagnosis",
-    "Identification",
-    "IdentifiedArm",
-    "Points",
-    "Pool",
-    "Prediction",
-    "Problem",
-    "Rules",
-    "SlicedPoints",
-    "Study",
-    "Term",
-    "Way",
-    "compare",
-    "compensate",
-    "contributions",
-    "coverage_factor",
-    "crosstalk",
-    "diagnose",
-    "draw_estimates",
-    "exchange",
-    "forward",
-    "greedy_start",
-    "identify",
-    "identify_scan",
-    "inverse",
-    "j4_map",
-    "periodic",
-    "positioning",
-    "predict",
-    "reject",
-    "robust_fit",
-    "shortest_interval",
-    "sight_of",
-    "symmetric_interval",
-    "systematic_of_map",
-    "thermal_drift",
-]
+    from catseye.calibration.core.coverage import coverage_factor as coverage_factor
+    from catseye.calibration.core.coverage import shortest_interval as shortest_interval
+    from catseye.calibration.core.coverage import symmetric_interval as symmetric_interval
+    from catseye.calibration.core.design.exchange import Pool as Pool
+    from catseye.calibration.core.design.exchange import exchange as exchange
+    from catseye.calibration.core.design.exchange import greedy_start as greedy_start
+    from catseye.calibration.core.errors import CalibrationError as CalibrationError
+    from catseye.calibration.scara.budget import Budget as Budget
+    from catseye.calibration.scara.budget import Contributor as Contributor
+    from catseye.calibration.scara.comparison import Comparison as Comparison
+    from catseye.calibration.scara.comparison import compare as compare
+    from catseye.calibration.scara.compensation import Compensation as Compensation
+    from catseye.calibration.scara.compensation import compensate as compensate
+    from catseye.calibration.scara.design.criterion import Criterion as Criterion
+    from catseye.calibration.scara.design.sight import Rules as Rules
+    from catseye.calibration.scara.design.sight import Way as Way
+    from catseye.calibration.scara.design.sight import sight_of as sight_of
+    from catseye.calibration.scara.design.study import Study as Study
+    from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis as Diagnosis
+    from catseye.calibration.scara.diagnostics.diagnosis import diagnose as diagnose
+    from catseye.calibration.scara.diagnostics.problem import Problem as Problem
+    from catseye.calibration.scara.diagnostics.rejection import reject as reject
+    from catseye.calibration.scara.diagnostics.robust import robust_fit as robust_fit
+    from catseye.calibration.scara.error_map import BidirectionalMap as BidirectionalMap
+    from catseye.calibration.scara.extension import Term as Term
+    from catseye.calibration.scara.extension import crosstalk as crosstalk
+    from catseye.calibration.scara.extension import j4_map as j4_map
+    from catseye.calibration.scara.extension import periodic as periodic
+    from catseye.calibration.scara.extension import thermal_drift as thermal_drift
+    from catseye.calibration.scara.identification import Identification as Identification
+    from catseye.calibration.scara.identification import IdentifiedArm as IdentifiedArm
+    from catseye.calibration.scara.identification import identify as identify
+    from catseye.calibration.scara.planar import forward as forward
+    from catseye.calibration.scara.planar import inverse as inverse
+    from catseye.calibration.scara.points import Commands as Commands
+    from catseye.calibration.scara.points import Points as Points
+    from catseye.calibration.scara.prediction import Prediction as Prediction
+    from catseye.calibration.scara.prediction import predict as predict
+    from catseye.calibration.scara.scans.scan_identification import identify_scan as identify_scan
+    from catseye.calibration.scara.scans.source import SlicedPoints as SlicedPoints
+    from catseye.calibration.scara.uncertainty import contributions as contributions
+    from catseye.calibration.scara.uncertainty import draw_estimates as draw_estimates
+    from catseye.calibration.standards.iso230_2 import positioning as positioning
+    from catseye.calibration.standards.iso230_2 import systematic_of_map as systematic_of_map
 
 _HOMES = {
-    "BidirectionalMap": "scara.error_map",
-    "Budget": "scara.budget",
-    "CalibrationError": "core.errors",
-    "Commands": "scara.points",
-    "Comparison": "scara.comparison",
-    "Compensation": "scara.compensation",
-    "Contributor": "scara.budget",
-    "Criterion": "scara.design.criterion",
-    "Diagnosis": "scara.diagnostics.diagnosis",
-    "Identification": "scara.identification",
-    "IdentifiedArm": "scara.identification",
-    "Points": "scara.points",
-    "Pool": "core.design.exchange",
-    "Prediction": "scara.prediction",
-    "Problem": "scara.diagnostics.problem",
-    "Rules": "scara.design.sight",
-    "SlicedPoints": "scara.scans.source",
-    "Study": "scara.design.study",
-    "Term": "scara.extension",
-    "Way": "scara.design.sight",
-    "compare": "scara.comparison",
-    "compensate": "scara.compensation",
-    "contributions": "scara.uncertainty",
-    "coverage_factor": "core.coverage",
-    "crosstalk": "scara.extension",
-    "diagnose": "scara.diagnostics.diagnosis",
-    "draw_estimates": "scara.uncertainty",
-    "exchange": "core.design.exchange",
-    "forward": "scara.planar",
-    "greedy_start": "core.design.exchange",
-    "identify": "scara.identification",
-    "identify_scan": "scara.scans.scan_identification",
-    "inverse": "scara.planar",
-    "j4_map": "scara.extension",
-    "periodic": "scara.extension",
-    "positioning": "standards.iso230_2",
-    "predict": "scara.prediction",
-    "reject": "scara.diagnostics.rejection",
-    "robust_fit": "scara.diagnostics.robust",
-    "shortest_interval": "core.coverage",
-    "sight_of": "scara.design.sight",
-    "symmetric_interval": "core.coverage",
-    "systematic_of_map": "standards.iso230_2",
-    "thermal_drift": "scara.extension",
+    "core.coverage": ("coverage_factor", "shortest_interval", "symmetric_interval"),
+    "core.design.exchange": ("Pool", "exchange", "greedy_start"),
+    "core.errors": ("CalibrationError",),
+    "scara.budget": ("Budget", "Contributor"),
+    "scara.comparison": ("Comparison", "compare"),
+    "scara.compensation": ("Compensation", "compensate"),
+    "scara.design.criterion": ("Criterion",),
+    "scara.design.sight": ("Rules", "Way", "sight_of"),
+    "scara.design.study": ("Study",),
+    "scara.diagnostics.diagnosis": ("Diagnosis", "diagnose"),
+    "scara.diagnostics.problem": ("Problem",),
+    "scara.diagnostics.rejection": ("reject",),
+    "scara.diagnostics.robust": ("robust_fit",),
+    "scara.error_map": ("BidirectionalMap",),
+    "scara.extension": ("Term", "crosstalk", "j4_map", "periodic", "thermal_drift"),
+    "scara.identification": ("Identification", "IdentifiedArm", "identify"),
+    "scara.planar": ("forward", "inverse"),
+    "scara.points": ("Commands", "Points"),
+    "scara.prediction": ("Prediction", "predict"),
+    "scara.scans.scan_identification": ("identify_scan",),
+    "scara.scans.source": ("SlicedPoints",),
+    "scara.uncertainty": ("contributions", "draw_estimates"),
+    "standards.iso230_2": ("positioning", "systematic_of_map"),
 }
-"""Module of each public name."""
+"""Public names by the module that holds them."""
+
+_HOME_OF = {name: module for module, names in _HOMES.items() for name in names}
+
+__all__ = [*_HOME_OF]
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
+    if name not in _HOME_OF:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    return getattr(import_module(f"{__name__}.{_HOME_OF[name]}"), name)

@@ -76,13 +76,7 @@ def refractive_index(
 
 
 def outside_nist_range(wavelength_vacuum_nm: float, temperature_c: float, pressure_hpa: float) -> str | None:
-    """Return in what way the range for which the NIST states its uncertainties is left, None inside of it.
-
-    Args:
-        wavelength_vacuum_nm: vacuum wavelength, nm.
-        temperature_c: temperature, °C.
-        pressure_hpa: pressure, hPa.
-    """
+    """Return in what way the range for which the NIST states its uncertainties is left, None inside of it."""
     for (name, (low, high, unit)), value in zip(
         _NIST.items(), (wavelength_vacuum_nm, temperature_c, pressure_hpa), strict=True
     ):

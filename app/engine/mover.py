@@ -1,15 +1,20 @@
 """Motions of a run: through stop ladder and gate, from where the arm is known to stand."""
 
+import math
 from collections.abc import Awaitable, Callable, Sequence
+from itertools import pairwise
 
 from catseye.app.engine.control import RunControl
-from catseye.app.engine.cut_short import rest_of_way
 from catseye.app.engine.gate import MotionGate
 from catseye.app.errors import ConditionLostError, InterruptionError, UnwalkedError
 from catseye.app.store.crash_points import crash_point
 from catseye.drivers.roles.pose import Axes, Pose, is_at, pose_text
 from catseye.drivers.roles.robot import Robot
 from catseye.procedures.kit.errors import ArmMovedError
+
+_BESIDE = 0.5
+"""An arm that is stopped, or passes a corner of its way, stays nearer to it than this, deg or mm; whoever moves it by
+hand seldom does."""
 
 
 class Mover:
@@ -137,3 +142,28 @@ def _require_place(axes: Axes, here: Pose, stood: Pose) -> None:
             f"{pose_text(axes, here)} and was left at {pose_text(axes, stood)}; the rest of its way was not driven; "
             "go on with catseye resume, and leave the arm alone while a run is under way"
         )
+
+
+def rest_of_way(start: Pose, way: Sequence[Pose], here: Pose) -> tuple[Pose, ...] | None:
+    """Return the targets that are still ahead, so that what is driven is a part of the way that was checked.
+
+    Args:
+        start: where the way began.
+        way: its targets; between them all joints move in proportion.
+        here: where the arm stands.
+
+    Returns:
+        None when the arm does not stand on the way.
+    """
+    beside = [_beside(a, b, here) for a, b in pairwise((start, *way))]
+    nearest = min(range(len(beside)), key=beside.__getitem__)
+    return tuple(way[nearest:]) if beside[nearest] <= _BESIDE else None
+
+
+def _beside(a: Pose, b: Pose, here: Pose) -> float:
+    """Return how far a place is beside a leg: the largest difference of a joint to the leg's nearest place."""
+    along = [to - at for at, to in zip(a, b, strict=True)]
+    length2 = math.fsum(step * step for step in along)
+    passed = math.fsum((now - at) * step for now, at, step in zip(here, a, along, strict=True))
+    share = min(1.0, max(0.0, passed / length2)) if length2 > 0.0 else 0.0
+    return max(abs(now - at - share * step) for now, at, step in zip(here, a, along, strict=True))

@@ -136,7 +136,7 @@ def _significant(value: float, digits: int) -> str:
     return f"{value:.{max(0, digits - 1 - math.floor(math.log10(abs(value))))}f}"
 
 
-def _probability(p: float, _digits: int = 0) -> str:
+def _probability(p: float) -> str:
     return "< 0.001" if p < 0.001 else f"{p:.{3 if p < 0.1 else 2}f}"
 
 
@@ -146,6 +146,6 @@ _STYLES: Final[Mapping[Style, Callable[[float, int], str]]] = {
     "significant": _significant,
     "plain": lambda value, _: f"{value:g}",
     "percent": lambda value, digits: f"{100.0 * value:.{digits}f} %",
-    "probability": _probability,
+    "probability": lambda p, _: _probability(p),
     "duration": lambda value, _: duration_text(value),
 }

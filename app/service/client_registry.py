@@ -21,18 +21,57 @@ from catseye.app.protocol.engine_events import (
 from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.loss import LossPolicy, after_loss
 from catseye.app.protocol.message import VERSION
-from catseye.app.protocol.run_events import PromptAnswered, PromptAsked, RunEnded, RunEvent
+from catseye.app.protocol.run_events import (
+    LiveShown,
+    Progressed,
+    PromptAnswered,
+    PromptAsked,
+    RunEnded,
+    RunEvent,
+    StateChanged,
+    StepDone,
+    StepStarted,
+)
 from catseye.app.protocol.snapshot import Snapshot
 from catseye.app.protocol.state import ENDED, ControlState
 from catseye.app.service.control_lease import ControlLease
 from catseye.app.service.errors import RefusedError
-from catseye.app.service.latest_events import LatestEvents
 from catseye.app.service.mailbox import Mailbox
 from catseye.app.service.member import Member, send
 from catseye.app.service.prompt_broker import PromptBroker
 from catseye.app.service.watching.telemetry import Topic
 from catseye.app.store.software import SOFTWARE
 from catseye.drivers.roles.clock import Clock
+
+
+@dataclass
+class LatestEvents:
+    """What a snapshot says of the run under way."""
+
+    state: StateChanged | None = None
+    step: StepStarted | None = None
+    prompt: PromptAsked | None = None
+    progress: Progressed | None = None
+    live: LiveShown | None = None
+
+    def take(self, event: RunEvent) -> None:
+        """Remember an event."""
+        match event:
+            case LiveShown():
+                self.live = event
+            case StateChanged():
+                self.state = event
+            case StepStarted():
+                self.step = event
+            case StepDone():
+                self.step = None
+            case PromptAsked():
+                self.prompt = event
+            case PromptAnswered() | RunEnded():
+                self.prompt = self.live = None
+            case Progressed():
+                self.progress = event
+
 
 _log = logging.getLogger(__name__)
 

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
 from typing import Any
 
 from catseye.app.cell.air import AirRule, air_rule
@@ -11,7 +12,6 @@ from catseye.app.engine.before_motion import beyond
 from catseye.app.engine.compensation import Compensation
 from catseye.app.engine.instruments import device_builder, further_device
 from catseye.app.engine.interlock import NO_DOOR
-from catseye.app.engine.stopping_distance import stopping_text
 from catseye.app.errors import UsageError
 from catseye.app.protocol.examination import DeviceExamination
 from catseye.drivers.roles.air import AirSensor
@@ -24,10 +24,34 @@ from catseye.drivers.roles.pose import pose_text
 from catseye.drivers.roles.registry import load_driver
 from catseye.drivers.roles.robot import Robot
 from catseye.drivers.roles.tracker import Tracker
-from catseye.procedures.kit.bench import Arm
+from catseye.procedures.kit.bench import Arm, Bench
+from catseye.procedures.kit.motion.body_speed import top_speed_mm_s
 
 Look = Callable[[], Awaitable[tuple[list[str], list[str]]]]
 """Returns facts and advice about a connected device."""
+
+
+@dataclass(frozen=True)
+class StopCause:
+    """Why the arm is stopped, and how long that takes.
+
+    Attributes:
+        text: what happens.
+        limit_s: longest time from there to STOP on the controller's wire, s; docs/evidence.md
+            has the figures.
+    """
+
+    text: str
+    limit_s: float
+
+
+STOP_CAUSES = (
+    StopCause("the STOP key", 0.05),
+    StopCause("the program killed", 0.1),
+    StopCause("the door opened", 0.3),
+    StopCause("the door's input silent", 0.4),
+    StopCause("the program stopped or blocked", 0.7),
+)
 
 
 async def examine(cell: Cell, only: str | None) -> list[DeviceExamination]:
@@ -172,3 +196,18 @@ async def _tracker(tracker: Tracker) -> tuple[list[str], list[str]]:
 
 def _ignore(_device: str, _direction: str, _data: bytes) -> None:
     return
+
+
+def stopping_text(bench: Bench, percent: float) -> str:
+    """Return how far the fastest point of the arm can travel until STOP is written, by cause, in words.
+
+    Args:
+        bench: bodies and fastest joints, as the cell file states them.
+        percent: speed override.
+    """
+    speed_mm_s = top_speed_mm_s(bench, percent)
+    travels = ", ".join(f"{cause.text} {speed_mm_s * cause.limit_s:.0f} mm" for cause in STOP_CAUSES)
+    return (
+        f"at an override of {percent:g} % nothing on the arm is faster than {speed_mm_s:.0f} mm/s; until STOP is "
+        f"written it travels at most: {travels}; the controller's own reaction and braking come on top: measure them"
+    )

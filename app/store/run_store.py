@@ -17,10 +17,9 @@ from pathlib import Path
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.store import seal
 from catseye.app.store.crash_points import crash_point
-from catseye.app.store.describe import clock_anchor, software
-from catseye.app.store.directory import make_directory, require_space
 from catseye.app.store.lines import DEFAULT_MAX_BYTES, JsonLines, WireLog
 from catseye.app.store.lock import RunLock
+from catseye.app.store.new_run import clock_anchor, make_directory, require_space, software
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.rows import Value, encode, insert, insert_data, to_json
 from catseye.app.store.tables import declare, require_fitting

@@ -59,7 +59,6 @@ def row_errors(model: Model, values: Floats, fit: FitStatistics) -> RowErrors:
     """Return the errors that the covariance of an estimate comes from.
 
     Args:
-        model: the rows.
         values: the estimate, shape (p,).
     """
     widened = not model.stated or fit.variance_factor != 1.0
@@ -72,7 +71,6 @@ def taken_apart(model: Model, values: Floats, errors: RowErrors) -> Contribution
     """Return what each contributor makes of an estimate; the sum is the covariance of the law of propagation.
 
     Args:
-        model: the rows.
         values: the estimate, shape (p,).
         errors: white and shared, in the order of the rows.
     """

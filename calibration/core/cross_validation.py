@@ -98,7 +98,6 @@ def cross_validation(projection: Projection, folds: Folds) -> CrossValidation:
 
     Args:
         projection: the fit, on the space that its model cannot reach.
-        folds: what to leave out at a time.
     """
     found = [_fold(projection, folds, i) for i in range(len(folds.names))]
     used = [fold for fold in found if fold.identified and not fold.weak]

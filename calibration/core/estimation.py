@@ -36,7 +36,6 @@ def estimate(model: Model, start: Floats) -> Estimate:
     White errors give the weights; errors that rows share are carried through to the covariance (ADR 3).
 
     Args:
-        model: rows and parameters.
         start: starting values, shape (p,); they fulfil the gauge.
 
     Raises:

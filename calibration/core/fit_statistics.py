@@ -14,13 +14,13 @@ class RobustLoss:
     """What a robust loss made of the rows.
 
     Attributes:
-        name: "huber" or "soft-l1".
+        loss: "huber" or "soft-l1".
         sigma_um: robust standard deviation of a row, µm.
         half: residual that counts half, in robust standard deviations.
         counted_little: rows that count less than half.
     """
 
-    name: str
+    loss: str
     sigma_um: float
     half: float
     counted_little: int
@@ -42,7 +42,7 @@ class FitStatistics:
         lack_of_fit: test against repeats; None when too few rows are repeated.
         variance_factor: what the covariance of the stated uncertainties was multiplied with.
         iterations: steps of the solver.
-        loss: of a robust fit; None for least squares.
+        robust: of a robust fit; None for least squares.
     """
 
     n_points: int
@@ -56,7 +56,7 @@ class FitStatistics:
     lack_of_fit: LackOfFit | None
     variance_factor: float
     iterations: int
-    loss: RobustLoss | None = None
+    robust: RobustLoss | None = None
 
 
 @dataclass(frozen=True)

@@ -86,7 +86,6 @@ def project(model: Model, values: Floats, residuals_mm: Floats) -> Projection:
     """Return a fit as a projection.
 
     Args:
-        model: the rows.
         values: the estimate, shape (p,).
         residuals_mm: its residuals, shape (n,).
     """

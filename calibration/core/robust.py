@@ -63,9 +63,7 @@ def robust_estimate(
     uncertainties; the stated shared errors are added to it.
 
     Args:
-        model: rows and parameters.
         first: estimate of least squares, from where the iteration starts.
-        loss: "huber" or "soft-l1".
         scatter: name of what stands for the stated white contributors.
 
     Raises:
@@ -131,7 +129,9 @@ def _judged(
     )
     sigma_um = 1e3 * scale / float(np.sqrt(np.mean(weights**2)))
     counted = RobustLoss(loss, sigma_um, _half(loss), int(np.sum(share < 0.5)))
-    fit = replace(_statistics(found.fit, found.residuals_mm, scale, rounds), sigma0_um=sigma_um, loss=counted)
+    fit = replace(
+        _statistics(found.fit, found.residuals_mm, scale, rounds), sigma0_um=sigma_um, robust=counted
+    )
     return RobustEstimate(replace(found, covariance=parts.covariance, fit=fit), scale, share, rounds, parts)
 
 
@@ -162,7 +162,6 @@ def _sandwich(
     what the loss lets it.
 
     Args:
-        model: rows and parameters.
         scale: robust standard deviation of a weighted row.
         influence: of each row, in units of the scale, shape (n,).
         slope: derivative of the influence by the standardised residual, shape (n,).

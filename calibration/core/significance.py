@@ -138,7 +138,6 @@ def aicc(square: float, rows: int, free: int) -> float:
 
     Args:
         square: weighted sum of squares of the residuals.
-        rows: how many, n.
         free: free parameters; the scale of the scatter counts as one more.
     """
     k = free + 1

@@ -88,7 +88,6 @@ def arm_design(
     """Prepare commands for a model.
 
     Args:
-        layout: order of the parameters.
         commands: n rows.
         theta4_rad: angle of the beam against link 2, rad, shape (n,); None for positions, which it does not act on.
         elapsed: share of the measurement that has passed, -1/2 ... 1/2, shape (n,); None for its middle.

@@ -177,7 +177,6 @@ def white_errors(budget: Budget, geometry: Geometry, share: Floats) -> tuple[Whi
     """Return the white contributors as errors of the distances.
 
     Args:
-        geometry: how the distances answer to the arm.
         share: of each contributor's uncertainty that counts, shape (n,).
     """
     return tuple(

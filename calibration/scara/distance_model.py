@@ -129,7 +129,6 @@ def distance_model(layout: Layout, points: Points, budget: Budget | None = None)
     """Prepare points for a model.
 
     Args:
-        layout: order of the parameters.
         budget: contributors to the uncertainty of a distance; None for what the points state alone.
 
     Raises:

@@ -99,7 +99,6 @@ def term_values(terms: tuple[Term, ...], sources: dict[Source, Floats | None], r
     Args:
         terms: k functions.
         sources: what they are functions of, shape (rows,) each; one that is None gives zeros: it does not act there.
-        rows: number of rows.
 
     Returns:
         Values, shape (rows, k).

@@ -99,7 +99,6 @@ def identify(
         reflectors_mm: rough places of points.reflector_names, mm, shape (reflectors, 2).
         budget: contributors. What distances have in common widens the uncertainties beyond points.sigma_mm; where
             the points state none, the white contributors give it. None for what the points state alone.
-        terms: functions beyond the model, each with a coefficient.
 
     Raises:
         MapRangeError: a point lies outside the nodes.

@@ -14,6 +14,8 @@ ModelName = Literal["conventional", "error-map"]
 GAUGE = "mean of theta1 map = 0"
 """Distances cannot see a rotation of everything about J1; the mean over both directions fixes it."""
 
+_MOST_NAMED = 12
+"""Parameters that an error text lists."""
 
 UNSETTLED = (
     "check the rough reflector places and the nominal links in the cell file, "
@@ -157,6 +159,6 @@ def _table_names(joint: str, nodes_rad: Floats) -> list[str]:
     return [f"Δ{joint}({angle:g}°, {sign})" for sign in "+−" for angle in angles]
 
 
-def _shortened(names: list[str], most: int = 12) -> str:
-    shown = ", ".join(names[:most])
-    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"
+def _shortened(names: list[str]) -> str:
+    shown, further = ", ".join(names[:_MOST_NAMED]), len(names) - _MOST_NAMED
+    return shown if further <= 0 else f"{shown} and {further} more"

@@ -29,7 +29,6 @@ def beam_turn_rad(points: Points, nominal_mm: tuple[float, float], reflectors_mm
     """Return the angle of the beam against link 2 as it was commanded, rad, shape (n,).
 
     Args:
-        points: where the arm was sent.
         nominal_mm: nominal links, mm.
         reflectors_mm: places of points.reflector_names that the beam was aimed at, mm, shape (reflectors, 2).
     """

@@ -136,10 +136,10 @@ FEWEST = 3
 """Distances that a segment needs to carry a dead path of its own."""
 
 
-def rows_of_long_segments(points: Points, fewest: int = FEWEST) -> Bools:
-    """Return which rows belong to segments of at least so many distances, shape (n,)."""
+def rows_of_long_segments(points: Points) -> Bools:
+    """Return which rows belong to segments that can carry a dead path of their own, shape (n,)."""
     counts = np.bincount(points.dead_path, minlength=len(points.dead_paths))
-    return np.asarray((counts >= fewest)[points.dead_path], dtype=np.bool_)
+    return np.asarray((counts >= FEWEST)[points.dead_path], dtype=np.bool_)
 
 
 def concatenated(parts: Sequence[Points]) -> Points:
@@ -167,39 +167,33 @@ def _joined(columns: list[Floats | None]) -> Floats | None:
     return np.concatenate(present) if len(present) == len(columns) else None
 
 
-def short_segments(
-    counts: Ints, dead_paths: Sequence[tuple[str, int]], fewest: int = FEWEST
-) -> tuple[Bools, list[str]]:
+def short_segments(counts: Ints, dead_paths: Sequence[tuple[str, int]]) -> tuple[Bools, list[str]]:
     """Find segments that are too short to carry a dead path of their own.
 
     Args:
         counts: number of distances of each dead path, shape (k,).
         dead_paths: (reflector name, segment) of each.
-        fewest: smallest number of distances that a segment keeps its place with.
 
     Returns:
         Flags of the short ones, shape (k,), and a sentence for each.
     """
-    short = counts < fewest
+    short = counts < FEWEST
     sentences = [
-        f"segment {segment} of reflector {name} dropped: {counts[i]} distance(s), fewer than {fewest}"
+        f"segment {segment} of reflector {name} dropped: {counts[i]} distance(s), fewer than {FEWEST}"
         for i, (name, segment) in enumerate(dead_paths)
         if short[i]
     ]
     return short, sentences
 
 
-def without_short_segments(points: Points, fewest: int = FEWEST) -> tuple[Points, list[str]]:
+def without_short_segments(points: Points) -> tuple[Points, list[str]]:
     """Drop segments that are too short to carry a dead path of their own.
-
-    Args:
-        fewest: smallest number of distances that a segment keeps its place with.
 
     Returns:
         The remaining points and a sentence for each segment dropped.
     """
     counts = np.bincount(points.dead_path, minlength=len(points.dead_paths))
-    short, sentences = short_segments(counts, points.dead_paths, fewest)
+    short, sentences = short_segments(counts, points.dead_paths)
     if not sentences:
         return points, []
     return points.select(~short[points.dead_path]), sentences

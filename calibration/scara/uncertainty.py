@@ -29,7 +29,6 @@ def chunks(identified: Identification, draws: int, seed: int) -> list[Chunk]:
 
     Args:
         draws: how many draws, at least 2.
-        seed: the same one gives the same draws.
 
     Raises:
         CalibrationError: a distribution has no standard deviation, or nothing is uncertain.
@@ -45,7 +44,6 @@ def draw_estimates(identified: Identification, draws: int, seed: int) -> Floats:
 
     Args:
         draws: how many, at least 2.
-        seed: the same one gives the same draws.
 
     Returns:
         Estimates, one row a draw, shape (draws, p).

@@ -149,7 +149,6 @@ def systematic_of_map(
     Args:
         mean: the map at m nodes, upwards, then downwards, shape (2m,).
         covariance: of the map, shape (2m, 2m); it may be singular.
-        seed: the same one gives the same draws.
     """
     half = mean.size // 2
     values, vectors = np.linalg.eigh(covariance)

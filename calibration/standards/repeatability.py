@@ -114,12 +114,12 @@ def along_beam(displacement_mm: Floats, segment: Ints, cycle: Ints) -> AlongBeam
     )
 
 
-def interval_of_s(dof: int, coverage: float = _COVERAGE) -> tuple[float, float]:
+def interval_of_s(dof: int) -> tuple[float, float]:
     """Return the ends of the interval of a standard deviation as multiples of its estimate (chi-square)."""
     # Whoever only lists procedures imports this module too.
     from scipy import special
 
-    tail = 0.5 * (1.0 - coverage)
+    tail = 0.5 * (1.0 - _COVERAGE)
     return (
         math.sqrt(dof / float(special.chdtri(dof, tail))),
         math.sqrt(dof / float(special.chdtri(dof, 1.0 - tail))),

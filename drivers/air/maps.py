@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from catseye.drivers.links.driver import DeviceSettings
 from catseye.drivers.roles.errors import ProfileError, ProtocolError
 
 Kind = Literal["float32", "int16", "uint16", "int32"]
@@ -114,7 +115,7 @@ VAISALA_PRESSURE_NOTE = (
 )
 
 
-class Point(BaseModel):
+class Point(DeviceSettings):
     """Where one quantity is: a line of `[[environment.settings.points]]`.
 
     Attributes:
@@ -126,14 +127,12 @@ class Point(BaseModel):
         invalid: numbers, before scaling, that mean "no value"; NaN always does, 0x8000 does for int16.
     """
 
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
-
     name: Name
     address: int = Field(ge=0, le=0xFFFF)
     type: Kind = "float32"
     scale: float = Field(default=1.0, allow_inf_nan=False)
     offset: float = Field(default=0.0, allow_inf_nan=False)
-    invalid: list[float] = []
+    invalid: list[float] = Field(default=[])
 
     @property
     def quantity(self) -> Quantity:
@@ -141,7 +140,7 @@ class Point(BaseModel):
         return Quantity(self.address, self.type, self.scale, self.offset, tuple(self.invalid))
 
 
-class AirSettings(BaseModel):
+class AirSettings(DeviceSettings):
     """What a cell file may set of a Modbus air sensor.
 
     Attributes:
@@ -155,12 +154,10 @@ class AirSettings(BaseModel):
         timeout_s: for connecting and for an answer, real s.
     """
 
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
-
     map: Literal["vaisala", "comet_web", "comet_rtu", "generic"] = "vaisala"
     device_id: int = Field(default=1, ge=0, le=255)
     pressure_address: int | None = Field(default=None, ge=0, le=0xFFFF)
-    points: list[Point] = []
+    points: list[Point] = Field(default=[])
     function: Literal[3, 4] | None = None
     word_order: WordOrder | None = None
     address_base: Literal[0, 1] | None = None

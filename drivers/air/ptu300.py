@@ -1,23 +1,23 @@
 """Vaisala's PTU300 family over its ASCII interface, on a serial line or a socket."""
 
 from functools import partial
-from typing import Any, ClassVar, Self
+from typing import ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from catseye.drivers.air.ptu300_codec import FORM, TextDecoder, checked, parse_values
-from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.driver import DeviceSettings, LinkDriver
 from catseye.drivers.links.link import RequestLink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.air import AirSample, AirSensor
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.device import Identity, Sink
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import LinkError, ProtocolError, WrongDeviceError
 
 _HARMLESS = b"\r\n> "
 
 
-class PtuSettings(BaseModel):
+class PtuSettings(DeviceSettings):
     """What a cell file may set of a PTU300. Times are real seconds.
 
     Attributes:
@@ -25,13 +25,16 @@ class PtuSettings(BaseModel):
         timeout_s: for connecting and for an answer.
     """
 
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
-
     address: int | None = Field(default=None, ge=0, le=255)
     timeout_s: float = Field(default=2.0, gt=0)
 
+    @property
+    def connect_timeout_s(self) -> float:
+        """How long connecting may take, real s."""
+        return self.timeout_s
 
-class VaisalaAscii(AirSensor):
+
+class VaisalaAscii(LinkDriver, AirSensor):
     """Air sensor driver.
 
     It sets an output format of its own, with a checksum. A sensor that refuses it is read in the format that it has,
@@ -51,24 +54,6 @@ class VaisalaAscii(AirSensor):
         self._version = ""
         self._serial = ""
         self._own_format = False
-
-    @classmethod
-    def at(cls, endpoint: str, clock: Clock, sink: Sink | None = None, **settings: Any) -> Self:
-        """Return a driver for an endpoint as the cell file writes it; nothing is opened yet.
-
-        Args:
-            endpoint: where it answers, tcp:// or serial://, as in a cell file.
-            clock: time of the samples.
-            sink: is shown all bytes.
-            settings: fields of `PtuSettings`.
-
-        Raises:
-            LinkError: the endpoint is wrong.
-            pydantic.ValidationError: a setting is unknown or wrong.
-        """
-        checked_settings = PtuSettings(**settings)
-        transport = open_transport(endpoint, connect_timeout_s=checked_settings.timeout_s, sink=sink)
-        return cls(transport, clock, checked_settings)
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -1,18 +1,18 @@
 """attocube IDS3010: three interferometers behind JSON-RPC; this driver uses one axis."""
 
 from functools import partial
-from typing import Any, ClassVar, Literal, Self
+from typing import ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from catseye.drivers.attocube import codec
-from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.driver import DeviceSettings, LinkDriver
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.latches import Latches
 from catseye.drivers.links.link import RequestLink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.device import Identity, Sink
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import (
     LinkError,
     LinkTimeoutError,
@@ -34,7 +34,7 @@ _SAME_PM = 1000.0
 """References that differ by less are one and the same."""
 
 
-class IdsSettings(BaseModel):
+class IdsSettings(DeviceSettings):
     """What a cell file may set. Times are real seconds, but for the start.
 
     Attributes:
@@ -48,8 +48,6 @@ class IdsSettings(BaseModel):
         quiet_s: silence after which a link counts as drained.
     """
 
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
-
     axis: int = Field(default=0, ge=0, le=2)
     dialect: codec.Dialect = "ids"
     sign: Literal[1, -1] = 1
@@ -60,7 +58,7 @@ class IdsSettings(BaseModel):
     quiet_s: float = Field(default=0.02, gt=0)
 
 
-class AttocubeIds(Interferometer):
+class AttocubeIds(LinkDriver, Interferometer):
     """Interferometer driver.
 
     Args:
@@ -89,24 +87,6 @@ class AttocubeIds(Interferometer):
             identify=self._recognise,
             quiet_s=self._settings.quiet_s,
         )
-
-    @classmethod
-    def at(cls, endpoint: str, clock: Clock, sink: Sink | None = None, **settings: Any) -> Self:
-        """Return a driver for an endpoint as the cell file writes it; nothing is opened yet.
-
-        Args:
-            endpoint: of the instrument, tcp://host:9090.
-            clock: time of the readings.
-            sink: is shown all bytes.
-            settings: fields of `IdsSettings`.
-
-        Raises:
-            LinkError: the endpoint is wrong.
-            pydantic.ValidationError: a setting is unknown or wrong.
-        """
-        checked = IdsSettings(**settings)
-        transport = open_transport(endpoint, connect_timeout_s=checked.connect_timeout_s, sink=sink)
-        return cls(transport, clock, checked)
 
     @property
     def notes(self) -> tuple[str, ...]:

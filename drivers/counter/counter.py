@@ -6,11 +6,12 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, ClassVar, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from catseye.drivers.counter import codec
 from catseye.drivers.counter.profile import CounterProfile, Status, load_profile
 from catseye.drivers.counter.streamed import StreamedCounter
+from catseye.drivers.links.driver import DeviceSettings
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.latches import Latches
 from catseye.drivers.links.link import RequestLink
@@ -23,7 +24,7 @@ from catseye.drivers.roles.interferometer import BeamStatus, Compensated, Interf
 T = TypeVar("T")
 
 
-class CounterSettings(BaseModel):
+class CounterSettings(DeviceSettings):
     """What a cell file may set of a line counter. Times are real seconds.
 
     Attributes:
@@ -31,8 +32,6 @@ class CounterSettings(BaseModel):
         connect_timeout_s: for connecting.
         quiet_s: silence after which a link counts as drained.
     """
-
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
     profile: str = "default"
     connect_timeout_s: float = Field(default=5.0, gt=0)

@@ -19,13 +19,12 @@ from catseye.drivers.roles.errors import (
 from catseye.drivers.roles.interferometer import (
     BeamStatus,
     Compensated,
-    Interferometer,
     LengthReading,
-    OnValue,
+    StreamedInterferometer,
 )
 
 
-class StreamedCounter(Interferometer):
+class StreamedCounter(StreamedInterferometer):
     """Interferometer driver of a profile with a stream.
 
     Such a counter gives neither status nor level: an error in place of a value is a lost beam, and the signal is 1
@@ -36,7 +35,6 @@ class StreamedCounter(Interferometer):
     """
 
     def __init__(self, transport: Transport, clock: Clock, profile: CounterProfile) -> None:
-        self._on_value: OnValue | None = None
         self._profile = profile
         self._latches = Latches()
         self._newest: tuple[float, str, float] | None = None
@@ -57,15 +55,6 @@ class StreamedCounter(Interferometer):
     def notes(self) -> tuple[str, ...]:
         """What an operator should know about this counter; empty when all is as it should be."""
         return self._profile.notes
-
-    @property
-    def streams(self) -> bool:
-        """Values arrive without being asked for."""
-        return True
-
-    def listen(self, on_value: OnValue | None) -> None:
-        """Have every value shown as it arrives; None ends that."""
-        self._on_value = on_value
 
     @property
     def compensated(self) -> Compensated:

@@ -1,17 +1,17 @@
 """Heidenhain ND 28x: a position display that shows the count of an interferometer."""
 
-from typing import Any, ClassVar, Literal, Self
+from typing import ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from catseye.drivers.heidenhain import codec
-from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.driver import DeviceSettings, LinkDriver
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.latches import Latches
 from catseye.drivers.links.link import RequestLink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.device import Identity, Sink
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
 from catseye.drivers.roles.interferometer import BeamStatus, Compensated, Interferometer, LengthReading
 
@@ -21,7 +21,7 @@ _CLEAR = "T0100"
 _ZERO_KEYS = ("T0000", "T0104")
 
 
-class NdSettings(BaseModel):
+class NdSettings(DeviceSettings):
     """What a cell file may set. Times are real seconds.
 
     Attributes:
@@ -36,8 +36,6 @@ class NdSettings(BaseModel):
         quiet_s: silence after which a link counts as drained.
     """
 
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
-
     decimals: int = Field(default=4, ge=0, le=7)
     sign: Literal[1, -1] = 1
     compensated: Literal["none", "instrument"] = "none"
@@ -48,7 +46,7 @@ class NdSettings(BaseModel):
     quiet_s: float = Field(default=0.05, gt=0)
 
 
-class HeidenhainNd(Interferometer):
+class HeidenhainNd(LinkDriver, Interferometer):
     """Interferometer driver. The display gives no signal level: it is 1 without and 0 with an error.
 
     Args:
@@ -72,24 +70,6 @@ class HeidenhainNd(Interferometer):
             identify=self._recognise,
             quiet_s=self._settings.quiet_s,
         )
-
-    @classmethod
-    def at(cls, endpoint: str, clock: Clock, sink: Sink | None = None, **settings: Any) -> Self:
-        """Return a driver for an endpoint as the cell file writes it; nothing is opened yet.
-
-        Args:
-            endpoint: of the display, serial:///dev/ttyUSB0?baud=9600&bits=7&parity=E&stopbits=2.
-            clock: time of the readings.
-            sink: is shown all bytes.
-            settings: fields of `NdSettings`.
-
-        Raises:
-            LinkError: the endpoint is wrong.
-            pydantic.ValidationError: a setting is unknown or wrong.
-        """
-        checked = NdSettings(**settings)
-        transport = open_transport(endpoint, connect_timeout_s=checked.connect_timeout_s, sink=sink)
-        return cls(transport, clock, checked)
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -2,8 +2,9 @@
 
 from typing import Any, ClassVar, Literal, Protocol, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
+from catseye.drivers.links.driver import DeviceSettings
 from catseye.drivers.links.endpoint import SerialEndpoint, require_stream
 from catseye.drivers.modbus.client import RegisterClient
 from catseye.drivers.roles.clock import Clock
@@ -18,7 +19,7 @@ asked again each have this time, and opening the port again what is left."""
 _FUNCTIONS = {"coil": 1, "input": 2}
 
 
-class IoSettings(BaseModel):
+class IoSettings(DeviceSettings):
     """What a cell file may set of a block. The addresses have no standard: the defaults just count from 0.
 
     Attributes:
@@ -34,8 +35,6 @@ class IoSettings(BaseModel):
         answer_timeout_s: for an answer, real s: so short that a door whose answer is lost is asked again before its
             silence counts as open. On a serial line no more than 0.07 s count, since a late answer is waited for too.
     """
-
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
     device_id: int = Field(default=1, ge=0, le=255)
     door_input: int = Field(default=0, ge=0, le=0xFFFF)

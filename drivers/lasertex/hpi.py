@@ -1,30 +1,29 @@
 """Lasertex HPI-3D: a laser interferometer that streams distances at about 25 Hz."""
 
 import asyncio
-from typing import Any, ClassVar, Literal, Self
+from typing import ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from catseye.drivers.lasertex import codec
-from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.driver import DeviceSettings, LinkDriver
 from catseye.drivers.links.latches import Latches
 from catseye.drivers.links.stream import StreamLink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.device import Identity, Sink
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import LinkTimeoutError, RefusedError, WrongDeviceError
 from catseye.drivers.roles.interferometer import (
     BeamStatus,
     Compensated,
-    Interferometer,
     LengthReading,
-    OnValue,
+    StreamedInterferometer,
 )
 
 MODEL = "Lasertex HPI-3D"
 
 
-class HpiSettings(BaseModel):
+class HpiSettings(DeviceSettings):
     """What a cell file may set. Times are real seconds.
 
     Attributes:
@@ -36,8 +35,6 @@ class HpiSettings(BaseModel):
         connect_timeout_s: for connecting.
     """
 
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
-
     sign: Literal[1, -1] = 1
     compensated: Literal["none", "instrument"] = "none"
     signal_full_scale: int = Field(default=100, gt=0, le=255)
@@ -45,10 +42,11 @@ class HpiSettings(BaseModel):
     connect_timeout_s: float = Field(default=5.0, gt=0)
 
 
-class LasertexHpi(Interferometer):
+class LasertexHpi(LinkDriver, StreamedInterferometer):
     """Interferometer driver.
 
     Args:
+        transport: the connection; the instrument's virtual serial port runs at 3000000 baud, 8N1.
         clock: time of the readings.
     """
 
@@ -63,42 +61,14 @@ class LasertexHpi(Interferometer):
         self._newest: tuple[codec.Distance, float] | None = None
         self._count = 0
         self._simulated = False
-        self._on_value: OnValue | None = None
         self._link = StreamLink(
             transport, clock, name=MODEL, decoder=codec.FrameDecoder, take=self._take, greet=self._greet
         )
-
-    @classmethod
-    def at(cls, endpoint: str, clock: Clock, sink: Sink | None = None, **settings: Any) -> Self:
-        """Return a driver for an endpoint as the cell file writes it; nothing is opened yet.
-
-        Args:
-            endpoint: of the instrument; its virtual serial port runs at 3000000 baud, 8N1.
-            clock: time of the readings.
-            sink: is shown all bytes.
-            settings: fields of `HpiSettings`.
-
-        Raises:
-            LinkError: the endpoint is wrong.
-            pydantic.ValidationError: a setting is unknown or wrong.
-        """
-        checked = HpiSettings(**settings)
-        transport = open_transport(endpoint, connect_timeout_s=checked.connect_timeout_s, sink=sink)
-        return cls(transport, clock, checked)
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What an operator should know about this counter."""
         return ()
-
-    @property
-    def streams(self) -> bool:
-        """Values arrive without being asked for."""
-        return True
-
-    def listen(self, on_value: OnValue | None) -> None:
-        """Have every value shown as it arrives; None ends that."""
-        self._on_value = on_value
 
     @property
     def compensated(self) -> Compensated:

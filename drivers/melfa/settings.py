@@ -2,10 +2,12 @@
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
+
+from catseye.drivers.links.driver import DeviceSettings
 
 
-class MelfaSettings(BaseModel):
+class MelfaSettings(DeviceSettings):
     """Settings of the R-protocol driver. Times are real seconds, except `poll_s`.
 
     Attributes:
@@ -26,8 +28,6 @@ class MelfaSettings(BaseModel):
         tolerance_deg: how far J1, J2, J4 may be reported from the target; the protocol resolves 0.01.
         tolerance_mm: the same for J3.
     """
-
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
     expected_model: str = "RH-3FRH5515"
     motion: Literal["exec2", "exec"] = "exec2"

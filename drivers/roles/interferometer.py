@@ -115,3 +115,18 @@ class Interferometer(Device, Protocol):
     async def status(self) -> BeamStatus:
         """Return the state of counter and beam."""
         ...
+
+
+class StreamedInterferometer(Interferometer, Protocol):
+    """A length counter whose values arrive without being asked for; call `_on_value` with each, if there is one."""
+
+    _on_value: OnValue | None = None
+
+    @property
+    def streams(self) -> bool:
+        """Values arrive without being asked for."""
+        return True
+
+    def listen(self, on_value: OnValue | None) -> None:
+        """Have every value shown as it arrives; None ends that."""
+        self._on_value = on_value

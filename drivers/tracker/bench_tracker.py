@@ -5,8 +5,9 @@ import math
 from collections.abc import Mapping
 from typing import Any, ClassVar, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from catseye.drivers.links.driver import DeviceSettings
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.link import RequestLink
@@ -22,7 +23,7 @@ _SAME_SPEED = 0.01
 """Speeds that differ by a smaller share are the same."""
 
 
-class BenchTrackerSettings(BaseModel):
+class BenchTrackerSettings(DeviceSettings):
     """What a cell file may set of the emulated tracker. Times are real seconds.
 
     Attributes:
@@ -30,8 +31,6 @@ class BenchTrackerSettings(BaseModel):
         answer_timeout_s: for an answer.
         quiet_s: silence after which a link counts as drained.
     """
-
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
     connect_timeout_s: float = Field(default=5.0, gt=0)
     answer_timeout_s: float = Field(default=5.0, gt=0)

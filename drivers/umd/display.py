@@ -3,30 +3,29 @@
 from collections import deque
 from collections.abc import AsyncIterator
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, Self
+from typing import ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.driver import DeviceSettings, LinkDriver
 from catseye.drivers.links.latches import Latches
 from catseye.drivers.links.stream import StreamLink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.device import Identity, Sink
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import LinkTimeoutError, RefusedError, WrongDeviceError
 from catseye.drivers.roles.interferometer import (
     BeamStatus,
     Compensated,
-    Interferometer,
     LengthReading,
-    OnValue,
+    StreamedInterferometer,
 )
 from catseye.drivers.umd import codec
 
 MODEL = "uMD display"
 
 
-class UmdSettings(BaseModel):
+class UmdSettings(DeviceSettings):
     """What a cell file may set. Times are real seconds.
 
     Attributes:
@@ -38,8 +37,6 @@ class UmdSettings(BaseModel):
         timeout_s: for the next sample of the stream.
         connect_timeout_s: for connecting.
     """
-
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
     axis: Literal[1, 2, 3] = 1
     vacuum_wavelength_nm: float = Field(default=632.9908, gt=200, lt=3000)
@@ -65,15 +62,15 @@ class TimedSample:
     sample: codec.Sample
 
 
-class UmdDisplay(Interferometer):
+class UmdDisplay(LinkDriver, StreamedInterferometer):
     """Interferometer driver. The display gives no signal level: it is 1 with and 0 without a beam.
 
     Args:
+        transport: the connection: the display's virtual serial port, or a socket.
         clock: time of the readings.
 
     Attributes:
         lost_samples: samples that were missing in the stream so far.
-        on_value: takes each value as it comes.
     """
 
     Settings: ClassVar[type[UmdSettings]] = UmdSettings
@@ -91,42 +88,14 @@ class UmdDisplay(Interferometer):
         self._last_sequence: int | None = None
         self._low: dict[int, int] = {}
         self.lost_samples = 0
-        self._on_value: OnValue | None = None
         self._link = StreamLink(
             transport, clock, name=MODEL, decoder=codec.SampleDecoder, take=self._take, greet=self._greet
         )
-
-    @classmethod
-    def at(cls, endpoint: str, clock: Clock, sink: Sink | None = None, **settings: Any) -> Self:
-        """Return a driver for an endpoint as the cell file writes it; nothing is opened yet.
-
-        Args:
-            endpoint: of the display: its virtual serial port or a socket.
-            clock: time of the readings.
-            sink: is shown all bytes.
-            settings: fields of `UmdSettings`.
-
-        Raises:
-            LinkError: the endpoint is wrong.
-            pydantic.ValidationError: a setting is unknown or wrong.
-        """
-        checked = UmdSettings(**settings)
-        transport = open_transport(endpoint, connect_timeout_s=checked.connect_timeout_s, sink=sink)
-        return cls(transport, clock, checked)
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What an operator should know about this counter."""
         return ("the display reports no signal level: it is shown as 1 with and 0 without a beam",)
-
-    @property
-    def streams(self) -> bool:
-        """Values arrive without being asked for."""
-        return True
-
-    def listen(self, on_value: OnValue | None) -> None:
-        """Have every value shown as it arrives; None ends that."""
-        self._on_value = on_value
 
     @property
     def compensated(self) -> Compensated:

@@ -7,9 +7,11 @@ remembered and has no effect. The environment unit's index is that of helium-neo
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import Literal
 
-from catseye.simulators.lengths import Lengths
+from pydantic import Field
+
+from catseye.simulators.lengths import LengthOptions, Lengths
 from catseye.simulators.world.air import AirSample
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.bench import Instrument
@@ -46,22 +48,19 @@ class IdsError(Exception):
         self.values = values
 
 
-@dataclass(frozen=True)
-class IdsOptions:
+class IdsOptions(LengthOptions):
     """How this instrument is.
 
     Attributes:
         dialect: `ids` for com.attocube.ids, `sen` for the newer generation's com.attocube.sen.
         axis: the one that looks at the bench; the others see nothing.
-        sign: -1 when the displacement falls while the beam grows longer.
         bare_mode: getCurrentMode answers a bare text instead of an array, as in older documents.
         start_time_s: bench time that the start of a measurement takes.
         ecu_enabled: the environment unit corrects from the start.
     """
 
-    dialect: str = "ids"
-    axis: int = 0
-    sign: int = 1
+    dialect: Literal["ids", "sen"] = "ids"
+    axis: int = Field(default=0, ge=0, le=2)
     bare_mode: bool = False
     start_time_s: float = 3.0
     ecu_enabled: bool = False

@@ -7,15 +7,11 @@ carries the same id. A result is an array that begins with an error number.
 import json
 from collections import deque
 from collections.abc import Callable
-from typing import Literal
-
-from pydantic import Field
 
 from catseye.simulators.attocube.device import Ids, IdsError, IdsOptions
 from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.context import EmulationContext
 from catseye.simulators.emulator import Emulator, NewSession, Note
-from catseye.simulators.lengths import LengthOptions
 from catseye.simulators.ports.session import Answer, Session
 
 _NOT_JSON = (-32700, "Parse error")
@@ -138,22 +134,10 @@ class AttocubeIds(Emulator):
     """An instrument that all its clients share."""
 
     role = "interferometer"
-
-    class Options(LengthOptions):
-        """Options; see `IdsOptions`."""
-
-        dialect: Literal["ids", "sen"] = "ids"
-        axis: int = Field(default=0, ge=0, le=2)
-        bare_mode: bool = False
-        start_time_s: float = 3.0
-        ecu_enabled: bool = False
+    Options = IdsOptions
 
     @classmethod
     def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
         """Make the instrument that all clients share."""
-        given = cls.Options.of(device)
-        options = IdsOptions(
-            given.dialect, given.axis, given.sign, given.bare_mode, given.start_time_s, given.ecu_enabled
-        )
-        ids = Ids(context.instrument(device.name), context.probe, options)
+        ids = Ids(context.instrument(device.name), context.probe, cls.Options.of(device))
         return lambda: IdsSession(ids, note)

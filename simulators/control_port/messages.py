@@ -405,29 +405,7 @@ _OPERATIONS: dict[str, type[Request[Any]]] = {
         Fault,
     )
 }
-_FAULTS: dict[str, type[Fault]] = {
-    kind.name: kind
-    for kind in (
-        BlockBeam,
-        ClearFaults,
-        RaiseAlarm,
-        EmergencyStop,
-        TeachMode,
-        ServoOff,
-        MoveReflector,
-        SpoilAir,
-        MoveDoor,
-        Stall,
-        Drop,
-        Mute,
-        SpoilAnswers,
-        Overspeed,
-        Vibrate,
-        LoseLaser,
-        Weaken,
-        Slip,
-    )
-}
+_FAULTS: dict[str, type[Fault]] = {kind.name: kind for kind in Fault.__subclasses__()}
 Kind = TypeVar("Kind", bound=type[Request[Any]])
 
 

@@ -1,7 +1,6 @@
 """What each request of the control port does to the bench, and the conversation with its clients."""
 
 from dataclasses import asdict, dataclass
-from functools import singledispatch
 from itertools import chain
 from typing import Any
 
@@ -23,7 +22,7 @@ from catseye.simulators.ports.session import Session
 from catseye.simulators.world.air_probe import AirFault
 from catseye.simulators.world.tracker import Tracker
 
-_DONE = Answer()
+LONGEST_BYTES = 65_536
 
 
 @dataclass(frozen=True)
@@ -51,36 +50,107 @@ class Reach:
         return self.ports[device]
 
 
-@singledispatch
 def carry_out(request: Request[Any], reach: Reach) -> Answer:
     """Carry out a request.
 
     Raises:
         EmulatorError: the bench cannot do it in its present state.
     """
-    del reach
-    raise TypeError(f"{type(request).__name__} has no operation")
+    context, beam = reach.context, reach.context.bench.beam
+    match request:
+        case messages.Identify():
+            name, time_s = "catseye bench EMULATOR", context.bench.time_s
+            return messages.Identity(name=name, time_s=time_s, speed=context.keeper.speed)
+        case messages.ReadTruth():
+            return messages.Truth(truth=dict(context.truth))
+        case messages.ReadState():
+            return _state(context)
+        case messages.Track():
+            x_mm, y_mm = reach.tracker.measure(context.bench.true_state().axis_mm)
+            return messages.TrackedPlace(x_mm=x_mm, y_mm=y_mm, u_mm=reach.tracker.u_mm)
+        case messages.ReadLog():
+            reach.ports_of(request.device)
+            entries = context.journal.entries(request.device)
+            return messages.Log(entries=[messages.JournalEntry(**asdict(entry)) for entry in entries])
+        case messages.SetSpeed():
+            context.keeper.speed = request.value
+        case messages.TurnScrew():
+            beam.turn_screw(request.screw, request.turns)
+        case messages.PlaceReflector():
+            beam.place_reflector(request.reflector)
+            return messages.Nests(in_place=beam.in_place)
+        case messages.ClearBeam():
+            beam.unblock()
+        case messages.Fault():
+            _happen(request, reach)
+        case _:
+            raise TypeError(f"{type(request).__name__} has no operation")
+    return Answer()
 
 
-@carry_out.register
-def _identify(request: messages.Identify, reach: Reach) -> Answer:
-    del request
+def _happen(fault: messages.Fault, reach: Reach) -> None:
+    context, bench, controller = reach.context, reach.context.bench, reach.context.controller
+    match fault:
+        case messages.BlockBeam():
+            bench.beam.block(fault.duration_s)
+        case messages.ClearFaults():
+            _clear_faults(reach)
+        case messages.RaiseAlarm():
+            controller.raise_alarm(fault.number)
+        case messages.EmergencyStop():
+            controller.set_emergency_stop(on=fault.on)
+        case messages.TeachMode():
+            controller.set_teach_mode(on=fault.on)
+        case messages.ServoOff():
+            controller.switch_servo_off()
+        case messages.MoveReflector():
+            bench.beam.move_reflector(fault.reflector, fault.dx_mm, fault.dy_mm)
+        case messages.SpoilAir():
+            errors = (fault.temperature_k, fault.pressure_hpa, fault.humidity_percent)
+            context.probe.fault = AirFault(fault.nan, *errors)
+        case messages.MoveDoor():
+            context.door.closed = not fault.open
+        case messages.Stall():
+            for port in reach.ports_of(fault.device):
+                port.stalled_until_s = bench.time_s + fault.duration_s
+        case messages.Drop():
+            for port in reach.ports_of(fault.device):
+                port.drop()
+        case messages.Mute():
+            for port in reach.ports_of(fault.device):
+                port.muted = True
+        case messages.SpoilAnswers():
+            for number, port in enumerate(reach.ports_of(fault.device)):
+                port.lossy = Lossy(fault.share, fault.seed + number)
+        case messages.Overspeed():
+            bench.beam.outrun_counters()
+        case messages.Vibrate():
+            bench.shake(1e-3 * fault.amplitude_um, fault.duration_s)
+        case messages.LoseLaser():
+            bench.beam.set_laser(ready=fault.ready)
+        case messages.Weaken():
+            bench.beam.weaken(fault.factor)
+        case messages.Slip():
+            bench.slip(fault.joint, fault.deg)
+        case _:
+            raise TypeError(f"{type(fault).__name__} has no operation")
+
+
+def _clear_faults(reach: Reach) -> None:
     context = reach.context
-    return messages.Identity(
-        name="catseye bench EMULATOR", time_s=context.bench.time_s, speed=context.keeper.speed
-    )
+    context.bench.clear_faults()
+    context.controller.clear_faults()
+    context.probe.fault = AirFault()
+    context.door.closed = True
+    for port in chain.from_iterable(reach.ports.values()):
+        port.muted = False
+        port.lossy = None
+        port.stalled_until_s = 0.0
+    context.keeper.changed()
 
 
-@carry_out.register
-def _truth(request: messages.ReadTruth, reach: Reach) -> Answer:
-    del request
-    return messages.Truth(truth=dict(reach.context.truth))
-
-
-@carry_out.register
-def _state(request: messages.ReadState, reach: Reach) -> Answer:
-    del request
-    context, bench = reach.context, reach.context.bench
+def _state(context: EmulationContext) -> Answer:
+    bench = context.bench
     true = bench.true_state()
     return messages.State(
         time_s=bench.time_s,
@@ -123,173 +193,6 @@ def _mount(context: EmulationContext) -> messages.MountState:
         height_j3_mm=mount.height_mm,
         turns={name: screw.turns for name, screw in mount.screws.items()},
     )
-
-
-@carry_out.register
-def _track(request: messages.Track, reach: Reach) -> Answer:
-    del request
-    x_mm, y_mm = reach.tracker.measure(reach.context.bench.true_state().axis_mm)
-    return messages.TrackedPlace(x_mm=x_mm, y_mm=y_mm, u_mm=reach.tracker.u_mm)
-
-
-@carry_out.register
-def _log(request: messages.ReadLog, reach: Reach) -> Answer:
-    reach.ports_of(request.device)
-    entries = reach.context.journal.entries(request.device)
-    return messages.Log(entries=[messages.JournalEntry(**asdict(entry)) for entry in entries])
-
-
-@carry_out.register
-def _speed(request: messages.SetSpeed, reach: Reach) -> Answer:
-    reach.context.keeper.speed = request.value
-    return _DONE
-
-
-@carry_out.register
-def _turn_screw(request: messages.TurnScrew, reach: Reach) -> Answer:
-    reach.context.bench.beam.turn_screw(request.screw, request.turns)
-    return _DONE
-
-
-@carry_out.register
-def _place_reflector(request: messages.PlaceReflector, reach: Reach) -> Answer:
-    reach.context.bench.beam.place_reflector(request.reflector)
-    return messages.Nests(in_place=reach.context.bench.beam.in_place)
-
-
-@carry_out.register
-def _clear_beam(request: messages.ClearBeam, reach: Reach) -> Answer:
-    del request
-    reach.context.bench.beam.unblock()
-    return _DONE
-
-
-@carry_out.register
-def _block_beam(request: messages.BlockBeam, reach: Reach) -> Answer:
-    reach.context.bench.beam.block(request.duration_s)
-    return _DONE
-
-
-@carry_out.register
-def _clear_faults(request: messages.ClearFaults, reach: Reach) -> Answer:
-    del request
-    context = reach.context
-    context.bench.clear_faults()
-    context.controller.clear_faults()
-    context.probe.fault = AirFault()
-    context.door.closed = True
-    for port in chain.from_iterable(reach.ports.values()):
-        port.muted = False
-        port.lossy = None
-        port.stalled_until_s = 0.0
-    context.keeper.changed()
-    return _DONE
-
-
-@carry_out.register
-def _alarm(request: messages.RaiseAlarm, reach: Reach) -> Answer:
-    reach.context.controller.raise_alarm(request.number)
-    return _DONE
-
-
-@carry_out.register
-def _emergency_stop(request: messages.EmergencyStop, reach: Reach) -> Answer:
-    reach.context.controller.set_emergency_stop(on=request.on)
-    return _DONE
-
-
-@carry_out.register
-def _teach_mode(request: messages.TeachMode, reach: Reach) -> Answer:
-    reach.context.controller.set_teach_mode(on=request.on)
-    return _DONE
-
-
-@carry_out.register
-def _servo_off(request: messages.ServoOff, reach: Reach) -> Answer:
-    del request
-    reach.context.controller.switch_servo_off()
-    return _DONE
-
-
-@carry_out.register
-def _move_reflector(request: messages.MoveReflector, reach: Reach) -> Answer:
-    reach.context.bench.beam.move_reflector(request.reflector, request.dx_mm, request.dy_mm)
-    return _DONE
-
-
-@carry_out.register
-def _spoil_air(request: messages.SpoilAir, reach: Reach) -> Answer:
-    errors = (request.temperature_k, request.pressure_hpa, request.humidity_percent)
-    reach.context.probe.fault = AirFault(request.nan, *errors)
-    return _DONE
-
-
-@carry_out.register
-def _door(request: messages.MoveDoor, reach: Reach) -> Answer:
-    reach.context.door.closed = not request.open
-    return _DONE
-
-
-@carry_out.register
-def _stall(request: messages.Stall, reach: Reach) -> Answer:
-    for port in reach.ports_of(request.device):
-        port.stalled_until_s = reach.context.bench.time_s + request.duration_s
-    return _DONE
-
-
-@carry_out.register
-def _drop(request: messages.Drop, reach: Reach) -> Answer:
-    for port in reach.ports_of(request.device):
-        port.drop()
-    return _DONE
-
-
-@carry_out.register
-def _mute(request: messages.Mute, reach: Reach) -> Answer:
-    for port in reach.ports_of(request.device):
-        port.muted = True
-    return _DONE
-
-
-@carry_out.register
-def _spoil_answers(request: messages.SpoilAnswers, reach: Reach) -> Answer:
-    for number, port in enumerate(reach.ports_of(request.device)):
-        port.lossy = Lossy(request.share, request.seed + number)
-    return _DONE
-
-
-@carry_out.register
-def _overspeed(request: messages.Overspeed, reach: Reach) -> Answer:
-    del request
-    reach.context.bench.beam.outrun_counters()
-    return _DONE
-
-
-@carry_out.register
-def _vibrate(request: messages.Vibrate, reach: Reach) -> Answer:
-    reach.context.bench.shake(1e-3 * request.amplitude_um, request.duration_s)
-    return _DONE
-
-
-@carry_out.register
-def _laser(request: messages.LoseLaser, reach: Reach) -> Answer:
-    reach.context.bench.beam.set_laser(ready=request.ready)
-    return _DONE
-
-
-@carry_out.register
-def _weaken(request: messages.Weaken, reach: Reach) -> Answer:
-    reach.context.bench.beam.weaken(request.factor)
-    return _DONE
-
-
-@carry_out.register
-def _slip(request: messages.Slip, reach: Reach) -> Answer:
-    reach.context.bench.slip(request.joint, request.deg)
-    return _DONE
-
-
-LONGEST_BYTES = 65_536
 
 
 class ControlSession(Session):

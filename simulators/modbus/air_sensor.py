@@ -7,7 +7,7 @@ status from 0x0200. Quantities of the map that are not measured here read as mis
 import math
 import struct
 
-from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError, Registers
 from catseye.simulators.world.air import dew_point_c
 from catseye.simulators.world.air_probe import AirProbe
 
@@ -26,7 +26,7 @@ _INTEGER_STEP = {_HUMIDITY: 0.01, _TEMPERATURE: 0.01, _DEW_POINT: 0.01}
 _PRESSURE_STEP_HPA = 0.1
 
 
-class AirSensor:
+class AirSensor(Registers):
     """Registers of the sensor.
 
     Args:
@@ -56,21 +56,6 @@ class AirSensor:
         """Write settings; measured values cannot be written. The settings are kept and have no effect."""
         start = self._setting(address, len(words))
         self._settings[start : start + len(words)] = words
-
-    def read_bits(self, address: int, count: int) -> list[bool]:
-        """Refuse: the sensor has no coils."""
-        del address, count
-        raise ModbusError(ILLEGAL_ADDRESS)
-
-    def read_inputs(self, address: int, count: int) -> list[bool]:
-        """Refuse: the sensor has no inputs."""
-        del address, count
-        raise ModbusError(ILLEGAL_ADDRESS)
-
-    def write_bits(self, address: int, bits: list[bool]) -> None:
-        """Refuse: the sensor has no coils."""
-        del address, bits
-        raise ModbusError(ILLEGAL_ADDRESS)
 
     def _setting(self, address: int, count: int) -> int:
         start = address - _SETTINGS_FROM

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from catseye.simulators.errors import EmulatorError
-from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError, Registers
 from catseye.simulators.world.air import AirSample, dew_point_c
 from catseye.simulators.world.air_probe import AirProbe
 
@@ -103,7 +103,7 @@ def _point(device: str, given: Mapping[str, Any], base: int) -> SensorPoint:
     return point
 
 
-class PointSensor:
+class PointSensor(Registers):
     """Registers of the sensor; what lies between them does not exist.
 
     Args:
@@ -137,23 +137,3 @@ class PointSensor:
             return [held[address + n] for n in range(count)]
         except KeyError:
             raise ModbusError(ILLEGAL_ADDRESS) from None
-
-    def write_words(self, address: int, words: list[int]) -> None:
-        """Refuse: nothing can be written."""
-        del address, words
-        raise ModbusError(ILLEGAL_ADDRESS)
-
-    def read_bits(self, address: int, count: int) -> list[bool]:
-        """Refuse: the sensor has no coils."""
-        del address, count
-        raise ModbusError(ILLEGAL_ADDRESS)
-
-    def read_inputs(self, address: int, count: int) -> list[bool]:
-        """Refuse: the sensor has no inputs."""
-        del address, count
-        raise ModbusError(ILLEGAL_ADDRESS)
-
-    def write_bits(self, address: int, bits: list[bool]) -> None:
-        """Refuse: the sensor has no coils."""
-        del address, bits
-        raise ModbusError(ILLEGAL_ADDRESS)

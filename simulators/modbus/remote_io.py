@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass, field
 
-from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError
+from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError, Registers
 from catseye.simulators.world.door import Door
 
 COUNT = 16
 
 
 @dataclass
-class RemoteIo:
+class RemoteIo(Registers):
     """Coils and inputs.
 
     Attributes:
@@ -29,16 +29,6 @@ class RemoteIo:
     identity: dict[int, str] = field(
         default_factory=lambda: {0: "EMULATOR of catseye", 1: "remote inputs and outputs", 2: "1.0"}
     )
-
-    def read_words(self, address: int, count: int) -> list[int]:
-        """Refuse: the block has no registers."""
-        del address, count
-        raise ModbusError(ILLEGAL_ADDRESS)
-
-    def write_words(self, address: int, words: list[int]) -> None:
-        """Refuse: the block has no registers."""
-        del address, words
-        raise ModbusError(ILLEGAL_ADDRESS)
 
     def read_bits(self, address: int, count: int) -> list[bool]:
         """Return the outputs; the door stands among them where the block reads it as a coil."""

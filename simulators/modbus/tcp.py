@@ -2,7 +2,6 @@
 
 import struct
 from collections.abc import Callable
-from typing import Protocol
 
 from catseye.simulators.ports.session import Answer, Session
 
@@ -27,8 +26,8 @@ class ModbusError(Exception):
         self.code = code
 
 
-class Registers(Protocol):
-    """What a device keeps behind its addresses; for one that it does not have it raises ModbusError.
+class Registers:
+    """What a device keeps behind its addresses; what a subclass leaves out the device does not have.
 
     Attributes:
         identity: identification objects: 0 vendor, 1 product code, 2 version, …
@@ -38,23 +37,27 @@ class Registers(Protocol):
 
     def read_words(self, address: int, count: int) -> list[int]:
         """Return 16-bit registers."""
-        ...
+        raise _no_such(address, count)
 
     def write_words(self, address: int, words: list[int]) -> None:
         """Write 16-bit registers from an address on (functions 6 and 16)."""
-        ...
+        raise _no_such(address, words)
 
     def read_bits(self, address: int, count: int) -> list[bool]:
         """Return coils from an address on (function 1)."""
-        ...
+        raise _no_such(address, count)
 
     def read_inputs(self, address: int, count: int) -> list[bool]:
         """Return discrete inputs from an address on (function 2)."""
-        ...
+        raise _no_such(address, count)
 
     def write_bits(self, address: int, bits: list[bool]) -> None:
         """Write coils from an address on (functions 5 and 15)."""
-        ...
+        raise _no_such(address, bits)
+
+
+def _no_such(*_: object) -> ModbusError:
+    return ModbusError(ILLEGAL_ADDRESS)
 
 
 class ModbusSession(Session):

@@ -11,7 +11,6 @@ count; that the count goes on from a wrong place after a break. Where LOWCODE is
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import floor
 from typing import Literal
 
@@ -35,23 +34,20 @@ _NO_AXIS = "0 0 0 0"
 _REFERENCE = 1500
 
 
-@dataclass(frozen=True)
-class UmdOptions:
+class UmdOptions(LengthOptions):
     """How this display is.
 
     Attributes:
         rate_hz: samples a second: 610.35 of a uMD1, 1000 of a uMD2.
-        wavelength_nm: vacuum wavelength of the laser, nm.
-        multiplier: of the optics: 1, 2 or 4.
-        sign: -1 when the count falls while the beam grows longer.
-        axes: 1 or 3 in a line; the first looks at the bench, the others see nothing.
+        vacuum_wavelength_nm: of the laser, nm.
+        multiplier: of the optics.
+        axes: in a line; the first looks at the bench, the others see nothing.
     """
 
-    rate_hz: float = 610.35
-    wavelength_nm: float = 632.9908
-    multiplier: int = 1
-    sign: int = 1
-    axes: int = 1
+    rate_hz: float = Field(default=610.35, gt=0.0)
+    vacuum_wavelength_nm: float = Field(default=632.9908, gt=0.0)
+    multiplier: Literal[1, 2, 4] = 1
+    axes: Literal[1, 3] = 1
 
 
 class Umd:
@@ -70,7 +66,7 @@ class Umd:
         self._keeper = keeper
         self._options = options
         self._lengths = Lengths(sign=options.sign)
-        self._counts_per_mm = 2e6 * options.multiplier / options.wavelength_nm
+        self._counts_per_mm = 2e6 * options.multiplier / options.vacuum_wavelength_nm
         self._listeners: list[Callable[[bytes], None]] = []
         self._sequence = 0
         self._last_counts = 0.0
@@ -179,27 +175,12 @@ class UmdDisplay(Emulator):
     """A display that all its clients share."""
 
     role = "interferometer"
-
-    class Options(LengthOptions):
-        """Options.
-
-        Attributes:
-            rate_hz: samples a second.
-            axes: in a line.
-        """
-
-        rate_hz: float = Field(default=610.35, gt=0.0)
-        vacuum_wavelength_nm: float = Field(default=632.9908, gt=0.0)
-        multiplier: Literal[1, 2, 4] = 1
-        axes: Literal[1, 3] = 1
+    Options = UmdOptions
 
     @classmethod
     def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
         """Make the display that all clients share."""
         del note
-        given = cls.Options.of(device)
-        options = UmdOptions(
-            given.rate_hz, given.vacuum_wavelength_nm, given.multiplier, given.sign, given.axes
-        )
+        options = cls.Options.of(device)
         umd = Umd(context.instrument(device.name), context.probe, context.keeper, options)
         return lambda: UmdSession(umd)

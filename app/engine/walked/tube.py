@@ -5,6 +5,7 @@ and within 5 mm in every prismatic one. A motion is covered when each of its pos
 samples. Where the arm cuts corners, so much less is left of the tube.
 """
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -13,8 +14,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from catseye.app.errors import SafetyError
 from catseye.calibration.kinematics.sweep import cut_corners
-from catseye.drivers.roles.pose import Axes, Pose, Unit
+from catseye.drivers.roles.pose import Axes, Pose, Unit, pose_text
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.motion.body_speed import fastest_mm_s
 
 Floats = NDArray[np.float64]
 
@@ -180,3 +184,30 @@ def _cover_all(first: Floats, last: Floats) -> bool:
     reaches = np.concatenate([[reached], np.maximum.accumulate(ends)])
     gaps = np.flatnonzero(begins > reaches[:-1])
     return bool(reaches[-1 if not len(gaps) else gaps[0]] >= 1.0)
+
+
+FASTEST_MM_S: Final = 250.0
+"""Of anything on the arm while it is walked."""
+
+MOST_PERCENT: Final = 10.0
+"""Override of a walk."""
+
+_LEAST_PERCENT: Final = 1.0
+
+
+def walking_percent(bench: Bench, leg: Leg, cap_percent: float) -> float:
+    """Return the highest whole override with which a motion is walked.
+
+    Raises:
+        SafetyError: the motion is too fast with the lowest override that controllers take.
+    """
+    most = min(MOST_PERCENT, cap_percent)
+    at_one = fastest_mm_s(bench, leg.start, leg.end, _LEAST_PERCENT)
+    percent = most if at_one * most <= FASTEST_MM_S else float(math.floor(FASTEST_MM_S / at_one))
+    if percent < _LEAST_PERCENT:
+        raise SafetyError(
+            f"the motion to {pose_text(bench.arm.axes, leg.end)} moves the outermost body at up to {at_one:.0f} mm/s "
+            f"with an override of {_LEAST_PERCENT:g} %, and a walk at {FASTEST_MM_S:g} mm/s at most: it cannot be "
+            "walked, no override is lower; check [robot] speed_deg_s and the bodies, or drive it by hand"
+        )
+    return percent

@@ -41,7 +41,6 @@ def needs_of(
 
     Args:
         bench: as the cell file describes it.
-        bases: what it would be planned from.
     """
     declared = procedure.needs
     try:

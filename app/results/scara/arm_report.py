@@ -43,12 +43,7 @@ def arm_report(
     measurement: Measurement = _NO_RUNS,
     sources: Sources = _NO_SOURCES,
 ) -> Report:
-    """Return everything that is known about an arm, the verdict first.
-
-    Args:
-        origin: where the report comes from.
-        sources: what the report was made with and from.
-    """
+    """Return everything that is known about an arm, the verdict first."""
     sections = (
         *_result_sections(findings, measurement),
         *_run_sections(origin, findings, measurement, sources),

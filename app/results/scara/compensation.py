@@ -126,7 +126,6 @@ def require_clear(path: CompensatedPath, bench: ScaraBench, j4_deg: float, lines
     """Refuse commands and take-up positions where, or on the way to which, bodies come too near each other.
 
     Args:
-        bench: the arm, its bodies, its surroundings.
         lines: line of each row in its file.
 
     Raises:

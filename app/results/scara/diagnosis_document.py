@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Final, Literal
 
 import numpy as np
+from pydantic import AliasChoices, Field
 
 from catseye.app.results.document import Document, Stated
 from catseye.app.results.figure_document import FigureParts
@@ -12,12 +13,11 @@ from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.app.results.scara.diagnosis import coefficients, outlier_limit, outlying
 from catseye.app.results.scara.diagnosis_findings import distance_text, findings
 from catseye.app.results.scara.figures.diagnosis import diagnosis_figures
-from catseye.calibration.core.cross_validation import CrossValidation, Fold
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
 from catseye.calibration.scara.diagnostics.harmonics import Harmonic, HarmonicSeries
 from catseye.calibration.scara.diagnostics.joint_angles import AnglePattern
 from catseye.calibration.scara.diagnostics.nested_models import ComparedModel
-from catseye.calibration.scara.diagnostics.node_spacing import Grid, NodeSpacing
+from catseye.calibration.scara.diagnostics.node_spacing import NodeSpacing
 
 FindingKind = Literal["good", "bad", "note"]
 
@@ -175,7 +175,7 @@ class FoldPart(Document):
     """What was left out in turn, and how well the rest predicts it."""
 
     name: str
-    distances: int
+    distances: int = Field(validation_alias=AliasChoices("distances", "rows"))
     identified: bool
     predicted_um: Stated
     in_sample_um: Stated
@@ -186,7 +186,7 @@ class FoldPart(Document):
 class CrossValidationPart(Document):
     """A cross-validation."""
 
-    left_out: str
+    left_out: str = Field(validation_alias=AliasChoices("left_out", "way"))
     predicted_um: Stated
     in_sample_um: Stated
     expected_um: Stated
@@ -254,7 +254,7 @@ def diagnosis_document(diagnosis: Diagnosis, names: Sequence[str]) -> DiagnosisD
         changes=[ChangePart.model_validate(change) for change in diagnosis.changes],
         patterns=[_pattern(pattern) for pattern in diagnosis.patterns],
         harmonics=[_series(harmonic) for harmonic in diagnosis.harmonics],
-        cross_validation=[_validation(validation) for validation in validations if validation],
+        cross_validation=[CrossValidationPart.model_validate(one) for one in validations if one],
         nodes=_nodes(diagnosis.nodes),
         figures=tuple(diagnosis_figures(diagnosis)),
     )
@@ -276,8 +276,8 @@ def _model(model: ComparedModel) -> ModelPart:
     return ModelPart(
         name=model.name,
         base=model.base,
-        refused=model.refused or None,
-        n_parameters=model.free,
+        refused=model.refused,
+        n_parameters=model.n_parameters,
         rms_um=model.rms_um,
         aicc=model.aicc,
         bic=model.bic,
@@ -361,28 +361,6 @@ def _harmonic(harmonic: Harmonic, factor: float) -> HarmonicPart:
     )
 
 
-def _validation(validation: CrossValidation) -> CrossValidationPart:
-    return CrossValidationPart(
-        left_out=validation.way,
-        predicted_um=validation.predicted_um,
-        in_sample_um=validation.in_sample_um,
-        expected_um=validation.expected_um,
-        folds=[_fold(fold) for fold in validation.folds],
-    )
-
-
-def _fold(fold: Fold) -> FoldPart:
-    return FoldPart(
-        name=fold.name,
-        distances=fold.rows,
-        identified=fold.identified,
-        predicted_um=fold.predicted_um,
-        in_sample_um=fold.in_sample_um,
-        expected_um=fold.expected_um,
-        probability=fold.probability,
-    )
-
-
 def _nodes(nodes: NodeSpacing) -> NodesPart:
     best = nodes.by_prediction
     return NodesPart(
@@ -391,17 +369,5 @@ def _nodes(nodes: NodeSpacing) -> NodesPart:
         best_aicc=nodes.by_aicc.name,
         best_bic=nodes.by_bic.name,
         best_prediction=None if best is None else best.name,
-        grids=[_grid(grid) for grid in nodes.grids],
-    )
-
-
-def _grid(grid: Grid) -> GridPart:
-    return GridPart(
-        name=grid.name,
-        refused=grid.refused or None,
-        n_parameters=grid.free,
-        rms_um=grid.rms_um,
-        aicc=grid.aicc,
-        bic=grid.bic,
-        predicted_um=grid.predicted_um,
+        grids=[GridPart.model_validate(grid) for grid in nodes.grids],
     )

@@ -68,7 +68,7 @@ def _models(models: Sequence[ComparedModel]) -> Table:
 def _model(model: ComparedModel) -> tuple[Cell, ...]:
     if model.refused:
         return (model.name, *[None] * 8, _NOT_IDENTIFIABLE)
-    row = (model.name, model.free, model.rms_um, model.aicc, model.bic)
+    row = (model.name, model.n_parameters, model.rms_um, model.aicc, model.bic)
     if model.base is None:
         return (*row, *[None] * 4, "")
     return (
@@ -150,7 +150,7 @@ def _grids(grids: Sequence[Grid]) -> Table:
         tuple(
             (grid.name, *[None] * 5, _NOT_IDENTIFIABLE)
             if grid.refused
-            else (grid.name, grid.free, grid.rms_um, grid.aicc, grid.bic, grid.predicted_um, "")
+            else (grid.name, grid.n_parameters, grid.rms_um, grid.aicc, grid.bic, grid.predicted_um, "")
             for grid in grids
         ),
     )

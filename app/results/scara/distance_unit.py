@@ -27,8 +27,6 @@ def require_millimetres(file: Path, points: Points, bench: ScaraBench) -> None:
 
     Args:
         file: where the distances come from, for the complaint.
-        points: distances in measuring order.
-        bench: nominal links and rough places of the reflectors.
 
     Raises:
         UsageError: the distances are another unit's multiple of those expected from the rough places.

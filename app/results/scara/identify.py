@@ -85,8 +85,6 @@ def problem_of_points(
     """Return what is to be solved to identify an arm from distances.
 
     Args:
-        points: distances in measuring order.
-        bench: nodes, nominal links and rough reflectors.
         budget: contributors of the uncertainty; None for what the points state themselves.
     """
     places = {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}

@@ -103,13 +103,7 @@ def _start(arm: IdentifiedArm, path: CommandPath) -> str:
 
 
 def write_predicted_csv(path: CommandPath, prediction: Prediction, output: Path) -> None:
-    """Write the path's own columns as they were, and the prediction; cells of rows without one are empty.
-
-    Args:
-        path: as it was read from its file.
-        prediction: of each of its rows.
-        output: file to write, whole or not at all.
-    """
+    """Write the path's own columns as they were, and the prediction; cells of rows without one are empty."""
     numbers = np.hstack([prediction.position_mm, 1e3 * prediction.error_mm, 1e3 * prediction.u_mm])
     rows = ([*row.cells.values(), *_cells(own)] for row, own in zip(path.rows, numbers, strict=True))
     write_atomically(output, csv_text([*path.rows[0].cells, *ADDED], rows))

@@ -21,7 +21,7 @@ from catseye.app.results.scara.result import (
     TermEstimate,
     term_unit,
 )
-from catseye.calibration.core.fit_statistics import FitStatistics, RobustLoss
+from catseye.calibration.core.fit_statistics import FitStatistics
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.layout import GAUGE
@@ -139,30 +139,8 @@ def _fit(fit: FitStatistics, rejected: list[str]) -> Fit:
         chi2_expected=fit.chi2_expected,
         chi2_probability=fit.chi2_probability,
         variance_factor=fit.variance_factor,
-        lack_of_fit=None
-        if lack is None
-        else LackOfFitPart(
-            systematic_um=lack.systematic_um,
-            pure_um=lack.pure_um,
-            ratio=lack.ratio,
-            expected_ratio=lack.expected_ratio,
-            probability=lack.probability,
-            probability_stated=lack.probability_stated,
-            significant=lack.significant,
-            explained=lack.explained,
-        ),
-        robust=None if fit.loss is None else _robust(fit.loss),
-    )
-
-
-def _robust(loss: RobustLoss) -> RobustPart:
-    return RobustPart.model_validate(
-        {
-            "loss": loss.name,
-            "sigma_um": loss.sigma_um,
-            "half": loss.half,
-            "counted_little": loss.counted_little,
-        }
+        lack_of_fit=None if lack is None else LackOfFitPart.model_validate(lack),
+        robust=None if fit.robust is None else RobustPart.model_validate(fit.robust),
     )
 
 

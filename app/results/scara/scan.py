@@ -53,7 +53,6 @@ def identify_scan_file(
 
     Args:
         points: the file, CSV or Parquet; it states its uncertainties itself, in the column sigma_mm.
-        bench: nodes, nominal links and rough reflectors.
         reading: is called with the share of the file that is read.
         solving: is called with the rows done and the rows expected of all passes.
 

@@ -27,7 +27,6 @@ def ratio_statement(left: str, first: str, ratio: float | None, rows: str) -> St
         left: what the last model leaves.
         first: what the first one leaves.
         ratio: of both; None where there is one model.
-        rows: how many rows were compared.
     """
     if ratio is None:
         return Statement(Sign.NEUTRAL, f"{left} ({rows}).")

@@ -14,8 +14,16 @@ from pydantic import BaseModel
 from catseye.app.engine.gate import WHOLE_PERCENT
 from catseye.app.engine.handle import OnOpen, RunHandle
 from catseye.app.engine.walked.register import WALK, as_row
-from catseye.app.engine.walked.speed import FASTEST_MM_S, MOST_PERCENT, walking_percent
-from catseye.app.engine.walked.tube import TUBE_DEG, TUBE_MM, Leg, Tubes, to_walk
+from catseye.app.engine.walked.tube import (
+    FASTEST_MM_S,
+    MOST_PERCENT,
+    TUBE_DEG,
+    TUBE_MM,
+    Leg,
+    Tubes,
+    to_walk,
+    walking_percent,
+)
 from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.protocol.procedures import Runnable
 from catseye.app.service.walk.feed import Feed, FeedLostError

@@ -40,7 +40,6 @@ def grid(floor: Floor, keep_out_mm: float, count: int) -> tuple[Floats, float]:
     that lies inside it as good as wholly gets a grid of millimetres at the finest.
 
     Args:
-        floor: where places lie.
         keep_out_mm: radius about the J1 axis that is kept free.
         count: wanted number of places outside.
 

@@ -8,23 +8,22 @@ from catseye.calibration.core.types import Floats
 
 _DIRECTIONS = np.array([[1, 0], [0, 1], [-1, 0], [0, -1], [1, 1], [-1, 1], [-1, -1], [1, -1]], dtype=float)
 
+_FINEST_MM = 1.0
+"""Last step; places stay multiples of it apart."""
 
-def refine(
-    places_mm: Floats, value: Callable[[Floats], float], step_mm: float, finest_mm: float = 1.0
-) -> tuple[Floats, float]:
+
+def refine(places_mm: Floats, value: Callable[[Floats], float], step_mm: float) -> tuple[Floats, float]:
     """Improve a layout by moving one reflector at a time in eight directions, with ever smaller steps.
 
     Args:
         places_mm: layout, mm, shape (k, 2).
         value: criterion of a layout; infinite where it breaks a constraint.
-        step_mm: first step.
-        finest_mm: last step; places stay multiples of it apart.
 
     Returns:
         The layout and its value, which is never above that of the start.
     """
     places, best = places_mm.copy(), value(places_mm)
-    step = max(finest_mm, float(np.ceil(step_mm / finest_mm)) * finest_mm)
+    step = max(_FINEST_MM, float(np.ceil(step_mm / _FINEST_MM)) * _FINEST_MM)
     while True:
         moved = False
         for k in range(len(places)):
@@ -36,6 +35,6 @@ def refine(
                     places, best, moved = trial, reached, True
         if moved:
             continue
-        if step <= finest_mm:
+        if step <= _FINEST_MM:
             return places, best
-        step = max(finest_mm, float(np.floor(0.5 * step / finest_mm)) * finest_mm)
+        step = max(_FINEST_MM, float(np.floor(0.5 * step / _FINEST_MM)) * _FINEST_MM)

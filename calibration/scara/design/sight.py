@@ -95,7 +95,6 @@ def sight_of(xy_mm: Floats, way: Way, rules: Rules, facing_rad: float | None = N
 
     Args:
         xy_mm: place, mm, shape (2,).
-        way: where the arm goes.
         facing_rad: direction of the reflector's axis; None for the one in which it sees most.
     """
     facing = _facing(xy_mm, way, rules) if facing_rad is None else facing_rad

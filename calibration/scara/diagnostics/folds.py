@@ -21,7 +21,6 @@ def cross_validation(projection: DistanceProjection, way: Way) -> CrossValidatio
 
     Args:
         projection: the fit, on the space that its model cannot reach.
-        way: what to leave out at a time.
     """
     return core.cross_validation(projection, _folds(projection.points, way))
 

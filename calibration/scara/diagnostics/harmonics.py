@@ -77,7 +77,6 @@ def harmonic_series(
         projection: the fit, on the space that its model cannot reach.
         nominal_mm: nominal links, mm.
         reflectors_mm: places that the beam was aimed at, mm, shape (reflectors, 2).
-        orders: highest order.
     """
     angles = angles_rad(projection.points, nominal_mm, reflectors_mm)
     found = [_series(projection, target, source, angles[source], orders) for target, source in SERIES]

@@ -37,8 +37,8 @@ class ComparedModel(Judged):
     Attributes:
         name: what it is called.
         base: the model that it extends; None for the smallest.
-        refused: why it could not be identified; empty when it was.
-        free: its free parameters.
+        refused: why it could not be identified; None when it was.
+        n_parameters: its free parameters.
         rms_um: rms of its residuals, µm.
         aicc: information criterion.
         bic: information criterion.
@@ -53,8 +53,8 @@ class ComparedModel(Judged):
 
     name: str
     base: str | None
-    refused: str
-    free: int
+    refused: str | None
+    n_parameters: int
     rms_um: float
     aicc: float
     bic: float
@@ -127,7 +127,7 @@ def _refused(extension: Extension, text: str) -> ComparedModel:
         extension.name,
         ERROR_MAP,
         text,
-        free=0,
+        n_parameters=0,
         rms_um=np.nan,
         aicc=np.inf,
         bic=np.inf,
@@ -149,8 +149,8 @@ def _compared(name: str, base: tuple[str, _Fitted] | None, fitted: _Fitted, test
     return ComparedModel(
         name,
         None if base is None else base[0],
-        "",
-        free=identified.fit.n_parameters,
+        None,
+        n_parameters=identified.fit.n_parameters,
         rms_um=identified.fit.rms_um,
         aicc=aicc(*size),
         bic=bic(*size),

@@ -26,8 +26,8 @@ class Grid:
         name: what it is.
         nodes1_rad: nodes of J1, rad.
         nodes2_rad: nodes of J2, rad.
-        refused: why it could not be identified; empty when it was.
-        free: free parameters.
+        refused: why it could not be identified; None when it was.
+        n_parameters: free parameters.
         rms_um: rms of the residuals, µm.
         aicc: information criterion.
         bic: information criterion.
@@ -37,8 +37,8 @@ class Grid:
     name: str
     nodes1_rad: Floats
     nodes2_rad: Floats
-    refused: str
-    free: int
+    refused: str | None
+    n_parameters: int
     rms_um: float
     aicc: float
     bic: float
@@ -133,7 +133,15 @@ def _grid(problem: Problem, name: str, nodes1: Floats, nodes2: Floats) -> tuple[
     projection = projection_of(identified)
     size = (projection.square, len(identified.points), identified.fit.n_parameters)
     grid = Grid(
-        name, nodes1, nodes2, "", size[2], identified.fit.rms_um, aicc(*size), bic(*size), predicted_um=np.nan
+        name,
+        nodes1,
+        nodes2,
+        None,
+        size[2],
+        identified.fit.rms_um,
+        aicc(*size),
+        bic(*size),
+        predicted_um=np.nan,
     )
     return grid, predicted_residuals(projection, "sweep")
 

@@ -43,7 +43,6 @@ def angles_rad(
     """Return the angles that errors may follow: of both joints, and of the beam against link 2; rad, shape (n,).
 
     Args:
-        points: where the arm was sent.
         nominal_mm: nominal links, mm.
         reflectors_mm: places that the beam was aimed at, mm, shape (reflectors, 2).
     """

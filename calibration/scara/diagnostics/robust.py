@@ -34,7 +34,6 @@ def robust_fit(identified: Identification, loss: Loss) -> RobustFit:
 
     Args:
         identified: estimate of least squares, from where the iteration starts.
-        loss: "huber" or "soft-l1".
 
     Raises:
         ConvergenceError: the weights do not settle.

@@ -78,7 +78,6 @@ def identify_scan(
         link2_mm: nominal length of link 2, mm.
         reflectors_mm: rough places of source.reflector_names, mm, shape (reflectors, 2).
         budget: contributors, as identify takes them; none may be common to a pose.
-        terms: functions beyond the model, each with a coefficient.
         progress: called with the rows done and the rows expected, all passes together.
 
     Raises:

@@ -41,11 +41,7 @@ _VALUE, _UM, _MDEG = fixed(3), fixed(1), fixed(2)
 
 
 def design_report(design: Design, cell_name: str) -> Report:
-    """Return what a design says.
-
-    Args:
-        cell_name: of the cell that it was made for.
-    """
+    """Return what a design says."""
     sections = (_places(design), _comparison(design), _weakness(design), _commands(design), _front(design))
     return Report(f"Design of a measurement: {cell_name}", origin_now(), sections)
 

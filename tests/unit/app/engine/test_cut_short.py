@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from catseye.app.engine.cut_short import rest_of_way
+from catseye.app.engine.mover import rest_of_way
 from catseye.drivers.roles.pose import Pose
 
 START: Pose = (0.0, 0.0, 0.0, 0.0)

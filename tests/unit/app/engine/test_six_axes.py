@@ -12,8 +12,7 @@ from catseye.app.engine.driven import sampled, speeds_of
 from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.walked.register import as_row
-from catseye.app.engine.walked.speed import walking_percent
-from catseye.app.engine.walked.tube import Leg, Tubes, legs_through
+from catseye.app.engine.walked.tube import Leg, Tubes, legs_through, walking_percent
 from catseye.app.errors import LimitError
 from catseye.app.results.runs.event_text import first_motion_text
 from catseye.drivers.roles.pose import Pose

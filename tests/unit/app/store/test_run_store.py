@@ -150,7 +150,7 @@ async def test_p4_no_run_begins_without_a_reserve(tmp_path: Path) -> None:
 async def test_p4_a_run_fails_before_the_disk_is_full(
     store: RunStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("catseye.app.store.directory.shutil.disk_usage", lambda _path: Usage())
+    monkeypatch.setattr("catseye.app.store.new_run.shutil.disk_usage", lambda _path: Usage())
     monkeypatch.setattr(store, "_reserve_bytes", 1000)
     with pytest.raises(StorageError, match="make room"):
         await store.append_step("s1", 1, "first", {}, [])

@@ -9,14 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from catseye.simulators.modbus.air_sensor import AirSensor
-from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError, ModbusSession, respond
+from catseye.simulators.modbus.tcp import ILLEGAL_ADDRESS, ModbusError, ModbusSession, Registers, respond
 from catseye.simulators.world.air import dew_point_c
 from catseye.simulators.world.air_probe import AirFault, AirProbe
 from catseye.simulators.world.scara.arm import scara_bench
 from tests.unit.simulators.benches import QUIET, perfect_arm, quiet_bench, without_j4_play
 
 
-class Bank:
+class Bank(Registers):
     """Registers and coils without a meaning: the addresses 0 to 99."""
 
     def __init__(self) -> None:

@@ -8,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from catseye.app.engine.walked.speed import FASTEST_MM_S, walking_percent
-from catseye.app.engine.walked.tube import Leg
+from catseye.app.engine.walked.tube import FASTEST_MM_S, Leg, walking_percent
 from catseye.app.errors import SafetyError
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.motion.body_speed import fastest_mm_s, top_speed_mm_s

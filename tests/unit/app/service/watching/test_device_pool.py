@@ -10,9 +10,8 @@ from catseye.app.engine.waiting import cancel
 from catseye.app.errors import ConfigError
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.watching.device_pool import WAKING_LIMIT_S, DevicePool
-from catseye.app.service.watching.device_supervisor import CLOSE_LIMIT_S
+from catseye.app.service.watching.device_supervisor import AIR_S, CLOSE_LIMIT_S
 from catseye.app.service.watching.latest_values import LatestValues
-from catseye.app.service.watching.polling import AIR_S
 from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.errors import RefusedError as DeviceRefusedError
 from tests.unit.app.service.watching.pulled_devices import PulledCell, lost

@@ -53,7 +53,7 @@ def test_only_what_acts_is_significant_and_its_coefficients_are_right() -> None:
     u = dict(zip([term.name for term in found["crosstalk"].terms], found["crosstalk"].u, strict=True))
     assert values["Δθ2 sin θ1"] == pytest.approx(3.0 * MDEG, abs=3.0 * u["Δθ2 sin θ1"])
     assert found["crosstalk"].aicc < found["error map"].aicc
-    assert found["all together"].free == found["error map"].free + 8 + 10 + 2
+    assert found["all together"].n_parameters == found["error map"].n_parameters + 8 + 10 + 2
 
 
 def test_f_is_the_textbook_ratio_of_both_fits() -> None:
@@ -87,6 +87,7 @@ def test_nothing_is_significant_on_white_noise() -> None:
 def test_what_the_commands_cannot_determine_is_refused_with_reason() -> None:
     found = compare_models(problem(on_nodes()), [*EXTENSIONS, Extension("periodic", periodic(1, (36,)))])
     refused = next(one for one in found if one.name == "periodic")
+    assert refused.refused is not None
     assert "measure between the nodes" in refused.refused
     together = next(one for one in found if one.name == "all together")
     assert not together.refused

@@ -110,7 +110,7 @@ def test_scale_of_clean_normal_errors_is_their_standard_deviation() -> None:
 
 def test_what_counts_little_is_reported_but_not_rejected() -> None:
     found = robust_fit(problem(noisy(9, 0.05)).solve(), "huber").identified
-    loss = found.fit.loss
+    loss = found.fit.robust
     assert found.rejected == []
     assert loss is not None
     far = np.abs(found.residuals_mm) > 2.0 * TUNING["huber"] * 1e-3 * loss.sigma_um

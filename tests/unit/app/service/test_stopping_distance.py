@@ -2,7 +2,7 @@
 
 from math import radians
 
-from catseye.app.engine.stopping_distance import stopping_text
+from catseye.app.service.examination import stopping_text
 from tests.unit.procedures.benches import bench
 
 
