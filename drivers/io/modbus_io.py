@@ -6,10 +6,10 @@ from pydantic import Field, model_validator
 
 from catseye.drivers.links.driver import DeviceSettings
 from catseye.drivers.links.endpoint import SerialEndpoint, require_stream
-from catseye.drivers.modbus.client import RegisterClient
+from catseye.drivers.modbus.client import ModbusDevice, RegisterClient, connected
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.device import Identity, Sink
-from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, ProtocolError, RefusedError
+from catseye.drivers.roles.errors import LinkError, ProtocolError
 from catseye.drivers.roles.io import Io, Light
 
 _MOST_ON_A_LINE_S = 0.07
@@ -68,16 +68,8 @@ class IoSettings(DeviceSettings):
         return {light: coil for light, coil in named.items() if coil is not None}
 
 
-class Bits(Protocol):
+class Bits(ModbusDevice, Protocol):
     """Coils and inputs of one device."""
-
-    async def open(self) -> None:
-        """Connect."""
-        ...
-
-    async def close(self) -> None:
-        """Disconnect."""
-        ...
 
     async def read_bits(self, function: int, address: int, count: int) -> list[bool]:
         """Return coils or inputs."""
@@ -87,17 +79,9 @@ class Bits(Protocol):
         """Set coils."""
         ...
 
-    async def identify(self) -> dict[int, str]:
-        """Return the objects of function 43/14."""
-        ...
-
 
 class ModbusIo(Io):
-    """Driver of a block of inputs and outputs.
-
-    Args:
-        settings: what is connected where.
-    """
+    """Driver of a block of inputs and outputs."""
 
     Settings: ClassVar[type[IoSettings]] = IoSettings
     summary: ClassVar[str] = "Modbus TCP or RTU: door contact and stack light"
@@ -112,7 +96,6 @@ class ModbusIo(Io):
 
         Args:
             endpoint: of the block, tcp:// or serial://.
-            clock: not needed here.
             sink: is shown all bytes.
             settings: fields of `IoSettings`.
 
@@ -142,20 +125,7 @@ class ModbusIo(Io):
             RefusedError: the door's contact is not there.
             LinkError: unreachable or silent.
         """
-        await self._bits.open()
-        try:
-            names = await self._identify()
-            await self._look_first()
-        except BaseException:
-            await self._bits.close()
-            raise
-        model = " ".join(filter(None, (names.get(0, ""), names.get(1, ""))))
-        return Identity(
-            model=model or "Modbus remote I/O",
-            firmware=names.get(2, ""),
-            serial=names.get(0x80, ""),
-            simulated="EMULATOR" in names.get(0, "").upper(),
-        )
+        return await connected(self._bits, self._look_first, "Modbus remote I/O")
 
     async def close(self) -> None:
         """Disconnect; may be called any number of times."""
@@ -187,10 +157,3 @@ class ModbusIo(Io):
             await self.door_closed()
         except (LinkError, ProtocolError):
             await self.door_closed()
-
-    async def _identify(self) -> dict[int, str]:
-        try:
-            return await self._bits.identify()
-        except (RefusedError, LinkTimeoutError):
-            # Function 43/14 is optional; a block without it may also keep silent.
-            return {}

@@ -16,9 +16,6 @@ from catseye.procedures.kit.records import Json
 class System:
     """A bench whose arm carries nothing that has to be kept in sight; systems that know more subclass it.
 
-    Args:
-        bench: what it is made from.
-
     Attributes:
         bench: what it is made from.
     """
@@ -68,7 +65,6 @@ class System:
         """Return the pose at the end of a step by hand.
 
         Args:
-            here: where the arm stands.
             name: what moves, one of `jog_names`.
             by: deg, mm of a prismatic axis, or what else moves is measured in.
             aim: target of an instrument that is kept in sight.

@@ -1,5 +1,6 @@
 """The bench of a SCARA that carries an interferometer: links, reflectors, beam, nodes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from catseye.calibration.kinematics.bodies import Capsule
 from catseye.drivers.roles.pose import Range
 from catseye.procedures.kit.bench import Bench, Stand
+from catseye.procedures.kit.errors import PlanError
 
 
 @dataclass(frozen=True)
@@ -129,6 +131,18 @@ class ScaraBench(Bench):
     take_up_deg: float
     alignment: Alignment = Alignment()
     noise: Noise = Noise()
+
+    def chosen(self, names: Sequence[str]) -> tuple[Reflector, ...]:
+        """Return the reflectors of these names in their order; all when there are no names.
+
+        Raises:
+            PlanError: there is none of that name.
+        """
+        known = {reflector.name: reflector for reflector in self.reflectors}
+        for name in names:
+            if name not in known:
+                raise PlanError(f"reflector {name} is not in the cell file; known: {', '.join(known)}")
+        return tuple(known[name] for name in names) if names else self.reflectors
 
     @property
     def j1_limits_deg(self) -> Range:

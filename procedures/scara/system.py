@@ -26,11 +26,7 @@ _HEIGHT_ROUNDING_MM: Final = 0.1
 
 
 class ScaraSystem(System):
-    """A SCARA that carries an interferometer.
-
-    Args:
-        bench: what it is made from.
-    """
+    """A SCARA that carries an interferometer."""
 
     def __init__(self, bench: ScaraBench) -> None:
         super().__init__(bench)

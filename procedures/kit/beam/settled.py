@@ -22,7 +22,6 @@ async def settled_measurement(ctx: Context, timing: Timing, where: str) -> Measu
     A laser that is not ready suspends the run. Its count is lost meanwhile, so the measurement is not ok then.
 
     Args:
-        timing: settling, dwell and the largest spread.
         where: what is measured, unique in the run; part of the question's id.
 
     Returns:

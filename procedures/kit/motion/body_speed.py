@@ -25,9 +25,6 @@ def fastest_mm_s(bench: Bench, start: Pose, end: Pose, percent: float) -> float:
     taken to turn the farthest body with the longest lever that there is, all in the same direction.
 
     Args:
-        bench: see `top_speed_mm_s`.
-        start: where the motion begins.
-        end: where it ends.
         percent: speed override.
     """
     travel = np.abs(np.subtract(end, start))

@@ -35,7 +35,6 @@ def require_clear_way(way: Sequence[Pose], bench: Bench) -> None:
 
     Args:
         way: targets in order, the first one where the way begins; straight joint moves lie between them.
-        bench: the arm, its bodies, its surroundings.
 
     Raises:
         PlanError: names both bodies, how near they come, on the way to which target, and the remedy.
@@ -48,9 +47,7 @@ def require_clear_legs(start: Pose, legs: Sequence[Sequence[Pose]], bench: Bench
     """Refuse legs, at whose ends the arm stands still, as `require_clear_way` refuses a way.
 
     Args:
-        start: where the first leg begins.
         legs: targets of each.
-        bench: the arm, its bodies, its surroundings.
 
     Raises:
         PlanError: as `require_clear_way`.
@@ -101,13 +98,7 @@ def refused_target(way: Sequence[Pose], bench: Bench) -> tuple[int, str] | None:
 
 
 def clear_part(here: Pose, target: Pose, bench: Bench) -> tuple[Pose, str | None]:
-    """Return how far a straight joint move may go, and why not farther; None when its target can be reached.
-
-    Args:
-        here: where the move begins.
-        target: where it is to end.
-        bench: the arm, its bodies, its surroundings.
-    """
+    """Return how far a straight joint move may go, and why not farther; None when its target can be reached."""
     way = (here, target)
     contact = _contact(way, bench)
     if contact is None:

@@ -44,7 +44,6 @@ def way_time_s(arm: Arm, poses: Floats) -> float:
     """Return the time of a way through poses, s; how it is driven depends on the arm's way of following.
 
     Args:
-        arm: axes, override and way of following.
         poses: the start and each target, deg or mm, shape (n, axes).
     """
     steps = np.abs(np.diff(poses, axis=0))
@@ -59,7 +58,6 @@ def leg_rates(arm: Arm, travel: Floats) -> Floats:
     """Return how fast the legs of a way are driven at their fastest, legs in a second, shape (n,).
 
     Args:
-        arm: axes, override and way of following.
         travel: of each axis on each leg, deg or mm, shape (n, axes).
     """
     pace = _following(arm)

@@ -10,26 +10,21 @@ from catseye.calibration.scara.alignment import PitchFit, fit_pitch
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError, PlanError
-from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import way_refusal
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import numbers_of
 from catseye.procedures.scara import texts
-from catseye.procedures.scara.alignment.beam_to_j4 import named_reflectors
-from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw
+from catseye.procedures.scara.alignment.screws import GuidedScrew, Rounds, Screw
 from catseye.procedures.scara.beam.beam_scan import (
     find_height,
     find_return,
     half_window_deg,
     scan_offsets_deg,
-    signal_live,
 )
-from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.before import COUNTER, LEVELLING, REFLECTORS
 from catseye.procedures.scara.bench import ScaraBench
-from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 from catseye.procedures.scara.search.search_plan import SearchPose, looking_poses, measured_distances_mm
 
@@ -120,9 +115,7 @@ class BeamLevel(Procedure):
         """
         self._away_from_mm = plan.bench.j3_mm
         rounds = _Rounds(ctx, plan)
-        guided = GuidedScrew(
-            ctx, level_screw(plan.bench), rounds.measure, rounds.watch, plan.params.max_rounds, rounds.start
-        )
+        guided = GuidedScrew(ctx, level_screw(plan.bench), rounds, plan.params.max_rounds)
         row = await guided.align()
         await ctx.step("result", "height at which everything is measured", lambda: _result(ctx, plan, row))
         await ctx.step("height", "J3 back at the height of the cell file", lambda: _back(ctx, plan))
@@ -163,7 +156,7 @@ def level_screw(bench: ScaraBench) -> Screw:
 
 
 def _poses(bench: ScaraBench, params: BeamLevelParams) -> tuple[SearchPose, ...]:
-    reflectors = named_reflectors(bench, params.reflector)
+    reflectors = bench.chosen((params.reflector,) if params.reflector else ())
     chains = [
         _spaced(
             looking_poses(bench, reflector, params.half_range_deg), params.half_range_deg, bench, params.poses
@@ -230,31 +223,24 @@ class _Found:
     j3_mm: float
 
 
-class _Rounds:
+class _Rounds(Rounds):
     """Measures the pitch; knows where the beam came back from each pose in the last round."""
 
     def __init__(self, ctx: Context, plan: BeamLevelPlan) -> None:
-        self._ctx = ctx
+        super().__init__(ctx, plan.bench)
         self._plan = plan
-        self._nests = Nests(ctx, plan.bench)
-        self._arrival = Arrival(ctx, plan.bench)
 
     @property
     def start(self) -> Pose:
         """Where each round begins."""
         first = self._plan.poses[0]
-        return (first.theta1_deg, first.theta2_deg, self._plan.bench.j3_mm, first.j4_deg)
-
-    async def watch(self) -> Live:
-        """Return the signal, for hands that turn a screw."""
-        return signal_live((await self._ctx.beam()).signal, self._plan.bench.optics.signal_min)
+        return (first.theta1_deg, first.theta2_deg, self._bench.j3_mm, first.j4_deg)
 
     async def measure(self, number: int, expected: float | None, last: Row | None) -> Row:
         """Find the heights from near to far and fit the pitch."""
         del number
         poses = self._plan.poses
-        await self._nests.place(poses[0].reflector, target=self.start)
-        await self._arrival.at(self.start)
+        await self._begin(poses[0].reflector)
         found: list[_Found] = []
         for place, pose in enumerate(poses):
             before = (
@@ -282,7 +268,7 @@ class _Rounds:
         self, pose: SearchPose, nearer: list[_Found], before: _Found | None, change_mrad: float
     ) -> _Found:
         """Find the return from a pose in J4 and in height, from the likeliest height outwards."""
-        optics, (low, high) = self._plan.bench.optics, self._plan.j3_range_mm
+        optics, (low, high) = self._bench.optics, self._plan.j3_range_mm
         around_deg, half_range_deg = self._direction(pose, nearer, before)
         likely = min(max(self._likely_mm(pose, nearer, before, change_mrad), low), high)
         for offset in scan_offsets_deg(high - low, 1.4 * optics.acceptance_mm):
@@ -290,7 +276,7 @@ class _Rounds:
                 continue
             start = (pose.theta1_deg, pose.theta2_deg, likely + offset, around_deg)
             half_window = half_window_deg(optics.acceptance_mm, pose.beam_mm)
-            limits = self._plan.bench.j4_limits_deg
+            limits = self._bench.j4_limits_deg
             window = await find_return(
                 self._ctx, start, half_range_deg, half_window, limits, optics.signal_min
             )
@@ -309,7 +295,7 @@ class _Rounds:
         """Return J4 and how far to scan about it."""
         full_deg = self._plan.params.half_range_deg
         if before is not None:
-            window = half_window_deg(self._plan.bench.optics.acceptance_mm, pose.beam_mm)
+            window = half_window_deg(self._bench.optics.acceptance_mm, pose.beam_mm)
             return before.j4_deg, min(full_deg, 3.0 * window)
         if not nearer:
             return pose.j4_deg, full_deg
@@ -325,10 +311,10 @@ class _Rounds:
             return before.j3_mm - change_mrad * 1e-3 * pose.beam_mm
         if len(nearer) > 1:
             return self._fit(nearer).height_mm(pose.beam_mm)
-        return nearer[0].j3_mm if nearer else self._plan.bench.j3_mm
+        return nearer[0].j3_mm if nearer else self._bench.j3_mm
 
     async def _centred(self, pose: SearchPose, at: Pose) -> _Found:
-        optics, (low, high) = self._plan.bench.optics, self._plan.j3_range_mm
+        optics, (low, high) = self._bench.optics, self._plan.j3_range_mm
         window = await find_height(self._ctx, at, 0.0, optics.acceptance_mm, (low, high), optics.signal_min)
         if window is None:
             raise BeamLostError(

@@ -20,18 +20,15 @@ from catseye.procedures.kit.errors import (
     PlanError,
     PlanLimitError,
 )
-from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import require_clear_way
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
-from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw
+from catseye.procedures.scara.alignment.screws import GuidedScrew, Rounds, Screw
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
-from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.before import ALIGNING, COUNTER, LEVELLED, REFLECTORS
-from catseye.procedures.scara.bench import Reflector, ScaraBench
-from catseye.procedures.scara.motion.arrival import Arrival
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 from catseye.procedures.scara.search.search_plan import SearchPose, looking_poses
 
@@ -120,9 +117,7 @@ class BeamToJ4(Procedure):
             BeamLostError: the reflector does not return the beam, or not lastingly.
         """
         rounds = _Rounds(ctx, plan)
-        guided = GuidedScrew(
-            ctx, stage_screw(plan.bench), rounds.measure, rounds.watch, plan.params.max_rounds, rounds.start
-        )
+        guided = GuidedScrew(ctx, stage_screw(plan.bench), rounds, plan.params.max_rounds)
         row = await guided.align()
         await ctx.step(
             "result", "offset of the beam from the J4 axis", lambda: _result(ctx, guided.turned, row)
@@ -148,19 +143,6 @@ def stage_screw(bench: ScaraBench) -> Screw:
     )
 
 
-def named_reflectors(bench: ScaraBench, name: str) -> tuple[Reflector, ...]:
-    """Return the reflector of a name, all for an empty one.
-
-    Raises:
-        PlanError: there is none of that name.
-    """
-    found = tuple(reflector for reflector in bench.reflectors if name in ("", reflector.name))
-    if not found:
-        names = ", ".join(reflector.name for reflector in bench.reflectors)
-        raise PlanError(f"there is no reflector {name}; the cell file has {names}")
-    return found
-
-
 def _pose(bench: ScaraBench, params: BeamToJ4Params) -> SearchPose:
     given = (params.theta1_deg, params.theta2_deg)
     if (given[0] is None) != (given[1] is None):
@@ -168,7 +150,7 @@ def _pose(bench: ScaraBench, params: BeamToJ4Params) -> SearchPose:
             "a pose needs both theta1_deg and theta2_deg: give the other one too, or none of them"
         )
     at = None if given[0] is None or given[1] is None else (given[0], given[1])
-    reflectors = named_reflectors(bench, params.reflector)
+    reflectors = bench.chosen((params.reflector,) if params.reflector else ())
     seen = list(
         chain.from_iterable(
             looking_poses(bench, reflector, params.half_range_deg, at) for reflector in reflectors
@@ -203,29 +185,22 @@ def require_inside(bench: ScaraBench, poses_deg: Sequence[tuple[float, float]]) 
                 )
 
 
-class _Rounds:
+class _Rounds(Rounds):
     """Measures the offset; knows where the beam was centred last."""
 
     def __init__(self, ctx: Context, plan: BeamToJ4Plan) -> None:
-        self._ctx = ctx
+        super().__init__(ctx, plan.bench)
         self._plan = plan
-        self._nests = Nests(ctx, plan.bench)
-        self._arrival = Arrival(ctx, plan.bench)
 
     @property
     def start(self) -> Pose:
         """Where each round begins."""
         return self._at(self._plan.pose.j4_deg)
 
-    async def watch(self) -> Live:
-        """Return the signal, for hands that turn a screw."""
-        return signal_live((await self._ctx.beam()).signal, self._plan.bench.optics.signal_min)
-
     async def measure(self, number: int, expected: float | None, last: Row | None) -> Row:
         """Find the return window, turn J4 through it and fit."""
         plan = self._plan
-        await self._nests.place(plan.pose.reflector, target=self.start)
-        await self._arrival.at(self.start)
+        await self._begin(plan.pose.reflector)
         window = await self._window(expected, last)
         taken: list[tuple[int, Measurement]] | None = None
         for attempt in range(_TRIES):
@@ -242,7 +217,7 @@ class _Rounds:
         )
 
     def _require_enough(self, taken: list[tuple[int, Measurement]]) -> None:
-        wanted, least = self._plan.params, self._plan.bench.optics.signal_min
+        wanted, least = self._plan.params, self._bench.optics.signal_min
         asked = wanted.turns * wanted.passes
         if 2 * len(taken) < asked:
             raise AlignmentError(
@@ -252,7 +227,7 @@ class _Rounds:
 
     async def _window(self, expected: float | None, last: Row | None) -> ReturnWindow:
         """Search the window: near where it has to be after the last turn, then everywhere."""
-        plan, optics = self._plan, self._plan.bench.optics
+        plan, optics = self._plan, self._bench.optics
         pose, half_window = plan.pose, half_window_deg(optics.acceptance_mm, plan.pose.beam_mm)
         everywhere = (pose.j4_deg, plan.params.half_range_deg)
         # A beam that is too high or too low has a narrower window, between the steps of the first scan.
@@ -299,7 +274,7 @@ class _Rounds:
 
     def _at(self, j4_deg: float) -> Pose:
         pose = self._plan.pose
-        return (pose.theta1_deg, pose.theta2_deg, self._plan.bench.j3_mm, j4_deg)
+        return (pose.theta1_deg, pose.theta2_deg, self._bench.j3_mm, j4_deg)
 
     async def _doubt(self, fit: OffsetFit) -> None:
         beam_mm = self._plan.pose.beam_mm
@@ -313,7 +288,7 @@ class _Rounds:
     def _row(self, fit: OffsetFit, window: ReturnWindow) -> Row:
         return {
             "value": fit.offset_mm,
-            "u": math.hypot(fit.u_mm, _u_radial_mm(self._plan.bench)),
+            "u": math.hypot(fit.u_mm, _u_radial_mm(self._bench)),
             "u_repeat": fit.u_mm,
             "j4_deg": window.centre_deg,
             "window_deg": window.upper_deg - window.lower_deg,

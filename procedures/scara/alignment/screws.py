@@ -1,7 +1,7 @@
 """Guided turning of a screw until a measured quantity is small enough: measure, say what to turn, measure again."""
 
 import math
-from collections.abc import Awaitable, Callable
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -13,6 +13,10 @@ from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.kit.tasks import TurnScrew
+from catseye.procedures.scara.beam.beam_scan import signal_live
+from catseye.procedures.scara.beam.nests import Nests
+from catseye.procedures.scara.bench import Reflector, ScaraBench
+from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 
 _ROUND_S: Final = 60.0
@@ -113,8 +117,6 @@ def respond(screw: Screw, before: Observed, after: Observed, turns: float) -> Re
     """Compare the change of a quantity with what a turn should have done.
 
     Args:
-        before: the quantity before the turn.
-        after: the quantity after it.
         turns: what was asked for, clockwise positive.
     """
     asked, change = turns * screw.per_turn, after.value - before.value
@@ -132,38 +134,56 @@ def respond(screw: Screw, before: Observed, after: Observed, turns: float) -> Re
     return Response("expected", observed)
 
 
-Measure = Callable[[int, float | None, Row | None], Awaitable[Row]]
-"""Measures the quantity: round number, expected change since the last round (None where nobody knows), and what the
-last round returned (None at the first). Returns a row with `value`, `u`, `u_repeat` and what else is kept."""
+class Rounds(ABC):
+    """The measurements of what a screw changes."""
 
-Watch = Callable[[], Awaitable[Live]]
+    def __init__(self, ctx: Context, bench: ScaraBench) -> None:
+        self._ctx = ctx
+        self._bench = bench
+        self._nests = Nests(ctx, bench)
+        self._arrival = Arrival(ctx, bench)
+
+    @property
+    @abstractmethod
+    def start(self) -> Pose:
+        """Where each round begins."""
+
+    @abstractmethod
+    async def measure(self, number: int, expected: float | None, last: Row | None) -> Row:
+        """Measure the quantity.
+
+        Args:
+            number: of the round.
+            expected: change since the last round; None where nobody knows.
+            last: what the last round returned; None at the first.
+
+        Returns:
+            A row with `value`, `u`, `u_repeat` and what else is kept.
+        """
+
+    async def watch(self) -> Live:
+        """Return the signal, for hands that turn a screw."""
+        return signal_live((await self._ctx.beam()).signal, self._bench.optics.signal_min)
+
+    async def _begin(self, reflector: Reflector) -> None:
+        """Put the reflector in its place and go to where the round begins."""
+        await self._nests.place(reflector, target=self.start)
+        await self._arrival.at(self.start)
 
 
 class GuidedScrew:
     """Measures and instructs round by round. Each round's measurement, judgement and turn is a step of its own.
 
     Args:
-        watch: reads what is shown while hands turn the screw.
         max_rounds: most measurements.
-        target: where each measurement begins, which the questions show.
     """
 
-    def __init__(
-        self,
-        ctx: Context,
-        screw: Screw,
-        measure: Measure,
-        watch: Watch,
-        max_rounds: int,
-        target: Pose | None = None,
-    ) -> None:
+    def __init__(self, ctx: Context, screw: Screw, rounds: Rounds, max_rounds: int) -> None:
         self._ctx = ctx
         self._screw = screw
-        self._measure = measure
-        self._watch = watch
+        self._rounds = rounds
         self._max_rounds = max_rounds
-        self._target = target
-        self._rounds: list[Observed] = []
+        self._seen: list[Observed] = []
         self._last: Row | None = None
         self._instructions: list[str] = []
         self._turned: float | None = None
@@ -190,7 +210,7 @@ class GuidedScrew:
             self._ctx.progress(
                 number * _ROUND_S, self._max_rounds * _ROUND_S, f"{self._screw.quantity}, round {number}"
             )
-            seen = self._rounds[-1]
+            seen = self._seen[-1]
             self._show(seen)
             if abs(seen.value) + seen.u <= self._screw.tolerance:
                 return row
@@ -226,22 +246,22 @@ class GuidedScrew:
             f"{screw.name}/{number}/measure", f"{screw.quantity}, round {number}", action
         )
         self._last = row
-        self._rounds.append(Observed(*(number_of(row, key) for key in ("value", "u", "u_repeat"))))
+        self._seen.append(Observed(*(number_of(row, key) for key in ("value", "u", "u_repeat"))))
         return row
 
     async def _measured(self, number: int, expected: float | None) -> Row:
         """Measure; hands that hold something into the beam may free it and have it measured again."""
         while True:
             try:
-                return await self._measure(number, expected, self._last)
+                return await self._rounds.measure(number, expected, self._last)
             except BeamLostError as error:
                 cause, where = Cause("lost", str(error)), f"{self._screw.quantity}, round {number}"
                 await self._losses.note(cause, where, where=where)
-                await self._beam.decide(cause, where, goal=self._target)
+                await self._beam.decide(cause, where, goal=self._rounds.start)
 
     async def _judge(self, number: int) -> None:
         """Look what the last turn did, and take the screw as it acts from then on."""
-        before, after, turns = self._rounds[-2], self._rounds[-1], self._turned or 0.0
+        before, after, turns = self._seen[-2], self._seen[-1], self._turned or 0.0
         found = respond(self._screw, before, after, turns)
 
         async def action() -> Row:
@@ -280,7 +300,7 @@ class GuidedScrew:
 
     async def _ask_sense(self, number: int, found: Response, text: str) -> float:
         screw, other = self._screw, replace(self._screw, per_turn=found.per_turn)
-        way = "clockwise" if other.turns(-self._rounds[-1].value) > 0.0 else "anticlockwise"
+        way = "clockwise" if other.turns(-self._seen[-1].value) > 0.0 else "anticlockwise"
         setting = f'{other.sense_key} = "{other.sense_word()}"'
         await self._ctx.warn(f"{text}; turn it {way}, or set {setting} in the cell file")
         answer = await self._ctx.ask(
@@ -297,7 +317,7 @@ class GuidedScrew:
         return found.per_turn if answer == "reversed" else screw.per_turn
 
     async def _turn(self, number: int) -> None:
-        screw, seen = self._screw, self._rounds[-1]
+        screw, seen = self._screw, self._seen[-1]
         instruction, turns = screw.instruction(seen.value), screw.turns(-seen.value)
 
         async def action() -> Row:
@@ -325,14 +345,14 @@ class GuidedScrew:
                 text=f"{instruction[0].upper()}{instruction[1:]}, then confirm.",
                 task=TurnScrew(screw=screw.name, turns=turns),
                 motion=True,
-                target=self._target,
+                target=self._rounds.start,
             ),
-            self._watch,
+            self._rounds.watch,
         )
         if answer != "yes":
             raise AlignmentError(
                 f"the operator did not turn the {screw.name} screw; the {screw.quantity} is "
-                f"{self._rounds[-1].value:.2f} {screw.unit}, accepted is ±{screw.tolerance:g} {screw.unit}"
+                f"{self._seen[-1].value:.2f} {screw.unit}, accepted is ±{screw.tolerance:g} {screw.unit}"
             )
 
     def _require_certainty(self, seen: Observed) -> None:
@@ -356,10 +376,10 @@ class GuidedScrew:
         screw = self._screw
         rounds = "; ".join(
             f"round {number}: {seen.value:+.3f} ± {seen.u:.3f} {screw.unit}"
-            for number, seen in enumerate(self._rounds, start=1)
+            for number, seen in enumerate(self._seen, start=1)
         )
         return (
-            f"the {screw.quantity} is not within ±{screw.tolerance:g} {screw.unit} after {len(self._rounds)} rounds "
+            f"the {screw.quantity} is not within ±{screw.tolerance:g} {screw.unit} after {len(self._seen)} rounds "
             f"({rounds}): look that screw and mount follow without slip and that {screw.pitch_key} and "
             f"{screw.sense_key} are right"
         )

@@ -1,12 +1,21 @@
-"""Finding the beam's return by turning J4 or lifting J3, and the middle of its window (Remark 1)."""
+"""Finding the beam's return by turning J4 or lifting J3, and the middle of its window (Remark 1); how wide it is."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
+from catseye.calibration.scara.planar import forward, wrap_rad
+from catseye.calibration.scara.pointing import beam_direction
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.live import Live
+from catseye.procedures.scara.bench import Reflector, ScaraBench
+
+LOOK_AROUND_DEG = 0.5
+"""How far J4 is turned to either side to find a beam again."""
 
 _J3, _J4 = 2, 3
 
@@ -67,6 +76,34 @@ def half_window_deg(acceptance_mm: float, beam_mm: float) -> float:
     return math.degrees(math.asin(min(1.0, acceptance_mm / beam_mm)))
 
 
+def beam_mm(joints: Pose, bench: ScaraBench, reflector: Reflector) -> float:
+    """Return the length of the beam from a pose to a reflector, mm."""
+    return float(np.hypot(*(reflector.xy_mm - _position_mm(joints, bench))))
+
+
+def window_deg(joints: Pose, bench: ScaraBench, reflector: Reflector) -> float:
+    """Return half the width of the return window from a pose, deg."""
+    return half_window_deg(bench.optics.acceptance_mm, beam_mm(joints, bench, reflector))
+
+
+def look_around_deg(joints: Pose, bench: ScaraBench, reflector: Reflector) -> float:
+    """Return how far J4 may turn from a pose without meeting another reflector, deg.
+
+    The distance to that one would be taken for this one's.
+    """
+    if bench.optics.one_reflector:
+        return LOOK_AROUND_DEG
+    here = _position_mm(joints, bench)
+    own = beam_direction(here, reflector.xy_mm)
+    margin_deg = 2.0 * window_deg(joints, bench, reflector)
+    off_deg = [
+        float(np.rad2deg(np.abs(wrap_rad(beam_direction(here, other.xy_mm) - own)))) - margin_deg
+        for other in bench.reflectors
+        if other != reflector
+    ]
+    return max(0.0, min(LOOK_AROUND_DEG, *off_deg)) if off_deg else LOOK_AROUND_DEG
+
+
 def scan_offsets_deg(half_range_deg: float, step_deg: float) -> list[float]:
     """Return offsets that cover ±half_range from the middle outwards: 0, +s, −s, +2s and so on."""
     count = math.ceil(half_range_deg / step_deg)
@@ -84,8 +121,6 @@ async def find_return(
     """Turn J4 about a pose until the beam returns, then centre it.
 
     Args:
-        pose: where to start; only J4 is moved.
-        half_range_deg: how far J4 may turn to either side.
         half_window: expected half width of the return window, deg.
         j4_limits_deg: limits of J4; offsets beyond them are left out.
         signal_min: lower end of the signal's band that is shown, 0...1.
@@ -110,8 +145,6 @@ async def find_height(
     """Lift J3 about a pose until the beam returns, then centre it.
 
     Args:
-        pose: where to start; only J3 is moved.
-        half_range_mm: how far J3 may go to either side.
         half_window_mm: expected half height of the return window, mm.
         j3_range_mm: range of J3; heights beyond it are left out.
         signal_min: lower end of the signal's band that is shown, 0...1.
@@ -127,49 +160,38 @@ async def find_height(
     return scan.cut_off
 
 
+@dataclass(eq=False)
 class _Scan:
-    """One joint is moved, the others stay.
+    """One joint is moved, the others stay; lengths in the unit of the joint, mm or deg."""
 
-    Attributes:
-        cut_off: which end of the joint's range cut the window off, if one did.
-    """
-
-    def __init__(
-        self,
-        ctx: Context,
-        pose: Pose,
-        joint: int,
-        limits: tuple[float, float],
-        half_window: float,
-        signal_min: float,
-    ) -> None:
-        self._ctx = ctx
-        self._pose = pose
-        self._joint = joint
-        self._limits = limits
-        self._half_window = half_window
-        self._signal_min = signal_min
-        self._signal = 0.0
-        self.cut_off: Literal["lower", "upper"] | None = None
+    ctx: Context
+    pose: Pose
+    joint: int
+    limits: tuple[float, float]
+    half_window: float
+    signal_min: float
+    signal: float = field(default=0.0, init=False)
+    cut_off: Literal["lower", "upper"] | None = field(default=None, init=False)
+    """Which end of the joint's range cut the window off, if one did."""
 
     async def search(self, half_range: float) -> tuple[float, float, float] | None:
         """Return both edges and the signal in the middle."""
-        low, high = self._limits
-        for offset in scan_offsets_deg(half_range, 1.4 * self._half_window):
-            value = self._pose[self._joint] + offset
+        low, high = self.limits
+        for offset in scan_offsets_deg(half_range, 1.4 * self.half_window):
+            value = self.pose[self.joint] + offset
             if low <= value <= high and await self._returns_at(value):
                 return await self._centre(value)
         return None
 
     async def _centre(self, hit: float) -> tuple[float, float, float] | None:
         for _ in range(_TRIES):
-            upper = await self._edge(hit, self._half_window)
-            lower = await self._edge(hit, -self._half_window)
+            upper = await self._edge(hit, self.half_window)
+            lower = await self._edge(hit, -self.half_window)
             if upper is None or lower is None:
                 self.cut_off = "upper" if upper is None else "lower"
                 return None
             if await self._are_edges(lower, upper):
-                return lower, upper, self._signal
+                return lower, upper, self.signal
         return None
 
     async def _are_edges(self, lower: float, upper: float) -> bool:
@@ -177,8 +199,8 @@ class _Scan:
 
         Two looks at the middle: what has stood in the beam since the edges were looked for shows at the first.
         """
-        low, high = self._limits
-        beside, middle = _BESIDE * self._half_window, 0.5 * (lower + upper)
+        low, high = self.limits
+        beside, middle = _BESIDE * self.half_window, 0.5 * (lower + upper)
         returns = await self._returns_at(middle)
         for value in (upper + beside, lower - beside):
             if returns and low <= value <= high:
@@ -187,13 +209,13 @@ class _Scan:
 
     async def _edge(self, hit: float, stride: float) -> float | None:
         """Return where the return ends on the side of the stride's sign; None beyond the limits."""
-        low, high = self._limits
+        low, high = self.limits
         inside, outside = hit, min(max(hit + stride, low), high)
         while await self._returns_at(outside):
             if outside in (low, high):
                 return None
             inside, outside = outside, min(max(outside + stride, low), high)
-        while abs(outside - inside) > _EDGE_RESOLUTION[self._joint]:
+        while abs(outside - inside) > _EDGE_RESOLUTION[self.joint]:
             middle = 0.5 * (inside + outside)
             if await self._returns_at(middle):
                 inside = middle
@@ -202,13 +224,13 @@ class _Scan:
         return 0.5 * (inside + outside)
 
     async def _returns_at(self, value: float) -> bool:
-        target = with_joint(self._pose, self._joint, value)
-        await self._ctx.move(target)
-        beam = await self._ctx.beam()
-        self._signal = beam.signal
-        self._ctx.show(signal_live(beam.signal, self._signal_min))
-        name, unit = _NAMES[self._joint]
-        self._ctx.show(Live(name, value, unit, *self._limits))
+        target = with_joint(self.pose, self.joint, value)
+        await self.ctx.move(target)
+        beam = await self.ctx.beam()
+        self.signal = beam.signal
+        self.ctx.show(signal_live(beam.signal, self.signal_min))
+        name, unit = _NAMES[self.joint]
+        self.ctx.show(Live(name, value, unit, *self.limits))
         return beam.beam_ok
 
 
@@ -221,3 +243,8 @@ def with_joint(pose: Pose, joint: int, value: float) -> Pose:
 def signal_live(signal: float, signal_min: float) -> Live:
     """Return the signal, 0...1, with its band."""
     return Live("signal", signal, "", signal_min, 1.0)
+
+
+def _position_mm(joints: Pose, bench: ScaraBench) -> NDArray[np.float64]:
+    one, two = np.deg2rad(joints[:2])
+    return forward(one, two, bench.link1_mm, bench.link2_mm)

@@ -76,11 +76,7 @@ def off_aim(off_deg: float, beam_mm: float) -> Cause:
 
 
 def hidden(joints: Pose, bench: ScaraBench, reflector: Reflector) -> Cause | None:
-    """Return the cause that geometry lets suspect where nothing returns: base column or field.
-
-    Args:
-        bench: nominal arm, column, field.
-    """
+    """Return the cause that geometry lets suspect where nothing returns: base column or field."""
     optics = bench.optics
     one, two = np.deg2rad(joints[:2])
     here = forward(one, two, bench.link1_mm, bench.link2_mm)

@@ -57,7 +57,6 @@ async def brighten(
 
     Args:
         pose: where the arm stands; only J4 is moved.
-        half_window_deg: half the width of the return window.
 
     Returns:
         J4 there; None when the beam was lost, and the count with it.

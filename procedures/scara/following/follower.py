@@ -7,8 +7,7 @@ from catseye.procedures.kit.beam.loss import Cause, cause_of
 from catseye.procedures.kit.beam.settled import beam_when_ready, settled_measurement
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import ArmMovedError, NoBeamError
-from catseye.procedures.scara.beam.beam_geometry import beam_mm, look_around_deg, window_deg
-from catseye.procedures.scara.beam.beam_scan import find_return
+from catseye.procedures.scara.beam.beam_scan import beam_mm, find_return, look_around_deg, window_deg
 from catseye.procedures.scara.beam.diagnosis import (
     INTERRUPTED,
     MOVED_BY_HAND,
@@ -29,7 +28,6 @@ class Follower:
     """Drives the arm, looks after the beam, and knows whether the count holds.
 
     Args:
-        bench: nominal arm, optics, timing.
         segment: number of the last segment that was used; -1 for none.
 
     Attributes:

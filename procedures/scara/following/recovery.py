@@ -58,8 +58,6 @@ class Recovery:
     """Measures points and closes the gaps that a lost beam leaves.
 
     Args:
-        bench: nominal arm, optics, timing.
-        follower: arm, beam and count.
         attempts: failures in a row before the operator is asked.
 
     Attributes:

@@ -46,7 +46,6 @@ class Rounds:
     """Drives round trips and begins a new segment whenever the beam was lost.
 
     Args:
-        bench: limits, optics, timing.
         nests: where the one cat's eye is, if there is only one.
         segment: last segment that the run knows of, -1 for none.
     """

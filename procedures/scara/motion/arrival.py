@@ -7,11 +7,7 @@ from catseye.procedures.scara.motion.entry import way_in
 
 
 class Arrival:
-    """Brings the arm to the first pose of this process; the ways from there on are checked by the plan.
-
-    Args:
-        bench: nominal arm, limits, reflectors.
-    """
+    """Brings the arm to the first pose of this process; the ways from there on are checked by the plan."""
 
     def __init__(self, ctx: Context, bench: ScaraBench) -> None:
         self._ctx = ctx

@@ -32,7 +32,6 @@ def way_in(here: Pose, take_up: Pose, bench: ScaraBench) -> tuple[Pose, ...]:
 
     Args:
         take_up: where the way leads.
-        bench: nominal arm, limits, reflectors.
 
     Raises:
         WayBlockedError: a reflector stands in every way, or the arm stands outside its limits at another height.

@@ -25,7 +25,6 @@ def distance_of(
     Args:
         segment: number of the unbroken stretch.
         command: the node.
-        sent: where the joints were sent.
     """
     reported, used = measured.reported, measured.correction
     distance = Distance(

@@ -48,7 +48,6 @@ def beam_lasts(stops: Sequence[LinkPose], bench: ScaraBench, reflector: Reflecto
 
     Args:
         stops: J1 and J2, deg.
-        bench: nominal arm, optics, limits.
     """
     try:
         return _kept(plan_track(_closed(stops)[0], bench, reflector, subdivide=False))
@@ -61,7 +60,6 @@ def plan_round_trip(stops: Sequence[LinkPose], bench: ScaraBench, reflector: Ref
 
     Args:
         stops: J1 and J2, deg, two at least.
-        bench: nominal arm, optics, limits.
 
     Returns:
         None when the beam cannot be kept all along.

@@ -77,7 +77,6 @@ def plan_track(
     """Plan how the beam follows a reflector over the stops.
 
     Args:
-        bench: nominal arm, optics, limits.
         subdivide: split legs to keep the miss within the plan's limit; False states the miss of whole legs.
 
     Raises:
@@ -112,8 +111,6 @@ def aimed_j4(theta_rad: Floats, bench: ScaraBench, reflector: Reflector) -> Floa
 
     Args:
         theta_rad: J1 and J2, rad, shape (..., 2).
-        bench: nominal arm and zero direction.
-        reflector: where to aim.
     """
     world = beam_direction(_positions(theta_rad, bench), reflector.xy_mm)
     j4 = world - theta_rad[..., 0] - theta_rad[..., 1] - np.deg2rad(bench.optics.theta40_deg)
@@ -126,8 +123,6 @@ def aimed_along(theta_rad: Floats, j4_last_rad: float, bench: ScaraBench, reflec
     Args:
         theta_rad: J1 and J2 along the way, rad, shape (n, 2).
         j4_last_rad: J4 at the last row, on its branch, rad.
-        bench: nominal arm and zero direction.
-        reflector: where to aim.
     """
     j4 = unwrap(aimed_j4(theta_rad, bench, reflector))
     return np.asarray(j4 + (j4_last_rad - j4[-1]), dtype=np.float64)

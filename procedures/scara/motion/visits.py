@@ -88,12 +88,7 @@ def measuring_time_s(bench: ScaraBench) -> float:
 def plan_visits(
     stops: tuple[Waypoint, ...], track: Track, bench: ScaraBench, reflector: Reflector
 ) -> tuple[tuple[Visit, ...], tuple[Command, ...]]:
-    """Return the points that see the reflector, with the way to each, and the commands that do not.
-
-    Args:
-        track: how the reflector is followed over it.
-        bench: nominal arm, timing.
-    """
+    """Return the points that see the reflector, with the way to each, and the commands that do not."""
     visits: list[Visit] = []
     blind: list[Command] = []
     first = 0

@@ -49,7 +49,6 @@ def plan_closures(
 
     Args:
         visits: points in measuring order.
-        bench: nominal arm, optics, limits.
 
     Returns:
         The trips that the beam can be kept on, and a warning when there are fewer than wanted.
@@ -76,7 +75,6 @@ def trip_within_reach(
     Args:
         visits: points in measuring order.
         places: among the visits; points that the present count goes back to.
-        bench: nominal arm, optics, limits.
 
     Returns:
         The trip to the earliest of those points; None when the beam cannot be kept on the way to the first few.

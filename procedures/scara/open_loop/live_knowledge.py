@@ -28,7 +28,6 @@ class Knowledge:
     """Takes the points of a run in, fresh and stored ones, and reports what they are good for.
 
     Args:
-        bench: nodes, nominal links, noise.
         stop_at_mdeg: standard uncertainty of both maps that is good enough to end with; 0 never ends.
     """
 

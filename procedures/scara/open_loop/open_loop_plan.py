@@ -119,19 +119,11 @@ def plan_open_loop(
     require_joint_limits(stops, bench)
     plans = tuple(
         _reflector_plan(stops, bench, reflector, subdivide, closures if subdivide and take_up else 0)
-        for reflector in _chosen(bench, reflectors)
+        for reflector in bench.chosen(reflectors)
     )
     for plan in plans:
         require_clear_visits(plan.visits, bench)
     return OpenLoopPlan(bench, plans, tuple(text for plan in plans for text in _warnings(plan)))
-
-
-def _chosen(bench: ScaraBench, names: tuple[str, ...]) -> tuple[Reflector, ...]:
-    known = {reflector.name: reflector for reflector in bench.reflectors}
-    for name in names:
-        if name not in known:
-            raise PlanError(f"reflector {name} is not in the cell file; known: {', '.join(known)}")
-    return tuple(known[name] for name in names) if names else bench.reflectors
 
 
 def _reflector_plan(

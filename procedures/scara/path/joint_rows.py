@@ -29,9 +29,7 @@ def plan_joint_rows(
     """Plan a path of joint commands; where a side of approach asks for it, a joint overshoots and comes back.
 
     Args:
-        bench: limits, take-up, timing.
         rows: where the arm shall stand, x and y in mm, J1 and J2 in deg, states of approach, 1 or -1; in order.
-        passes: how often the whole way is driven.
         instrument: who measures; not the interferometer.
         hold_time_s: standstill at a point that is measured for a file.
         confirm_each: the operator confirms each of those points.

@@ -73,7 +73,6 @@ def plan_path(
         y_to_mm: other end.
         step_mm: largest distance between points.
         hand: "right" has θ2 >= 0.
-        passes: how often the whole way is driven.
         instrument: who measures; None takes the cell's tracker, or the interferometer without one.
         reflector: that the interferometer measures to; empty for the one that sees most of the path.
         hold_time_s: standstill at a point that is measured for a file.

@@ -116,7 +116,6 @@ def plan_tracked_path(
     Args:
         run_in: from where the first point of each pass is approached.
         points: commands of one pass.
-        bench: nominal arm, optics, limits.
         name: of the reflector; empty for the one that sees most of the path, with the fewest breaks.
 
     Raises:
@@ -124,14 +123,9 @@ def plan_tracked_path(
         PlanError: no such reflector, or it sees less than half of the path.
     """
     stops = _stops(run_in, points, passes)
-    if name:
-        known = {reflector.name: reflector for reflector in bench.reflectors}
-        if name not in known:
-            raise PlanError(f"reflector {name} is not in the cell file; known: {', '.join(known)}")
-        return _require_sight(_followed(stops, bench, known[name]))
     found: list[TrackedPath] = []
     refusals: list[PlanError] = []
-    for reflector in bench.reflectors:
+    for reflector in bench.chosen((name,) if name else ()):
         try:
             found.append(_followed(stops, bench, reflector))
         except PlanError as error:
@@ -145,7 +139,6 @@ class TrackedCampaign:
     """Drives a tracked path and records its distances.
 
     Args:
-        bench: nominal arm, optics, timing.
         points: commands of one pass.
     """
 

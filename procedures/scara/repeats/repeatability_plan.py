@@ -63,30 +63,20 @@ def plan_repeatability(
     """Plan a repeatability test.
 
     Args:
-        bench: nominal arm, reflectors, limits.
         poses: J1 and J2 of the poses, deg; or how many to spread over the nodes.
-        cycles: how often each pose is attained.
         names: reflectors; all when empty.
 
     Raises:
         PlanLimitError: a pose or its run-in lies outside the limits.
         PlanError: the beam cannot be kept over the poses, a reflector is unknown or stands in the way.
     """
-    reflectors = _reflectors(bench, names)
+    reflectors = bench.chosen(names)
+    if len(set(names)) != len(names):
+        raise PlanError("a reflector is named twice; its distances would pass for another direction")
     chosen = _spread(bench, poses, reflectors) if isinstance(poses, int) else _ordered(poses)
     plans = tuple(_cycles(bench, chosen, reflector) for reflector in reflectors)
     seconds = tuple(plan.trip.driving_s + len(chosen) * measuring_time_s(bench) for plan in plans)
     return RepeatabilityPlan(bench, chosen, cycles, plans, seconds)
-
-
-def _reflectors(bench: ScaraBench, names: tuple[str, ...]) -> tuple[Reflector, ...]:
-    known = {reflector.name: reflector for reflector in bench.reflectors}
-    for name in names:
-        if name not in known:
-            raise PlanError(f"reflector {name} is not in the cell file; known: {', '.join(known)}")
-    if len(set(names)) != len(names):
-        raise PlanError("a reflector is named twice; its distances would pass for another direction")
-    return tuple(known[name] for name in names) if names else bench.reflectors
 
 
 def _ordered(poses: tuple[LinkPose, ...]) -> tuple[LinkPose, ...]:

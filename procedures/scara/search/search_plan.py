@@ -102,7 +102,6 @@ def plan_search(
     """Choose poses spread over the workspace for every reflector.
 
     Args:
-        bench: nominal arm, rough reflectors, limits.
         poses: poses for each reflector, at least 4.
         half_range_deg: how far off the beam's zero direction and the rough places together may be, deg.
         rough_place_mm: how far off a rough place may be, mm; sets the range of the later scans.
@@ -173,8 +172,6 @@ def looking_poses(
     """Return every pose from which a reflector is seen alone, its scan inside the limits of J4.
 
     Args:
-        bench: nominal arm, rough reflectors, limits.
-        half_range_deg: how far J4 turns to either side.
         at_deg: J1 and J2 of the only pose to consider; None for poses all over the range of the nodes.
     """
     candidates = _grid(bench) if at_deg is None else np.deg2rad([at_deg])

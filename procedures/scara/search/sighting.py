@@ -67,7 +67,6 @@ class SightingRun:
         """Look from a pose, in a step of its own.
 
         Args:
-            pose: from where.
             said: why the pose was added, published when the step runs.
         """
         name, number = pose.reflector.name, self.looked.total()

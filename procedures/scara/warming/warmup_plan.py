@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from catseye.procedures.kit.errors import PlanError
-from catseye.procedures.scara.bench import Reflector, ScaraBench
+from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.round_trip import LinkPose, RoundTrip, beam_lasts, plan_round_trip
 from catseye.procedures.scara.motion.visits import measuring_time_s
 
@@ -75,7 +75,6 @@ def plan_warmup(
     """Plan a warm-up.
 
     Args:
-        bench: nominal arm, reflectors, limits.
         window_s: time over which the drift is taken, s.
         limit_um_per_10min: largest accepted drift.
         checks: so many visits in a row have to be below it.
@@ -107,7 +106,7 @@ def plan_warmup(
 
 def _chosen_trip(bench: ScaraBench, exercise: Exercise) -> tuple[RoundTrip, float]:
     """Return the largest exercise on which the beam lasts, and its share of the amplitude that was asked for."""
-    reflectors = _reflectors(bench, exercise.reflector)
+    reflectors = bench.chosen((exercise.reflector,) if exercise.reflector else ())
     for share in _SHARES:
         for reference in _references(bench, exercise):
             for reflector in reflectors:
@@ -122,16 +121,6 @@ def _chosen_trip(bench: ScaraBench, exercise: Exercise) -> tuple[RoundTrip, floa
         f"the beam cannot be kept on reflector {names} during an exercise about {where}, not even a small one: "
         "choose another reference pose or reflector, or a smaller amplitude_share"
     )
-
-
-def _reflectors(bench: ScaraBench, name: str) -> tuple[Reflector, ...]:
-    if not name:
-        return bench.reflectors
-    found = tuple(reflector for reflector in bench.reflectors if reflector.name == name)
-    if not found:
-        known = ", ".join(reflector.name for reflector in bench.reflectors)
-        raise PlanError(f"reflector {name} is not in the cell file; known: {known}")
-    return found
 
 
 def _references(bench: ScaraBench, exercise: Exercise) -> list[LinkPose]:

@@ -152,7 +152,7 @@ async def test_a_reversed_screw_is_noticed() -> None:
 def test_what_cannot_be_planned() -> None:
     with pytest.raises(PlanError, match="set j3_range_mm in"):
         planned(bench())
-    with pytest.raises(PlanError, match="no reflector P9"):
+    with pytest.raises(PlanError, match="reflector P9 is not in the cell file"):
         planned(reflector="P9")
     narrow = replace(mounted_bench(), nodes1_deg=(0.0, 1.0), nodes2_deg=(20.0, 21.0))
     with pytest.raises(

@@ -277,7 +277,7 @@ async def test_a_reflector_that_is_carried_is_asked_for() -> None:
 
 
 def test_poses_that_cannot_be() -> None:
-    with pytest.raises(PlanError, match="no reflector P9; the cell file has P1, P2, P3"):
+    with pytest.raises(PlanError, match="reflector P9 is not in the cell file; known: P1, P2, P3"):
         planned(reflector="P9")
     with pytest.raises(PlanError, match="both theta1_deg and theta2_deg"):
         planned(theta1_deg=10.0)

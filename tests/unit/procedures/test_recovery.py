@@ -13,7 +13,7 @@ from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import BeamLostError
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.tasks import ClearBeam
-from catseye.procedures.scara.beam.beam_geometry import look_around_deg
+from catseye.procedures.scara.beam.beam_scan import look_around_deg
 from catseye.procedures.scara.beam.diagnosis import hidden
 from catseye.procedures.scara.open_loop.open_loop import OpenLoop
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, plan_open_loop
