@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
-from catseye.app.cell.air import AirLimits, AirRule
+from catseye.app.cell.air import AirLimits
+from catseye.app.cell.model import Air
 from catseye.app.engine.ending import EndStatus
 from catseye.app.engine.gate import WayCheck
 from catseye.app.engine.halt import HaltLimits
@@ -91,7 +92,7 @@ class RunRequest:
     answerer: Answerer | None = None
     hands: SimulatedOperator | None = None
     resume: Path | None = None
-    air: AirRule = field(default_factory=AirRule)
+    air: Air = field(default_factory=Air)
     air_limits: AirLimits = field(default_factory=AirLimits)
     reserve_bytes: int = DEFAULT_RESERVE_BYTES
     halt_limits: HaltLimits = field(default_factory=HaltLimits)
