@@ -219,7 +219,6 @@ class RunStore:
         Args:
             step_id: stable name within the run.
             attempt: which one this was, from 1.
-            rows: of data, each with the name of its table.
             started_utc: ISO 8601 UTC time; now when it is None.
 
         Raises:
