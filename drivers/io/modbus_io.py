@@ -20,32 +20,34 @@ _FUNCTIONS = {"coil": 1, "input": 2}
 
 
 class IoSettings(DeviceSettings):
-    """What a cell file may set of a block. The addresses have no standard: the defaults just count from 0.
+    """What a cell file may set of a block. The addresses have no standard: the defaults just count from 0."""
 
-    Attributes:
-        device_id: unit identifier.
-        door_input: address of the door's contact.
-        door_kind: `input` is read by function 2, `coil` by function 1.
-        door_closed: what the contact reads while the door is closed.
-        green_coil: output of the green light; None without one, as for the others.
-        amber_coil: output of the amber light.
-        red_coil: output of the red light.
-        address_base: number that the documents give to the first address.
-        timeout_s: for connecting, real s.
-        answer_timeout_s: for an answer, real s: so short that a door whose answer is lost is asked again before its
-            silence counts as open. On a serial line no more than 0.07 s count, since a late answer is waited for too.
-    """
-
-    device_id: int = Field(default=1, ge=0, le=255)
-    door_input: int = Field(default=0, ge=0, le=0xFFFF)
-    door_kind: Literal["input", "coil"] = "input"
-    door_closed: bool = True
-    green_coil: int | None = Field(default=0, ge=0, le=0xFFFF)
-    amber_coil: int | None = Field(default=1, ge=0, le=0xFFFF)
-    red_coil: int | None = Field(default=2, ge=0, le=0xFFFF)
-    address_base: Literal[0, 1] = 0
-    timeout_s: float = Field(default=1.0, gt=0)
-    answer_timeout_s: float = Field(default=0.1, gt=0, le=0.1)
+    device_id: int = Field(default=1, ge=0, le=255, description="unit identifier.")
+    door_input: int = Field(default=0, ge=0, le=0xFFFF, description="address of the door's contact.")
+    door_kind: Literal["input", "coil"] = Field(
+        default="input", description="`input` is read by function 2, `coil` by function 1."
+    )
+    door_closed: bool = Field(default=True, description="what the contact reads while the door is closed.")
+    green_coil: int | None = Field(
+        default=0,
+        ge=0,
+        le=0xFFFF,
+        description="output of the green light; None without one, as for the others.",
+    )
+    amber_coil: int | None = Field(default=1, ge=0, le=0xFFFF, description="output of the amber light.")
+    red_coil: int | None = Field(default=2, ge=0, le=0xFFFF, description="output of the red light.")
+    address_base: Literal[0, 1] = Field(
+        default=0, description="number that the documents give to the first address."
+    )
+    timeout_s: float = Field(default=1.0, gt=0, description="for connecting, real s.")
+    answer_timeout_s: float = Field(
+        default=0.1,
+        gt=0,
+        le=0.1,
+        description="for an answer, real s: so short that a door whose answer is lost is asked again before its "
+        "silence counts as open. On a serial line no more than 0.07 s count, since a late answer is "
+        "waited for too.",
+    )
 
     @model_validator(mode="after")
     def _apart(self) -> Self:
