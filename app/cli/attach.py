@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli.options import AsJson, Runs
+from catseye.app.store.runs_folder import runs_folder
 
 
 def attach(
@@ -29,15 +30,12 @@ def attach(
 
     Example: catseye attach 1a2b3c --control
     """
-    from catseye.app.store.runs_folder import runs_folder
-
     followed = _follow(run, runs_folder(runs), control=control or force, force=force, as_json=as_json)
     sys.exit(int(asyncio.run(followed)))
 
 
 async def _follow(run: str | None, root: Path, *, control: bool, force: bool, as_json: bool) -> int:
-    from catseye.app.cli.attached import PROGRAM, People, Programs
-    from catseye.app.cli.running_engines import only_engine, socket_of
+    from catseye.app.cli.attached import PROGRAM, People, Programs, only_engine, socket_of
     from catseye.app.service.client import connect
     from catseye.app.store.catalog import resolve_run
 

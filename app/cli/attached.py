@@ -1,16 +1,17 @@
-"""Both ends of an attached terminal: for people, and for programs."""
+"""Both ends of an attached terminal, for people and for programs, and where their engine listens."""
 
 import asyncio
 import signal
 import sys
 from collections.abc import Coroutine
 from contextlib import ExitStack
+from pathlib import Path
 from typing import Any, Final
 
 from catseye.app.cli.narrator import Narrator
 from catseye.app.cli.output import note, write_json
 from catseye.app.engine.waiting import cancel
-from catseye.app.errors import OutputError, exit_code_of
+from catseye.app.errors import OutputError, UsageError, exit_code_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.answers import Refusal, refused
 from catseye.app.protocol.banners import SIMULATION_TEXT
@@ -19,11 +20,13 @@ from catseye.app.protocol.events import AnyEvent
 from catseye.app.protocol.message import VERSION, JsonObject, MessageError, RequestId, decode_object
 from catseye.app.protocol.requests import AnyRequest, Plain, Reply, request_of
 from catseye.app.protocol.run_events import PromptAnswered, PromptAsked, RunEnded
-from catseye.app.service.client import EngineClient
+from catseye.app.service.address import all_sockets, find_socket
+from catseye.app.service.client import EngineClient, connect
 from catseye.app.service.console import KEYS, SLASH, command_of
 from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.service.lines import Lines
 from catseye.app.service.questions import answer_of
+from catseye.app.store.reader import Accept, RunReader
 from catseye.procedures.kit.context import Prompt
 
 PROGRAM = "attach"
@@ -232,3 +235,45 @@ class People(Front):
         if self._control:
             await self.ask(Plain(op="release"))
         self.leave(ExitCode.DONE)
+
+
+def socket_of(run: Path) -> Path:
+    """Return the socket of a run that is under way.
+
+    Raises:
+        UsageError: it is over, or died.
+        ServiceError: it is under way and has no socket.
+    """
+    status = RunReader(run, Accept.UNCHECKED).status
+    if status == "complete":
+        raise UsageError(f"{run.name} is complete: see it with: catseye show {run.name}")
+    if status != "running":
+        raise UsageError(
+            f"{run.name} is over, its state is {status}: go on with it with: catseye resume {run.name}"
+        )
+    path = find_socket(run)
+    if path is None:
+        raise ServiceError(
+            f"{run.name} is under way and serves no socket: its log says why; stop it with a signal"
+        )
+    return path
+
+
+async def only_engine() -> Path:
+    """Return the socket of the only engine that runs.
+
+    Raises:
+        UsageError: there is none, or several.
+    """
+    found: dict[str, Path] = {}
+    for path in all_sockets():
+        try:
+            async with connect(path, PROGRAM) as client:
+                found[str(client.snapshot.path or client.snapshot.runs)] = path
+        except (ServiceError, RefusedError):
+            continue
+    if len(found) == 1:
+        return next(iter(found.values()))
+    if not found:
+        raise UsageError("no engine is running: start a run with: catseye run")
+    raise UsageError(f"several engines are running: name one of {', '.join(found)}")

@@ -7,6 +7,8 @@ import typer
 
 from catseye.app.cli.options import AsJson, ResultFile
 from catseye.app.cli.output import write_json
+from catseye.app.cli.report_output import note_statements, write_tables
+from catseye.app.results.origin import origin_now
 
 
 def compare(
@@ -18,8 +20,6 @@ def compare(
 
     Example: catseye compare january.json june.json
     """
-    from catseye.app.cli.report_output import note_statements, write_tables
-    from catseye.app.results.origin import origin_now
     from catseye.app.results.scara.comparison import compare_results
     from catseye.app.results.scara.comparison_document import comparison_document
     from catseye.app.results.scara.comparison_report import comparison_report

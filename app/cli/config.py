@@ -10,6 +10,7 @@ from catseye.app.cli.options import AsJson, CellFile
 from catseye.app.cli.output import note, warn, write_json, write_line
 from catseye.app.engine.instruments import device_builder
 from catseye.app.errors import ConfigError, UsageError
+from catseye.app.files.flat import flattened
 from catseye.drivers.links.endpoint import TcpEndpoint, parse_endpoint
 from catseye.drivers.roles.clock import SystemClock
 
@@ -51,7 +52,7 @@ def show(file: CellFile, as_json: AsJson = False) -> None:
         facts = {"file": str(file), "sha256": loaded.sha256, "configuration": configuration}
         write_json({**facts, "origins": loaded.origins})
         return
-    values = _flat(configuration)
+    values = flattened(configuration)
     for key, origin in loaded.origins.items():
         write_line(f"{key} = {json.dumps(values.get(key), ensure_ascii=False)}  # {origin}")
 
@@ -86,13 +87,3 @@ def _no_door(cell: "Cell") -> list[str]:
     endpoint = parse_endpoint(cell.robot.endpoint)
     emulated = isinstance(endpoint, TcpEndpoint) and endpoint.host in _LOOPBACK
     return [] if emulated or cell.io is not None else [NO_DOOR]
-
-
-def _flat(value: object, prefix: str = "") -> dict[str, object]:
-    if isinstance(value, dict):
-        parts = [(f"{prefix}.{key}" if prefix else str(key), inner) for key, inner in value.items()]
-    elif isinstance(value, list) and value and isinstance(value[0], dict):
-        parts = [(f"{prefix}[{i}]", inner) for i, inner in enumerate(value, 1)]
-    else:
-        return {prefix: value}
-    return {key: item for name, inner in parts for key, item in _flat(inner, name).items()}

@@ -3,6 +3,8 @@
 from catseye.app.cli.options import AsJson, MeasuredRuns, PointsCell, PointsFile, Runs
 from catseye.app.cli.output import note, warn, write_json, write_line
 from catseye.app.cli.progress import ProgressBar
+from catseye.app.render.text import statement_lines, tables_text
+from catseye.app.results.origin import origin_now
 
 _STEPS = 20
 """About how many steps a diagnosis reports; the bar need not be exact."""
@@ -19,8 +21,6 @@ def diagnose(
 
     Example: catseye diagnose 1a2b3c
     """
-    from catseye.app.render.text import statement_lines, tables_text
-    from catseye.app.results.origin import origin_now
     from catseye.app.results.scara.diagnosis import diagnose_distances
     from catseye.app.results.scara.diagnosis_document import diagnosis_document
     from catseye.app.results.scara.diagnosis_report import diagnosis_report

@@ -7,6 +7,9 @@ import typer
 
 from catseye.app.cli.options import AsJson, CellFile
 from catseye.app.cli.output import warn, write_json, write_line
+from catseye.app.errors import LinkFailedError
+from catseye.app.render.text import report_text
+from catseye.app.results.examination import examination_report
 
 
 def doctor(
@@ -17,10 +20,7 @@ def doctor(
     """Connect to each device of a cell file: who answers, its status, what is wrong and what to do."""
     from catseye.app.cell.load import load_cell
     from catseye.app.cell.plausible import implausible
-    from catseye.app.errors import LinkFailedError
     from catseye.app.protocol.examination import CellExamination
-    from catseye.app.render.text import report_text
-    from catseye.app.results.examination import examination_report
     from catseye.app.service.examination import examine
 
     cell = load_cell(file).cell

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli.options import CellOption, Runs
+from catseye.app.store.runs_folder import runs_folder
 
 
 def engine(
@@ -29,7 +30,6 @@ def engine(
     Example: catseye engine --cell cell.toml
     """
     from catseye.app.cli.detached_engine import run_once, serve
-    from catseye.app.store.runs_folder import runs_folder
 
     # Out of the terminal's session, where that is possible: the engine outlives the terminal.
     with suppress(PermissionError):

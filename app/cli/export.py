@@ -9,7 +9,11 @@ import typer
 from catseye.app.cli.options import RunOrResult, Runs, Unverified
 from catseye.app.cli.output import note
 from catseye.app.errors import UsageError
+from catseye.app.files.atomic import require_output, write_atomically
+from catseye.app.files.csv_text import comment_lines
+from catseye.app.files.tabular import table_parquet
 from catseye.app.protocol.banners import unverified_text
+from catseye.app.store.runs_folder import runs_folder
 
 if TYPE_CHECKING:
     from catseye.app.results.scara.export import Export
@@ -36,8 +40,6 @@ def export(
 
     Example: catseye export 1a2b3c -o points.csv
     """
-    from catseye.app.files.atomic import require_output, write_atomically
-
     require_output(output)
     chosen = form_of(output, format_)
     direct = Path(source)
@@ -60,7 +62,6 @@ def _of_run(name: str, runs: Path | None, *, unverified: bool) -> "Export":
     from catseye.app.results.scara.export import run_export
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
-    from catseye.app.store.runs_folder import runs_folder
     from catseye.app.store.unverified import taken_as_it_is
 
     if Path(name).suffix.lower() == ".json":
@@ -95,9 +96,6 @@ def form_of(output: Path, form: Format | None) -> Format:
 
 
 def _written(table: "Export", form: Format) -> str | bytes:
-    from catseye.app.files.csv_text import comment_lines
-    from catseye.app.files.tabular import table_parquet
-
     match form:
         case "csv":
             return comment_lines(map(unverified_text, table.unverified)) + table.csv

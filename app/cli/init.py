@@ -5,8 +5,10 @@ from typing import Annotated
 
 import typer
 
+from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cli.output import note
 from catseye.app.errors import UsageError
+from catseye.app.files.atomic import write_atomically
 
 
 def init(
@@ -16,9 +18,6 @@ def init(
 
     Example: catseye init cell.toml
     """
-    from catseye.app.cell.scara.template import TEMPLATE
-    from catseye.app.files.atomic import write_atomically
-
     if file.exists():
         raise UsageError(f"{file} exists already; choose another name or remove it")
     if not file.parent.is_dir():

@@ -8,6 +8,8 @@ import typer
 
 from catseye.app.cli.options import AsJson, Runs
 from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.render.text import report_text
+from catseye.app.store.runs_folder import runs_folder
 
 if TYPE_CHECKING:
     from catseye.app.results.model import Report
@@ -44,7 +46,6 @@ def _survey(cell: Path, runs: Path | None, *, as_json: bool) -> None:
     from catseye.app.results.readiness.survey import survey_cell
     from catseye.app.results.readiness.survey_document import survey_document
     from catseye.app.results.readiness.survey_report import survey_report
-    from catseye.app.store.runs_folder import runs_folder
 
     document = survey_document(survey_cell(cell, runs_folder(runs), datetime.now(UTC)))
     _write(document, survey_report(document), as_json=as_json)
@@ -53,8 +54,6 @@ def _survey(cell: Path, runs: Path | None, *, as_json: bool) -> None:
 
 
 def _write(document: "SurveyDocument", report: "Report", *, as_json: bool) -> None:
-    from catseye.app.render.text import report_text
-
     if as_json:
         for line in document.lines():
             write_json(line)

@@ -7,6 +7,9 @@ import typer
 
 from catseye.app.cli.options import RunOrResult, Runs, Unverified
 from catseye.app.cli.output import note
+from catseye.app.errors import UsageError
+from catseye.app.files.atomic import require_output
+from catseye.app.store.runs_folder import runs_folder
 
 
 def report(
@@ -19,13 +22,10 @@ def report(
 
     Example: catseye report result.json -o report.html
     """
-    from catseye.app.errors import UsageError
-    from catseye.app.files.atomic import require_output
     from catseye.app.render.page import require_html, write_page
     from catseye.app.results.scara.run_report import result_file_report, run_report
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
-    from catseye.app.store.runs_folder import runs_folder
     from catseye.app.store.unverified import taken_as_it_is
 
     direct = Path(source)

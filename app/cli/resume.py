@@ -17,6 +17,8 @@ from catseye.app.cli.options import (
     WaiveWalk,
 )
 from catseye.app.cli.output import note
+from catseye.app.store.runs_folder import runs_folder
+from catseye.drivers.roles.clock import SystemClock
 
 
 def resume(
@@ -50,8 +52,6 @@ def resume(
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.mend import seal_late
     from catseye.app.store.reader import RunReader
-    from catseye.app.store.runs_folder import runs_folder
-    from catseye.drivers.roles.clock import SystemClock
 
     crash_points.arm(os.environ)
     root = runs_folder(runs)

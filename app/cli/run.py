@@ -18,6 +18,7 @@ from catseye.app.cli.options import (
 )
 from catseye.app.cli.output import note
 from catseye.app.errors import UsageError
+from catseye.app.store.runs_folder import runs_folder
 
 if TYPE_CHECKING:
     from catseye.app.cli.hosting import DriveOptions
@@ -60,7 +61,6 @@ def run(
     from catseye.app.protocol.procedures import load_procedure, parse_params
     from catseye.app.service.planned_walk import as_walk
     from catseye.app.service.running import plan_run
-    from catseye.app.store.runs_folder import runs_folder
 
     if detach and walk:
         raise UsageError("a walk needs somebody at its keys: leave --detach out")

@@ -2,15 +2,15 @@
 
 from catseye.app.cli.options import AsJson, Runs
 from catseye.app.cli.output import note, write_json
+from catseye.app.cli.report_output import write_tables
+from catseye.app.store.runs_folder import runs_folder
 
 
 def runs(runs: Runs = None, as_json: AsJson = False) -> None:
     """List the stored runs, oldest first."""
-    from catseye.app.cli.report_output import write_tables
     from catseye.app.results.runs.documents import run_entry
     from catseye.app.results.runs.reports import list_report
     from catseye.app.store.catalog import list_runs
-    from catseye.app.store.runs_folder import runs_folder
 
     root = runs_folder(runs)
     entries = list(map(run_entry, list_runs(root)))

@@ -2,6 +2,8 @@
 
 from catseye.app.cli.options import AsJson, Runs, StoredRun, Unverified
 from catseye.app.cli.output import write_json, write_line
+from catseye.app.render.text import report_text
+from catseye.app.store.runs_folder import runs_folder
 
 
 def show(
@@ -11,12 +13,10 @@ def show(
     as_json: AsJson = False,
 ) -> None:
     """Show a run's timeline: what, with which devices, what happened, how it ended."""
-    from catseye.app.render.text import report_text
     from catseye.app.results.runs.documents import run_document
     from catseye.app.results.runs.reports import story_report
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
-    from catseye.app.store.runs_folder import runs_folder
     from catseye.app.store.unverified import taken_as_it_is
 
     reader = RunReader(resolve_run(runs_folder(runs), run), accept(unverified=unverified))

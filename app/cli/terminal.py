@@ -13,6 +13,7 @@ from catseye.app.cli.options import CellOption
 from catseye.app.cli.output import note
 from catseye.app.errors import SafetyError, UsageError
 from catseye.app.protocol.raw_text import LineEnd, encoded
+from catseye.drivers.roles.clock import SystemClock
 
 if TYPE_CHECKING:
     from catseye.app.cell.model import Cell
@@ -46,7 +47,6 @@ def terminal(
     from catseye.app.cli.raw_conversation import Traffic, converse, guarded
     from catseye.app.engine.instruments import device_builder
     from catseye.app.guard.raw import plain_connection
-    from catseye.drivers.roles.clock import SystemClock
 
     known = load_cell(cell).cell
     endpoint = endpoint_of(known, device)

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from catseye.app.cli.options import Runs, Speed
+from catseye.app.store.runs_folder import runs_folder
 
 
 def tui(
@@ -19,7 +20,6 @@ def tui(
 
     Example: catseye tui --cell cell.toml
     """
-    from catseye.app.store.runs_folder import runs_folder
     from catseye.app.tui.start import show
 
     show(cell, runs_folder(runs), speed)

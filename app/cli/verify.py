@@ -2,6 +2,9 @@
 
 from catseye.app.cli.options import AsJson, Runs, StoredRun
 from catseye.app.cli.output import write_json
+from catseye.app.cli.report_output import note_statements
+from catseye.app.errors import StorageError
+from catseye.app.store.runs_folder import runs_folder
 
 
 def verify(
@@ -10,12 +13,9 @@ def verify(
     as_json: AsJson = False,
 ) -> None:
     """Check a stored run against its manifest and its own rules."""
-    from catseye.app.cli.report_output import note_statements
-    from catseye.app.errors import StorageError
     from catseye.app.results.runs.documents import verification_document
     from catseye.app.results.runs.reports import verification_report
     from catseye.app.store.catalog import resolve_run
-    from catseye.app.store.runs_folder import runs_folder
     from catseye.app.store.verify import verify as verified
 
     path = resolve_run(runs_folder(runs), run)

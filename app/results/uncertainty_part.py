@@ -5,17 +5,22 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
+Method = Literal["jacobian", "monte-carlo"]
+ParameterUnit = Literal["mm", "mdeg", "um"]
+ContributionUnit = Literal["um", "mdeg"]
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="ignore")
+class ResultPart(BaseModel):
+    """Part of a result file; keys beyond version 1 are passed over, for results travel between versions."""
+
+    model_config = ConfigDict(frozen=True, extra="ignore", from_attributes=True)
 
 
-class CoverageInterval(_Part):
+class CoverageInterval(ResultPart):
     """Limits that a parameter lies between with the stated coverage."""
 
     parameter: str
-    unit: Literal["mm", "mdeg", "um"]
+    unit: ParameterUnit
     value: Finite
     u: Finite
     low: Finite
@@ -23,18 +28,18 @@ class CoverageInterval(_Part):
     degrees_of_freedom: Finite | None = None
 
 
-class ValidationRow(_Part):
+class ValidationRow(ResultPart):
     """Interval of the Jacobian against that of the draws (JCGM 101)."""
 
     parameter: str
-    unit: Literal["mm", "mdeg", "um"]
+    unit: ParameterUnit
     difference: Finite
     delta: Finite
     sampling: Finite
     verdict: Literal["validated", "not validated", "too few draws"]
 
 
-class MonteCarloPart(_Part):
+class MonteCarloPart(ResultPart):
     """How the draws were made, and whether they bear the Jacobian out."""
 
     draws: int
@@ -43,17 +48,17 @@ class MonteCarloPart(_Part):
     validation: list[ValidationRow]
 
 
-class ContributionRow(_Part):
+class ContributionRow(ResultPart):
     """What each contributor makes of one result."""
 
     result: str
-    unit: Literal["um", "mdeg"]
+    unit: ContributionUnit
     u: Finite
     u_parts: list[Finite]
     shares: list[Finite]
 
 
-class ContributionTable(_Part):
+class ContributionTable(ResultPart):
     """All of them; the shares of a row sum to 1."""
 
     contributors: list[str]
@@ -69,17 +74,17 @@ class ContributionTable(_Part):
         return self
 
 
-class CorrelationPair(_Part):
+class CorrelationPair(ResultPart):
     """Two parameters of the arm that depend on one another."""
 
     parameters: tuple[str, str]
     coefficient: Finite
 
 
-class UncertaintyPart(_Part):
+class UncertaintyPart(ResultPart):
     """How uncertainties were propagated and where they come from."""
 
-    method: Literal["jacobian", "monte-carlo"]
+    method: Method
     coverage: Finite
     intervals: list[CoverageInterval]
     contributions: ContributionTable

@@ -12,6 +12,7 @@ from catseye.app.cell.load import LoadedCell
 from catseye.app.cell.model import Cell
 from catseye.app.engine.walked.register import WALK, own_legs
 from catseye.app.errors import StorageError, UsageError
+from catseye.app.files.flat import flattened
 from catseye.app.protocol.procedures import Runnable, load_procedure
 from catseye.app.service.plan_digest import plan_digest
 from catseye.app.service.planned_walk import as_walk
@@ -19,7 +20,6 @@ from catseye.app.service.running import PlannedRun
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader
 from catseye.app.store.resumable import why_not_resumable, writer_of
-from catseye.procedures.kit.records import Json
 
 
 def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> PlannedRun:
@@ -122,7 +122,7 @@ def _require_same_but_links(name: str, stored: Cell, given: Cell) -> None:
     Raises:
         UsageError: other keys differ.
     """
-    before, after = (_flat(cell.model_dump(mode="json")) for cell in (stored, given))
+    before, after = (flattened(cell.model_dump(mode="json")) for cell in (stored, given))
     keys = [key for key in {**before, **after} if before.get(key) != after.get(key) and not _is_link(key)]
     if keys:
         raise UsageError(
@@ -134,14 +134,3 @@ def _require_same_but_links(name: str, stored: Cell, given: Cell) -> None:
 def _is_link(key: str) -> bool:
     last = key.rpartition(".")[2]
     return last.endswith(("endpoint", "timeout_s"))
-
-
-def _flat(value: Json, key: str = "") -> dict[str, Json]:
-    """Return the leaves of a configuration by dotted key; [[tables]] are counted from 1, as people count."""
-    if isinstance(value, dict):
-        parts = [(f"{key}.{name}".lstrip("."), item) for name, item in value.items()]
-    elif isinstance(value, list) and value and isinstance(value[0], dict):
-        parts = [(f"{key}[{number}]", item) for number, item in enumerate(value, 1)]
-    else:
-        return {key: value}
-    return {leaf: found for part, item in parts for leaf, found in _flat(item, part).items()}

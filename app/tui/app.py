@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, cast
 
 from textual.app import SystemCommand
 from textual.binding import Binding, BindingType
+from textual.command import DiscoveryHit, Hits
 from textual.screen import Screen
+from textual.system_commands import SystemCommandsProvider
 
 from catseye.app.protocol.ladder import ctrl_c_of_client
+from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.cell_change import look_at_cell
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.quit_dialog import Choice, QuitDialog
@@ -23,7 +26,6 @@ from catseye.app.tui.themes import HIGH_CONTRAST, THEMES
 
 if TYPE_CHECKING:
     from catseye.app.protocol.snapshot import Snapshot
-    from catseye.app.tui.palette import Actions
 
 _REFRESH_S: Final = 0.2
 """Screens are painted anew at most so often."""
@@ -43,11 +45,17 @@ def _made(name: str, session: Session) -> MainScreen:
     return cast("MainScreen", made(session))
 
 
-def _actions() -> "type[Actions]":
-    # The first screen is painted before this is imported.
-    from catseye.app.tui.palette import Actions
+class Actions(SystemCommandsProvider):
+    """What the palette lists before anything is typed: screens first, so that Enter alone changes nothing.
 
-    return Actions
+    The actions stand in the order in which the program lists them; by the alphabet the first one would abort the run.
+    """
+
+    async def discover(self) -> Hits:
+        """Yield the actions."""
+        for command in self.app.get_system_commands(self.screen):
+            if command.discover:
+                yield DiscoveryHit(command.title, command.callback, help=command.help)
 
 
 class CatseyeApp(Program):
@@ -63,7 +71,7 @@ class CatseyeApp(Program):
     TITLE = "catseye"
     CSS_PATH = "styles/app.tcss"
     ENABLE_COMMAND_PALETTE = True
-    COMMANDS: ClassVar[set[Any]] = {_actions}
+    COMMANDS: ClassVar[set[Any]] = {Actions}
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("f12", "stop", "STOP", priority=True, id="run.stop", tooltip="stop the arm now"),
@@ -187,7 +195,6 @@ class CatseyeApp(Program):
 
     async def _climb(self) -> None:
         from catseye.app.protocol.requests import Plain
-        from catseye.app.service.errors import RefusedError, ServiceError
 
         try:
             await self.session.link.request(Plain(op="ladder"))
@@ -203,7 +210,6 @@ class CatseyeApp(Program):
 
     async def _end_run_and_leave(self, choice: Choice) -> None:
         from catseye.app.protocol.requests import Plain
-        from catseye.app.service.errors import RefusedError, ServiceError
 
         link = self.session.link
         try:
@@ -226,8 +232,6 @@ class CatseyeApp(Program):
         await self._leave(end_engine=choice == "stop")
 
     async def _stop_and_leave(self) -> None:
-        from catseye.app.service.errors import RefusedError, ServiceError
-
         try:
             await self.session.link.stop("stop")
         except ServiceError as error:

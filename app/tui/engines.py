@@ -5,6 +5,8 @@ import signal
 from contextlib import suppress
 from pathlib import Path
 
+from catseye.app.service.address import all_sockets, find_socket, is_live, socket_name
+
 
 def find_engine(root: Path) -> Path | None:
     """Return the socket of the newest run under way, else of the engine of a folder; None when nobody listens."""
@@ -13,8 +15,6 @@ def find_engine(root: Path) -> Path | None:
 
 def all_engines(root: Path) -> list[Path]:
     """Return the sockets that somebody listens at: of runs, the newest first, then of the folder."""
-    from catseye.app.service.address import find_socket, is_live
-
     folder = find_socket(root)
     # A process that was killed leaves its socket behind.
     return [*engines_of_runs(root), *([folder] if folder is not None and is_live(folder) else [])]
@@ -22,7 +22,6 @@ def all_engines(root: Path) -> list[Path]:
 
 def engines_of_runs(root: Path) -> list[Path]:
     """Return the sockets of runs under way, the newest run first, whichever process they are in."""
-    from catseye.app.service.address import all_sockets, is_live, socket_name
     from catseye.app.store.catalog import run_name
 
     sockets = {path.name: path for path in all_sockets()}

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal
 
 from catseye.app.service.dead_man import DeadMan
+from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.link import Link
 from catseye.app.tui.requests import Requests
 
@@ -101,7 +102,6 @@ class JogClient:
 
     async def _take(self, steps: Sequence[Step]) -> None:
         from catseye.app.protocol.requests import JogHold, JogStep
-        from catseye.app.service.errors import RefusedError, ServiceError
 
         alive = asyncio.create_task(self._show_life())
         try:

@@ -9,6 +9,9 @@ from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
+from catseye.app.engine.waiting import cancel
+from catseye.app.errors import StorageError
+from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.engines import EngineProcess, engines_of_runs, find_engine
 from catseye.app.tui.run_state import LogLine
@@ -100,8 +103,6 @@ class EngineLink:
 
     async def serve(self, changed: Callable[[], None]) -> None:
         """Keep the connection until cancelled; `changed` is called after each message."""
-        from catseye.app.service.errors import RefusedError, ServiceError
-
         while not self._left:
             try:
                 trouble = await self._converse(changed)
@@ -114,13 +115,13 @@ class EngineLink:
 
     async def request(self, request: "AnyRequest") -> None:
         """Ask, and return when it is done."""
-        await self._while_it_answers(request.may_move, lambda client: client.request(request))
+        from catseye.app.protocol.requests import may_move
+
+        await self._while_it_answers(may_move(request), lambda client: client.request(request))
 
     async def _while_it_answers(
         self, may_move: bool, ask: "Callable[[EngineClient], Awaitable[Answered]]"
     ) -> "Answered":
-        from catseye.app.service.errors import ServiceError
-
         if self._client is None:
             raise ServiceError(f"no engine is connected: {self.engine.trouble or 'wait a moment'}")
         limit_s = SILENT_S if self.engine.silent_since_s is not None else None
@@ -148,8 +149,6 @@ class EngineLink:
 
     async def leave(self, *, end_engine: bool) -> None:
         """Give control back and go; an idle engine that nobody else uses may end."""
-        from catseye.app.service.errors import RefusedError, ServiceError
-
         self._left = True
         if self._client is None:
             return
@@ -168,7 +167,6 @@ class EngineLink:
 
     async def _converse(self, changed: Callable[[], None]) -> str:
         """Be a client of an engine until it is gone, or until a run begins at another one; return which it is."""
-        from catseye.app.engine.waiting import cancel
         from catseye.app.protocol.requests import Plain
 
         path = await asyncio.to_thread(find_engine, self._root) or await self._start_engine()
@@ -196,7 +194,6 @@ class EngineLink:
     @asynccontextmanager
     async def _connected(self, path: Path) -> AsyncIterator["EngineClient"]:
         from catseye.app.service.client import connect
-        from catseye.app.service.errors import ServiceError
 
         async with AsyncExitStack() as stack:
             try:
@@ -230,7 +227,6 @@ class EngineLink:
     async def _watch_life(self, client: "EngineClient", changed: Callable[[], None]) -> None:
         """Note when the engine does not answer any more, and when it does again."""
         from catseye.app.protocol.requests import Plain
-        from catseye.app.service.errors import RefusedError, ServiceError
 
         with suppress(RefusedError, ServiceError):
             while True:
@@ -272,7 +268,6 @@ class EngineLink:
 
     async def _catch_up(self, changed: Callable[[], None]) -> None:
         """Read from the record of a run under way what happened before this client came."""
-        from catseye.app.errors import StorageError
         from catseye.app.tui.record import read_record
 
         run = self.engine.run
@@ -291,7 +286,6 @@ class EngineLink:
         """Ask for the bench; control is taken by whoever wants to do something."""
         from catseye.app.protocol.answers import Watching
         from catseye.app.protocol.requests import Watch
-        from catseye.app.service.errors import RefusedError
 
         with suppress(RefusedError):
             seen = await self._while_it_answers(False, lambda client: client.ask(Watch(op="watch"), Watching))
@@ -304,8 +298,6 @@ class EngineLink:
         Raises:
             ServiceError: there is no cell file, or it does not come up; the text is what it said.
         """
-        from catseye.app.service.errors import ServiceError
-
         if self.cell is None:
             raise ServiceError("there is no cell file yet: set one up (F10), or try the demo")
         arguments = ["engine", "--cell", str(self.cell), "--runs", str(self._root)]

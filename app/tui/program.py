@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from textual.app import App
 from textual.notifications import SeverityLevel
 
+from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
@@ -178,8 +179,6 @@ class Program(App[int]):
         self.order(Plain(op=op), failure, control=control, done=done)
 
     async def _stop(self, op: StopOp) -> None:
-        from catseye.app.service.errors import RefusedError, ServiceError
-
         try:
             await self.session.link.stop(op)
         except RefusedError as error:
@@ -200,8 +199,6 @@ class Program(App[int]):
         done: str,
         then: Callable[[], None] | None,
     ) -> None:
-        from catseye.app.service.errors import RefusedError, ServiceError
-
         begins = request.op in {"start", "resume"}
         self.begins = self.begins or begins
         try:

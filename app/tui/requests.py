@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
+from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.link import Link
 
 if TYPE_CHECKING:
@@ -46,8 +47,6 @@ class Requests:
         task.add_done_callback(self._sent.discard)
 
     async def _request(self, request: "AnyRequest", *, needed: bool) -> None:
-        from catseye.app.service.errors import RefusedError, ServiceError
-
         try:
             await self._link.request(request)
         except (RefusedError, ServiceError) as error:

@@ -1,14 +1,21 @@
-"""The start of the terminal user interface: what has to be there, and who shows what."""
+"""The start of the terminal user interface: what it needs, who shows what, and its end by a signal."""
 
 import os
+import signal
 import sys
-from contextlib import suppress
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import NoReturn
+from types import FrameType
+from typing import Final, NoReturn
 
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.exitcode import ExitCode
 from catseye.app.files.documents import read_toml
+
+_LEAVE_S: Final = 3.0
+"""For the program to end by itself on a signal, s."""
 
 
 def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
@@ -27,7 +34,6 @@ def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
     from catseye.app.tui.keys import keys_file, read_keymap
     from catseye.app.tui.link import EngineLink
     from catseye.app.tui.session import Session
-    from catseye.app.tui.way_out import ends_on_signals
     from catseye.app.tui.work import Commands
     from catseye.drivers.roles.clock import SystemClock
 
@@ -50,7 +56,7 @@ def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
     link = EngineLink(root, found, clock)
     session = Session(link, Commands(), root, found, clock.monotonic_s, speed)
     app = CatseyeApp(session, keymap, "bench" if found is not None else "setup", trouble)
-    with ends_on_signals(app.leave_on_signal):
+    with _ends_on_signals(app.leave_on_signal):
         code = app.run()
     if code is None and app.return_code:
         sys.stderr.write(
@@ -60,6 +66,31 @@ def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
         )
         code = ExitCode.FAULT
     sys.exit(code or 0)
+
+
+@contextmanager
+def _ends_on_signals(leave: Callable[[int], None]) -> Iterator[None]:
+    """End the program on SIGTERM and SIGHUP.
+
+    The handlers are those of the interpreter: the event loop hears of no signal while it waits for a terminal to take
+    what is drawn, and a terminal that is gone or stands still never does.
+
+    Args:
+        leave: called with the signal's number; when the process has not ended some seconds later it is ended.
+    """
+
+    def heard(number: int, _frame: FrameType | None) -> None:
+        watchdog = threading.Timer(_LEAVE_S, os._exit, (128 + number,))
+        watchdog.daemon = True
+        watchdog.start()
+        leave(number)
+
+    before = {number: signal.signal(number, heard) for number in (signal.SIGTERM, signal.SIGHUP)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _give_way() -> None:

@@ -4,6 +4,8 @@ import asyncio
 import difflib
 from pathlib import Path
 
+from catseye.app.errors import ConfigError
+from catseye.app.tui.key_table import key_table
 from catseye.app.tui.program import Program
 
 
@@ -26,8 +28,6 @@ async def check_settings(app: Program, keymap: dict[str, str]) -> None:
 
 def unknown_names(names: frozenset[str]) -> str:
     """Return a line for each name that no key of the program has; it imports all screens."""
-    from catseye.app.tui.key_table import key_table
-
     known = {key.name for key in key_table()}
     lines = []
     for name in sorted(names - known):
@@ -38,8 +38,6 @@ def unknown_names(names: frozenset[str]) -> str:
 
 def key_clashes(keymap: dict[str, str]) -> str:
     """Return a line for each key that a user gave to one thing and that something else has in the same place."""
-    from catseye.app.tui.key_table import key_table
-
     lines = []
     for own in (key for key in key_table() if key.name in keymap):
         given = set(keymap[own.name].split(",")) - set(own.keys.split(","))
@@ -56,7 +54,6 @@ def key_clashes(keymap: dict[str, str]) -> str:
 def cell_fault(path: Path) -> str:
     """Return why a cell file cannot be used; empty when it can, or when it is not there."""
     from catseye.app.cell.load import load_cell
-    from catseye.app.errors import ConfigError
 
     try:
         if path.is_file():

@@ -5,6 +5,7 @@ from collections.abc import Awaitable
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal, TypeVar
 
+from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.engines import EngineProcess, all_engines
 
 if TYPE_CHECKING:
@@ -33,7 +34,6 @@ async def stop_by_every_way(
         ServiceError: nobody answers; the text says what was done instead.
     """
     from catseye.app.protocol.requests import Plain
-    from catseye.app.service.errors import RefusedError, ServiceError
 
     refusal = None
     try:
@@ -78,8 +78,6 @@ async def _ask_alone(path: Path, op: StopOp) -> bool | None:
 
 async def _within(answer: Awaitable[T]) -> T | None:
     """Return an answer; None when none comes in time, or the connection is closed."""
-    from catseye.app.service.errors import ServiceError
-
     try:
         async with asyncio.timeout(ANSWER_S):
             return await answer

@@ -3,16 +3,19 @@
 import math
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
 from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
-from catseye.procedures.kit.columns import Columns, TableRule
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Json, Record, Row
 from catseye.procedures.kit.tasks import Task
+
+if TYPE_CHECKING:
+    # Numpy comes with it: clients of an engine start without.
+    from catseye.procedures.kit.columns import Columns, TableRule
 
 
 @dataclass(frozen=True)
@@ -220,7 +223,7 @@ class Context(Protocol):
         """Let the arm stand still for a time, s."""
         ...
 
-    async def read_table(self, file: str, table: TableRule, rehearsed: Columns) -> Columns:
+    async def read_table(self, file: str, table: "TableRule", rehearsed: "Columns") -> "Columns":
         """Return what a file holds that the operator names.
 
         Args:

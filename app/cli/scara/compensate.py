@@ -7,8 +7,10 @@ import typer
 
 from catseye.app.cli.options import AsJson, Output, ResultFile
 from catseye.app.cli.output import note, warn, write_json
+from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cli.scara.options import Hand, StartDirection
 from catseye.app.errors import UsageError
+from catseye.app.files.atomic import require_output, write_atomically
 
 if TYPE_CHECKING:
     from catseye.app.cli.scara.compensation import Correction
@@ -38,7 +40,6 @@ def compensate(
     Example: catseye compensate result.json --path path.csv --format melfa --cell cell.toml -o path.prg
     """
     from catseye.app.cli.scara.compensation import correction_of, origin_of, write_correction
-    from catseye.app.files.atomic import require_output
     from catseye.app.results.scara.identified_arm import arm_of, arm_remarks
     from catseye.app.results.scara.result import read_result
 
@@ -61,7 +62,6 @@ def compensate(
 
 
 def _report(correction: "Correction", output: Path, form: str, *, as_json: bool) -> None:
-    from catseye.app.cli.report_output import note_statements, write_tables
     from catseye.app.results.scara.compensation_report import compensation_figures, compensation_report
 
     report = compensation_report(correction.path, correction.warnings)
@@ -76,7 +76,6 @@ def _report(correction: "Correction", output: Path, form: str, *, as_json: bool)
 def _write_tables(
     arm: "IdentifiedArm", origin: "Origin", output: Path, path: Path | None, as_json: bool
 ) -> None:
-    from catseye.app.files.atomic import write_atomically
     from catseye.app.results.scara.ssfk_table import maps_of, ssfk_table
 
     if path is not None:

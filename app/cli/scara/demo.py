@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from catseye.app.cli.failure import write_failure_texts
 from catseye.app.cli.options import AsJson, Seed, Speed, Truth
 from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.render.text import statement_lines, tables_text
 
 if TYPE_CHECKING:
     from catseye.app.engine.announcer import Publish
@@ -27,7 +29,6 @@ def demo(
 
     Example: catseye demo --out /tmp/demo --seed 7
     """
-    from catseye.app.cli.failure import write_failure_texts
     from catseye.app.cli.scara.demo_job import (
         DemoInterruptedError,
         evaluate,
@@ -36,7 +37,6 @@ def demo(
         run_for,
     )
     from catseye.app.cli.scara.demo_report import job_document, write_demo_report
-    from catseye.app.render.text import statement_lines, tables_text
     from catseye.app.results.scara.job_summary import job_summary
 
     prepare_folder(out, seed, truth)

@@ -8,7 +8,12 @@ import typer
 
 from catseye.app.cli.options import AsJson, Dask, InsecureCluster, Workers
 from catseye.app.cli.output import note, write_json
+from catseye.app.cli.progress import ProgressBar
+from catseye.app.cli.report_output import note_statements, write_tables
+from catseye.app.cluster.sharing import sharing
 from catseye.app.errors import UsageError
+from catseye.app.files.atomic import require_output, write_atomically
+from catseye.app.files.csv_text import csv_text
 
 if TYPE_CHECKING:
     from catseye.app.cell.load import LoadedCell
@@ -87,9 +92,6 @@ def design(
     """
     from catseye.app.cell.bench import scara_bench_of
     from catseye.app.cell.load import load_cell
-    from catseye.app.cli.report_output import note_statements, write_tables
-    from catseye.app.cluster.sharing import sharing
-    from catseye.app.files.atomic import require_output
     from catseye.app.render.page import write_page
     from catseye.app.results.scara.design.design import Wanted
     from catseye.app.results.scara.design.document import design_document
@@ -123,7 +125,6 @@ def design(
 
 def _designed(problem: "Problem", wanted: "Wanted", share: "Share") -> "Design":
     """Return the design; each part of the work has a bar of its own."""
-    from catseye.app.cli.progress import ProgressBar
     from catseye.app.results.scara.design.design import design
 
     bars: dict[str, ProgressBar] = {}
@@ -173,7 +174,6 @@ def _write_cell(design: "Design", loaded: "LoadedCell", file: Path) -> None:
 
     from catseye.app.cell.load import load_cell
     from catseye.app.cell.reflectors import with_reflector_tables
-    from catseye.app.files.atomic import write_atomically
     from catseye.app.protocol.procedures import analysed_by
 
     reflectors = [
@@ -187,8 +187,6 @@ def _write_cell(design: "Design", loaded: "LoadedCell", file: Path) -> None:
 
 
 def _write_commands(design: "Design", file: Path) -> None:
-    from catseye.app.files.atomic import write_atomically
-    from catseye.app.files.csv_text import csv_text
     from catseye.app.results.scara.path_csv import DIRECTIONS, JOINTS
 
     if design.choice is None:

@@ -18,6 +18,9 @@ from catseye.app.cli.options import (
     Workers,
 )
 from catseye.app.cli.output import note, warn, write_json
+from catseye.app.cli.report_output import note_statements, write_tables
+from catseye.app.cluster.sharing import sharing
+from catseye.app.files.atomic import require_output
 
 if TYPE_CHECKING:
     from catseye.app.results.scara.result import Result
@@ -61,8 +64,6 @@ def identify(
     Example: catseye identify --points points.csv --cell cell.toml -o result.json
     """
     from catseye.app.cli.scara.identifying import Method, MonteCarlo, identified, identified_scan
-    from catseye.app.cluster.sharing import sharing
-    from catseye.app.files.atomic import require_output
     from catseye.app.results.scara.distances import load_distances
     from catseye.app.results.scara.scan import is_scan
     from catseye.app.store.unverified import taken_as_it_is
@@ -84,7 +85,6 @@ def identify(
 
 def _hand_over(result: "Result", output: Path, *, as_json: bool) -> None:
     """Write a result and show it."""
-    from catseye.app.cli.report_output import note_statements, write_tables
     from catseye.app.results.scara.identification_report import identification_report
     from catseye.app.results.scara.result import write_result
 

@@ -7,7 +7,9 @@ import typer
 
 from catseye.app.cli.options import AsJson, Output, ResultFile
 from catseye.app.cli.output import note, write_json
+from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cli.scara.options import Hand, StartDirection
+from catseye.app.files.atomic import require_output
 
 
 def predict(
@@ -22,8 +24,6 @@ def predict(
 
     Example: catseye predict result.json --path path.csv -o predicted.csv
     """
-    from catseye.app.cli.report_output import note_statements, write_tables
-    from catseye.app.files.atomic import require_output
     from catseye.app.results.scara.identified_arm import nominal_of
     from catseye.app.results.scara.path_csv import read_path_csv, start_states
     from catseye.app.results.scara.prediction import predict_path, prediction_report, write_predicted_csv

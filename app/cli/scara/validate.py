@@ -7,7 +7,10 @@ import typer
 
 from catseye.app.cli.options import AsJson, ResultFile
 from catseye.app.cli.output import note, write_json
+from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cli.scara.options import Hand, StartDirection
+from catseye.app.errors import MeasurementRejectedError
+from catseye.app.files.atomic import require_output
 
 
 def validate(
@@ -32,9 +35,6 @@ def validate(
 
     Example: catseye validate error-map.json --measured tracker.csv --reference conventional.json -o validation.html
     """
-    from catseye.app.cli.report_output import note_statements, write_tables
-    from catseye.app.errors import MeasurementRejectedError
-    from catseye.app.files.atomic import require_output
     from catseye.app.render.page import require_html, write_page
     from catseye.app.results.scara.validation_document import validation_document
     from catseye.app.results.scara.validation_of_files import file_validation_report, validate_files

@@ -97,26 +97,24 @@ class _Step:
     works_on: str = ""
 
 
+@dataclass(frozen=True)
 class _Counting:
     """Which runs of a cell count as stages of the way.
 
-    Args:
+    Attributes:
         bases: runs that plans are made from now, by procedure.
         stages: by procedure.
     """
 
-    def __init__(
-        self, runs: CellRuns, bases: Mapping[str, CellRun | None], stages: Mapping[str, Stage]
-    ) -> None:
-        self.runs = runs
-        self._bases = bases
-        self._stages = stages
+    runs: CellRuns
+    bases: Mapping[str, CellRun | None]
+    stages: Mapping[str, Stage]
 
     def run(self, name: str) -> CellRun | None:
         """Return the run by which a stage is done; None while it is not."""
-        stage = self._stages.get(name)
-        if name in self._bases:
-            return self._bases[name]
+        stage = self.stages.get(name)
+        if name in self.bases:
+            return self.bases[name]
         if stage is None:
             return self.runs.last_complete(name)
         before = self.run(stage.since) if stage.since else None

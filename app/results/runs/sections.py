@@ -1,9 +1,9 @@
 """How it was measured: search, incidents, runs, devices, air, configuration."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from catseye.app.cell.model import Cell as CellFile
+from catseye.app.files.flat import flattened
 from catseye.app.results.model import (
     Bullets,
     Cell,
@@ -113,20 +113,9 @@ def cell_lines(cell: CellFile, origins: Mapping[str, str]) -> list[tuple[str, st
     Args:
         origins: "file" or "default" by dotted key; what is missing counts as "file".
     """
-    values = _values(cell.model_dump(exclude_none=True), "")
+    values = flattened(cell.model_dump(exclude_none=True))
     return [
         (f"{key} = {value}" + ("  # default" if origin == "default" else ""), origin)
         for key, value in values.items()
         for origin in [origins.get(key, "file")]
     ]
-
-
-def _values(value: Any, name: str) -> dict[str, Any]:
-    """Return every value by its dotted key."""
-    if isinstance(value, dict):
-        parts = [(f"{name}.{key}" if name else str(key), part) for key, part in value.items()]
-    elif isinstance(value, list) and value and isinstance(value[0], dict):
-        parts = [(f"{name}[{i}]", part) for i, part in enumerate(value, start=1)]
-    else:
-        return {name: value}
-    return {key: leaf for inner, part in parts for key, leaf in _values(part, inner).items()}

@@ -5,26 +5,20 @@ import math
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.documents import LARGEST_RESULT_BYTES
-from catseye.app.results.uncertainty_part import UncertaintyPart
+from catseye.app.results.uncertainty_part import Finite, ResultPart, UncertaintyPart
 from catseye.calibration.scara.extension import Part, Source, Target, Term
 from catseye.drivers.roles.user_file import read_regular
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
 Uncertainty = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Length = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 
 
-class _Part(BaseModel):
-    # Keys beyond version 1 are kept out of the way, not refused: results travel between versions.
-    model_config = ConfigDict(frozen=True, extra="ignore", from_attributes=True)
-
-
-class _Columns(_Part):
+class _Columns(ResultPart):
     """Columns of a table."""
 
     @model_validator(mode="after")
@@ -35,7 +29,7 @@ class _Columns(_Part):
         return self
 
 
-class Estimate(_Part):
+class Estimate(ResultPart):
     """A value with its standard uncertainty (k = 1)."""
 
     value: Finite
@@ -51,8 +45,13 @@ class MapTable(_Columns):
     u_positive_mdeg: list[Uncertainty]
     u_negative_mdeg: list[Uncertainty]
 
+    @property
+    def by_direction(self) -> tuple[tuple[int, list[float], list[float]], ...]:
+        """Direction of approach (1 upwards, -1 downwards), deviations and their standard uncertainties, mdeg."""
+        return (1, self.positive_mdeg, self.u_positive_mdeg), (-1, self.negative_mdeg, self.u_negative_mdeg)
 
-class Place(_Part):
+
+class Place(ResultPart):
     """Where a reflector stands."""
 
     name: str
@@ -60,7 +59,7 @@ class Place(_Part):
     y_mm: Estimate
 
 
-class DeadPath(_Part):
+class DeadPath(ResultPart):
     """Beam length at a segment's zero."""
 
     reflector: str
@@ -68,7 +67,7 @@ class DeadPath(_Part):
     length_mm: Estimate
 
 
-class LackOfFitPart(_Part):
+class LackOfFitPart(ResultPart):
     """Test against repeated poses."""
 
     systematic_um: float
@@ -81,7 +80,7 @@ class LackOfFitPart(_Part):
     explained: bool
 
 
-class RobustPart(_Part):
+class RobustPart(ResultPart):
     """What a robust loss made of the distances."""
 
     loss: Literal["huber", "soft-l1"]
@@ -90,7 +89,7 @@ class RobustPart(_Part):
     counted_little: int
 
 
-class Fit(_Part):
+class Fit(ResultPart):
     """Quality of the fit."""
 
     n_points: int
@@ -109,14 +108,14 @@ class Fit(_Part):
     robust: RobustPart | None = None
 
 
-class Nominal(_Part):
+class Nominal(ResultPart):
     """Links that command positions are calculated with."""
 
     link1_mm: Length
     link2_mm: Length
 
 
-class TermEstimate(_Part):
+class TermEstimate(ResultPart):
     """A function beyond the model with its coefficient, mdeg or µm."""
 
     target: Target
@@ -133,7 +132,7 @@ def term_unit(term: Term) -> float:
     return 1e3 * math.degrees(1.0) if term.angular else 1e3
 
 
-class Covariance(_Part):
+class Covariance(ResultPart):
     """Covariance of the arm's parameters, mm and rad."""
 
     names: list[str]
@@ -152,7 +151,7 @@ class Residuals(_Columns):
     residual_um: list[float]
 
 
-class Provenance(_Part):
+class Provenance(ResultPart):
     """Where it comes from; whether of emulated devices is not known of a points file.
 
     `unverified` says what speaks against runs that were changed after their end and used all the same; None for none.
@@ -176,7 +175,7 @@ class ScanSegments(_Columns):
     largest_um: list[float]
 
 
-class ScanPart(_Part):
+class ScanPart(ResultPart):
     """Residuals of all distances, summed up; `residuals` of the result holds an even sample of them."""
 
     n_points: int
@@ -187,7 +186,7 @@ class ScanPart(_Part):
     histogram: list[int]
 
 
-class Result(_Part):
+class Result(ResultPart):
     """A whole result file."""
 
     format: Literal["catseye-result/1"] = "catseye-result/1"

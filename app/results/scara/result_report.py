@@ -157,10 +157,7 @@ def _node_row(
 ) -> tuple[Cell, ...]:
     node = nodes.node_deg[i]
     row: list[Cell] = [Quantity(node, COUNT if node == round(node) else fixed(3))]
-    for direction, values, us in (
-        (1, nodes.positive_mdeg, nodes.u_positive_mdeg),
-        (-1, nodes.negative_mdeg, nodes.u_negative_mdeg),
-    ):
+    for direction, values, us in nodes.by_direction:
         row += [values[i], us[i]]
         if truth is not None:
             true = float(truth.at([node], direction)[0])

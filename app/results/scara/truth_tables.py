@@ -93,10 +93,7 @@ def _of(estimate: Estimate, true: float) -> float:
 def _of_map(joint: int, table: MapTable, true_map: TruthMap) -> list[NormalisedError]:
     return [
         NormalisedError(node_name(joint, node, direction), normalised(value, float(true), u))
-        for direction, values, us in (
-            (1, table.positive_mdeg, table.u_positive_mdeg),
-            (-1, table.negative_mdeg, table.u_negative_mdeg),
-        )
+        for direction, values, us in table.by_direction
         for node, value, true, u in zip(
             table.node_deg, values, true_map.at(table.node_deg, direction), us, strict=True
         )

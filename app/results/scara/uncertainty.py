@@ -14,9 +14,12 @@ from catseye.app.results.scara.result import term_unit
 from catseye.app.results.uncertainty_part import (
     ContributionRow,
     ContributionTable,
+    ContributionUnit,
     CorrelationPair,
     CoverageInterval,
+    Method,
     MonteCarloPart,
+    ParameterUnit,
     UncertaintyPart,
     ValidationRow,
 )
@@ -42,6 +45,9 @@ _PAIRS = 10
 """Strongest correlations that are named."""
 
 _UM = 1e3
+
+_Scale = tuple[ParameterUnit, float]
+_Share = tuple[str, Floats, ContributionUnit, float]
 
 
 @dataclass(frozen=True)
@@ -151,7 +157,7 @@ def _largest(row: ContributionRow, names: Sequence[str]) -> str:
 
 
 def _part(
-    method: str, identified: Identification, contributions: Contributions, intervals: Sequence[Interval]
+    method: Method, identified: Identification, contributions: Contributions, intervals: Sequence[Interval]
 ) -> UncertaintyPart:
     layout, scales = identified.layout, _scales(identified.layout)
     dof = contributions.effective_dof(contributions.variances)
@@ -164,36 +170,34 @@ def _part(
         dof,
         strict=True,
     )
-    return UncertaintyPart.model_validate(
-        {
-            "method": method,
-            "coverage": COVERAGE,
-            "intervals": [
-                CoverageInterval.model_validate(
-                    {
-                        "parameter": name,
-                        "unit": unit,
-                        "value": factor * value,
-                        "u": factor * u,
-                        "low": factor * limits.low,
-                        "high": factor * limits.high,
-                        "degrees_of_freedom": one_dof if math.isfinite(one_dof) else None,
-                    }
-                )
-                for name, (unit, factor), value, u, limits, one_dof in rows
-            ],
-            "contributions": contribution_table(identified, contributions),
-            "correlations": _strongest(identified),
-        }
+    return UncertaintyPart(
+        method=method,
+        coverage=COVERAGE,
+        intervals=[
+            CoverageInterval(
+                parameter=name,
+                unit=unit,
+                value=factor * value,
+                u=factor * u,
+                low=factor * limits.low,
+                high=factor * limits.high,
+                degrees_of_freedom=one_dof if math.isfinite(one_dof) else None,
+            )
+            for name, (unit, factor), value, u, limits, one_dof in rows
+        ],
+        contributions=contribution_table(identified, contributions),
+        correlations=_strongest(identified),
     )
 
 
-def _scales(layout: Layout) -> list[tuple[str, float]]:
+def _scales(layout: Layout) -> list[_Scale]:
     """Return unit and factor of each parameter."""
     angles = layout.extension.start - 2
-    terms = [("mdeg" if term.angular else "um", term_unit(term)) for term in layout.terms]
+    mm: _Scale = ("mm", 1.0)
+    mdeg: _Scale = ("mdeg", MDEG_PER_RAD)
+    terms: list[_Scale] = [("mdeg" if term.angular else "um", term_unit(term)) for term in layout.terms]
     rest = layout.size - layout.arm_size
-    return [("mm", 1.0)] * 2 + [("mdeg", MDEG_PER_RAD)] * angles + terms + [("mm", 1.0)] * rest
+    return [mm] * 2 + [mdeg] * angles + terms + [mm] * rest
 
 
 def _calculated(identified: Identification, contributions: Contributions) -> list[Interval]:
@@ -218,15 +222,13 @@ def _validation(
         values = factor * column
         one = validate(scaled, values, COVERAGE, float(np.std(values, ddof=1)))
         rows.append(
-            ValidationRow.model_validate(
-                {
-                    "parameter": name,
-                    "unit": unit,
-                    "difference": one.difference,
-                    "delta": one.tolerance,
-                    "sampling": one.sampling,
-                    "verdict": one.verdict,
-                }
+            ValidationRow(
+                parameter=name,
+                unit=unit,
+                difference=one.difference,
+                delta=one.tolerance,
+                sampling=one.sampling,
+                verdict=one.verdict,
             )
         )
     return rows
@@ -238,10 +240,10 @@ def contribution_table(identified: Identification, contributions: Contributions)
     return ContributionTable(contributors=list(contributions.names), rows=rows)
 
 
-def _results(layout: Layout, variances: Floats) -> list[tuple[str, Floats, str, float]]:
+def _results(layout: Layout, variances: Floats) -> list[_Share]:
     """Return name, variances by contributor, unit and factor of each result."""
     names, totals = layout.names(), variances.sum(axis=0)
-    found = [("L1", variances[:, 0], "um", _UM), ("L2", variances[:, 1], "um", _UM)]
+    found: list[_Share] = [("L1", variances[:, 0], "um", _UM), ("L2", variances[:, 1], "um", _UM)]
     if layout.model == "conventional":
         found.append(("θ20", variances[:, 2], "mdeg", MDEG_PER_RAD))
     else:
@@ -256,16 +258,14 @@ def _results(layout: Layout, variances: Floats) -> list[tuple[str, Floats, str, 
     return found
 
 
-def _row(name: str, variances: Floats, unit: str, factor: float) -> ContributionRow:
+def _row(name: str, variances: Floats, unit: ContributionUnit, factor: float) -> ContributionRow:
     total = float(variances.sum())
-    return ContributionRow.model_validate(
-        {
-            "result": name,
-            "unit": unit,
-            "u": factor * math.sqrt(total),
-            "u_parts": (factor * np.sqrt(variances)).tolist(),
-            "shares": (variances / total if total > 0.0 else np.zeros(variances.size)).tolist(),
-        }
+    return ContributionRow(
+        result=name,
+        unit=unit,
+        u=factor * math.sqrt(total),
+        u_parts=(factor * np.sqrt(variances)).tolist(),
+        shares=(variances / total if total > 0.0 else np.zeros(variances.size)).tolist(),
     )
 
 

@@ -85,10 +85,7 @@ def _value(
 def _map_values(joint: int, table: MapTable) -> list[ResultValue]:
     return [
         ResultValue("map", f"Δθ{joint}", "mdeg", value, u, 0.0, joint, node, direction)
-        for direction, values, us in (
-            (1, table.positive_mdeg, table.u_positive_mdeg),
-            (-1, table.negative_mdeg, table.u_negative_mdeg),
-        )
+        for direction, values, us in table.by_direction
         for node, value, u in zip(table.node_deg, values, us, strict=True)
     ]
 

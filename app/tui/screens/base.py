@@ -12,10 +12,9 @@ from textual.worker import Worker, WorkerState
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.program import Program
 from catseye.app.tui.session import Session
+from catseye.app.tui.widgets.bars import ScreenBar, StopBar
 from catseye.app.tui.widgets.key_line import KeyLine
-from catseye.app.tui.widgets.screen_bar import ScreenBar
 from catseye.app.tui.widgets.status_bar import StatusBar
-from catseye.app.tui.widgets.stop_bar import StopBar
 
 
 class MainScreen(Screen[None]):

@@ -9,6 +9,7 @@ from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 
 from catseye.app.tui.bench_text import air_lines, engine_lines, robot_lines, troubles
+from catseye.app.tui.dialogs.error_dialog import split_remedy
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.scara.plan_view import PlanView
 from catseye.app.tui.screens.base import MainScreen
@@ -118,8 +119,6 @@ class BenchScreen(MainScreen):
 
 
 def _trouble_line(name: str, text: str) -> Content:
-    from catseye.app.tui.dialogs.error_dialog import split_remedy
-
     cause, remedy = split_remedy(text)
     return Content.assemble(
         (f"✗ {name}: ", "$error bold"), cause, (f" → {remedy}" if remedy else "", "$success")

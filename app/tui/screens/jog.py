@@ -9,6 +9,7 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.widgets import Input
 
+from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.jog_client import JogClient, Step, Way
@@ -295,7 +296,6 @@ class JogScreen(MainScreen):
     async def _begin(self, percent: float, arm: str | None) -> None:
         from catseye.app.protocol.message import MessageError
         from catseye.app.protocol.requests import request_of
-        from catseye.app.service.errors import RefusedError, ServiceError
 
         self._say("switching the drives on…")
         try:

@@ -21,8 +21,7 @@ from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
-from catseye.app.tui.start_fields import STAGE_SIGNS, with_run_fields
-from catseye.app.tui.widgets.parameter_form import ParameterForm, Schema
+from catseye.app.tui.widgets.parameter_form import ParameterForm, Schema, with_run_fields
 from catseye.app.tui.widgets.report_content import sign_content, statement_content
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.status_bar import override_text
@@ -32,6 +31,8 @@ if TYPE_CHECKING:
     from catseye.app.protocol.rehearsal import Rehearsal
     from catseye.app.protocol.requests import Start
     from catseye.app.results.readiness.survey_document import ProcedureEntry, SurveyDocument
+
+_STAGE_SIGNS: Final = {"done": "✓", "next": "→", "later": "·", "left out": "–"}
 
 _WALK_LINES: Final = (
     "Its motions at 10 % and 250 mm/s at most; nothing is measured.",
@@ -347,7 +348,7 @@ class ProceduresScreen(MainScreen):
     def _show_way(self) -> None:
         stages = () if self._survey is None else self._survey.stages
         way = [
-            Content.styled(f"{STAGE_SIGNS[stage.state]} {stage.name}", _stage_style(stage.state))
+            Content.styled(f"{_STAGE_SIGNS[stage.state]} {stage.name}", _stage_style(stage.state))
             for stage in stages
         ]
         self.query_one("#way", StaticText).set_text(lines(*way))

@@ -18,17 +18,18 @@ from textual.content import Content
 from textual.timer import Timer
 from textual.widgets import ContentSwitcher, DataTable
 
+from catseye.app.errors import UsageError
 from catseye.app.results.numbers import counted
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.path_questions import newest_path_run, path_fault, reference_of
 from catseye.app.tui.screens.working import WorkScreen, free_name, is_file, typed_path, why_not_written
 from catseye.app.tui.session import DEMO_FOLDER, Session
+from catseye.app.tui.widgets.bars import TabLine
 from catseye.app.tui.widgets.report_content import statement_content
 from catseye.app.tui.widgets.result_parts import ComparePart, LayoutPart, MapsPart, PathPart, ResidualsPart
 from catseye.app.tui.widgets.row_table import RowTable
 from catseye.app.tui.widgets.static_text import StaticText, lines
-from catseye.app.tui.widgets.tab_line import TabLine
 from catseye.app.tui.widgets.task_line import TaskLine
 from catseye.app.tui.work import Done
 
@@ -489,7 +490,6 @@ def _shelf(root: Path) -> "ResultFiles":
 
 def _compared(file: "ResultFile", other: "ResultFile") -> "ResultComparison | str":
     """Return both results compared, or why they cannot be."""
-    from catseye.app.errors import UsageError
     from catseye.app.results.scara.comparison import compare_results
 
     if file.result is None or other.result is None:

@@ -13,6 +13,7 @@ from textual.content import Content
 
 from catseye.app.protocol.state import ENDING, ControlState
 from catseye.app.results.readiness.after_run import CLEAR, Advice, after_run
+from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.dialogs.motion_dialog import MotionDialog
 from catseye.app.tui.dialogs.override_dialog import OverrideDialog
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
@@ -325,7 +326,6 @@ class RunScreen(MainScreen):
     async def _answer(self, prompt: str, text: str) -> None:
         from catseye.app.protocol.message import MessageError
         from catseye.app.protocol.requests import request_of
-        from catseye.app.service.errors import RefusedError, ServiceError
 
         try:
             # What is typed may be longer than an answer is.

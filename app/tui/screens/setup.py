@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Iterable
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Final
@@ -11,8 +12,11 @@ from textual.binding import Binding, BindingType
 from textual.containers import Vertical
 from textual.widgets import OptionList
 
+from catseye.app.errors import CatseyeError
+from catseye.app.files.atomic import require_output, write_atomically
 from catseye.app.files.documents import read_text
 from catseye.app.protocol.banners import SIMULATION
+from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.cell_change import use_cell
 from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
@@ -198,7 +202,6 @@ class SetupScreen(WorkScreen):
             source: cell file to change; None for a new one.
         """
         from catseye.app.cell.wizard.pages import PAGES
-        from catseye.app.errors import CatseyeError
 
         left = self._drafts.get(source)
         try:
@@ -248,18 +251,13 @@ class SetupScreen(WorkScreen):
         await self._watch(on=True)
 
     async def _watch(self, *, on: bool) -> None:
-        from contextlib import suppress
-
         from catseye.app.protocol.requests import Watch
-        from catseye.app.service.errors import RefusedError, ServiceError
 
         with suppress(RefusedError, ServiceError):
             await self.session.link.request(Watch(op="watch", on=on))
 
     async def _save(self) -> None:
         from catseye.app.cell.wizard.pages import PAGES
-        from catseye.app.errors import CatseyeError
-        from catseye.app.files.atomic import require_output
 
         wizard = self._wizard
         await wizard.judge()
@@ -295,9 +293,6 @@ class SetupScreen(WorkScreen):
         return await self.app.push_screen_wait(dialog)
 
     async def _write(self, path: Path, text: str) -> None:
-        from catseye.app.errors import CatseyeError
-        from catseye.app.files.atomic import write_atomically
-
         try:
             await asyncio.to_thread(write_atomically, path, text)
         except (CatseyeError, OSError) as error:
@@ -335,8 +330,6 @@ class SetupScreen(WorkScreen):
         self.catseye.action_go("results")
 
     async def _emulate(self) -> None:
-        from catseye.app.errors import CatseyeError
-        from catseye.app.files.atomic import write_atomically
         from catseye.app.tui.setup.emulators import emulated_cell, free_file
 
         if self._emulators is not None and not self._emulators.done():
@@ -366,7 +359,6 @@ class SetupScreen(WorkScreen):
 
     async def _serve_emulators(self, path: Path, ready: asyncio.Event) -> None:
         """Keep the emulators until the program ends."""
-        from catseye.app.errors import CatseyeError
         from catseye.app.service.emulation import emulator_process
 
         try:

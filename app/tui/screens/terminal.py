@@ -12,7 +12,10 @@ from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.widgets import Input
 
+from catseye.app.errors import CatseyeError, UsageError
+from catseye.app.files.atomic import write_atomically
 from catseye.app.protocol.raw_text import LineEnd, encoded
+from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
@@ -233,7 +236,6 @@ class TerminalScreen(MainScreen):
 
     async def _ask_for_traffic(self, *, on: bool) -> None:
         from catseye.app.protocol.requests import Watch
-        from catseye.app.service.errors import RefusedError, ServiceError
 
         # An engine that is gone sends nothing; the status line says so.
         with suppress(RefusedError, ServiceError):
@@ -364,9 +366,6 @@ class TerminalScreen(MainScreen):
             self.run_worker(self._write(Path(answers["file"]).expanduser(), text), exit_on_error=False)
 
     async def _write(self, path: Path, text: str) -> None:
-        from catseye.app.errors import CatseyeError, UsageError
-        from catseye.app.files.atomic import write_atomically
-
         try:
             if await asyncio.to_thread(path.exists):
                 raise UsageError(f"{path} exists already: choose another name")

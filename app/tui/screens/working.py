@@ -1,7 +1,9 @@
-"""A screen that lets commands of catseye work: one at a time, with progress, and a key that ends it."""
+"""A screen that lets commands of catseye work, one at a time with progress, and shows the pages that they write."""
 
 import asyncio
 import os
+import shutil
+import sys
 from collections.abc import Callable, Coroutine
 from functools import partial
 from itertools import chain, count
@@ -10,13 +12,14 @@ from typing import Any
 
 from textual.worker import Worker
 
-from catseye.app.tui.opening import can_open, open_page
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.task_line import TaskLine
 from catseye.app.tui.work import Done
 
 _INTERRUPTED = frozenset({130, 143})
+
+_OPENERS = ("xdg-open", "open")
 
 
 def typed_path(text: str) -> Path:
@@ -163,3 +166,31 @@ class WorkScreen(MainScreen):
             self.notify(f"{title}: interrupted from outside", markup=False)
         else:
             self.catseye.show_error(failure, ended.fault)
+
+
+def can_open() -> bool:
+    """Return whether there is a display, and a program that shows pages on it."""
+    display = sys.platform == "darwin" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    return display and _opener() is not None
+
+
+async def open_page(uri: str) -> str:
+    """Show a page; return why it is not shown, empty when it is."""
+    opener = _opener()
+    if opener is None:
+        return "neither xdg-open nor open is installed"
+    # A browser in the terminal would draw over the screen: it is given none.
+    process = await asyncio.create_subprocess_exec(
+        opener,
+        uri,
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.DEVNULL,
+        stderr=asyncio.subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    code = await process.wait()
+    return f"{opener} ended with code {code}" if code else ""
+
+
+def _opener() -> str | None:
+    return next((found for name in _OPENERS if (found := shutil.which(name)) is not None), None)

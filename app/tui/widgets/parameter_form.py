@@ -1,6 +1,6 @@
 """Parameters of a procedure, a line each: name, value, and what it may be or why it cannot be that."""
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, VerticalScroll
@@ -10,6 +10,10 @@ from textual.widgets import Input, Label, Select
 
 from catseye.app.protocol.parameters import default_text, param_text, range_text, short_text, typed_fault
 from catseye.app.tui.widgets.static_text import StaticText
+
+if TYPE_CHECKING:
+    # The first screen is painted before this is imported.
+    from catseye.app.results.readiness.survey_document import ProcedureEntry
 
 Facts = dict[str, Any]
 """JSON schema of a parameter, as pydantic writes it."""
@@ -170,6 +174,31 @@ class ParameterForm(VerticalScroll):
         row = next((each for each in event.widget.ancestors if isinstance(each, ParameterRow)), None)
         if row is not None:
             self.post_message(self.Described(row.description))
+
+
+def with_run_fields(procedure: "ProcedureEntry", speed: float, *, real: bool) -> Schema:
+    """Return the parameters of a procedure and what else a start may choose.
+
+    Args:
+        speed: bench seconds in one real second, where nothing is typed.
+        real: the devices are real: their time runs as it runs.
+    """
+    fields = dict(procedure.params)
+    if procedure.needs_aim:
+        fields["search"] = {
+            "type": "string",
+            "default": "auto",
+            "description": "aim: auto takes the newest search of this cell, none the cell file, or a run's name",
+        }
+    if not real:
+        fields["speed"] = {
+            "type": "number",
+            "default": speed,
+            "minimum": 0.001,
+            "maximum": 1e6,
+            "description": "bench seconds in one real second, for emulators",
+        }
+    return fields
 
 
 def _choices(facts: Facts) -> list[str]:

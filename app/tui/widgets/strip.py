@@ -1,6 +1,7 @@
 """The beam's displacement as it came in the last seconds."""
 
 import math
+from itertools import islice
 from typing import TYPE_CHECKING, Final
 
 from textual.app import RenderResult
@@ -99,8 +100,6 @@ class Strip(Widget):
 
 
 def _folded(engine: EngineState, per_dot: int, dots: int) -> "tuple[Floats, Floats]":
-    from itertools import islice
-
     from catseye.app.tui.widgets.strip_chart import arrays, fold
 
     wanted = min(per_dot * dots, len(engine.strip))

@@ -1,6 +1,7 @@
 """A cell file as a problem of optimal design: what is measured, seen from where, and what shall be small."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,6 +23,7 @@ from catseye.calibration.scara.prediction import inside_range
 from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.approach import Command, Waypoint, bidirectional_sequence, with_take_up
 from catseye.procedures.scara.path.path_plan import path_points
+from catseye.procedures.scara.path.tracked_path import PathPoint
 
 PAPER_MM = ((650.0, -400.0), (680.0, 0.0), (640.0, 380.0))
 """Reflectors of the SCARA paper."""
@@ -132,7 +134,7 @@ def problem_of(bench: ScaraBench, budget: Budget, wish: Wish) -> Problem:
     return Problem(bench, sequence, study, way, rules, floor, criterion, text, wish.systematic)
 
 
-def commands_of(sequence: tuple[Command, ...]) -> Commands:
+def commands_of(sequence: Sequence[Command | PathPoint]) -> Commands:
     """Return commands as columns."""
     theta = np.deg2rad([[command.theta1_deg, command.theta2_deg] for command in sequence])
     directions = np.array([[command.direction1, command.direction2] for command in sequence], dtype=np.int64)
@@ -236,9 +238,7 @@ def _paper_path(bench: ScaraBench) -> Commands | None:
         points = path_points(bench, 200.0, (-500.0, 500.0), 25.0, "right")
     except OutOfReachError:
         return None
-    theta = np.deg2rad([[point.theta1_deg, point.theta2_deg] for point in points])
-    directions = np.array([[point.direction1, point.direction2] for point in points], dtype=np.int64)
-    return Commands(theta[:, 0], theta[:, 1], directions[:, 0], directions[:, 1])
+    return commands_of(points)
 
 
 def workspace(bench: ScaraBench, parts: int) -> Commands:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.tui.opening import can_open, open_page
+from catseye.app.tui.screens.working import can_open, open_page
 
 
 @pytest.fixture

@@ -1,0 +1,120 @@
+"""Bars of one line: the main screens, the parts of a screen, and HOLD, STOP and ABORT."""
+
+from collections.abc import Sequence
+
+from rich.text import Text
+from textual.app import ComposeResult, RenderResult
+from textual.containers import Horizontal
+from textual.events import Click
+from textual.widget import Widget
+from textual.widgets import Button, Static
+
+from catseye.app.protocol.state import HELD
+from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.main_screens import MAIN_SCREENS
+
+
+class ScreenBar(Widget):
+    """Names of the main screens.
+
+    Args:
+        current: name of the one that is shown.
+    """
+
+    DEFAULT_CSS = """
+    ScreenBar { height: 1; background: $surface; }
+    """
+
+    def __init__(self, current: str) -> None:
+        super().__init__()
+        self._current = current
+
+    def render(self) -> RenderResult:
+        """Return the line."""
+        text = Text(no_wrap=True, overflow="ellipsis")
+        for name, entry in MAIN_SCREENS.items():
+            shown = name == self._current
+            text.append(entry.key.upper(), "bold reverse" if shown else "bold")
+            text.append(f" {entry.title}", "reverse" if shown else "")
+            text.append(" ")
+        return text
+
+    async def on_click(self, event: Click) -> None:
+        """Show the screen that was clicked."""
+        start = 0
+        for name, entry in MAIN_SCREENS.items():
+            end = start + len(entry.key) + 1 + len(entry.title)
+            if start <= event.x < end:
+                await self.run_action(f"app.go('{name}')")
+                return
+            start = end + 1
+
+
+class TabLine(Widget):
+    """One line.
+
+    Args:
+        titles: of the parts, in order; the first is shown by 1.
+    """
+
+    DEFAULT_CSS = """
+    TabLine { height: 1; padding: 0 1; }
+    """
+
+    def __init__(self, titles: Sequence[str]) -> None:
+        super().__init__()
+        self._titles = tuple(titles)
+        self._current = 0
+
+    def show(self, current: int) -> None:
+        """Show which part is shown, from 0."""
+        self._current = current
+        self.refresh()
+
+    def render(self) -> RenderResult:
+        """Return the line."""
+        text = Text(no_wrap=True, overflow="ellipsis")
+        for place, title in enumerate(self._titles):
+            shown = place == self._current
+            text.append(f"{place + 1}", "bold reverse" if shown else "bold")
+            text.append(f" {title}", "reverse" if shown else "")
+            text.append(" ")
+        return text
+
+    async def on_click(self, event: Click) -> None:
+        """Show the part that was clicked."""
+        start = 1
+        for place, title in enumerate(self._titles):
+            end = start + 2 + len(title)
+            if start <= event.x < end:
+                await self.run_action(f"screen.part({place})")
+                return
+            start = end + 1
+
+
+class StopBar(Horizontal):
+    """One line with the buttons of the stop ladder."""
+
+    DEFAULT_CSS = """
+    StopBar { height: 1; background: $panel; }
+    StopBar Button { height: 1; min-width: 12; border: none; margin: 0 1 0 0; }
+    StopBar #hold { background: $warning; color: $background; }
+    StopBar #stop { background: $error; color: $background; text-style: bold; }
+    StopBar #abort { background: $error-darken-2; color: auto; }
+    StopBar Static { width: 1fr; color: $warning; }
+    """
+
+    def compose(self) -> ComposeResult:
+        """Make the buttons; they are for the mouse, the keys work everywhere."""
+        for name, label in (("hold", "HOLD h"), ("stop", "STOP F12"), ("abort", "ABORT")):
+            button = Button(label, id=name, action=f"app.{name}", compact=True)
+            button.can_focus = False
+            yield button
+        yield Static("The software stop is no emergency stop.", id="warning")
+
+    def show(self, engine: EngineState) -> None:
+        """Say what HOLD does now."""
+        held = engine.state in HELD and engine.running
+        button = self.query_one("#hold", Button)
+        button.label = "GO ON g" if held else "HOLD h"
+        button.action = "app.ask_to_go_on" if held else "app.hold"
