@@ -32,11 +32,8 @@ async def test_every_screen_shows_values_that_are_null(robot: dict[str, Any]) ->
 
 @pytest.mark.parametrize("robot", [NO_NUMBERS, NOTHING], ids=["some", "none"])
 async def test_a_jog_shows_values_that_are_null(robot: dict[str, Any]) -> None:
-    async with started({"control": {"client": "tui-1", "who": "Ada"}}, "jog", size=(120, 40)) as (
-        app,
-        pilot,
-        link,
-    ):
+    controlled = {"control": {"client": "tui-1", "who": "Ada"}}
+    async with started(controlled, "jog", size=(120, 40)) as (app, pilot, link):
         link.publish("bench", **bench(robot=robot))
         link.publish("jog", on=True, by="Ada (tui-1)", percent=None, moving=None)
         assert "JOG —" in await shown(app, pilot)
