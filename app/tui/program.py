@@ -9,9 +9,8 @@ from textual.app import App
 from textual.notifications import SeverityLevel
 
 from catseye.app.service.errors import RefusedError, ServiceError
-from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
-from catseye.app.tui.dialogs.motion_dialog import MotionDialog
+from catseye.app.tui.dialogs.questions import ConfirmDialog, MotionDialog
 from catseye.app.tui.session import Session
 from catseye.app.tui.stopping import StopOp
 
