@@ -36,9 +36,6 @@ class ServedEndpoint:
 class EmulatedBench:
     """All emulators of one bench. Use it as an asynchronous context: it listens inside, and is silent after.
 
-    Args:
-        config: what to emulate and where to listen.
-
     Raises:
         EmulatorError: the truth file, the reflectors, a protocol or an option cannot be used.
     """

@@ -74,7 +74,6 @@ class Emulator(ABC):
         """Make what all clients of the endpoint share.
 
         Args:
-            context: what the emulators of the bench share.
             device: the endpoint and its options.
             note: called with each request.
 

@@ -1,43 +1,13 @@
 """Events on their way: from a message to the model that its name stands for, and back to a line."""
 
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 from pydantic import ValidationError
 
-from catseye.app.protocol.engine_events import (
-    BenchSeen,
-    ClientLost,
-    ClientsChanged,
-    ControlChanged,
-    DrivesChanged,
-    Dropped,
-    EngineEvent,
-    EngineIdle,
-    JogChanged,
-    RawChanged,
-    SamplesTaken,
-    WirePassed,
-)
+from catseye.app.protocol.engine_events import EngineEvent
 from catseye.app.protocol.message import VERSION, Event, MessageError, encode_object, faults_of
-from catseye.app.protocol.run_events import (
-    DrivesLeft,
-    ErrorReported,
-    FirstMotionShown,
-    Happened,
-    LiveShown,
-    PointMeasured,
-    Progressed,
-    PromptAnswered,
-    PromptAsked,
-    RunEnded,
-    RunEvent,
-    RunStarted,
-    StateChanged,
-    StepDone,
-    StepStarted,
-    WarningIssued,
-)
+from catseye.app.protocol.run_events import DrivesLeft, FirstMotionShown, Happened, LiveShown, RunEvent
 
 
 class Unknown(Event):
@@ -55,30 +25,8 @@ _KINDS: Final[Mapping[str, type[LiveShown | FirstMotionShown | DrivesLeft]]] = {
 
 _EVENTS: Final[Mapping[str, type[AnyEvent]]] = {
     str(model.model_fields["event"].default): model
-    for model in (
-        RunStarted,
-        StateChanged,
-        StepStarted,
-        StepDone,
-        PointMeasured,
-        PromptAsked,
-        PromptAnswered,
-        WarningIssued,
-        ErrorReported,
-        Progressed,
-        RunEnded,
-        ControlChanged,
-        ClientsChanged,
-        ClientLost,
-        EngineIdle,
-        Dropped,
-        JogChanged,
-        RawChanged,
-        DrivesChanged,
-        BenchSeen,
-        SamplesTaken,
-        WirePassed,
-    )
+    for model in (*get_args(RunEvent), *get_args(EngineEvent))
+    if model not in {*_KINDS.values(), Happened}
 }
 
 

@@ -1,6 +1,6 @@
 """What clients ask of an engine."""
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, assert_never
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
@@ -23,15 +23,6 @@ class Request(BaseModel):
     """What every request has in common."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
-
-    @property
-    def may_move(self) -> bool:
-        """The arm may move after it, or bytes may reach it.
-
-        Such a request waits for no engine that is silent: it would be done whenever that wakes up. What ends a jog, a
-        raw link or a walk lets nothing move.
-        """
-        return False
 
 
 class Hello(Request):
@@ -76,11 +67,6 @@ class Plain(Request):
 
     op: Literal["release", "ladder", "hold", "unhold", "stop", "abort", "clear", "ping", "shutdown"]
 
-    @property
-    def may_move(self) -> bool:
-        """A held run goes on."""
-        return self.op == "unhold"
-
 
 class Reply(Request):
     """The answer to a prompt.
@@ -93,11 +79,6 @@ class Reply(Request):
     op: Literal["answer"] = "answer"
     prompt: Text
     text: Text
-
-    @property
-    def may_move(self) -> bool:
-        """Whichever answer it is: the run goes on."""
-        return True
 
 
 class Override(Request):
@@ -140,11 +121,6 @@ class Start(Request):
     waive_walk: Text | None = None
     keep_drives: bool = False
 
-    @property
-    def may_move(self) -> bool:
-        """Always."""
-        return True
-
 
 class Resume(Request):
     """Go on with an interrupted run on an idle engine.
@@ -164,11 +140,6 @@ class Resume(Request):
     answers: Text | None = None
     waive_walk: Text | None = None
     keep_drives: bool = False
-
-    @property
-    def may_move(self) -> bool:
-        """Always."""
-        return True
 
 
 class Watch(Request):
@@ -196,11 +167,6 @@ class JogMode(Request):
     percent: float = Field(default=5.0, ge=1.0, le=100.0, allow_inf_nan=False)
     arm: Text | None = None
 
-    @property
-    def may_move(self) -> bool:
-        """The drives go on."""
-        return self.on
-
 
 class JogStep(Request):
     """Move one joint by a step; the answer comes when the arm stands.
@@ -216,11 +182,6 @@ class JogStep(Request):
     by: float = Field(ge=-90.0, le=90.0, allow_inf_nan=False)
     aim: Name | None = None
 
-    @property
-    def may_move(self) -> bool:
-        """Always."""
-        return True
-
 
 class JogHold(Request):
     """Keep one joint moving; repeated at least every 0.2 s, or the arm stops.
@@ -234,11 +195,6 @@ class JogHold(Request):
     joint: Name
     direction: Literal[-1, 0, 1]
 
-    @property
-    def may_move(self) -> bool:
-        """Unless it stops."""
-        return self.direction != 0
-
 
 class WalkFeed(Request):
     """Keep a walk going; repeated at least every 0.3 s, or the arm is stopped. It is no enabling device.
@@ -249,11 +205,6 @@ class WalkFeed(Request):
 
     op: Literal["walk-feed"] = "walk-feed"
     on: bool = True
-
-    @property
-    def may_move(self) -> bool:
-        """The arm walks on."""
-        return self.on
 
 
 class Raw(Request):
@@ -270,11 +221,6 @@ class Raw(Request):
     on: bool = True
     arm: Text | None = None
 
-    @property
-    def may_move(self) -> bool:
-        """Bytes pass from now on."""
-        return self.on
-
 
 class Send(Request):
     """Send bytes on a link that was taken by `raw`.
@@ -287,11 +233,6 @@ class Send(Request):
     op: Literal["send"] = "send"
     device: Name
     hex: Annotated[str, Field(min_length=2, max_length=4096, pattern=r"^([0-9a-f]{2})+$")]
-
-    @property
-    def may_move(self) -> bool:
-        """Nobody knows what the bytes mean."""
-        return True
 
 
 AnyRequest = (
@@ -312,6 +253,27 @@ AnyRequest = (
     | Send
 )
 _REQUESTS: TypeAdapter[AnyRequest] = TypeAdapter(Annotated[AnyRequest, Field(discriminator="op")])
+
+
+def may_move(request: AnyRequest) -> bool:
+    """Return whether the arm may move after a request, or bytes may reach it.
+
+    Such a request waits for no engine that is silent: it would be done whenever that wakes up. What ends a jog, a
+    raw link or a walk lets nothing move. After an answer the run goes on, whichever it is; what the bytes of `send`
+    mean nobody knows.
+    """
+    match request:
+        case Reply() | Start() | Resume() | JogStep() | Send():
+            return True
+        case Plain():
+            return request.op == "unhold"
+        case JogMode() | WalkFeed() | Raw():
+            return request.on
+        case JogHold():
+            return request.direction != 0
+        case Hello() | Control() | HandOver() | Override() | Watch():
+            return False
+    assert_never(request)
 
 
 class Numbered(BaseModel):

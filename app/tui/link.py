@@ -115,7 +115,9 @@ class EngineLink:
 
     async def request(self, request: "AnyRequest") -> None:
         """Ask, and return when it is done."""
-        await self._while_it_answers(request.may_move, lambda client: client.request(request))
+        from catseye.app.protocol.requests import may_move
+
+        await self._while_it_answers(may_move(request), lambda client: client.request(request))
 
     async def _while_it_answers(
         self, may_move: bool, ask: "Callable[[EngineClient], Awaitable[Answered]]"

@@ -141,27 +141,29 @@ class Point(DeviceSettings):
 
 
 class AirSettings(DeviceSettings):
-    """What a cell file may set of a Modbus air sensor.
+    """What a cell file may set of a Modbus air sensor."""
 
-    Attributes:
-        map: register map to start from; `generic` knows none.
-        device_id: unit identifier; most TCP sensors ignore it.
-        pressure_address: register of the pressure, for a map that knows all but that.
-        points: quantities of the cell file's own; each replaces the map's.
-        function: 3 or 4.
-        word_order: big or little.
-        address_base: number that the documents give to the first register.
-        timeout_s: for connecting and for an answer, real s.
-    """
-
-    map: Literal["vaisala", "comet_web", "comet_rtu", "generic"] = "vaisala"
-    device_id: int = Field(default=1, ge=0, le=255)
-    pressure_address: int | None = Field(default=None, ge=0, le=0xFFFF)
-    points: list[Point] = Field(default=[])
-    function: Literal[3, 4] | None = None
-    word_order: WordOrder | None = None
-    address_base: Literal[0, 1] | None = None
-    timeout_s: float = Field(default=3.0, gt=0)
+    map: Literal["vaisala", "comet_web", "comet_rtu", "generic"] = Field(
+        default="vaisala", description="register map to start from; `generic` knows none."
+    )
+    device_id: int = Field(
+        default=1, ge=0, le=255, description="unit identifier; most TCP sensors ignore it."
+    )
+    pressure_address: int | None = Field(
+        default=None,
+        ge=0,
+        le=0xFFFF,
+        description="register of the pressure, for a map that knows all but that.",
+    )
+    points: list[Point] = Field(
+        default=[], description="quantities of the cell file's own; each replaces the map's."
+    )
+    function: Literal[3, 4] | None = Field(default=None, description="3 or 4.")
+    word_order: WordOrder | None = Field(default=None, description="big or little.")
+    address_base: Literal[0, 1] | None = Field(
+        default=None, description="number that the documents give to the first register."
+    )
+    timeout_s: float = Field(default=3.0, gt=0, description="for connecting and for an answer, real s.")
 
 
 _MAPS = {"vaisala": VAISALA, "comet_web": COMET_WEB, "comet_rtu": COMET_RTU, "generic": GENERIC}

@@ -12,17 +12,17 @@ from catseye.drivers.air.maps import (
     resolve,
 )
 from catseye.drivers.links.endpoint import require_stream
-from catseye.drivers.modbus.client import RegisterClient
+from catseye.drivers.modbus.client import ModbusDevice, RegisterClient, connected
 from catseye.drivers.roles.air import AirSample, AirSensor
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.device import Identity, Sink
-from catseye.drivers.roles.errors import LinkTimeoutError, ProtocolError, RefusedError
+from catseye.drivers.roles.errors import ProtocolError, RefusedError
 
 _BLOCK_REGISTERS = 64
 _ILLEGAL_ADDRESS = 2
 
 
-class Registers(Protocol):
+class Registers(ModbusDevice, Protocol):
     """Reads registers of one sensor."""
 
     @property
@@ -30,20 +30,8 @@ class Registers(Protocol):
         """Where it leads."""
         ...
 
-    async def open(self) -> None:
-        """Connect."""
-        ...
-
-    async def close(self) -> None:
-        """Disconnect."""
-        ...
-
     async def read(self, function: int, address: int, count: int) -> list[int]:
         """Return registers."""
-        ...
-
-    async def identify(self) -> dict[int, str]:
-        """Return the objects of function 43/14."""
         ...
 
 
@@ -52,7 +40,6 @@ class ModbusAir(AirSensor):
 
     Args:
         clock: time of the samples.
-        register_map: where the values are.
     """
 
     Settings: ClassVar[type[AirSettings]] = AirSettings
@@ -103,20 +90,7 @@ class ModbusAir(AirSensor):
             ProtocolError: values that no air has.
             LinkError: unreachable or silent.
         """
-        await self._registers.open()
-        try:
-            names = await self._identify()
-            await self.sample()
-        except BaseException:
-            await self._registers.close()
-            raise
-        model = " ".join(filter(None, (names.get(0, ""), names.get(1, "")))) or self._map.title
-        return Identity(
-            model=model,
-            firmware=names.get(2, ""),
-            serial=names.get(0x80, ""),
-            simulated="EMULATOR" in names.get(0, "").upper(),
-        )
+        return await connected(self._registers, self.sample, self._map.title)
 
     async def close(self) -> None:
         """Disconnect; may be called any number of times."""
@@ -138,13 +112,6 @@ class ModbusAir(AirSensor):
             except ProtocolError as exc:
                 raise ProtocolError(f"air sensor at {self._registers.endpoint}: {exc}") from None
         return AirSample(values.get("temperature"), values.get("pressure"), values.get("humidity"), time_s)
-
-    async def _identify(self) -> dict[int, str]:
-        try:
-            return await self._registers.identify()
-        except (RefusedError, LinkTimeoutError):
-            # Function 43/14 is optional; a sensor without it may also keep silent.
-            return {}
 
     async def _read(self) -> dict[Name, float | None]:
         """Read all quantities at once if they lie near enough together and the sensor lets one read across."""

@@ -18,15 +18,15 @@ _HARMLESS = b"\r\n> "
 
 
 class PtuSettings(DeviceSettings):
-    """What a cell file may set of a PTU300. Times are real seconds.
+    """What a cell file may set of a PTU300. Times are real seconds."""
 
-    Attributes:
-        address: of the sensor on a line with several ones (mode POLL); it is opened by `OPEN`.
-        timeout_s: for connecting and for an answer.
-    """
-
-    address: int | None = Field(default=None, ge=0, le=255)
-    timeout_s: float = Field(default=2.0, gt=0)
+    address: int | None = Field(
+        default=None,
+        ge=0,
+        le=255,
+        description="of the sensor on a line with several ones (mode POLL); it is opened by `OPEN`.",
+    )
+    timeout_s: float = Field(default=2.0, gt=0, description="for connecting and for an answer.")
 
     @property
     def connect_timeout_s(self) -> float:

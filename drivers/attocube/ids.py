@@ -35,27 +35,25 @@ _SAME_PM = 1000.0
 
 
 class IdsSettings(DeviceSettings):
-    """What a cell file may set. Times are real seconds, but for the start.
+    """What a cell file may set. Times are real seconds, but for the start."""
 
-    Attributes:
-        axis: 0, 1 or 2.
-        dialect: name space of the methods: `ids` for the IDS3010, `sen` for the newer generation.
-        sign: -1 when the displacement falls while the beam grows longer.
-        compensated: `auto` asks whether the environment unit corrects for the air.
-        start_timeout_s: how long the start of a measurement may take, s of the clock.
-        timeout_s: for an answer.
-        connect_timeout_s: for connecting.
-        quiet_s: silence after which a link counts as drained.
-    """
-
-    axis: int = Field(default=0, ge=0, le=2)
-    dialect: codec.Dialect = "ids"
-    sign: Literal[1, -1] = 1
-    compensated: Literal["auto", "none", "instrument"] = "auto"
-    start_timeout_s: float = Field(default=120.0, gt=0)
-    timeout_s: float = Field(default=2.0, gt=0)
-    connect_timeout_s: float = Field(default=5.0, gt=0)
-    quiet_s: float = Field(default=0.02, gt=0)
+    axis: int = Field(default=0, ge=0, le=2, description="0, 1 or 2.")
+    dialect: codec.Dialect = Field(
+        default="ids",
+        description="name space of the methods: `ids` for the IDS3010, `sen` for the newer generation.",
+    )
+    sign: Literal[1, -1] = Field(
+        default=1, description="-1 when the displacement falls while the beam grows longer."
+    )
+    compensated: Literal["auto", "none", "instrument"] = Field(
+        default="auto", description="`auto` asks whether the environment unit corrects for the air."
+    )
+    start_timeout_s: float = Field(
+        default=120.0, gt=0, description="how long the start of a measurement may take, s of the clock."
+    )
+    timeout_s: float = Field(default=2.0, gt=0, description="for an answer.")
+    connect_timeout_s: float = Field(default=5.0, gt=0, description="for connecting.")
+    quiet_s: float = Field(default=0.02, gt=0, description="silence after which a link counts as drained.")
 
 
 class AttocubeIds(LinkDriver, Interferometer):

@@ -25,17 +25,11 @@ T = TypeVar("T")
 
 
 class CounterSettings(DeviceSettings):
-    """What a cell file may set of a line counter. Times are real seconds.
+    """What a cell file may set of a line counter. Times are real seconds."""
 
-    Attributes:
-        profile: name of a built-in profile or path of a TOML file.
-        connect_timeout_s: for connecting.
-        quiet_s: silence after which a link counts as drained.
-    """
-
-    profile: str = "default"
-    connect_timeout_s: float = Field(default=5.0, gt=0)
-    quiet_s: float = Field(default=0.02, gt=0)
+    profile: str = Field(default="default", description="name of a built-in profile or path of a TOML file.")
+    connect_timeout_s: float = Field(default=5.0, gt=0, description="for connecting.")
+    quiet_s: float = Field(default=0.02, gt=0, description="silence after which a link counts as drained.")
 
 
 class LineCounter(Interferometer):

@@ -22,28 +22,32 @@ _ZERO_KEYS = ("T0000", "T0104")
 
 
 class NdSettings(DeviceSettings):
-    """What a cell file may set. Times are real seconds.
+    """What a cell file may set. Times are real seconds."""
 
-    Attributes:
-        decimals: digits behind the decimal point, which a position is sent without; compared with the display
-            at each connection and each zero.
-        sign: -1 when the display falls while the beam grows longer.
-        compensated: `instrument` when the display shows lengths that are corrected for the air.
-        zero: `software` keeps an offset in this program, `keys` presses 0 and ENT, which sets the datum.
-        error_request: asks for the error text: A0301 with an ND 287, A0300 with older units.
-        timeout_s: for an answer.
-        connect_timeout_s: for connecting.
-        quiet_s: silence after which a link counts as drained.
-    """
-
-    decimals: int = Field(default=4, ge=0, le=7)
-    sign: Literal[1, -1] = 1
-    compensated: Literal["none", "instrument"] = "none"
-    zero: Literal["software", "keys"] = "software"
-    error_request: Literal["A0301", "A0300"] = "A0301"
-    timeout_s: float = Field(default=1.0, gt=0)
-    connect_timeout_s: float = Field(default=5.0, gt=0)
-    quiet_s: float = Field(default=0.05, gt=0)
+    decimals: int = Field(
+        default=4,
+        ge=0,
+        le=7,
+        description="digits behind the decimal point, which a position is sent without; compared with the display at "
+        "each connection and each zero.",
+    )
+    sign: Literal[1, -1] = Field(
+        default=1, description="-1 when the display falls while the beam grows longer."
+    )
+    compensated: Literal["none", "instrument"] = Field(
+        default="none",
+        description="`instrument` when the display shows lengths that are corrected for the air.",
+    )
+    zero: Literal["software", "keys"] = Field(
+        default="software",
+        description="`software` keeps an offset in this program, `keys` presses 0 and ENT, which sets the datum.",
+    )
+    error_request: Literal["A0301", "A0300"] = Field(
+        default="A0301", description="asks for the error text: A0301 with an ND 287, A0300 with older units."
+    )
+    timeout_s: float = Field(default=1.0, gt=0, description="for an answer.")
+    connect_timeout_s: float = Field(default=5.0, gt=0, description="for connecting.")
+    quiet_s: float = Field(default=0.05, gt=0, description="silence after which a link counts as drained.")
 
 
 class HeidenhainNd(LinkDriver, Interferometer):

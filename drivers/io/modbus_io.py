@@ -6,10 +6,10 @@ from pydantic import Field, model_validator
 
 from catseye.drivers.links.driver import DeviceSettings
 from catseye.drivers.links.endpoint import SerialEndpoint, require_stream
-from catseye.drivers.modbus.client import RegisterClient
+from catseye.drivers.modbus.client import ModbusDevice, RegisterClient, connected
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.device import Identity, Sink
-from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, ProtocolError, RefusedError
+from catseye.drivers.roles.errors import LinkError, ProtocolError
 from catseye.drivers.roles.io import Io, Light
 
 _MOST_ON_A_LINE_S = 0.07
@@ -20,32 +20,34 @@ _FUNCTIONS = {"coil": 1, "input": 2}
 
 
 class IoSettings(DeviceSettings):
-    """What a cell file may set of a block. The addresses have no standard: the defaults just count from 0.
+    """What a cell file may set of a block. The addresses have no standard: the defaults just count from 0."""
 
-    Attributes:
-        device_id: unit identifier.
-        door_input: address of the door's contact.
-        door_kind: `input` is read by function 2, `coil` by function 1.
-        door_closed: what the contact reads while the door is closed.
-        green_coil: output of the green light; None without one, as for the others.
-        amber_coil: output of the amber light.
-        red_coil: output of the red light.
-        address_base: number that the documents give to the first address.
-        timeout_s: for connecting, real s.
-        answer_timeout_s: for an answer, real s: so short that a door whose answer is lost is asked again before its
-            silence counts as open. On a serial line no more than 0.07 s count, since a late answer is waited for too.
-    """
-
-    device_id: int = Field(default=1, ge=0, le=255)
-    door_input: int = Field(default=0, ge=0, le=0xFFFF)
-    door_kind: Literal["input", "coil"] = "input"
-    door_closed: bool = True
-    green_coil: int | None = Field(default=0, ge=0, le=0xFFFF)
-    amber_coil: int | None = Field(default=1, ge=0, le=0xFFFF)
-    red_coil: int | None = Field(default=2, ge=0, le=0xFFFF)
-    address_base: Literal[0, 1] = 0
-    timeout_s: float = Field(default=1.0, gt=0)
-    answer_timeout_s: float = Field(default=0.1, gt=0, le=0.1)
+    device_id: int = Field(default=1, ge=0, le=255, description="unit identifier.")
+    door_input: int = Field(default=0, ge=0, le=0xFFFF, description="address of the door's contact.")
+    door_kind: Literal["input", "coil"] = Field(
+        default="input", description="`input` is read by function 2, `coil` by function 1."
+    )
+    door_closed: bool = Field(default=True, description="what the contact reads while the door is closed.")
+    green_coil: int | None = Field(
+        default=0,
+        ge=0,
+        le=0xFFFF,
+        description="output of the green light; None without one, as for the others.",
+    )
+    amber_coil: int | None = Field(default=1, ge=0, le=0xFFFF, description="output of the amber light.")
+    red_coil: int | None = Field(default=2, ge=0, le=0xFFFF, description="output of the red light.")
+    address_base: Literal[0, 1] = Field(
+        default=0, description="number that the documents give to the first address."
+    )
+    timeout_s: float = Field(default=1.0, gt=0, description="for connecting, real s.")
+    answer_timeout_s: float = Field(
+        default=0.1,
+        gt=0,
+        le=0.1,
+        description="for an answer, real s: so short that a door whose answer is lost is asked again before its "
+        "silence counts as open. On a serial line no more than 0.07 s count, since a late answer is "
+        "waited for too.",
+    )
 
     @model_validator(mode="after")
     def _apart(self) -> Self:
@@ -66,16 +68,8 @@ class IoSettings(DeviceSettings):
         return {light: coil for light, coil in named.items() if coil is not None}
 
 
-class Bits(Protocol):
+class Bits(ModbusDevice, Protocol):
     """Coils and inputs of one device."""
-
-    async def open(self) -> None:
-        """Connect."""
-        ...
-
-    async def close(self) -> None:
-        """Disconnect."""
-        ...
 
     async def read_bits(self, function: int, address: int, count: int) -> list[bool]:
         """Return coils or inputs."""
@@ -85,17 +79,9 @@ class Bits(Protocol):
         """Set coils."""
         ...
 
-    async def identify(self) -> dict[int, str]:
-        """Return the objects of function 43/14."""
-        ...
-
 
 class ModbusIo(Io):
-    """Driver of a block of inputs and outputs.
-
-    Args:
-        settings: what is connected where.
-    """
+    """Driver of a block of inputs and outputs."""
 
     Settings: ClassVar[type[IoSettings]] = IoSettings
     summary: ClassVar[str] = "Modbus TCP or RTU: door contact and stack light"
@@ -110,7 +96,6 @@ class ModbusIo(Io):
 
         Args:
             endpoint: of the block, tcp:// or serial://.
-            clock: not needed here.
             sink: is shown all bytes.
             settings: fields of `IoSettings`.
 
@@ -140,20 +125,7 @@ class ModbusIo(Io):
             RefusedError: the door's contact is not there.
             LinkError: unreachable or silent.
         """
-        await self._bits.open()
-        try:
-            names = await self._identify()
-            await self._look_first()
-        except BaseException:
-            await self._bits.close()
-            raise
-        model = " ".join(filter(None, (names.get(0, ""), names.get(1, ""))))
-        return Identity(
-            model=model or "Modbus remote I/O",
-            firmware=names.get(2, ""),
-            serial=names.get(0x80, ""),
-            simulated="EMULATOR" in names.get(0, "").upper(),
-        )
+        return await connected(self._bits, self._look_first, "Modbus remote I/O")
 
     async def close(self) -> None:
         """Disconnect; may be called any number of times."""
@@ -185,10 +157,3 @@ class ModbusIo(Io):
             await self.door_closed()
         except (LinkError, ProtocolError):
             await self.door_closed()
-
-    async def _identify(self) -> dict[int, str]:
-        try:
-            return await self._bits.identify()
-        except (RefusedError, LinkTimeoutError):
-            # Function 43/14 is optional; a block without it may also keep silent.
-            return {}

@@ -24,22 +24,23 @@ MODEL = "Lasertex HPI-3D"
 
 
 class HpiSettings(DeviceSettings):
-    """What a cell file may set. Times are real seconds.
+    """What a cell file may set. Times are real seconds."""
 
-    Attributes:
-        sign: -1 when the distance falls while the beam grows longer.
-        compensated: `instrument` when the distances are corrected for the air by the instrument; no public
-            source says that they are.
-        signal_full_scale: level that means 1; the level's unit is not published.
-        timeout_s: for an acknowledgement, and for the next distance of the stream.
-        connect_timeout_s: for connecting.
-    """
-
-    sign: Literal[1, -1] = 1
-    compensated: Literal["none", "instrument"] = "none"
-    signal_full_scale: int = Field(default=100, gt=0, le=255)
-    timeout_s: float = Field(default=1.0, gt=0)
-    connect_timeout_s: float = Field(default=5.0, gt=0)
+    sign: Literal[1, -1] = Field(
+        default=1, description="-1 when the distance falls while the beam grows longer."
+    )
+    compensated: Literal["none", "instrument"] = Field(
+        default="none",
+        description="`instrument` when the distances are corrected for the air by the instrument; no public source "
+        "says that they are.",
+    )
+    signal_full_scale: int = Field(
+        default=100, gt=0, le=255, description="level that means 1; the level's unit is not published."
+    )
+    timeout_s: float = Field(
+        default=1.0, gt=0, description="for an acknowledgement, and for the next distance of the stream."
+    )
+    connect_timeout_s: float = Field(default=5.0, gt=0, description="for connecting.")
 
 
 class LasertexHpi(LinkDriver, StreamedInterferometer):

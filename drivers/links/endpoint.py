@@ -172,7 +172,6 @@ def open_transport(text: str, *, connect_timeout_s: float = 5.0, sink: Sink | No
     """Return the transport of an endpoint, not yet connected.
 
     Args:
-        text: the endpoint as in the cell file.
         connect_timeout_s: how long connecting may take, s.
         sink: is called with all bytes that pass, when given.
 

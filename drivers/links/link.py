@@ -68,7 +68,6 @@ class RequestLink:
 
     Args:
         transport: where the bytes go.
-        name: what is behind it, for texts.
         greet: runs after each opening, with the link held; asks by `exchange` who is there.
         identify: asks by `exchange` something on the open connection whose answer cannot be mistaken for that to
             another question; None: the protocol has no such question, and a link out of step is opened again.
@@ -77,7 +76,6 @@ class RequestLink:
         harmless: bytes that may stand between two answers, such as a late terminator.
         stays_writable: a link that floods is no longer read but stays open, so that something urgent can be written;
             otherwise it is closed.
-        now_s: real time for the count of losses, s; that of the event loop by default.
 
     Attributes:
         where: device and endpoint, for texts.
@@ -94,7 +92,6 @@ class RequestLink:
         gap_s: float = 0.0,
         harmless: bytes = b"\r\n",
         stays_writable: bool = False,
-        now_s: Callable[[], float] | None = None,
     ) -> None:
         self._transport = transport
         self.where = f"{name} at {transport.endpoint}"
@@ -105,7 +102,7 @@ class RequestLink:
         self._answered_s = -math.inf
         self._harmless = harmless
         self._stays_writable = stays_writable
-        self._losses = Losses(now_s)
+        self._losses = Losses()
         self._lock = asyncio.Lock()
         self._is_open = False
         self._doubt = ""

@@ -63,7 +63,6 @@ class StreamLink(Generic[T]):
     Args:
         transport: where the bytes go.
         clock: time of arrival.
-        name: what is behind it, for texts.
         decoder: makes the decoder of a new link.
         take: is given each frame and its time of arrival, s.
         greet: runs after each opening; asks who is there or waits for the first frames.
@@ -152,7 +151,6 @@ class StreamLink(Generic[T]):
 
         Args:
             timeout_s: how long at most, real s.
-            what: is waited for, for texts.
 
         Raises:
             LinkTimeoutError: it does not come; the link is opened again by the next `ensure`.
@@ -166,10 +164,8 @@ class StreamLink(Generic[T]):
         """Send something harmless and wait until it is acknowledged; send it again when it is not.
 
         Args:
-            data: the order as sent.
             arrived: whether it is acknowledged.
             timeout_s: how long to wait for each acknowledgement, real s.
-            what: is waited for, for texts.
 
         Raises:
             LinkTimeoutError: it is never acknowledged; the link is opened again by the next `ensure`.

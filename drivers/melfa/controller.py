@@ -53,7 +53,6 @@ class MelfaController:
     All methods raise LinkError (lost or silent), ProtocolError (garbage came) and RefusedError (refused).
 
     Args:
-        session: where to ask.
         take_right: takes the operation right.
         stop: stops the robot and waits for its standstill.
         watch_stops: returns a check that refuses once a stop has begun.
@@ -83,7 +82,6 @@ class MelfaController:
         """Write a variable.
 
         Args:
-            value: number, joints or position.
             program: of the running program whose variable it is; None: the edit slot's.
 
         Raises:

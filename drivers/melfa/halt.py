@@ -29,9 +29,6 @@ class Halt:
     STOP goes past whatever is in flight, so the connections are out of step afterwards; those that answer questions
     are healed, asked to stop once more and then asked where the arm is. A connection that floods is not read: it is
     written to until the stop is over, and closed then.
-
-    Args:
-        clock: time of the pause between two looks.
     """
 
     def __init__(self, connections: Connections, clock: Clock, settings: MelfaSettings) -> None:
@@ -131,7 +128,6 @@ class _Again:
     """Asks STOP before a look when the last one is long enough ago.
 
     Args:
-        session: where to ask.
         taken: is set when the controller has answered.
     """
 

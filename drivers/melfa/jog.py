@@ -30,7 +30,6 @@ class Jog:
     """A jog under way; made by `jogging`.
 
     Args:
-        session: where telegrams go.
         require_no_stop: refuses once a stop has begun.
     """
 

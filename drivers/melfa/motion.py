@@ -130,8 +130,6 @@ async def standstill(
     The run bit alone is not enough: no source says whether it covers statements that are executed directly.
 
     Args:
-        session: where to ask.
-        clock: time of the pause between two polls.
         settings: gives the pause and the tolerances.
         timeout_s: for all polls together, real s.
         still_polls: equal positions in a row that count as standstill.
@@ -270,7 +268,6 @@ async def account_for(
 
     Args:
         asker: is not blocked by the motion.
-        clock: time of the pause between two polls.
         settings: gives the pause and the tolerances.
         target: joints of the motion, deg or mm.
         still_polls: equal positions in a row that count as standstill elsewhere.

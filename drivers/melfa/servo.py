@@ -11,11 +11,6 @@ from catseye.drivers.roles.errors import AlarmError, RefusedError
 async def servo_is(session: Session, clock: Clock, settings: MelfaSettings, *, on: bool) -> None:
     """Wait until STATE says that the drives are on, or off.
 
-    Args:
-        session: where to ask.
-        clock: time of the pause between two polls.
-        settings: gives the pause and the longest wait.
-
     Raises:
         AlarmError: an alarm keeps them from coming on.
         RefusedError: they do not follow in time.

@@ -62,7 +62,6 @@ class Session:
     """An R-protocol session.
 
     Args:
-        name: what is behind it, for texts.
         set_up: runs after each opening, the first one and those that heal; may use `greet_ask` only.
         byte_s: time of one byte on a serial line, real s; 0 on a network.
     """
@@ -124,7 +123,6 @@ class Session:
 
         Args:
             command: the command word with its argument.
-            layout: how the answer is to be read.
             timeout_s: real s; the setting `answer_timeout_s` by default.
             repeat: what may be done when the answer is lost.
             permit: is asked when the request's turn has come; what it raises keeps it from being sent.

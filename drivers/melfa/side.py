@@ -29,7 +29,6 @@ class Side:
     question nor a STOP waits for it.
 
     Args:
-        session: where to ask.
         other: where to ask as long as the first one is lost; None: there is no other.
     """
 

@@ -1,15 +1,15 @@
 """Registers, coils and inputs of one device over Modbus TCP and RTU."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from functools import partial
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 from catseye.drivers.links.endpoint import SerialEndpoint, TcpEndpoint, open_transport
 from catseye.drivers.links.link import RequestLink
 from catseye.drivers.links.serial_line import LineSettings
 from catseye.drivers.modbus import codec
-from catseye.drivers.roles.device import Sink
+from catseye.drivers.roles.device import Identity, Sink
 from catseye.drivers.roles.errors import LinkTimeoutError, ProtocolError, RefusedError, WrongDeviceError
 
 _EXCEPTIONS = {
@@ -29,6 +29,55 @@ _SHORTEST_GAP_S = 0.00175
 T = TypeVar("T")
 
 
+class ModbusDevice(Protocol):
+    """What every driver over Modbus asks of its client."""
+
+    async def open(self) -> None:
+        """Connect."""
+        ...
+
+    async def close(self) -> None:
+        """Disconnect."""
+        ...
+
+    async def identify(self) -> dict[int, str]:
+        """Return the objects of function 43/14."""
+        ...
+
+
+async def connected(device: ModbusDevice, look: Callable[[], Awaitable[object]], model: str) -> Identity:
+    """Open the link, ask who is there and for a first value, which a stranger cannot give.
+
+    Args:
+        look: asks for the value.
+        model: what to call a device that does not name itself.
+
+    Raises:
+        DeviceError: unreachable, or whatever `look` finds; the link is closed then.
+    """
+    await device.open()
+    try:
+        names = await _names_of(device)
+        await look()
+    except BaseException:
+        await device.close()
+        raise
+    return Identity(
+        model=" ".join(filter(None, (names.get(0, ""), names.get(1, "")))) or model,
+        firmware=names.get(2, ""),
+        serial=names.get(0x80, ""),
+        simulated="EMULATOR" in names.get(0, "").upper(),
+    )
+
+
+async def _names_of(device: ModbusDevice) -> dict[int, str]:
+    try:
+        return await device.identify()
+    except (RefusedError, LinkTimeoutError):
+        # Function 43/14 is optional; a device without it may also keep silent.
+        return {}
+
+
 class RegisterClient:
     """Reads and writes registers, coils and inputs of one device.
 
@@ -38,7 +87,6 @@ class RegisterClient:
     Args:
         target: socket, or serial line for RTU.
         device_id: unit identifier.
-        name: what to call the device in texts.
         timeout_s: for connecting, real s.
         answer_timeout_s: for an answer, real s; `timeout_s` by default.
         sink: is shown all bytes.

@@ -47,7 +47,6 @@ class RefusedError(DeviceError):
     """The instrument understood the request and refused it.
 
     Args:
-        text: what was refused and what to do.
         number: the instrument's own error number.
     """
 

@@ -24,17 +24,11 @@ _SAME_SPEED = 0.01
 
 
 class BenchTrackerSettings(DeviceSettings):
-    """What a cell file may set of the emulated tracker. Times are real seconds.
+    """What a cell file may set of the emulated tracker. Times are real seconds."""
 
-    Attributes:
-        connect_timeout_s: for connecting.
-        answer_timeout_s: for an answer.
-        quiet_s: silence after which a link counts as drained.
-    """
-
-    connect_timeout_s: float = Field(default=5.0, gt=0)
-    answer_timeout_s: float = Field(default=5.0, gt=0)
-    quiet_s: float = Field(default=0.02, gt=0)
+    connect_timeout_s: float = Field(default=5.0, gt=0, description="for connecting.")
+    answer_timeout_s: float = Field(default=5.0, gt=0, description="for an answer.")
+    quiet_s: float = Field(default=0.02, gt=0, description="silence after which a link counts as drained.")
 
 
 class ObjectDecoder:

@@ -26,25 +26,22 @@ MODEL = "uMD display"
 
 
 class UmdSettings(DeviceSettings):
-    """What a cell file may set. Times are real seconds.
+    """What a cell file may set. Times are real seconds."""
 
-    Attributes:
-        axis: 1, 2 or 3.
-        vacuum_wavelength_nm: of the laser, nm; lengths are counted in vacuum wavelengths.
-        multiplier: of the optics: 1, 2 (plane mirror) or 4.
-        sign: -1 when the count falls while the beam grows longer.
-        ring_samples: newest samples that are kept for `samples`.
-        timeout_s: for the next sample of the stream.
-        connect_timeout_s: for connecting.
-    """
-
-    axis: Literal[1, 2, 3] = 1
-    vacuum_wavelength_nm: float = Field(default=632.9908, gt=200, lt=3000)
-    multiplier: Literal[1, 2, 4] = 1
-    sign: Literal[1, -1] = 1
-    ring_samples: int = Field(default=8192, ge=16)
-    timeout_s: float = Field(default=1.0, gt=0)
-    connect_timeout_s: float = Field(default=5.0, gt=0)
+    axis: Literal[1, 2, 3] = Field(default=1, description="1, 2 or 3.")
+    vacuum_wavelength_nm: float = Field(
+        default=632.9908,
+        gt=200,
+        lt=3000,
+        description="of the laser, nm; lengths are counted in vacuum wavelengths.",
+    )
+    multiplier: Literal[1, 2, 4] = Field(default=1, description="of the optics: 1, 2 (plane mirror) or 4.")
+    sign: Literal[1, -1] = Field(
+        default=1, description="-1 when the count falls while the beam grows longer."
+    )
+    ring_samples: int = Field(default=8192, ge=16, description="newest samples that are kept for `samples`.")
+    timeout_s: float = Field(default=1.0, gt=0, description="for the next sample of the stream.")
+    connect_timeout_s: float = Field(default=5.0, gt=0, description="for connecting.")
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,8 +33,6 @@ class Display:
     """The display that all clients share.
 
     Args:
-        instrument: the length counter whose count it shows.
-        lengths: how that counts.
         decimals: digits behind the decimal point.
     """
 

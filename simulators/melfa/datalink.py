@@ -63,11 +63,7 @@ Record = tuple[float, ...]
 
 
 class Datalink(Resident):
-    """The program that serves the data link while it runs.
-
-    Args:
-        controller: where it runs.
-    """
+    """The program that serves the data link while it runs."""
 
     def __init__(
         self, controller: ArmControl, name: str = "CATSDL", number_format: NumberFormat = "plain"

@@ -85,7 +85,6 @@ class Mxt(Resident):
     """The program that obeys set points in real time while it runs.
 
     Args:
-        controller: where it runs.
         sync: advances bench time to this moment.
     """
 

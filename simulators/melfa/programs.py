@@ -122,7 +122,6 @@ class Editor:
     """The edit slot: one program is open, for one client.
 
     Args:
-        memory: where programs are kept.
         time_s: returns the bench time, s.
     """
 

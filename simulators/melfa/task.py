@@ -21,7 +21,6 @@ class Task:
 
     Args:
         controller: what it commands.
-        memory: where programs are.
         residents: programs without lines, by name.
     """
 

@@ -16,7 +16,6 @@ class Lossy:
 
     Args:
         share: of the answers that are spoilt, 0...1.
-        seed: the same one spoils the same answers.
 
     Attributes:
         spoilt: how many answers were, by mishap.

@@ -34,7 +34,6 @@ class LineListener:
     """One serial line; who opens it is its client.
 
     Args:
-        device: name of the device, for texts.
         keeper: bench time.
         converse: starts a conversation.
     """

@@ -21,7 +21,6 @@ class UdpListener(asyncio.DatagramProtocol):
     """Takes datagrams.
 
     Args:
-        address: where to listen.
         converse: starts the conversation with a new client.
     """
 

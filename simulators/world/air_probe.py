@@ -26,9 +26,6 @@ class AirFault:
 class AirProbe:
     """What the air sensors of the bench measure, right or wrong.
 
-    Args:
-        bench: where it stands.
-
     Attributes:
         fault: what is wrong with it; tests set it.
     """

@@ -27,7 +27,6 @@ class Bench:
     Results depend on the sequence of commands and their bench times, never on the steps of `advance`.
 
     Args:
-        reflectors: where their centres are.
         config: everything else.
         on_event: called with motions, stops and arrivals.
 
@@ -269,11 +268,7 @@ class Bench:
 
 
 class Instrument:
-    """One emulated instrument's length counter; several look along the same beam.
-
-    Args:
-        bench: where it stands.
-    """
+    """One emulated instrument's length counter; several look along the same beam."""
 
     def __init__(self, bench: Bench) -> None:
         self.bench = bench

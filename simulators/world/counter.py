@@ -48,7 +48,6 @@ class SlowDrift:
     """A smooth random function of bench time: three waves with periods of 5 to 60 minutes.
 
     Args:
-        rng: where periods and phases come from.
         rms: its rms, in any unit.
     """
 

@@ -212,7 +212,6 @@ def blend(
     points: Sequence[Joints],
     dynamics: ArmDynamics,
     speed_fraction: float = 1.0,
-    acceleration_fraction: float = 1.0,
 ) -> tuple[Floats, Floats]:
     """Return a way from the first point to the last that cuts the corners at those between.
 
@@ -223,15 +222,13 @@ def blend(
         points: where the arm stands, via points, destination.
         dynamics: largest speeds and accelerations.
         speed_fraction: part of the largest speeds to use, 0...1.
-        acceleration_fraction: part of the largest accelerations to use, 0...1.
 
     Returns:
         Times, s after the start, and joints, as `plan_way` takes them; both empty when there is no way to go.
     """
-    fractions = (speed_fraction, acceleration_fraction)
     moves: list[Motion] = []
     for start, end in pairwise(points):
-        move = plan_motion(start, end, 0.0, dynamics, *fractions)
+        move = plan_motion(start, end, 0.0, dynamics, speed_fraction)
         if move.profile is not STANDSTILL:
             moves.append(replace(move, start_s=_blended_start_s(moves, move.profile)))
     if not moves:

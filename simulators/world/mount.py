@@ -9,7 +9,6 @@ class Screw:
     """A screw with play, turned by hand.
 
     Args:
-        rng: where the imprecision of the hand comes from.
         setting_turns: standard deviation with which a turn is set.
         play_turns: what is lost when the sense of turning changes.
 

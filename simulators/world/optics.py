@@ -57,8 +57,6 @@ class Optics:
     dirt leaves of it, since the level at its edge, exp(-2), is the least that a counter counts with.
 
     Args:
-        reflectors: where their centres are.
-        config: acceptance, field, column, mount of the beam, nests.
         start_height_mm: height of the arm at bench time 0.
 
     Attributes:

@@ -9,11 +9,7 @@ TRACKER_U_MM = 0.0075
 
 
 class Tracker:
-    """Measures positions with noise, in its own frame.
-
-    Args:
-        seed: seed of the frame and of the noise.
-    """
+    """Measures positions with noise, in its own frame."""
 
     def __init__(self, seed: int) -> None:
         self._noise = np.random.default_rng([seed, 9])

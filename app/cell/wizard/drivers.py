@@ -1,6 +1,5 @@
 """Installed drivers by what they drive, with what each is for, and the settings that each has."""
 
-import re
 from collections.abc import Iterator
 from functools import cache
 from types import NoneType, UnionType
@@ -42,11 +41,8 @@ def setting_questions(section: str, driver: str, without: frozenset[str]) -> tup
     model = dict(_installed())[driver].Settings if driver in dict(_installed()) else None
     if model is None:
         return ()
-    words = _attributes(model)
     asked = (
-        _question(section, name, field, words.get(name, ""))
-        for name, field in model.model_fields.items()
-        if name not in without
+        _question(section, name, field) for name, field in model.model_fields.items() if name not in without
     )
     return tuple(question for question in asked if question is not None)
 
@@ -56,17 +52,8 @@ def _installed() -> tuple[tuple[str, type[DriverClass]], ...]:
     return tuple((name, load_driver(name)) for name in driver_names())
 
 
-def _attributes(model: Any) -> dict[str, str]:
-    """Return what the docstrings of a model say of each setting."""
-    found: dict[str, str] = {}
-    for kind in reversed(model.__mro__):
-        text = re.sub(r"\n {12,}", " ", kind.__doc__ or "")
-        found |= dict(re.findall(r"^\s+(\w+): (.+)$", text, re.MULTILINE))
-    return found
-
-
-def _question(section: str, name: str, field: FieldInfo, words: str) -> Question | None:
-    key = f"{section}.settings.{name}"
+def _question(section: str, name: str, field: FieldInfo) -> Question | None:
+    key, words = f"{section}.settings.{name}", field.description or ""
     kinds = list(_kinds(field.annotation))
     default = "" if field.is_required() else text_of(field.default)
     choices = [value for kind in kinds for value in (get_args(kind) if get_origin(kind) is Literal else ())]

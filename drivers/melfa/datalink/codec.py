@@ -44,7 +44,6 @@ def encode(number: int, command: int, values: tuple[float, ...] = ()) -> bytes:
     """Return the bytes of a request.
 
     Args:
-        number: distinguishes this request from others.
         values: up to four; missing ones are 0.
 
     Raises:

@@ -46,15 +46,19 @@ _START_IT = "start the program CATSDL on the controller (key at AUTO, slot 1), s
 
 
 class DatalinkSettings(MelfaSettings):
-    """Settings of the data link driver, on top of those of the R-protocol.
+    """Settings of the data link driver, on top of those of the R-protocol."""
 
-    Attributes:
-        program: name of the program to start again after a stop; empty leaves that to the operator.
-        in_position_pulses: how near the last point of a way has to be before it counts as reached (`Fine`).
-    """
-
-    program: str = Field(default="CATSDL", pattern=r"^[A-Z0-9]{0,12}$")
-    in_position_pulses: int = Field(default=20, ge=1, le=10000)
+    program: str = Field(
+        default="CATSDL",
+        pattern=r"^[A-Z0-9]{0,12}$",
+        description="name of the program to start again after a stop; empty leaves that to the operator.",
+    )
+    in_position_pulses: int = Field(
+        default=20,
+        ge=1,
+        le=10000,
+        description="how near the last point of a way has to be before it counts as reached (`Fine`).",
+    )
 
 
 class MelfaDatalink(LedArm):

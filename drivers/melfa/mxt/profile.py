@@ -30,7 +30,6 @@ class WayProfile:
     move linearly with the way.
 
     Args:
-        start: where the arm stands.
         bounds: of every joint.
     """
 

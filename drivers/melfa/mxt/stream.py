@@ -27,7 +27,6 @@ class SetPointStream:
 
     Args:
         clock: measures the controller's cycle.
-        name: what is behind it, for texts.
     """
 
     def __init__(self, transport: Transport, clock: Clock, settings: MxtSettings, *, name: str) -> None:

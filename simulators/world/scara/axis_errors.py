@@ -70,7 +70,6 @@ class RadialError:
     """Radial error motion of one axis: a smooth closed curve over a turn, harmonics 1 to 5.
 
     Args:
-        rng: where amplitudes and phases come from.
         rms_um: rms of x and of y over a turn.
     """
 

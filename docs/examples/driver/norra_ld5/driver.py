@@ -20,17 +20,12 @@ T = TypeVar("T")
 
 
 class Ld5Settings(BaseModel):
-    """What a cell file may set in `[interferometer.settings]`.
-
-    Attributes:
-        answer_timeout_s: for an answer.
-        connect_timeout_s: for connecting.
-    """
+    """What a cell file may set in `[interferometer.settings]`."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
-    answer_timeout_s: float = Field(default=1.0, gt=0)
-    connect_timeout_s: float = Field(default=5.0, gt=0)
+    answer_timeout_s: float = Field(default=1.0, gt=0, description="for an answer.")
+    connect_timeout_s: float = Field(default=5.0, gt=0, description="for connecting.")
 
 
 class NorraLd5(Interferometer):
