@@ -61,7 +61,6 @@ class CatseyeApp(Program):
     """The terminal user interface.
 
     Args:
-        session: link, work, folders.
         keymap: a user's keys by the name of what they do.
         screen: name of the one that is shown first.
         trouble: title and text of what went wrong before; shown at once.

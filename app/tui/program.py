@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 class Program(App[int]):
     """The program as its screens know it.
 
-    Args:
-        session: link, work, folders.
-
     Attributes:
         begins: a run is asked for, and is being planned.
     """

@@ -11,7 +11,6 @@ class ErrorDialog(MessageDialog):
     """An error that the user has to know of.
 
     Args:
-        title: what could not be done.
         text: cause and remedy, as the engine or a command has given them.
     """
 
