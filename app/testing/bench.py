@@ -43,10 +43,8 @@ Endpoints = Mapping[str, str]
 
 
 @dataclass(frozen=True)
-class RunningBench:
-    """An emulated bench that runs elsewhere: in another thread or in another process.
-
-    Its control port is asked over a socket, by blocking calls of about a millisecond.
+class _ServedBench:
+    """An emulated bench that answers.
 
     Attributes:
         endpoints: where each device answers, by its name.
@@ -62,7 +60,16 @@ class RunningBench:
         Raises:
             LookupError: there is no such device.
         """
-        return _endpoint(self.endpoints, device)
+        if device not in self.endpoints:
+            raise LookupError(f"the bench has no device {device!r}; it has {', '.join(self.endpoints)}")
+        return self.endpoints[device]
+
+
+class RunningBench(_ServedBench):
+    """An emulated bench that runs elsewhere: in another thread or in another process.
+
+    Its control port is asked over a socket, by blocking calls of about a millisecond.
+    """
 
     def ask(self, request: Request[A]) -> A:
         """Put a request to the control port; see `catseye.simulators.control_port.messages`.
@@ -97,25 +104,8 @@ class RunningBench:
         return self.ask(ReadLog(device=device)).entries
 
 
-@dataclass(frozen=True)
-class AsyncBench:
-    """An emulated bench on the event loop of the test; its control port is asked by coroutines.
-
-    Attributes:
-        endpoints: where each device answers, by its name.
-        control: endpoint of the control port.
-    """
-
-    endpoints: Endpoints
-    control: str
-
-    def endpoint(self, device: str) -> str:
-        """Return where a device answers, in the form that cell files and drivers take.
-
-        Raises:
-            LookupError: there is no such device.
-        """
-        return _endpoint(self.endpoints, device)
+class AsyncBench(_ServedBench):
+    """An emulated bench on the event loop of the test; its control port is asked by coroutines."""
 
     async def ask(self, request: Request[A]) -> A:
         """Put a request to the control port; see `catseye.simulators.control_port.messages`.
@@ -215,12 +205,6 @@ def _device(given: str | EmulatedDevice) -> EmulatedDevice:
     if isinstance(given, EmulatedDevice):
         return given
     return EmulatedDevice(given, given, f"{load_emulator(given).link}://127.0.0.1:0")
-
-
-def _endpoint(endpoints: Endpoints, device: str) -> str:
-    if device not in endpoints:
-        raise LookupError(f"the bench has no device {device!r}; it has {', '.join(endpoints)}")
-    return endpoints[device]
 
 
 def _fault(name: str, arguments: dict[str, object]) -> Fault:

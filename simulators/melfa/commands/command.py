@@ -81,6 +81,11 @@ def say(text: Callable[[Controller, str], str]) -> Handler:
     return handler
 
 
+def show(text: Callable[[Controller], str]) -> Handler:
+    """Return a handler of an answer to a command that has no argument."""
+    return say(lambda controller, _: text(controller))
+
+
 def nothing(controller: Controller, client: Client, arguments: str) -> str:
     """Accept a command that changes nothing that is modelled."""
     del controller, client, arguments

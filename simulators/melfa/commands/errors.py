@@ -17,6 +17,7 @@ from catseye.simulators.melfa.commands.command import (
     place_in,
     required_number,
     say,
+    show,
     whole,
 )
 from catseye.simulators.melfa.controller import Controller
@@ -24,8 +25,7 @@ from catseye.simulators.melfa.controller import Controller
 _LETTERS = {alarms.HIGH: "H", alarms.LOW: "L", alarms.CAUTION: "C"}
 
 
-def _error(controller: Controller, arguments: str) -> str:
-    del arguments
+def _error(controller: Controller) -> str:
     number = controller.alarm_shown
     return f"{number};{alarms.level(number)}" if number else ""
 
@@ -91,7 +91,7 @@ def _check_number(controller: Controller, arguments: str) -> str:
 
 
 COMMANDS = {
-    "ERROR": Command(say(_error)),
+    "ERROR": Command(show(_error)),
     "ERRORMES": Command(say(_check_number), arguments=True),
     "ERRORLOG": Command(_log, arguments=True),
     "ERRLOG2=": Command(_filtered_log, arguments=True),

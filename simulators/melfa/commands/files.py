@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
-from catseye.simulators.melfa.commands.command import Client, Command, OpenFile, clock, place_in, say
+from catseye.simulators.melfa.commands.command import Client, Command, OpenFile, clock, place_in, say, show
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.melfa.programs import EXTENSION, TOTAL_BYTES, Program
 
@@ -181,8 +181,7 @@ def _lines(content: bytes) -> dict[int, str]:
     return dict(sorted((int(line[1]), line[2]) for line in found if line))
 
 
-def _memory(controller: Controller, arguments: str) -> str:
-    del arguments
+def _memory(controller: Controller) -> str:
     used = controller.memory.used_bytes
     return f"{TOTAL_BYTES};{used};{100 * used // TOTAL_BYTES}"
 
@@ -201,5 +200,5 @@ COMMANDS = {
     "FREAD": Command(_read),
     "FWRITE": Command(_write, arguments=True),
     "FCLOSE": Command(_close),
-    "EFREE": Command(say(_memory)),
+    "EFREE": Command(show(_memory)),
 }

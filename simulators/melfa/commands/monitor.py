@@ -5,7 +5,7 @@ layout of PTIME (here: hours of power, servo and operation) and CYCLETIME (here:
 are 0 at rest and in proportion to the joint's speed in motion; temperatures and voltages are constant.
 """
 
-from catseye.simulators.melfa.commands.command import Client, Command, clock, nothing, say, whole
+from catseye.simulators.melfa.commands.command import Client, Command, clock, nothing, say, show, whole
 from catseye.simulators.melfa.controller import Controller
 
 _AXES = 8
@@ -26,9 +26,8 @@ def _pulses(controller: Controller) -> list[int]:
     return [round(joint * controller.choices.pulses_per_unit) for joint in controller.bench.joints]
 
 
-def _encoders(controller: Controller, arguments: str) -> str:
+def _encoders(controller: Controller) -> str:
     """Feedback, place within one turn, feedback without filter, command; the drives follow exactly at rest."""
-    del arguments
     groups = [f"{p};{p % _PULSES_A_TURN};{p};{p}" for p in _pulses(controller)]
     return ";".join([*groups, *["0;0;0;0"] * (_AXES - _ROBOT_AXES)])
 
@@ -40,8 +39,7 @@ def _speed_fractions(controller: Controller) -> list[float]:
     return [(b - a) / _SPEED_STEP_S / most for a, b, most in zip(now, later, largest, strict=True)]
 
 
-def _speeds(controller: Controller, arguments: str) -> str:
-    del arguments
+def _speeds(controller: Controller) -> str:
     return _axes([round(100 * part) for part in _speed_fractions(controller)])
 
 
@@ -50,30 +48,11 @@ def _currents(controller: Controller, arguments: str) -> str:
     return _axes([30.0 * part for part in _speed_fractions(controller)], ".2f")
 
 
-def _load_currents(controller: Controller, arguments: str) -> str:
-    del arguments
+def _load_currents(controller: Controller) -> str:
     return _axes([abs(30.0 * part) for part in _speed_fractions(controller)], ".2f")
 
 
-def _droops(controller: Controller, arguments: str) -> str:
-    del controller, arguments
-    return ";".join(["0;0"] * _AXES)
-
-
-def _voltages(controller: Controller, arguments: str) -> str:
-    del controller, arguments
-    return _axes([_BUS_VOLTAGE] * _ROBOT_AXES)
-
-
-def _temperatures(controller: Controller, arguments: str) -> str:
-    """The encoders' temperatures now, then their largest."""
-    del controller, arguments
-    axes = _axes([_TEMPERATURE_C] * _ROBOT_AXES)
-    return f"{axes};{axes}"
-
-
-def _hours(controller: Controller, arguments: str) -> str:
-    del arguments
+def _hours(controller: Controller) -> str:
     hours = int(controller.bench.time_s // 3600)
     return f"{hours};{hours if controller.servo_on else 0};0"
 
@@ -106,20 +85,21 @@ def _date(controller: Controller, client: Client, arguments: str) -> str:
 COMMANDS = {
     "TIME": Command(_date),
     "TIME=": Command(nothing, arguments=True),
-    "PTIME": Command(say(_hours)),
+    "PTIME": Command(show(_hours)),
     "CYCLETIME": Command(say(_cycle_times), arguments=True),
-    "THMRD": Command(say(lambda _c, _a: f"{_TEMPERATURE_C}")),
-    "ETEMP": Command(say(_temperatures)),
-    "EMISS": Command(say(lambda _c, _a: _axes([]))),
-    "SRVENC": Command(say(_encoders)),
-    "SRVDRP": Command(say(_droops)),
-    "SRVSPD": Command(say(_speeds)),
+    "THMRD": Command(show(lambda _: f"{_TEMPERATURE_C}")),
+    # The encoders' temperatures now, then their largest.
+    "ETEMP": Command(show(lambda _: ";".join([_axes([_TEMPERATURE_C] * _ROBOT_AXES)] * 2))),
+    "EMISS": Command(show(lambda _: _axes([]))),
+    "SRVENC": Command(show(_encoders)),
+    "SRVDRP": Command(show(lambda _: ";".join(["0;0"] * _AXES))),
+    "SRVSPD": Command(show(_speeds)),
     "SRVCUR": Command(say(_currents), arguments=True),
-    "SRVLCR": Command(say(_load_currents)),
-    "SRVVOL": Command(say(_voltages)),
+    "SRVLCR": Command(show(_load_currents)),
+    "SRVVOL": Command(show(lambda _: _axes([_BUS_VOLTAGE] * _ROBOT_AXES))),
     "SVMONRST=": Command(nothing, arguments=True),
-    "OPNUMRD": Command(say(lambda _c, _a: "1")),
+    "OPNUMRD": Command(show(lambda _: "1")),
     "OPSTSRD": Command(say(_ethernet), arguments=True),
     "SLOTRD": Command(say(_slot_table), arguments=True),
-    "ENCBATTM": Command(say(lambda c, _a: f"{int(c.bench.time_s // 3600)};{_BATTERY_HOURS}")),
+    "ENCBATTM": Command(show(lambda c: f"{int(c.bench.time_s // 3600)};{_BATTERY_HOURS}")),
 }

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from catseye.simulators.config import Joints
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
-from catseye.simulators.melfa.commands.command import Command, say
+from catseye.simulators.melfa.commands.command import Command, say, show
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.melfa.values import flags_text, joint_pairs, position_pairs
 
@@ -63,11 +63,11 @@ def _present(kind: str) -> Command:
 
 
 def _complete(kind: str) -> Command:
-    return Command(say(lambda c, _a: _read(c, kind, "F", c.bench.joints)))
+    return Command(show(lambda c: _read(c, kind, "F", c.bench.joints)))
 
 
 def _destination(kind: str) -> Command:
-    return Command(say(lambda c, _a: _read(c, kind, "F", c.bench.destination)))
+    return Command(show(lambda c: _read(c, kind, "F", c.bench.destination)))
 
 
 COMMANDS = {

@@ -5,7 +5,7 @@ import re
 from catseye.simulators.melfa import alarms, statements
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.arm_control import Run
-from catseye.simulators.melfa.commands.command import Client, Command, do, required_number, say, whole
+from catseye.simulators.melfa.commands.command import Client, Command, do, required_number, say, show, whole
 from catseye.simulators.melfa.controller import Controller
 
 _LAST_TOOL = 16
@@ -83,8 +83,7 @@ def _direct(controller: Controller, statement: str) -> Run | None:
     return statements.execute(controller, statement)
 
 
-def _to_rest(controller: Controller, arguments: str) -> str:
-    del arguments
+def _to_rest(controller: Controller) -> str:
     if controller.task.running:
         raise Refusal(alarms.WHILE_RUNNING)
     controller.move(controller.config.start_joints)
@@ -117,7 +116,7 @@ def _reset_outputs(controller: Controller) -> None:
 COMMANDS = {
     "SRVON": Command(do(Controller.switch_servo_on), right=True),
     "SRVOFF": Command(do(Controller.switch_servo_off), right=True),
-    "OVRD": Command(say(lambda c, _a: f"{c.override_percent:g}")),
+    "OVRD": Command(show(lambda c: f"{c.override_percent:g}")),
     "OVRD=": Command(say(_set_override), arguments=True, right=True),
     "RUN": Command(say(_run), arguments=True, right=True),
     "STOP": Command(do(Controller.stop)),
@@ -129,22 +128,22 @@ COMMANDS = {
     "RSTPRG": Command(do(lambda c: c.task.reset())),
     "RSTIO": Command(do(_reset_outputs)),
     "PRGLOAD=": Command(say(_load), arguments=True, right=True),
-    "PRGUP": Command(say(lambda c, _a: _neighbour(c, -1)), right=True),
-    "PRGDOWN": Command(say(lambda c, _a: _neighbour(c, 1)), right=True),
-    "PRGRD": Command(say(lambda c, _a: c.task.file_name)),
-    "LINENO": Command(say(lambda c, _a: str(c.task.line))),
+    "PRGUP": Command(show(lambda c: _neighbour(c, -1)), right=True),
+    "PRGDOWN": Command(show(lambda c: _neighbour(c, 1)), right=True),
+    "PRGRD": Command(show(lambda c: c.task.file_name)),
+    "LINENO": Command(show(lambda c: str(c.task.line))),
     "LINENO=": Command(say(_set_line), arguments=True, right=True),
-    "LINERD": Command(say(lambda c, _a: c.task.line_text)),
-    "AUEON": Command(say(lambda c, _a: _enable_start(c, on=True))),
-    "AUEOFF": Command(say(lambda c, _a: _enable_start(c, on=False))),
-    "ATENA": Command(say(lambda c, _a: str(int(not c.start_enabled)))),
+    "LINERD": Command(show(lambda c: c.task.line_text)),
+    "AUEON": Command(show(lambda c: _enable_start(c, on=True))),
+    "AUEOFF": Command(show(lambda c: _enable_start(c, on=False))),
+    "ATENA": Command(show(lambda c: str(int(not c.start_enabled)))),
     "HNDON": Command(say(lambda c, a: _hand(c, a, is_open=True)), arguments=True),
     "HNDOFF": Command(say(lambda c, a: _hand(c, a, is_open=False)), arguments=True),
-    "MOVSP": Command(say(_to_rest), right=True),
+    "MOVSP": Command(show(_to_rest), right=True),
     # The hand of an upright arm is always aligned.
     "ALIGN": Command(do(Controller.require_ready), right=True),
     "TOOLSET": Command(say(_set_tool), arguments=True),
-    "TOOLRD": Command(say(lambda c, _a: str(c.tool))),
+    "TOOLRD": Command(show(lambda c: str(c.tool))),
     "SAFE=": Command(say(_low_speed), arguments=True),
     "EXEC": Command(say(_execute), arguments=True, right=True),
     "EXEC2=": Command(_execute_and_wait, arguments=True, right=True),

@@ -1,6 +1,6 @@
 """Signals, hands, stop sources (sheet, section 1.12)."""
 
-from catseye.simulators.melfa.commands.command import Command, say
+from catseye.simulators.melfa.commands.command import Command, say, show
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.melfa.signals import WORD, hexadecimal, register_number, signal_number, word
 
@@ -49,20 +49,17 @@ def _pseudo(controller: Controller, *, on: bool) -> str:
     return ""
 
 
-def _hands(controller: Controller, arguments: str) -> str:
+def _hands(controller: Controller) -> str:
     """One hand is fitted, single, on the first hand signal."""
-    del arguments
     state = _OPEN if 1 in controller.signals.open_hands else _CLOSED
     return ";".join([f"{_FIRST_HAND_SIGNAL};{state};0", *["-1;-1;-1"] * 7])
 
 
-def _stop_sources(controller: Controller, arguments: str) -> str:
-    del arguments
+def _stop_sources(controller: Controller) -> str:
     return f"{2 * controller.stop_latched:X};{int(controller.emergency_stop):X}"
 
 
-def _origin(controller: Controller, arguments: str) -> str:
-    del arguments
+def _origin(controller: Controller) -> str:
     axes = {4: "0F", 6: "3F", 8: "FF"}[controller.config.axis_pattern]
     return f"N{axes}{axes}"
 
@@ -71,16 +68,16 @@ COMMANDS = {
     "IOSIGNAL": Command(say(_both), arguments=True),
     "IN": Command(say(lambda c, a: f"{word(c.signals.inputs, signal_number(a)):04X}"), arguments=True),
     "IN=": Command(say(_write_inputs), arguments=True),
-    "INDMY": Command(say(lambda c, _a: _pseudo(c, on=True))),
-    "INSET": Command(say(lambda c, _a: _pseudo(c, on=False))),
+    "INDMY": Command(show(lambda c: _pseudo(c, on=True))),
+    "INSET": Command(show(lambda c: _pseudo(c, on=False))),
     "OUT": Command(say(lambda c, a: f"{word(c.signals.outputs, signal_number(a)):04X}"), arguments=True),
     "OUT=": Command(say(_write_outputs), arguments=True),
     "DIN": Command(say(lambda c, a: _registers(c.signals.input_registers, a)), arguments=True),
     "DIN=": Command(say(_write_input_register), arguments=True),
     "DOUT": Command(say(lambda c, a: _registers(c.signals.output_registers, a)), arguments=True),
     "DOUT=": Command(say(_write_output_register), arguments=True),
-    "HNDSTS": Command(say(_hands)),
-    "STPSIG": Command(say(_stop_sources)),
-    "USERAREASTS": Command(say(lambda _c, _a: "00")),
-    "CALIB": Command(say(_origin)),
+    "HNDSTS": Command(show(_hands)),
+    "STPSIG": Command(show(_stop_sources)),
+    "USERAREASTS": Command(show(lambda _: "00")),
+    "CALIB": Command(show(_origin)),
 }
