@@ -19,7 +19,6 @@ class TcpListener:
     """Takes connections.
 
     Args:
-        converse: starts the conversation with a new client.
         most_clients: more at once are dropped; None takes any number.
     """
 

@@ -18,11 +18,7 @@ Peer = tuple[Any, ...]
 
 
 class UdpListener(asyncio.DatagramProtocol):
-    """Takes datagrams.
-
-    Args:
-        converse: starts the conversation with a new client.
-    """
+    """Takes datagrams."""
 
     def __init__(self, address: SocketAddress, converse: Callable[[Wire], Conversation]) -> None:
         self._converse = converse
@@ -92,12 +88,7 @@ class UdpListener(asyncio.DatagramProtocol):
 
 
 class _Client:
-    """One address that sends.
-
-    Args:
-        send: sends a datagram to it.
-        converse: starts the conversation.
-    """
+    """One address that sends."""
 
     gap_s = 0.0
     """A datagram comes as a whole."""
