@@ -49,8 +49,6 @@ class LackOfFit(Judged):
     a group. What it explains beyond the model is systematic: the model lacks it.
 
     Attributes:
-        dof_model: degrees of freedom of what the model lacks.
-        dof_pure: degrees of freedom of the pure scatter.
         systematic_um: standard deviation of the systematic part of a row, µm.
         pure_um: standard deviation of the pure scatter, µm.
         ratio: F, mean square of the lack over the mean square of the scatter.
@@ -60,8 +58,6 @@ class LackOfFit(Judged):
         excess: mean square of the lack over what is expected of the stated errors.
     """
 
-    dof_model: int
-    dof_pure: int
     systematic_um: float
     pure_um: float
     ratio: float
@@ -108,8 +104,6 @@ def _judged(
     unit_um = 1e3 / float(np.sqrt(np.mean(fit.weights**2)))
     systematic = max(lack_square - pure_square, 0.0) * groups / fit.repeats.size
     return LackOfFit(
-        dof_model=dof_model,
-        dof_pure=dof_pure,
         systematic_um=unit_um * float(np.sqrt(systematic)),
         pure_um=unit_um * float(np.sqrt(pure_square)),
         ratio=ratio,

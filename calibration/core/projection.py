@@ -104,8 +104,6 @@ class Addition(Judged):
     Attributes:
         coefficients: of the functions, shape (k,), as a fit with them would find.
         covariance: of the coefficients, shape (k, k): stated errors, scaled to the scatter that would be left.
-        dof: independent functions that the model leaves.
-        rest_dof: degrees of freedom that would be left.
         explained_um: standard deviation that they would take off each row, µm; white scatter taken off.
         ratio: F, mean square that they would explain over the mean square that would be left.
         probability: of a ratio this large when they explain nothing and errors are white.
@@ -114,8 +112,6 @@ class Addition(Judged):
 
     coefficients: Floats
     covariance: Floats
-    dof: int
-    rest_dof: int
     explained_um: float
     ratio: float
     probability: float
@@ -149,8 +145,6 @@ def addition(projection: Projection, columns: Floats) -> Addition | None:
     return Addition(
         coefficients=-back @ along,
         covariance=test.scale * back @ inner @ back.T,
-        dof=rank,
-        rest_dof=projection.dof - rank,
         explained_um=test.explained_um,
         ratio=test.ratio,
         probability=test.probability,

@@ -42,14 +42,12 @@ class RobustEstimate:
         estimate: with its sandwich covariance.
         scale: robust standard deviation of a row in units of its stated white uncertainty (mm when none).
         weights: what each row counts, 0…1, shape (n,).
-        rounds: reweightings.
         contributions: its covariance, taken apart.
     """
 
     estimate: Estimate
     scale: float
     weights: Floats
-    rounds: int
     contributions: Contributions
 
 
@@ -132,7 +130,7 @@ def _judged(
     fit = replace(
         _statistics(found.fit, found.residuals_mm, scale, rounds), sigma0_um=sigma_um, robust=counted
     )
-    return RobustEstimate(replace(found, covariance=parts.covariance, fit=fit), scale, share, rounds, parts)
+    return RobustEstimate(replace(found, covariance=parts.covariance, fit=fit), scale, share, parts)
 
 
 def _half(loss: Loss) -> float:

@@ -25,7 +25,6 @@ class AnglePattern(Judged):
         count: distances of each level.
         explained_um: standard deviation of a distance that levels of their own would explain, µm.
         ratio: F; None when the model absorbs a level of its own for each angle.
-        dof: independent levels that the model leaves.
         probability: of a ratio this large, white errors.
         probability_stated: of a ratio this large, stated contributors included.
     """
@@ -36,7 +35,6 @@ class AnglePattern(Judged):
     count: Ints
     explained_um: float
     ratio: float | None
-    dof: int
     probability: float
     probability_stated: float
 
@@ -70,7 +68,6 @@ def _pattern(projection: DistanceProjection, joint: int, angle_rad: Floats) -> A
         count=count.astype(np.int64),
         explained_um=0.0 if found is None else found.explained_um,
         ratio=None if found is None else found.ratio,
-        dof=0 if found is None else found.dof,
         probability=1.0 if found is None else found.probability,
         probability_stated=1.0 if found is None else found.probability_stated,
     )

@@ -62,12 +62,10 @@ class Cleaned:
     Attributes:
         identified: from the others; `rejected` lists each one.
         rejected: what was left out, in measuring order.
-        rounds: how often was fitted.
     """
 
     identified: Identification
     rejected: tuple[Rejected, ...]
-    rounds: int
 
 
 def reject(problem: Problem, limit: float, most: float = MOST_REJECTED) -> Cleaned:
@@ -91,13 +89,13 @@ def reject(problem: Problem, limit: float, most: float = MOST_REJECTED) -> Clean
     identified = problem.of_rows(kept).solve()
     # Outliers hardly bend a Huber fit: there the residual itself is what the others predict.
     judged, leans = robust_fit(identified, "huber").identified, False
-    for rounds in range(1, _ROUNDS + 1):
+    for _ in range(_ROUNDS):
         projection = projection_of(judged)
         deleted = robustly_studentised(projection)
         size = np.abs(np.nan_to_num(deleted))
         far = size > max(limit, 0.5 * float(size.max()))
         if not far.any():
-            return _cleaned(identified, gone, limit, rounds)
+            return _cleaned(identified, gone, limit)
         for i in np.flatnonzero(far).tolist():
             row = int(kept[i])
             gone[row] = _of_row(projection, row, i, float(deleted[i]), leans)
@@ -143,7 +141,7 @@ def _require_few(gone: dict[int, Rejected], allowed: int, total: int, limit: flo
     )
 
 
-def _cleaned(identified: Identification, gone: dict[int, Rejected], limit: float, rounds: int) -> Cleaned:
+def _cleaned(identified: Identification, gone: dict[int, Rejected], limit: float) -> Cleaned:
     rejected = tuple(gone[row] for row in sorted(gone))
     sentences = [one.sentence(limit) for one in rejected]
-    return Cleaned(replace(identified, rejected=[*identified.rejected, *sentences]), rejected, rounds)
+    return Cleaned(replace(identified, rejected=[*identified.rejected, *sentences]), rejected)

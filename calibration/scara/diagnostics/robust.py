@@ -14,18 +14,14 @@ class RobustFit:
 
     Attributes:
         identified: the estimate with its sandwich covariance.
-        loss: which loss.
         scale: robust standard deviation of a distance in units of its stated white uncertainty (mm when none).
         weights: what each distance counts, 0…1, shape (n,).
-        rounds: reweightings.
         contributions: its covariance, taken apart.
     """
 
     identified: Identification
-    loss: Loss
     scale: float
     weights: Floats
-    rounds: int
     contributions: Contributions
 
 
@@ -46,4 +42,4 @@ def robust_fit(identified: Identification, loss: Loss) -> RobustFit:
         residuals_mm=found.estimate.residuals_mm,
         fit=found.estimate.fit,
     )
-    return RobustFit(robust, loss, found.scale, found.weights, found.rounds, found.contributions)
+    return RobustFit(robust, found.scale, found.weights, found.contributions)
