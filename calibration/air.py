@@ -86,11 +86,7 @@ def outside_nist_range(wavelength_vacuum_nm: float, temperature_c: float, pressu
 
 
 def vapour_pressure_pa(temperature_c: ArrayLike) -> Floats:
-    """Return the saturation pressure of water vapour (IAPWS), over ice below 0 °C and over water from there on, Pa.
-
-    Args:
-        temperature_c: temperature, °C.
-    """
+    """Return the saturation pressure of water vapour (IAPWS), Pa: over ice below 0 °C, over water from there on."""
     temperature = np.asarray(temperature_c, dtype=np.float64)
     kelvin = temperature + 273.15
     return np.where(temperature < 0.0, _over_ice_pa(kelvin), _over_water_pa(kelvin))

@@ -24,7 +24,6 @@ def null_directions(
     """Return the undetermined combinations beyond the gauge, each as the names of its parameters.
 
     Args:
-        parameters: names and gauge.
         jacobian: weighted Jacobian at the solution, shape (n, p).
         tolerance: singular values below this share of the largest count as zero.
     """

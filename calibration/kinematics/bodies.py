@@ -168,9 +168,6 @@ class Gaps:
 def outermost_levers(chain: Chain, arm: Sequence[Capsule]) -> Floats:
     """Return upper bounds of how far any point of an arm's bodies moves when one joint moves by one unit.
 
-    Args:
-        chain: the arm's joints.
-
     Returns:
         mm per deg of a revolute joint, 1 for a prismatic one, shape (joints,).
     """

@@ -145,8 +145,6 @@ class LiveMap:
         """Take a distance in.
 
         Args:
-            theta1_rad: J1 command, rad.
-            theta2_rad: J2 command, rad.
             direction1: state of approach of J1, 1 or -1.
             direction2: state of approach of J2, 1 or -1.
             segment: number of the segment; it counts within its reflector.

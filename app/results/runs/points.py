@@ -23,12 +23,7 @@ class Point:
 
 
 def points_of(reader: RunReader, types: Iterable[type[Record]]) -> list[Point]:
-    """Return the points of a run in the order of their tables.
-
-    Args:
-        reader: of the run.
-        types: of records, as its procedure declares them.
-    """
+    """Return the points of a run in the order of their tables."""
     return [
         Point(
             str(row["step_id"]),

@@ -14,7 +14,6 @@ def job_summary(truth: TruthComparison, fit: Fit, validation: PathValidation) ->
     """Return the summary of a job.
 
     Args:
-        truth: identified against true values.
         validation: models on an independently measured path.
     """
     quality = (

@@ -62,10 +62,6 @@ class PredictedPath:
 def predict_path(result: Result, path: CommandPath, name: str) -> PredictedPath:
     """Predict a path.
 
-    Args:
-        path: commands.
-        name: of the path's file.
-
     Raises:
         MeasurementRejectedError: no row lies inside the identified range.
     """

@@ -98,7 +98,6 @@ def white_covariance(matrix: Floats, parameters: Parameters) -> Floats:
 
     Args:
         matrix: normal matrix JᵀWJ, shape (p, p).
-        parameters: names and gauge.
 
     Raises:
         UnidentifiableError: directions that the normal matrix does not separate from null directions.

@@ -111,7 +111,6 @@ def _best_addition(
     """Return the candidate that goes best with others, and the value reached; the present one unless beaten.
 
     Args:
-        others: the rest of the choice.
         present: the place to beat; -1 for none, then the first possible one stands in where all are singular.
     """
     possible = np.asarray(np.all(pool.compatible[others], axis=0), dtype=np.bool_).reshape(len(pool))

@@ -68,7 +68,6 @@ def choose_commands(pool: CommandPool, count: int, criterion: Criterion) -> Bool
 
     Args:
         pool: commands; all of them together determine what is wanted.
-        count: how many to keep.
         criterion: what is made small: A, D or path; E is served by A, whose largest part it is.
 
     Returns:

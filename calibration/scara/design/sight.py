@@ -111,7 +111,6 @@ def best_facing(directions_rad: Floats, half_angle_rad: float) -> float:
 
     Args:
         directions_rad: where the beam comes from, rad, shape (m,).
-        half_angle_rad: half angle of the field.
     """
     sorted_rad = np.sort(np.mod(directions_rad, 2.0 * np.pi))
     twice = np.concatenate([sorted_rad, sorted_rad + 2.0 * np.pi])
