@@ -9,6 +9,7 @@ from catseye.app.cell.scara.sections import Alignment, Measurement, Optics, Refl
 from catseye.app.cell.scara.uncertainty import Uncertainty
 from catseye.app.cell.section import RECORD, Name, NotNegative, Positive, Range, Section
 from catseye.app.cell.workspace import Workspace
+from catseye.calibration.air import HE_NE_VACUUM_NM, Formula
 from catseye.drivers.links.endpoint import parse_endpoint
 from catseye.drivers.roles.device import Role
 
@@ -102,10 +103,10 @@ class Environment(Section):
 class Air(Section):
     """[air]: how the program corrects lengths for the air where the interferometer does not."""
 
-    formula: Literal["ciddor", "edlen"] = "ciddor"
+    formula: Formula = "ciddor"
     co2_ppm: Annotated[float, Field(ge=0.0, le=50_000.0, allow_inf_nan=False)] = 450.0
-    vacuum_wavelength_nm: Annotated[float, Field(ge=200.0, le=3000.0, allow_inf_nan=False)] = 632.9908
-    max_age_s: Positive = 2.0
+    vacuum_wavelength_nm: Annotated[float, Field(ge=200.0, le=3000.0, allow_inf_nan=False)] = HE_NE_VACUUM_NM
+    max_age_s: Positive = 2.0  # of a sample of the air, s of the clock
 
 
 class Io(Section):
@@ -158,6 +159,11 @@ class Conditions(Section):
     temperature_c: Range | None = None
     pressure_hpa: Range | None = None
     humidity_percent: Range | None = None
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Smallest and largest value by the name of the quantity in an air sample."""
+        return {name: (low, high) for name, (low, high) in self.model_dump(exclude_none=True).items()}
 
     @field_validator("temperature_c", "pressure_hpa", "humidity_percent")
     @classmethod

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from catseye.app.cell.air import AirRule
+from catseye.app.cell.model import Air
 from catseye.app.errors import MeasurementRejectedError
 from catseye.calibration.air import Formula, compensated_mm, outside_nist_range, refractive_index
 from catseye.drivers.roles.air import AirSample
@@ -52,7 +52,7 @@ class Compensation:
         done_by: who has corrected a length before it comes here.
     """
 
-    def __init__(self, done_by: CompensatedBy, rule: AirRule) -> None:
+    def __init__(self, done_by: CompensatedBy, rule: Air) -> None:
         self.by_program = done_by == "none"
         self._rule = rule
         self._zero: Zero | None = None

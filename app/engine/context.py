@@ -5,7 +5,7 @@ from collections.abc import Awaitable, Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
-from catseye.app.cell.air import AirRule
+from catseye.app.cell.model import Air
 from catseye.app.engine.acknowledging import Acknowledging
 from catseye.app.engine.announcer import Announcer
 from catseye.app.engine.compensation import missing_quantities
@@ -50,7 +50,7 @@ from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.records import Json, Record, Row, row_of
 
-_DEFAULT_AIR = AirRule()
+_DEFAULT_AIR = Air()
 
 T = TypeVar("T")
 
@@ -78,7 +78,6 @@ class RunContext:
         announcer: publishes to front ends.
         air: how the program corrects for the air where the instrument does not.
         poll_s: between two looks at a condition that is missing, s of the clock.
-        records: types of records that the procedure declares.
 
     Attributes:
         step_times: where the time of each step that ran went.
@@ -94,7 +93,7 @@ class RunContext:
         gate: MotionGate,
         operator: Operator,
         announcer: Announcer,
-        air: AirRule = _DEFAULT_AIR,
+        air: Air = _DEFAULT_AIR,
         poll_s: float = 0.5,
         records: Collection[type[Record]] = (),
     ) -> None:

@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import Callable, Coroutine
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from catseye.app.engine.waiting import cancel
@@ -115,15 +115,7 @@ def require_permission(identities: dict[str, Identity], cell: str, arm: str | No
 
 def identities_as_json(identities: dict[str, Identity]) -> dict[str, Json]:
     """Return identities as a run stores them."""
-    return {
-        name: {
-            "model": identity.model,
-            "firmware": identity.firmware,
-            "serial": identity.serial,
-            "simulated": identity.simulated,
-        }
-        for name, identity in identities.items()
-    }
+    return {name: asdict(identity) for name, identity in identities.items()}
 
 
 async def _at_once(actions: list[Coroutine[Any, Any, Any]]) -> list[Any]:

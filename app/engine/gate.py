@@ -38,7 +38,6 @@ class MotionGate:
 
     Args:
         blocked: says why bodies are in the way of a motion.
-        override_cap_percent: highest speed override that the cell allows.
         conditions: of the surroundings that come back by themselves: the air.
         door: of the cell; None where no door is watched.
 
@@ -106,7 +105,6 @@ class MotionGate:
         """Check that a motion through targets may begin; the controller is looked at afresh for every one.
 
         Args:
-            targets: of the motion, in order.
             here: where the arm stands, if that is known; else it is asked.
 
         Raises:

@@ -63,7 +63,6 @@ async def halt(
     """Stop the robot first, then drop the command under way, then look until it stands.
 
     Args:
-        limits: how long each part may take.
         cancel_command: drops what the program is doing with the devices.
     """
     stop = asyncio.create_task(robot.stop())

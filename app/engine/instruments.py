@@ -128,7 +128,6 @@ def stop_request(driver: str, device: str, settings: Mapping[str, Any]) -> bytes
 
     Args:
         device: its name in the cell file, for texts.
-        settings: of the robot in the cell file.
 
     Raises:
         ConfigError: the driver is not installed or a setting is wrong.

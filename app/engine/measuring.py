@@ -5,7 +5,7 @@ from collections.abc import Callable, Coroutine
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
-from catseye.app.cell.air import AirRule
+from catseye.app.cell.model import Air
 from catseye.app.engine.compensation import Compensation
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.waiting import together
@@ -58,7 +58,7 @@ class Lengths:
     compensation: Compensation
 
 
-def lengths_of(devices: Devices, clock: Clock, rule: AirRule) -> Lengths | None:
+def lengths_of(devices: Devices, clock: Clock, rule: Air) -> Lengths | None:
     """Return what distances are measured with; None where a device for it is missing."""
     counter, air = devices.interferometer, devices.environment
     if counter is None or air is None:

@@ -148,9 +148,7 @@ def rest_of_way(start: Pose, way: Sequence[Pose], here: Pose) -> tuple[Pose, ...
     """Return the targets that are still ahead, so that what is driven is a part of the way that was checked.
 
     Args:
-        start: where the way began.
         way: its targets; between them all joints move in proportion.
-        here: where the arm stands.
 
     Returns:
         None when the arm does not stand on the way.

@@ -51,7 +51,6 @@ class Operator:
 
     Args:
         answers: answers file, by prompt id.
-        answerer: a front end, if there is one.
         hands: of the emulated operator; None where the cell has no [tracker] to reach the emulated bench by.
     """
 

@@ -1,11 +1,10 @@
 """What is to be run and within which bounds, and how it ended."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
 
-from catseye.app.cell.air import AirLimits, AirRule
+from catseye.app.cell.model import Air, Conditions
 from catseye.app.engine.ending import EndStatus
 from catseye.app.engine.gate import WayCheck
 from catseye.app.engine.halt import HaltLimits
@@ -15,36 +14,10 @@ from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.engine.timekeeping import StepTime
 from catseye.app.engine.walked.rule import WalkRule
 from catseye.app.exitcode import ExitCode
+from catseye.app.protocol.procedures import Executable
 from catseye.app.store.run_store import DEFAULT_RESERVE_BYTES
 from catseye.procedures.kit.bench import Arm
-from catseye.procedures.kit.context import Context
-from catseye.procedures.kit.records import Json, Record
-
-
-class Procedure(Protocol):
-    """What happens on the bench.
-
-    Attributes:
-        name: as on the command line and in the run's name.
-        title: one line for people.
-        records: types of what it records.
-    """
-
-    @property
-    def name(self) -> str: ...  # noqa: D102  # said above
-    @property
-    def title(self) -> str: ...  # noqa: D102  # said above
-    @property
-    def records(self) -> Collection[type[Record]]: ...  # noqa: D102  # said above
-
-    # Each procedure has a plan type of its own, which only it and its planner know.
-    async def run(self, ctx: Context, plan: Any) -> None:
-        """Carry the plan out, step by step."""
-        ...
-
-    async def teardown(self, ctx: Context) -> None:
-        """Leave the bench as it should be; the robot cannot be moved after a stop."""
-        ...
+from catseye.procedures.kit.records import Json
 
 
 @dataclass(frozen=True)
@@ -78,7 +51,7 @@ class RunRequest:
         walk_rule: what a real arm has to be walked first; None where nothing has to be.
     """
 
-    procedure: Procedure
+    procedure: Executable
     plan: object
     root: Path
     cell: str
@@ -91,8 +64,8 @@ class RunRequest:
     answerer: Answerer | None = None
     hands: SimulatedOperator | None = None
     resume: Path | None = None
-    air: AirRule = field(default_factory=AirRule)
-    air_limits: AirLimits = field(default_factory=AirLimits)
+    air: Air = field(default_factory=Air)
+    air_limits: Conditions = field(default_factory=Conditions)
     reserve_bytes: int = DEFAULT_RESERVE_BYTES
     halt_limits: HaltLimits = field(default_factory=HaltLimits)
     teardown_limit_s: float = 60.0

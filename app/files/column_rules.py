@@ -15,12 +15,7 @@ Form = tuple[ColumnRule, ...]
 
 
 def first_fault(form: Form, block: Columns) -> tuple[int, ColumnRule] | None:
-    """Return the first row with a value that its rule refuses and the first such column in it; None if all are sound.
-
-    Args:
-        form: rules of the columns.
-        block: rows.
-    """
+    """Return the first row with a value that its rule refuses, and the first such column in it; None for none."""
     faults = [
         (int(np.argmin(sound)), place)
         for place, column in enumerate(form)

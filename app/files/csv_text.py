@@ -22,7 +22,6 @@ def csv_text(names: Sequence[str], rows: Iterable[Sequence[object]], comments: I
     """Return a table as CSV.
 
     Args:
-        names: header, one for each column.
         rows: values in the order of the columns; None is an empty cell, numbers keep their full precision.
         comments: stand above the header, a line each.
     """

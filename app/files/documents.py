@@ -35,13 +35,13 @@ def read_document(path: Path, missing: str = MISSING, largest_bytes: int = LARGE
         raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
 
 
-def read_text(path: Path, missing: str = MISSING, largest_bytes: int = LARGEST_BYTES) -> str:
+def read_text(path: Path, missing: str = MISSING) -> str:
     """Return the text of a user's file, without the byte order mark that editors of another system put first.
 
     Raises:
         ConfigError: as for `read_document`, or it is no UTF-8 text.
     """
-    return document_text(read_document(path, missing, largest_bytes), path)
+    return document_text(read_document(path, missing), path)
 
 
 def document_text(raw: bytes, where: object) -> str:
@@ -56,13 +56,13 @@ def document_text(raw: bytes, where: object) -> str:
         raise ConfigError(f"{where}: not in UTF-8 ({error}): save it as UTF-8 text") from error
 
 
-def read_toml(path: Path, missing: str = MISSING) -> dict[str, Any]:
+def read_toml(path: Path) -> dict[str, Any]:
     """Return the table of a TOML file.
 
     Raises:
         ConfigError: as for `read_text`, or it is no TOML.
     """
-    return parse_toml(read_text(path, missing), path)
+    return parse_toml(read_text(path), path)
 
 
 def parse_toml(text: str, where: object) -> dict[str, Any]:

@@ -46,11 +46,7 @@ _CTRL_C: Final[Mapping[ControlState, Rung | None]] = {
 
 
 def rung_of(state: ControlState) -> Rung | None:
-    """Return what a press of Ctrl-C asks of a run; None where nothing is left to ask.
-
-    Args:
-        state: of the run, as its own engine knows it.
-    """
+    """Return what a press of Ctrl-C asks of a run; None where nothing is left to ask."""
     return _CTRL_C[state]
 
 

@@ -22,15 +22,13 @@ from catseye.procedures.kit.records import Record
 GROUP = "catseye.procedures"
 
 
-class Runnable(Protocol):
-    """What can be planned and run: a procedure, or the walk through one.
+class Executable(Protocol):
+    """What an engine carries out: a procedure, or the walk through one, once its plan is made.
 
     Attributes:
-        name: as on the command line.
+        name: as on the command line and in the run's name.
         title: one line for people.
-        needs: of a cell.
         records: types of what it records.
-        params_type: what may be chosen.
     """
 
     @property
@@ -38,23 +36,33 @@ class Runnable(Protocol):
     @property
     def title(self) -> str: ...  # noqa: D102  # said above
     @property
-    def needs(self) -> Needs: ...  # noqa: D102  # said above
-    @property
     def records(self) -> Collection[type[Record]]: ...  # noqa: D102  # said above
-    @property
-    def params_type(self) -> type[BaseModel]: ...  # noqa: D102  # said above
 
-    # Each procedure has parameters and a plan of types of its own.
-    def plan(self, bench: Bench, params: Any) -> Any:
-        """Plan everything before anything moves."""
-        ...
-
+    # Each procedure has parameters and a plan of types of its own, which only it and its planner know.
     async def run(self, ctx: Context, plan: Any) -> None:
-        """Carry the plan out."""
+        """Carry the plan out, step by step."""
         ...
 
     async def teardown(self, ctx: Context) -> None:
-        """Leave the bench as it should be."""
+        """Leave the bench as it should be; the robot cannot be moved after a stop."""
+        ...
+
+
+class Runnable(Executable, Protocol):
+    """What can be planned and run.
+
+    Attributes:
+        needs: of a cell.
+        params_type: what may be chosen.
+    """
+
+    @property
+    def needs(self) -> Needs: ...  # noqa: D102  # said above
+    @property
+    def params_type(self) -> type[BaseModel]: ...  # noqa: D102  # said above
+
+    def plan(self, bench: Bench, params: Any) -> Any:
+        """Plan everything before anything moves."""
         ...
 
 

@@ -69,21 +69,10 @@ class PromptFields(Message):
         Args:
             motion: as it would be now; left out where no answer moves the arm.
         """
-        after: dict[str, Any] = {}
+        after: dict[str, Any] = {"rests_after": None, "target": None}
         if prompt.motion:
             after = {"rests_after": prompt.resting_answers, "target": prompt.target, **dict(motion)}
-        return cls(
-            id=prompt.id,
-            kind=prompt.kind,
-            text=prompt.text,
-            choices=prompt.choices,
-            unit=prompt.unit,
-            timeout_s=prompt.timeout_s,
-            task=prompt.task,
-            safe_answer=prompt.safe_answer,
-            motion=prompt.motion,
-            **after,
-        )
+        return cls.model_validate(prompt, from_attributes=True).model_copy(update=after)
 
     @property
     def prompt(self) -> Prompt:

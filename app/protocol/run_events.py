@@ -51,15 +51,7 @@ class LiveData(Message):
     @classmethod
     def of(cls, live: Live) -> Self:
         """Return a live value of a procedure."""
-        return cls(
-            name=live.name,
-            value=live.value,
-            unit=live.unit,
-            low=live.low,
-            high=live.high,
-            accepted=live.accepted,
-            text=live.text,
-        )
+        return cls.model_validate(live, from_attributes=True)
 
 
 class LiveShown(Event):

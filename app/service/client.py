@@ -41,7 +41,6 @@ class EngineClient:
     """A connection to an engine. Made by `connect`.
 
     Args:
-        streams: to and from the engine.
         clock: real time.
 
     Attributes:

@@ -8,7 +8,6 @@ class RefusedError(CatseyeError):
     """The engine does not do what a client asks.
 
     Args:
-        text: why, and what to do.
         code: exit code that the refusal leads to.
     """
 

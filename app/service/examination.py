@@ -5,9 +5,8 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Any
 
-from catseye.app.cell.air import AirRule, air_rule
 from catseye.app.cell.bench import bench_of
-from catseye.app.cell.model import Cell
+from catseye.app.cell.model import Air, Cell
 from catseye.app.engine.before_motion import beyond
 from catseye.app.engine.compensation import Compensation
 from catseye.app.engine.instruments import device_builder, further_device
@@ -60,7 +59,7 @@ async def examine(cell: Cell, only: str | None) -> list[DeviceExamination]:
     Raises:
         UsageError: the cell has no such device.
     """
-    clock, rule, bench = SystemClock(), air_rule(cell), bench_of(cell)
+    clock, rule, bench = SystemClock(), cell.air, bench_of(cell)
     devices = device_builder(cell, clock)(_ignore)
     further = [(device, further_device(device, clock, _ignore)) for device in cell.device]
     drivers: list[tuple[str, str, Role, Any]] = [
@@ -89,7 +88,7 @@ async def examine(cell: Cell, only: str | None) -> list[DeviceExamination]:
     return examinations
 
 
-def _look_at(role: Role, driver: Any, rule: AirRule, arm: Arm) -> Look:
+def _look_at(role: Role, driver: Any, rule: Air, arm: Arm) -> Look:
     """Return the look at a driver of a role."""
     looks: dict[Role, Look] = {
         "robot": lambda: _robot(driver, arm),
@@ -155,7 +154,7 @@ async def look_at_limits(robot: Robot, arm: Arm) -> tuple[list[str], list[str]]:
     return [f"controller's limits (MEJAR): {listed}"], beyond(arm, own)
 
 
-async def _beam(counter: Interferometer, air: AirRule) -> tuple[list[str], list[str]]:
+async def _beam(counter: Interferometer, air: Air) -> tuple[list[str], list[str]]:
     status, reading = await counter.status(), await counter.read()
     facts = [
         f"displacement {reading.displacement_mm:+.6f} mm, signal {status.signal:.0%}, "

@@ -35,7 +35,6 @@ class Server:
     Args:
         clock: real time.
         engine: that can start runs; None where a run serves itself.
-        patience: with each client.
         telemetry: of the bench; None where nobody can watch it.
     """
 

@@ -41,7 +41,6 @@ class Session:
     """Serves one connection.
 
     Args:
-        streams: to and from the client.
         clock: real time.
     """
 

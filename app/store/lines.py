@@ -137,11 +137,7 @@ class WireLog(JsonLines):
 
 
 class LogHandler(logging.Handler):
-    """Writes log records into a file of JSON lines.
-
-    Args:
-        lines: where to.
-    """
+    """Writes log records into a file of JSON lines."""
 
     def __init__(self, lines: JsonLines) -> None:
         super().__init__(logging.INFO)

@@ -70,7 +70,6 @@ def row_crc32(table: str, row: Mapping[str, Value]) -> int:
     """Return the check sum of a row as the journal keeps it.
 
     Args:
-        table: where it stands.
         row: its values by column; what is None does not count, since an upgrade adds columns to older rows.
 
     Raises:

@@ -110,7 +110,6 @@ class RunStore:
         *,
         records: Collection[type[Record]] = (),
         reserve_bytes: int = DEFAULT_RESERVE_BYTES,
-        max_log_bytes: int = DEFAULT_MAX_BYTES,
     ) -> "RunStore":
         """Go on with a run that died or ended early; its done steps keep their results.
 
@@ -119,7 +118,6 @@ class RunStore:
             clock: stamps every record.
             about: what is to be stored with the reopening, beside versions and clock anchor.
             reserve_bytes: free space that must be there.
-            max_log_bytes: where each log file is cut.
 
         Raises:
             UsageError: the run is complete.
@@ -142,7 +140,7 @@ class RunStore:
         finally:
             lock.release()
         crash_point("unsealed")
-        store = await cls._open(path, clock, records, reserve_bytes, max_log_bytes, reader)
+        store = await cls._open(path, clock, records, reserve_bytes, DEFAULT_MAX_BYTES, reader)
         facts: dict[str, Json] = {
             "before": before,
             "software": software(),
@@ -219,7 +217,6 @@ class RunStore:
         Args:
             step_id: stable name within the run.
             attempt: which one this was, from 1.
-            rows: of data, each with the name of its table.
             started_utc: ISO 8601 UTC time; now when it is None.
 
         Raises:

@@ -31,7 +31,6 @@ def scara_bench(bench: Bench, sections: ScaraSections) -> ScaraBench:
     """Return a bench with what open-loop tracking knows of it; J3 stays at its height unless it has a range.
 
     Args:
-        bench: arm, workspace, timing.
         sections: of the cell file; nothing is missing there.
     """
     robot, measurement, heights = sections.robot, sections.measurement, sections.robot.j3_range_mm

@@ -70,10 +70,6 @@ class WalkRule:
     async def begin(self, arm: Identity, here: Pose, desk: Desk, store: RunStore) -> None:
         """Look at the whole plan before anything moves.
 
-        Args:
-            here: where it stands.
-            store: of the run, which keeps it.
-
         Raises:
             UnwalkedError: motions were not walked and nobody waives that.
         """
@@ -110,10 +106,6 @@ class WalkRule:
 
     async def waive(self, missing: str, desk: Desk, store: RunStore) -> None:
         """Have somebody say why the rest of the run may be driven all the same; the run keeps it.
-
-        Args:
-            missing: what was not walked.
-            store: of the run, which keeps the answer.
 
         Raises:
             UnwalkedError: nobody waives it.

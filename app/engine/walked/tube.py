@@ -56,7 +56,6 @@ def legs_through(start: Pose, way: Sequence[Pose], *, blended: bool) -> list[Leg
     """Return the straight motions of a way, at whose end the arm stands still.
 
     Args:
-        start: where it begins.
         blended: the arm passes the targets before the last one without standing still.
     """
     places = (start, *way)

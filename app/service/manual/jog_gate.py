@@ -59,9 +59,6 @@ class JogGate:
     async def require(self, *targets: Pose, here: Pose) -> None:
         """Check that a motion may begin; an override that somebody raised is lowered again, and read back.
 
-        Args:
-            here: where the arm stands.
-
         Raises:
             LimitError: a target is outside the limits, or a body is in the way.
             SafetyError: door, controller or override forbid it.

@@ -37,9 +37,6 @@ _PRESS = "PRESS THE EMERGENCY STOP if the robot moves: it is not certain to stan
 class Jogging:
     """One jog, from the request that begins it to its end. It is under way from the moment it is made.
 
-    Args:
-        request: how fast, and the typed permission.
-
     Attributes:
         client: moves it.
         begun: has a result when the arm may be moved, or says why it may not.

@@ -22,7 +22,6 @@ class ManualMotion:
     """A step, or a joint that is kept moving.
 
     Args:
-        joint: what moves, as clients see it.
         clock: real time.
         limits: how long a halt may take.
         hold: the feed; None for a step.

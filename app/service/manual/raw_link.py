@@ -29,7 +29,6 @@ class RawLink:
     """One device's link from the request that takes it to its return. It is under way from the moment it is made.
 
     Args:
-        request: which device, and the typed permission.
         client: takes it.
 
     Attributes:

@@ -52,7 +52,6 @@ class Walk:
     """Drives what has not been walked yet, and ends where the procedure can begin without leaving a tube.
 
     Args:
-        system: arm, limits, ways.
         walked: what this walk has driven before it was interrupted.
         before: returns what other walks of an arm have driven.
         feed: keeps the arm going.

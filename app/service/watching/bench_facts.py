@@ -5,9 +5,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from catseye.app.cell.air import AirRule, air_rule
 from catseye.app.cell.bench import system_of
-from catseye.app.cell.model import Cell
+from catseye.app.cell.model import Air, Cell
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.system import System
 
@@ -46,7 +45,7 @@ class BenchFacts:
     devices: tuple[DeviceFacts, ...]
     bench: Bench
     override_cap_percent: float
-    air: AirRule
+    air: Air
     material: str | None
 
     @cached_property
@@ -66,4 +65,4 @@ def facts_of(cell: Cell, bench: Bench) -> BenchFacts:
     ]
     material = None if cell.material is None else cell.material.sensor
     cap_percent = cell.robot.override_cap_percent
-    return BenchFacts(cell.name, tuple(devices), bench, cap_percent, air_rule(cell), material)
+    return BenchFacts(cell.name, tuple(devices), bench, cap_percent, cell.air, material)

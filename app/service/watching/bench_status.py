@@ -2,8 +2,8 @@
 
 import math
 
-from catseye.app.cell.air import AirRule
 from catseye.app.cell.axes import may_move_an_arm
+from catseye.app.cell.model import Air
 from catseye.app.protocol.bench import (
     AirStatus,
     AxisName,
@@ -17,7 +17,6 @@ from catseye.app.service.watching.bench_facts import BenchFacts, DeviceFacts
 from catseye.app.service.watching.latest_values import LatestValues, LinkValues, Stamped
 from catseye.app.service.watching.scara.layout import layout_of
 from catseye.calibration.air import refractive_index
-from catseye.drivers.roles import device
 from catseye.drivers.roles.air import AirSample
 
 
@@ -28,7 +27,6 @@ def bench_status(
 
     Args:
         moving: the run under way moves the arm.
-        simulated: of the run under way, where that is known.
         free_bytes: of the disk that runs are stored on; None where that is not known.
     """
     door = latest.door_closed
@@ -60,18 +58,11 @@ def _device(device: DeviceFacts, latest: LatestValues) -> DeviceStatus:
         driver=device.driver,
         moves_arm=may_move_an_arm(device.name, device.driver),
         link=link.state,
-        identity=None if link.identity is None else _identity(link.identity),
+        identity=None
+        if link.identity is None
+        else Identity.model_validate(link.identity, from_attributes=True),
         error=link.error,
         age_s=None if link.heard_s is None else latest.age_s(link.heard_s),
-    )
-
-
-def _identity(identity: device.Identity) -> Identity:
-    return Identity(
-        model=identity.model,
-        firmware=identity.firmware,
-        serial=identity.serial,
-        simulated=identity.simulated,
     )
 
 
@@ -118,7 +109,7 @@ def _beam(latest: LatestValues) -> BeamStatus | None:
     )
 
 
-def _air(latest: LatestValues, rule: AirRule) -> AirStatus | None:
+def _air(latest: LatestValues, rule: Air) -> AirStatus | None:
     seen = latest.air
     if seen is None:
         return None
@@ -138,7 +129,7 @@ def _number(value: float | None) -> float | None:
     return value if value is not None and math.isfinite(value) else None
 
 
-def _index(air: AirSample, rule: AirRule) -> float | None:
+def _index(air: AirSample, rule: Air) -> float | None:
     """Return the refractive index of the air; None when a quantity is missing or out of the formula's range."""
     temperature_c, pressure_hpa, humidity_percent = air.temperature_c, air.pressure_hpa, air.humidity_percent
     if temperature_c is None or pressure_hpa is None or humidity_percent is None:

@@ -27,9 +27,6 @@ T = TypeVar("T")
 class ObservedDevice(Device):
     """Reports to `latest` how the link of a device fares.
 
-    Args:
-        name: of the device in the cell file.
-
     Attributes:
         name: of the device in the cell file.
     """
@@ -261,7 +258,6 @@ def observed(devices: Devices, latest: LatestValues, material: str | None) -> De
     """Return devices that do the same and are seen.
 
     Args:
-        devices: of a run, or of the bench between runs.
         material: name of the sensor of the links' temperature in the cell file.
     """
     return Devices(

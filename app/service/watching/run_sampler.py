@@ -33,7 +33,6 @@ class RunSampler:
     would have to be healed then.
 
     Args:
-        latest: give the age of each value.
         clock: real time.
 
     Attributes:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from catseye.app.cell.air import AirRule
+from catseye.app.cell.model import Air
 from catseye.app.engine.compensation import Compensation
 from catseye.app.errors import MeasurementRejectedError
 from catseye.calibration.air import compensated_mm
@@ -21,7 +21,7 @@ def test_the_vacuum_count_becomes_the_length_that_made_it() -> None:
 
 
 def test_the_program_corrects_what_nobody_has_corrected() -> None:
-    compensation = Compensation("none", AirRule())
+    compensation = Compensation("none", Air())
     compensation.zeroed(ROOM, 650.0)
     counted_mm = N_WARMER * 773.456 - N_ROOM * 650.0
     found = compensation.correct(counted_mm, WARMER)
@@ -35,7 +35,7 @@ def test_the_program_corrects_what_nobody_has_corrected() -> None:
 
 
 def test_what_the_instrument_has_corrected_stays_untouched() -> None:
-    compensation = Compensation("instrument", AirRule())
+    compensation = Compensation("instrument", Air())
     assert compensation.zeroed(ROOM, 650.0) is None
     found = compensation.correct(123.456, AirSample(None, None, None, 0.0))
     assert (found.displacement_mm, found.index, found.zero, found.formula) == (123.456, None, None, None)
@@ -49,7 +49,7 @@ def test_what_the_instrument_has_corrected_stays_untouched() -> None:
     ],
 )
 def test_without_the_air_nothing_is_measured_in_vacuum_wavelengths(air: AirSample, missing: str) -> None:
-    compensation = Compensation("none", AirRule())
+    compensation = Compensation("none", Air())
     for refused in (lambda: compensation.zeroed(air, 650.0), lambda: compensation.correct(1.0, air)):
         with pytest.raises(MeasurementRejectedError, match=missing):
             refused()
@@ -57,25 +57,25 @@ def test_without_the_air_nothing_is_measured_in_vacuum_wavelengths(air: AirSampl
 
 def test_air_that_cannot_be_is_refused() -> None:
     with pytest.raises(MeasurementRejectedError, match="pressure_hpa = 101325"):
-        Compensation("none", AirRule()).correct(1.0, AirSample(20.0, 101325.0, 50.0, 0.0))
+        Compensation("none", Air()).correct(1.0, AirSample(20.0, 101325.0, 50.0, 0.0))
 
 
 def test_one_sentence_says_who_corrects() -> None:
-    assert Compensation("instrument", AirRule()).sentence == (
+    assert Compensation("instrument", Air()).sentence == (
         "The instrument corrects its lengths for the air; the program adds nothing to them, neither an index nor a "
         "dead-path term."
     )
-    assert Compensation("none", AirRule(co2_ppm=420.0)).sentence == (
+    assert Compensation("none", Air(co2_ppm=420.0)).sentence == (
         "The program corrects the lengths for the air: Ciddor, 420 ppm CO2, vacuum wavelength 632.9908 nm, "
         "dead path = planned length of the beam at each zero."
     )
-    assert "modified Edlén, vacuum" in Compensation("none", AirRule(formula="edlen")).sentence
+    assert "modified Edlén, vacuum" in Compensation("none", Air(formula="edlen")).sentence
 
 
 def test_doubts_about_the_air_are_reported() -> None:
-    assert Compensation("instrument", AirRule()).doubt(ROOM) is None
+    assert Compensation("instrument", Air()).doubt(ROOM) is None
     dry = AirSample(20.0, None, 50.0, 0.0)
-    assert "gives no pressure" in (Compensation("instrument", AirRule()).doubt(dry) or "")
+    assert "gives no pressure" in (Compensation("instrument", Air()).doubt(dry) or "")
     cold = AirSample(-5.0, 1013.25, 50.0, 0.0)
-    assert "temperature_c = -5" in (Compensation("none", AirRule()).doubt(cold) or "")
-    assert Compensation("instrument", AirRule()).doubt(cold) is None
+    assert "temperature_c = -5" in (Compensation("none", Air()).doubt(cold) or "")
+    assert Compensation("instrument", Air()).doubt(cold) is None

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, Literal, cast
 
-from catseye.app.cell.air import air_rule
 from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.model import Cell
 from catseye.app.engine.devices import Devices
@@ -213,7 +212,7 @@ class ManualFixture:
             ),
             scara_bench_of(cell),
             cell.robot.override_cap_percent,
-            air_rule(cell),
+            cell.air,
             None,
         )
         self.bench = ManualBench(
