@@ -74,7 +74,6 @@ class Emulator(ABC):
         """Make what all clients of the endpoint share.
 
         Args:
-            device: the endpoint and its options.
             note: called with each request.
 
         Returns:

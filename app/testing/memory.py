@@ -7,11 +7,7 @@ from catseye.drivers.roles.errors import LinkError
 
 
 class MemoryTransport:
-    """One end of a pipe; what one end writes, the other reads in the same chunks.
-
-    Args:
-        endpoint: name for texts.
-    """
+    """One end of a pipe; what one end writes, the other reads in the same chunks."""
 
     def __init__(self, endpoint: str) -> None:
         self._endpoint = endpoint

@@ -27,7 +27,6 @@ def bench_in_process(
     Args:
         cell: cell file; None takes the template of `catseye init`, on free ports.
         speed: bench seconds in one real second.
-        seed: of everything random.
 
     Raises:
         RuntimeError: it did not come up; the text is what it said.

@@ -33,11 +33,7 @@ class DeviationError(Exception):
 
 
 class ReplayTransport:
-    """Plays the device of a transcript.
-
-    Args:
-        endpoint: name for texts.
-    """
+    """Plays the device of a transcript."""
 
     def __init__(self, steps: Iterable[Step], *, endpoint: str = "replay://transcript") -> None:
         self._steps = deque((direction, data) for direction, data in steps if data)

@@ -36,11 +36,7 @@ class Registers(ModbusDevice, Protocol):
 
 
 class ModbusAir(AirSensor):
-    """Air sensor driver.
-
-    Args:
-        clock: time of the samples.
-    """
+    """Air sensor driver."""
 
     Settings: ClassVar[type[AirSettings]] = AirSettings
     summary: ClassVar[str] = "Modbus TCP or RTU: Vaisala, Comet, or registers of your own"
@@ -57,8 +53,6 @@ class ModbusAir(AirSensor):
 
         Args:
             endpoint: where it answers, tcp:// or serial://, as in a cell file.
-            clock: time of the samples.
-            sink: is shown all bytes.
             settings: fields of `AirSettings`.
 
         Raises:

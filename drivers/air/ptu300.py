@@ -39,9 +39,6 @@ class VaisalaAscii(LinkDriver, AirSensor):
 
     It sets an output format of its own, with a checksum. A sensor that refuses it is read in the format that it has,
     by the names and units in its line.
-
-    Args:
-        clock: time of the samples.
     """
 
     Settings: ClassVar[type[PtuSettings]] = PtuSettings

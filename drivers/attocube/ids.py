@@ -61,7 +61,6 @@ class AttocubeIds(LinkDriver, Interferometer):
 
     Args:
         transport: the connection, to TCP port 9090.
-        clock: time of the readings.
     """
 
     Settings: ClassVar[type[IdsSettings]] = IdsSettings

@@ -40,7 +40,6 @@ class LineCounter(Interferometer):
     may have started anew meanwhile, and nothing proves that its count went on.
 
     Args:
-        clock: time of the readings.
         quiet_s: silence after which the link counts as drained, real s.
     """
 
@@ -76,8 +75,6 @@ class LineCounter(Interferometer):
 
         Args:
             endpoint: where it answers, tcp:// or serial://, as in a cell file.
-            clock: time of the readings.
-            sink: is shown all bytes.
             settings: fields of `CounterSettings`.
 
         Raises:

@@ -29,9 +29,6 @@ class StreamedCounter(StreamedInterferometer):
 
     Such a counter gives neither status nor level: an error in place of a value is a lost beam, and the signal is 1
     with and 0 without a beam. Zeroing is done here.
-
-    Args:
-        clock: time of the readings.
     """
 
     def __init__(self, transport: Transport, clock: Clock, profile: CounterProfile) -> None:

@@ -55,7 +55,6 @@ class HeidenhainNd(LinkDriver, Interferometer):
 
     Args:
         transport: the connection; the display's line has 9600 baud, 7 bits, even parity, 2 stop bits.
-        clock: time of the readings.
     """
 
     Settings: ClassVar[type[NdSettings]] = NdSettings

@@ -96,7 +96,6 @@ class ModbusIo(Io):
 
         Args:
             endpoint: of the block, tcp:// or serial://.
-            sink: is shown all bytes.
             settings: fields of `IoSettings`.
 
         Raises:

@@ -48,7 +48,6 @@ class LasertexHpi(LinkDriver, StreamedInterferometer):
 
     Args:
         transport: the connection; the instrument's virtual serial port runs at 3000000 baud, 8N1.
-        clock: time of the readings.
     """
 
     Settings: ClassVar[type[HpiSettings]] = HpiSettings

@@ -19,7 +19,6 @@ class Channel:
 
     Args:
         descriptor: non-blocking; whoever opened it closes it.
-        endpoint: name for texts.
         ended: why nothing more comes when the other side ends it.
         broken: why the link broke, from the error of the operating system.
     """

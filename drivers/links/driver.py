@@ -38,8 +38,6 @@ class LinkDriver(Protocol):
 
         Args:
             endpoint: tcp://host:port or serial:///device?baud=…, see the class for what the device needs.
-            clock: time of what is read.
-            sink: is called with all bytes.
             settings: fields of `Settings`.
 
         Raises:

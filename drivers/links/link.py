@@ -67,7 +67,6 @@ class RequestLink:
     where that is not possible, closed, opened again, drained and checked by `greet`, which asks who is there.
 
     Args:
-        transport: where the bytes go.
         greet: runs after each opening, with the link held; asks by `exchange` who is there.
         identify: asks by `exchange` something on the open connection whose answer cannot be mistaken for that to
             another question; None: the protocol has no such question, and a link out of step is opened again.
@@ -155,7 +154,6 @@ class RequestLink:
         """Send a request and return its answer.
 
         Args:
-            data: the request as sent.
             timeout_s: for sending and answer, real s; waiting for the turn is not counted.
             repeat: what may be done when the answer does not come or is garbage.
             permit: is asked when the request's turn has come, and again after a healing; what it raises keeps it
@@ -200,7 +198,6 @@ class RequestLink:
         """Send a command that has no answer.
 
         Args:
-            data: the command as sent.
             timeout_s: for sending, real s.
 
         Raises:
@@ -218,7 +215,6 @@ class RequestLink:
         """Write past the request in flight. Its answer and this one cannot be distinguished afterwards.
 
         Args:
-            data: the request as sent.
             cut: ends a request that is half written.
 
         Raises:

@@ -67,7 +67,6 @@ class SerialTransport(ChannelTransport):
     """A serial port, held by nobody else while it is open.
 
     Args:
-        device: path of the port.
         open_timeout_s: how long opening may take, real s.
         write_timeout_s: how long the line may take nothing, real s.
     """

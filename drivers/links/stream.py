@@ -61,8 +61,6 @@ class StreamLink(Generic[T]):
     A stream that stops or a link that breaks is an error of whoever waits; the next `ensure` opens it again.
 
     Args:
-        transport: where the bytes go.
-        clock: time of arrival.
         decoder: makes the decoder of a new link.
         take: is given each frame and its time of arrival, s.
         greet: runs after each opening; asks who is there or waits for the first frames.

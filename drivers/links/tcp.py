@@ -22,7 +22,6 @@ class TcpTransport(ChannelTransport):
     """A client socket without Nagle's delay.
 
     Args:
-        host: name or address of the instrument.
         connect_timeout_s: how long connecting may take, s.
     """
 

@@ -14,9 +14,6 @@ _RESOLVE_TIMEOUT_S = 5.0
 class UdpTransport:
     """A socket that talks with one address.
 
-    Args:
-        host: name or address of the instrument.
-
     Attributes:
         lost_datagrams: how many came while the queue of those that nobody had read was full; bounded at 1 MiB.
     """

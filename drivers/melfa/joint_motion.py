@@ -34,7 +34,6 @@ class JointMotion:
     """Moves the joints over the first connection.
 
     Args:
-        clock: time of the polls.
         still_polls: equal positions in a row that say that a motion which was started has ended or never began.
         take_right: takes the operation right unless it is held.
         account_for: is called with the target of a motion whose answer was lost, and how.

@@ -130,7 +130,6 @@ async def standstill(
     The run bit alone is not enough: no source says whether it covers statements that are executed directly.
 
     Args:
-        settings: gives the pause and the tolerances.
         timeout_s: for all polls together, real s.
         still_polls: equal positions in a row that count as standstill.
         target: of the motion, if one was started.
@@ -268,7 +267,6 @@ async def account_for(
 
     Args:
         asker: is not blocked by the motion.
-        settings: gives the pause and the tolerances.
         target: joints of the motion, deg or mm.
         still_polls: equal positions in a row that count as standstill elsewhere.
 

@@ -22,7 +22,6 @@ async def start_once(
     RUN is written once. When its answer is lost, the controller is asked whether the program runs.
 
     Args:
-        settings: gives the pause between two looks.
         name: by which RUN starts it.
         permit: is asked right before the start is written; what it raises keeps it from being sent.
 

@@ -89,7 +89,6 @@ class RegisterClient:
         device_id: unit identifier.
         timeout_s: for connecting, real s.
         answer_timeout_s: for an answer, real s; `timeout_s` by default.
-        sink: is shown all bytes.
     """
 
     def __init__(

@@ -64,7 +64,6 @@ class UmdDisplay(LinkDriver, StreamedInterferometer):
 
     Args:
         transport: the connection: the display's virtual serial port, or a socket.
-        clock: time of the readings.
 
     Attributes:
         lost_samples: samples that were missing in the stream so far.

@@ -20,7 +20,6 @@ class Task:
     """The selected program.
 
     Args:
-        controller: what it commands.
         residents: programs without lines, by name.
     """
 

@@ -87,7 +87,6 @@ def io_block(door: Door, device: EmulatedDevice, coils: list[bool]) -> RemoteIo:
     """Return a block of inputs and outputs.
 
     Args:
-        device: the endpoint and its options.
         coils: outputs, one for each address; the block sets them.
 
     Raises:

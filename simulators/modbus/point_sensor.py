@@ -75,7 +75,6 @@ def read_points(device: str, tables: Sequence[Mapping[str, Any]], base: int) -> 
     """Return the points that a cell file describes.
 
     Args:
-        device: for texts.
         tables: one table a point: name, address, type, scale, offset.
         base: number that the documents give to the first register.
 

@@ -15,11 +15,7 @@ _IDENTIFICATION = 0x2B0E
 
 
 class ModbusError(Exception):
-    """A request is answered with an exception code.
-
-    Args:
-        code: exception code.
-    """
+    """A request is answered with an exception code."""
 
     def __init__(self, code: int) -> None:
         super().__init__(f"exception {code:02d}")

@@ -11,11 +11,7 @@ _BACKLOG_BYTES = 65_536
 
 
 class Faults:
-    """What is wrong with a device's endpoint, for all its clients at once.
-
-    Args:
-        keeper: bench time.
-    """
+    """What is wrong with a device's endpoint, for all its clients at once."""
 
     def __init__(self, keeper: TimeKeeper) -> None:
         self.keeper = keeper

@@ -44,8 +44,6 @@ class Port(Faults):
 
     Args:
         endpoint: where to listen, in one of the three forms of `parse_address`.
-        keeper: bench time.
-        session: makes the session of a new client.
         most_clients: more at once are dropped, over TCP; None takes any number.
     """
 

@@ -31,12 +31,7 @@ _OUT_BYTES = 65_536
 
 
 class LineListener:
-    """One serial line; who opens it is its client.
-
-    Args:
-        keeper: bench time.
-        converse: starts a conversation.
-    """
+    """One serial line; who opens it is its client."""
 
     def __init__(
         self,
@@ -128,7 +123,6 @@ class _Line:
 
     Args:
         byte_s: returns the real time of one byte, s.
-        converse: starts a conversation.
     """
 
     def __init__(self, byte_s: Callable[[], float], converse: Callable[[Wire], Conversation]) -> None:

@@ -12,14 +12,13 @@ from catseye.simulators.ports.conversation import Conversation, Wire
 _MOST_BYTES = 1 << 20
 
 _TURNS_TO_JOIN = 4
-"""Turns of the event loop between accepting a connection and its being made; asyncio takes two."""
+"""Turns of the event loop between accepting a connection and serving it; asyncio takes three."""
 
 
 class TcpListener:
     """Takes connections.
 
     Args:
-        converse: starts the conversation with a new client.
         most_clients: more at once are dropped; None takes any number.
     """
 
@@ -68,12 +67,7 @@ class TcpListener:
         self.closing = True
         if self._server is None:
             return
-        # Nobody more is accepted: a connection accepted in the turn in which its server closes would be lost.
-        for listener in self._server.sockets:
-            asyncio.get_running_loop().remove_reader(listener.fileno())
-        for _ in range(_TURNS_TO_JOIN):
-            await asyncio.sleep(0)
-        self._server.close()
+        await close_server(self._server)
         gone = [connection.conversation.gone for connection in self.connections]
         self.drop()
         if gone:
@@ -134,3 +128,17 @@ class Connection(asyncio.Protocol):
         """Go on taking."""
         if self._transport is not None:
             self._transport.resume_reading()
+
+
+async def close_server(server: asyncio.Server) -> None:
+    """Accept nobody more, let those who were accepted be served, then close.
+
+    A connection that is accepted in the very turn in which its server closes is neither served nor closed by asyncio:
+    its socket stays open until the garbage collector finds it.
+    """
+    loop = asyncio.get_running_loop()
+    for listener in server.sockets:
+        loop.remove_reader(listener.fileno())
+    for _ in range(_TURNS_TO_JOIN):
+        await asyncio.sleep(0)
+    server.close()

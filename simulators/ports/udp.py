@@ -18,11 +18,7 @@ Peer = tuple[Any, ...]
 
 
 class UdpListener(asyncio.DatagramProtocol):
-    """Takes datagrams.
-
-    Args:
-        converse: starts the conversation with a new client.
-    """
+    """Takes datagrams."""
 
     def __init__(self, address: SocketAddress, converse: Callable[[Wire], Conversation]) -> None:
         self._converse = converse
@@ -84,7 +80,7 @@ class UdpListener(asyncio.DatagramProtocol):
         if len(self._clients) >= MOST_PEERS:
             longest_silent = next(iter(self._clients))
             self._clients.pop(longest_silent).conversation.end()
-        return _Client(peer, lambda data: self._send(peer, data), self._converse)
+        return _Client(lambda data: self._send(peer, data), self._converse)
 
     def _send(self, peer: Peer, data: bytes) -> None:
         if self._transport is not None:
@@ -92,20 +88,12 @@ class UdpListener(asyncio.DatagramProtocol):
 
 
 class _Client:
-    """One address that sends.
-
-    Args:
-        send: sends a datagram to it.
-        converse: starts the conversation.
-    """
+    """One address that sends."""
 
     gap_s = 0.0
     """A datagram comes as a whole."""
 
-    def __init__(
-        self, peer: Peer, send: Callable[[bytes], None], converse: Callable[[Wire], Conversation]
-    ) -> None:
-        self.peer = peer
+    def __init__(self, send: Callable[[bytes], None], converse: Callable[[Wire], Conversation]) -> None:
         self.send = send
         self._paused = False
         self.conversation = converse(self)

@@ -51,11 +51,7 @@ class UmdOptions(LengthOptions):
 
 
 class Umd:
-    """The display that all clients share. It samples while somebody listens.
-
-    Args:
-        keeper: bench time.
-    """
+    """The display that all clients share. It samples while somebody listens."""
 
     def __init__(
         self, instrument: Instrument, probe: AirProbe, keeper: TimeKeeper, options: UmdOptions

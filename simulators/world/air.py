@@ -30,11 +30,7 @@ _INDEX_STEP_S = 1.0
 
 
 class Air:
-    """Air whose state follows from bench time alone.
-
-    Args:
-        seed: seed of the drift.
-    """
+    """Air whose state follows from bench time alone."""
 
     def __init__(self, state: AirState, seed: int) -> None:
         rng = np.random.default_rng([seed, 8])

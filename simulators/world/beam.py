@@ -54,7 +54,6 @@ class Beam:
     """The beam on its arm; it is looked at on times fixed by each motion, and whenever somebody asks.
 
     Args:
-        config: everything else.
         index_at: refractive index of the air at a bench time, s.
         now: bench time, s.
 

@@ -27,7 +27,6 @@ class Bench:
     Results depend on the sequence of commands and their bench times, never on the steps of `advance`.
 
     Args:
-        config: everything else.
         on_event: called with motions, stops and arrivals.
 
     Attributes:

@@ -171,9 +171,7 @@ def plan_motion(
     """Return the motion between two poses; the joint that needs longest sets the pace.
 
     Args:
-        end: joints at the end.
         start_s: bench time of the start, s.
-        dynamics: largest speeds and accelerations.
         speed_fraction: part of the largest speeds to use, 0...1.
         acceleration_fraction: part of the largest accelerations to use, 0...1.
     """
@@ -220,7 +218,6 @@ def blend(
 
     Args:
         points: where the arm stands, via points, destination.
-        dynamics: largest speeds and accelerations.
         speed_fraction: part of the largest speeds to use, 0...1.
 
     Returns:
@@ -263,7 +260,6 @@ def plan_stop(motion: Motion, time_s: float, dynamics: ArmDynamics) -> Motion:
 
     Args:
         time_s: bench time of the stop, s.
-        dynamics: largest accelerations.
     """
     here = motion.joints_at(time_s)
     elapsed_s = time_s - motion.start_s

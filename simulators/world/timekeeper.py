@@ -14,7 +14,6 @@ class TimeKeeper:
     """Maps wall time to bench time and wakes those who wait for a moment of bench time.
 
     Args:
-        bench: the bench that is advanced.
         speed: bench seconds in one real second.
         clock: monotonic wall time, s.
     """

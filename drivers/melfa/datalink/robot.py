@@ -98,8 +98,6 @@ class MelfaDatalink(LedArm):
 
         Args:
             endpoint: of the controller's R-protocol port.
-            clock: time of the polls.
-            sink: is shown all bytes.
             datalink_endpoint: of the port that the program opens.
             settings: fields of `DatalinkSettings`; `stop_endpoint` as for `MelfaR3`.
 

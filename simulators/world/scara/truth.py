@@ -43,7 +43,6 @@ def draw_truth(seed: int, config: EmulationConfig) -> TrueArm:
     """Draw a plausible arm: the same seed and configuration give the same arm.
 
     Args:
-        seed: seed of the draw.
         config: nominal links, joint limits and rough places of the reflectors.
     """
     rng = np.random.default_rng([seed, 1])

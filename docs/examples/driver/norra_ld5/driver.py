@@ -1,17 +1,17 @@
 """Driver of the LD5."""
 
 from collections.abc import Callable
-from typing import Any, ClassVar, Self, TypeVar
+from typing import ClassVar, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.driver import DeviceSettings, LinkDriver
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.latches import Latches
 from catseye.drivers.links.link import RequestLink
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.device import Identity, Sink
+from catseye.drivers.roles.device import Identity
 from catseye.drivers.roles.errors import ProtocolError, RefusedError, WrongDeviceError
 from catseye.drivers.roles.interferometer import BeamStatus, Compensated, Interferometer, LengthReading
 from norra_ld5 import codec
@@ -19,23 +19,15 @@ from norra_ld5 import codec
 T = TypeVar("T")
 
 
-class Ld5Settings(BaseModel):
+class Ld5Settings(DeviceSettings):
     """What a cell file may set in `[interferometer.settings]`."""
-
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
     answer_timeout_s: float = Field(default=1.0, gt=0, description="for an answer.")
     connect_timeout_s: float = Field(default=5.0, gt=0, description="for connecting.")
 
 
-class NorraLd5(Interferometer):
-    """Interferometer driver.
-
-    Args:
-        transport: the connection.
-        clock: time of the readings.
-        settings: see there.
-    """
+class NorraLd5(LinkDriver, Interferometer):
+    """Interferometer driver."""
 
     Settings: ClassVar[type[Ld5Settings]] = Ld5Settings
     summary: ClassVar[str] = "Norra LD5, text commands over TCP or serial"
@@ -46,24 +38,6 @@ class NorraLd5(Interferometer):
         self._latches = Latches()
         self._name = ""
         self._link = RequestLink(transport, name="Norra LD5", greet=self._greet)
-
-    @classmethod
-    def at(cls, endpoint: str, clock: Clock, sink: Sink | None = None, **settings: Any) -> Self:
-        """Return a driver for an endpoint as the cell file writes it; nothing is opened yet.
-
-        Args:
-            endpoint: of the display.
-            clock: time of the readings.
-            sink: is shown all bytes.
-            settings: fields of `Ld5Settings`.
-
-        Raises:
-            LinkError: the endpoint is wrong.
-            pydantic.ValidationError: a setting is unknown or wrong.
-        """
-        checked = Ld5Settings(**settings)
-        transport = open_transport(endpoint, connect_timeout_s=checked.connect_timeout_s, sink=sink)
-        return cls(transport, clock, checked)
 
     @property
     def compensated(self) -> Compensated:

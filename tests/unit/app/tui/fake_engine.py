@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from catseye.app.service.address import socket_folder, socket_name
-from catseye.app.testing.proxy import close_server
+from catseye.simulators.ports.tcp import close_server
 from tests.unit.app.tui.scripted import SNAPSHOT
 from tests.unit.app.tui.scripted_bench import BENCH
 

@@ -9,9 +9,8 @@ from textual.screen import Screen
 from textual.widgets import Button, Input
 
 from catseye.app.service.errors import ServiceError
-from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
-from catseye.app.tui.dialogs.quit_dialog import QuitDialog
+from catseye.app.tui.dialogs.questions import ConfirmDialog, QuitDialog
 from catseye.app.tui.main_screens import MAIN_SCREENS
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.stopping import StopOp

@@ -3,7 +3,7 @@
 import pytest
 
 from catseye.app.protocol.requests import Control
-from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
+from catseye.app.tui.dialogs.questions import ConfirmDialog
 from tests.unit.app.tui.scripted import ScriptedLink, shown, started
 from tests.unit.app.tui.scripted_run import SNAPSHOT, end, measure, publish
 

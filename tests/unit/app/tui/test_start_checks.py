@@ -9,8 +9,8 @@ from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.errors import UsageError
 from catseye.app.tui import start
 from catseye.app.tui.app import CatseyeApp
-from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
+from catseye.app.tui.dialogs.questions import ConfirmDialog
 from catseye.app.tui.key_table import key_table
 from catseye.app.tui.session import Session
 from catseye.app.tui.start_checks import cell_fault, key_clashes, unknown_names

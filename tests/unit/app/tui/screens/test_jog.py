@@ -14,7 +14,7 @@ from catseye.app.protocol.engine_events import Client
 from catseye.app.protocol.requests import AnyRequest, Control, JogHold, JogMode, JogStep, Plain
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
-from catseye.app.tui.dialogs.motion_dialog import MotionDialog
+from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.screens.jog import JogScreen
 from catseye.app.tui.widgets.strip import Strip
 from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, snapshot_with, started

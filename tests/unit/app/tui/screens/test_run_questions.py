@@ -7,7 +7,7 @@ from textual.widgets import Button, Input
 from textual.widgets._footer import FooterKey  # noqa: PLC2701  # Textual has no public name for it
 
 from catseye.app.protocol.requests import Control
-from catseye.app.tui.dialogs.motion_dialog import MotionDialog
+from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.run_state import SoFar
 from catseye.app.tui.screens.run import RunScreen
 from tests.unit.app.tui.screens.run_screen import answers, app_of, ops, run_screen, settled

@@ -15,9 +15,9 @@ from catseye.app.protocol.requests import Watch
 from catseye.app.results.scara.job_document import JobDocument, JobValidation
 from catseye.app.results.scara.result import Fit
 from catseye.app.tui.app import CatseyeApp
-from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.form_dialog import FormDialog
+from catseye.app.tui.dialogs.questions import ConfirmDialog
 from catseye.app.tui.screens.setup import SetupScreen
 from catseye.app.tui.setup.device_test import DeviceTest
 from catseye.app.tui.setup.question_row import QuestionRow

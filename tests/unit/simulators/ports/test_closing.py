@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from catseye.app.testing.proxy import close_server
+from catseye.simulators.ports.tcp import close_server
 
 
 @pytest.mark.parametrize("turns", range(6))
