@@ -42,6 +42,17 @@ def run(bench: Emulated) -> Iterator[Path]:
             client.until(event="run-ended")
 
 
+@contextlib.contextmanager
+def at_work(bench: Emulated, run: Path, size: tuple[int, int] = (80, 24)) -> Iterator[Screen]:
+    """Open a terminal from which a held run goes on, as soon as the arm moves."""
+    with on_screen("tui", "--cell", bench.cell, "--speed", SPEED, cwd=bench.cell.parent, size=size) as screen:
+        screen.shows("HELD", run.name)
+        screen.press("g")
+        screen.shows("EXECUTE")
+        while_the_arm_moves(bench)
+        yield screen
+
+
 def _terminate(screen: Screen) -> None:
     screen.process.send_signal(signal.SIGTERM)
 
@@ -67,11 +78,7 @@ def test_arm_is_held_when_the_interface_dies(
     bench: Emulated, run: Path, die: object, code: int | None
 ) -> None:
     assert callable(die)
-    with on_screen("tui", "--cell", bench.cell, "--speed", SPEED, cwd=bench.cell.parent) as screen:
-        screen.shows("HELD", run.name)
-        screen.press("g")
-        screen.shows("EXECUTE")
-        while_the_arm_moves(bench)
+    with at_work(bench, run) as screen:
         before = motions(bench)
         die(screen)
         screen.ended()
@@ -86,24 +93,14 @@ def test_arm_is_held_when_the_interface_dies(
 
 def test_a_terminal_that_takes_no_more_output_keeps_nobody(bench: Emulated, run: Path) -> None:
     """Nobody reads: the program waits for its terminal while the strip and the ages go on being drawn."""
-    with on_screen(
-        "tui", "--cell", bench.cell, "--speed", SPEED, cwd=bench.cell.parent, size=(200, 60)
-    ) as screen:
-        screen.shows("HELD", run.name)
-        screen.press("g")
-        screen.shows("EXECUTE")
-        while_the_arm_moves(bench)
+    with at_work(bench, run, size=(200, 60)) as screen:
         time.sleep(5.0)
         screen.process.send_signal(signal.SIGTERM)
         assert screen.process.wait(10.0) == 143
 
 
 def test_quitting_with_stop_ends_the_run_at_standstill(bench: Emulated, run: Path) -> None:
-    with on_screen("tui", "--cell", bench.cell, "--speed", SPEED, cwd=bench.cell.parent) as screen:
-        screen.shows("HELD", run.name)
-        screen.press("g")
-        screen.shows("EXECUTE")
-        while_the_arm_moves(bench)
+    with at_work(bench, run) as screen:
         screen.press("ctrl+q")
         screen.shows("leave it running")
         screen.press("s")
@@ -113,11 +110,7 @@ def test_quitting_with_stop_ends_the_run_at_standstill(bench: Emulated, run: Pat
 
 
 def test_stop_works_above_a_dialog(bench: Emulated, run: Path) -> None:
-    with on_screen("tui", "--cell", bench.cell, "--speed", SPEED, cwd=bench.cell.parent) as screen:
-        screen.shows("HELD", run.name)
-        screen.press("g")
-        screen.shows("EXECUTE")
-        while_the_arm_moves(bench)
+    with at_work(bench, run) as screen:
         screen.press("ctrl+q")
         screen.shows("leave it running")
         screen.press("f12")

@@ -25,7 +25,8 @@ from catseye.app.store.run_store import RunStore
 from catseye.app.store.schema import BASE_TABLES, VERSION, open_reader, open_writer
 from catseye.app.store.seal import MANIFEST
 from catseye.app.store.verify import verify
-from catseye.procedures.kit.records import Column, Record, Row, Table, tables_of
+from catseye.procedures.kit.records import Column, Record, Table, tables_of
+from tests.unit.app.engine.fakes import point
 from tests.unit.app.store.fakes import PATH_ROW, RECORDS, SEARCH_ROW, TickingClock
 
 
@@ -166,7 +167,7 @@ class Usage:
 @pytest.mark.parametrize("verb", ["UPDATE {} SET rowid = 99", "DELETE FROM {}"])
 async def test_p5_nothing_is_overwritten(store: RunStore, table: str, verb: str) -> None:
     await store.append_step("s1", 1, "first", {}, [("search", SEARCH_ROW), ("path", PATH_ROW)])
-    await store.append_step("s2", 1, "second", {}, [("points", POINT), ("records", {"kind": "drift"})])
+    await store.append_step("s2", 1, "second", {}, [("points", point()), ("records", {"kind": "drift"})])
     await store.prompt("clear", "confirm", "Clear?", "2026-01-02T00:00:00+00:00", "yes", "Ada")
     with writer_of(store) as connection, pytest.raises(sqlite3.IntegrityError, match="append-only"):
         connection.execute(verb.format(table))
@@ -333,28 +334,6 @@ async def test_a_place_without_permission_is_said() -> None:
         await RunStore.create(
             Path("/proc/nowhere"), "search", {}, TickingClock(), records=RECORDS, reserve_bytes=0
         )
-
-
-POINT: Row = {
-    "reflector": "P1",
-    "segment": 0,
-    "theta1_deg": 1.0,
-    "theta2_deg": 2.0,
-    "j3_mm": 0.0,
-    "j4_deg": 3.0,
-    "reported1_deg": 1.0,
-    "reported2_deg": 2.0,
-    "reported3_mm": 0.0,
-    "reported4_deg": 3.0,
-    "direction1": 1,
-    "direction2": -1,
-    "displacement_mm": 0.1,
-    "spread_mm": 0.0,
-    "readings": 5,
-    "signal": 0.9,
-    "time_utc": "2026-01-02T03:04:05+00:00",
-    "duration_s": 0.5,
-}  # fmt: skip - one row a line
 
 
 async def test_minus_zero_is_read_back(store: RunStore) -> None:

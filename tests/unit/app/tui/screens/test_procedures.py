@@ -2,7 +2,8 @@
 
 import asyncio
 import json
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
@@ -85,6 +86,17 @@ def app_of(link: ScriptedLink, stages: list[dict[str, Any]] | None = None) -> Ca
     return app
 
 
+@asynccontextmanager
+async def procedures(
+    *, size: tuple[int, int] = (80, 24), notifications: bool = False
+) -> AsyncIterator[tuple[CatseyeApp, Pilot[Any], ScriptedLink]]:
+    """Run the program with this screen on an idle engine."""
+    link = ScriptedLink()
+    app = app_of(link)
+    async with app.run_test(size=size, notifications=notifications) as pilot:
+        yield app, pilot, link
+
+
 async def settled(app: CatseyeApp, pilot: Pilot[Any]) -> str:
     await pilot.pause()
     await app.workers.wait_for_complete()
@@ -98,9 +110,7 @@ def chosen(app: CatseyeApp) -> str | None:
 
 @pytest.mark.parametrize("size", SIZES)
 async def test_needs_last_run_and_next_step(size: tuple[int, int]) -> None:
-    link = ScriptedLink()
-    app = app_of(link)
-    async with app.run_test(size=size) as pilot:
+    async with procedures(size=size) as (app, pilot, link):
         link.publish("bench", **BENCH)
         text = await settled(app, pilot)
         assert chosen(app) == "open-loop"
@@ -112,9 +122,7 @@ async def test_needs_last_run_and_next_step(size: tuple[int, int]) -> None:
 
 @pytest.mark.parametrize("size", SIZES)
 async def test_a_rehearsal_with_totals_warnings_and_questions(size: tuple[int, int]) -> None:
-    link = ScriptedLink()
-    app = app_of(link)
-    async with app.run_test(size=size) as pilot:
+    async with procedures(size=size) as (app, pilot, _link):
         await settled(app, pilot)
         await pilot.press("r")
         text = await settled(app, pilot)
@@ -141,9 +149,7 @@ async def test_other_sizes_do_not_crash() -> None:
 
 
 async def test_a_fault_is_shown_beside_its_field_and_nothing_begins() -> None:
-    link = ScriptedLink()
-    app = app_of(link)
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+    async with procedures(notifications=True) as (app, pilot, link):
         await settled(app, pilot)
         await pilot.press("enter")
         focused = app.focused
@@ -167,9 +173,7 @@ async def test_a_fault_is_shown_beside_its_field_and_nothing_begins() -> None:
 
 
 async def test_what_was_typed_is_remembered_and_passed_on() -> None:
-    link = ScriptedLink()
-    app = app_of(link)
-    async with app.run_test(size=(120, 40)) as pilot:
+    async with procedures(size=(120, 40)) as (app, pilot, _link):
         await settled(app, pilot)
         await pilot.press("enter", *"P1,P2", "tab")
         app.screen.query_one(ParameterForm).query(Select).first().value = "false"
@@ -190,9 +194,7 @@ async def test_what_was_typed_is_remembered_and_passed_on() -> None:
 
 
 async def test_f8_begins_and_enter_does_not() -> None:
-    link = ScriptedLink()
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with procedures() as (app, pilot, link):
         link.publish("bench", **BENCH)
         await settled(app, pilot)
         await pilot.press("s", "escape")
@@ -213,9 +215,7 @@ async def test_f8_begins_and_enter_does_not() -> None:
 
 
 async def test_real_hardware_is_armed_by_the_name_of_the_cell() -> None:
-    link = ScriptedLink()
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with procedures() as (app, pilot, link):
         link.publish("bench", **{**BENCH, "simulated": False})
         await settled(app, pilot)
         assert not [row for row in app.screen.query_one(ParameterForm).rows if row.parameter == "speed"]
@@ -236,9 +236,7 @@ async def test_real_hardware_is_armed_by_the_name_of_the_cell() -> None:
 
 
 async def test_the_start_dialog_shows_the_matching_rehearsal() -> None:
-    link = ScriptedLink()
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with procedures() as (app, pilot, link):
         link.publish("bench", **BENCH)
         await settled(app, pilot)
         await pilot.press("s")
@@ -289,9 +287,7 @@ async def test_a_refused_start_shows_its_remedy_and_is_not_pending() -> None:
 
 
 async def test_lost_devices_refused_plans_and_missing_cells_are_shown() -> None:
-    link = ScriptedLink()
-    app = app_of(link)
-    async with app.run_test(size=(120, 40), notifications=True) as pilot:
+    async with procedures(size=(120, 40), notifications=True) as (app, pilot, link):
         named = {command.title for command in app.get_system_commands(app.screen)}
         assert {"Rehearse the procedure", "Start the procedure", "Choose the next step"} <= named
         robot = {**BENCH["devices"][0], "link": "lost", "error": "no answer for 3 s"}
@@ -365,9 +361,7 @@ async def test_a_rehearsal_is_ended_by_escape() -> None:
 
 
 async def test_typed_parameters_are_not_kept_for_another_cell() -> None:
-    link = ScriptedLink()
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with procedures() as (app, pilot, _link):
         await settled(app, pilot)
         row = next(row for row in app.screen.query_one(ParameterForm).rows if row.parameter == "search")
         row.query_one(Input).value = "20261121T080000Z_reflector-search_c0ffee"
