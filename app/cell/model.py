@@ -160,6 +160,11 @@ class Conditions(Section):
     pressure_hpa: Range | None = None
     humidity_percent: Range | None = None
 
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Smallest and largest value by the name of the quantity in an air sample."""
+        return {name: (low, high) for name, (low, high) in self.model_dump(exclude_none=True).items()}
+
     @field_validator("temperature_c", "pressure_hpa", "humidity_percent")
     @classmethod
     def _ordered(cls, value: list[float] | None) -> list[float] | None:

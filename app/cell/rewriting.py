@@ -2,11 +2,15 @@
 
 import tomllib
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT, Comment, InlineTable, Item, Key, Null, Table, Whitespace
+
+from catseye.app.errors import ConfigError
+from catseye.app.files.documents import parse_toml, read_text
 
 _Parent = tomlkit.TOMLDocument | Table | InlineTable
 _Body = list[tuple[Key | None, Item]]
@@ -42,6 +46,24 @@ def rewritten(text: str, wanted: Mapping[str, Any]) -> str:
 def plain(wanted: Mapping[str, Any]) -> str:
     """Return a file with the wanted values and no comments."""
     return tomlkit.dumps(wanted)
+
+
+def with_reflector_tables(path: Path, reflectors: list[tuple[str, float, float, float]]) -> str:
+    """Return the text of a cell file with its [[reflector]] tables replaced.
+
+    Args:
+        path: the cell file; it has passed every check.
+        reflectors: name, x and y in mm, direction of the axis in deg.
+
+    Raises:
+        ConfigError: the file cannot be changed in place.
+    """
+    text = read_text(path)
+    tables = [dict(zip(("name", "x_mm", "y_mm", "facing_deg"), values, strict=True)) for values in reflectors]
+    try:
+        return rewritten(text, {**parse_toml(text, str(path)), "reflector": tables})
+    except CommentsLostError as error:
+        raise ConfigError(f"{path}: {error}; write each of its tables in one piece") from error
 
 
 def _change(parent: _Parent, wanted: Mapping[str, Any]) -> None:

@@ -4,7 +4,7 @@ import logging
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
-from catseye.app.cell.air import AirLimits
+from catseye.app.cell.model import Conditions
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.measuring import AirCache
 from catseye.app.errors import InterruptionError, SafetyError
@@ -39,7 +39,7 @@ class Condition(Protocol):
 class AirInRange:
     """The air is as the cell demands; a quantity that the sensor does not give is not judged here."""
 
-    def __init__(self, air: AirCache, limits: AirLimits) -> None:
+    def __init__(self, air: AirCache, limits: Conditions) -> None:
         self._air = air
         self._limits = limits
 

@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from catseye.app.cell.air import AirLimits
-from catseye.app.cell.model import Air
+from catseye.app.cell.model import Air, Conditions
 from catseye.app.engine.ending import EndStatus
 from catseye.app.engine.gate import WayCheck
 from catseye.app.engine.halt import HaltLimits
@@ -66,7 +65,7 @@ class RunRequest:
     hands: SimulatedOperator | None = None
     resume: Path | None = None
     air: Air = field(default_factory=Air)
-    air_limits: AirLimits = field(default_factory=AirLimits)
+    air_limits: Conditions = field(default_factory=Conditions)
     reserve_bytes: int = DEFAULT_RESERVE_BYTES
     halt_limits: HaltLimits = field(default_factory=HaltLimits)
     teardown_limit_s: float = 60.0

@@ -10,7 +10,6 @@ from typing import Any, Literal, cast
 
 from pydantic import BaseModel
 
-from catseye.app.cell.air import air_limits
 from catseye.app.cell.bench import bench_for, system_of
 from catseye.app.cell.load import LoadedCell
 from catseye.app.cell.model import Cell
@@ -172,7 +171,7 @@ def _request_of(planned: PlannedRun, root: Path, speed: float) -> RunRequest:
         blocked=way_check(bench),
         override_cap_percent=cell.robot.override_cap_percent,
         air=cell.air,
-        air_limits=air_limits(cell),
+        air_limits=cell.conditions,
         meta=run_meta(planned, speed) if planned.resume is None else _meta_of_resumption(planned, speed),
         clock_speed=speed,
         aim_simulated=planned.aim_simulated,

@@ -15,8 +15,7 @@ from textual.system_commands import SystemCommandsProvider
 from catseye.app.protocol.ladder import ctrl_c_of_client
 from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.cell_change import look_at_cell
-from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
-from catseye.app.tui.dialogs.quit_dialog import Choice, QuitDialog
+from catseye.app.tui.dialogs.questions import Choice, ConfirmDialog, QuitDialog
 from catseye.app.tui.main_screens import MAIN_SCREENS
 from catseye.app.tui.program import Program
 from catseye.app.tui.screens.base import MainScreen
@@ -62,7 +61,6 @@ class CatseyeApp(Program):
     """The terminal user interface.
 
     Args:
-        session: link, work, folders.
         keymap: a user's keys by the name of what they do.
         screen: name of the one that is shown first.
         trouble: title and text of what went wrong before; shown at once.

@@ -7,6 +7,7 @@ from textual.content import Content
 from catseye.app.results.numbers import duration_text
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.session import EMULATED_BENCH
+from catseye.app.tui.widgets.progress_line import bar
 from catseye.app.tui.widgets.status_bar import LITTLE_BYTES, STALE_S, age_style, override_text
 from catseye.app.tui.words import bytes_text
 
@@ -24,7 +25,6 @@ _LINKS: Final = {
     "closed": ("○", "dim"),
     "raw": ("≡", "$accent"),
 }
-_BLOCKS: Final = " ▏▎▍▌▋▊▉█"
 _BAR_CELLS: Final = 14
 _OFTEN: Final = 20.0
 """Ages below are given to a tenth of a second."""
@@ -34,7 +34,6 @@ def device_line(device: "DeviceStatus", since_s: float) -> Content:
     """Return a device in one line: name, link, identity, age of the last answer.
 
     Args:
-        device: as it was last.
         since_s: time since then, s.
     """
     sign, style = _LINKS[device.link]
@@ -185,13 +184,6 @@ def engine_lines(engine: EngineState, most: int) -> list[Content]:
     return [Content(f"connected  {people}"), Content(f"control    {control}"), *log]
 
 
-def signal_bar(signal: float, cells: int = _BAR_CELLS) -> str:
-    """Return a bar that is filled by a share from 0 to 1, to an eighth of a cell."""
-    eighths = round(min(max(signal, 0.0), 1.0) * cells * 8)
-    full, rest = divmod(eighths, 8)
-    return ("█" * full + (_BLOCKS[rest] if rest else "")).ljust(cells, "·")
-
-
 def length_text(length_mm: float) -> str:
     """Return a length to a nanometre, grouped: 743.123 456 mm."""
     whole, _, part = f"{length_mm:.6f}".partition(".")
@@ -238,7 +230,9 @@ def _signal_line(beam: "BeamStatus", style: str) -> Content:
     colour = style or ("$success" if beam.beam_ok else "$error")
     native = f"  {beam.signal_native}" if beam.signal_native else ""
     return Content.assemble(
-        ("signal ", style), (signal_bar(signal), colour), (f" {100.0 * signal:3.0f} %{native}", style)
+        ("signal ", style),
+        (bar(signal, _BAR_CELLS, "·"), colour),
+        (f" {100.0 * signal:3.0f} %{native}", style),
     )
 
 

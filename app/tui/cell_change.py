@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
+from catseye.app.tui.dialogs.questions import ConfirmDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.program import Program
 

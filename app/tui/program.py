@@ -9,9 +9,8 @@ from textual.app import App
 from textual.notifications import SeverityLevel
 
 from catseye.app.service.errors import RefusedError, ServiceError
-from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
-from catseye.app.tui.dialogs.motion_dialog import MotionDialog
+from catseye.app.tui.dialogs.questions import ConfirmDialog, MotionDialog
 from catseye.app.tui.session import Session
 from catseye.app.tui.stopping import StopOp
 
@@ -22,9 +21,6 @@ if TYPE_CHECKING:
 
 class Program(App[int]):
     """The program as its screens know it.
-
-    Args:
-        session: link, work, folders.
 
     Attributes:
         begins: a run is asked for, and is being planned.

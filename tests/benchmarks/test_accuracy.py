@@ -4,7 +4,6 @@ import numpy as np
 
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.distance_model import distance_model
-from catseye.calibration.scara.identification import identify
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.radial import RadialBudget, radial_effects
 from tests.unit.calibration.scara.paper import (
@@ -15,7 +14,7 @@ from tests.unit.calibration.scara.paper import (
     paper_points,
     random_truth,
 )
-from tests.unit.calibration.scara.samples import radial_motions
+from tests.unit.calibration.scara.samples import identified, radial_motions
 
 NODES = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
 SEEDS = 60
@@ -26,7 +25,7 @@ def test_recovery_from_noise_free_points() -> None:
     worst_map, worst_link = 0.0, 0.0
     for seed in range(10):
         truth = random_truth(seed)
-        found = identify(paper_points(truth), "error-map", *NODES, 325.0, 225.0, NOMINAL_REFLECTORS)
+        found = identified(paper_points(truth))
         error = np.abs(found.parameters[:40] - truth.table_vector())
         worst_link, worst_map = max(worst_link, error[:2].max()), max(worst_map, error[2:].max() / MDEG)
     print(f"\nnoise-free: map to {worst_map:.1e} mdeg, links to {worst_link:.1e} mm (limits 1e-8)")  # noqa: T201  # the figure
@@ -39,7 +38,7 @@ def test_white_noise() -> None:
     for seed in range(SEEDS):
         noise = np.random.default_rng(seed).normal(0.0, 0.0156, 1056)
         points = paper_points(truth, noise_mm=noise, sigma_mm=0.0156)
-        found = identify(points, "error-map", *NODES, 325.0, 225.0, NOMINAL_REFLECTORS)
+        found = identified(points)
         errors.append((found.parameters[:40] - truth.table_vector()) / found.standard_uncertainty[:40])
         chi2.append(found.fit.chi2_reduced)
     rms, mean = float(np.sqrt(np.mean(np.square(errors)))), float(np.mean(np.array(chi2, dtype=np.float64)))
@@ -66,7 +65,7 @@ def test_radial_error_motions() -> None:
         noise = rng.normal(0.0, 0.010, 1056) + effects @ rng.standard_normal(effects.shape[1])
         points = paper_points(truth, noise_mm=noise, sigma_mm=0.010)
         for budget, collected in ((radial_motions(RADIAL), with_budget), (None, without)):
-            found = identify(points, "error-map", *NODES, 325.0, 225.0, NOMINAL_REFLECTORS, budget)
+            found = identified(points, budget=budget)
             collected.append((found.parameters[:40] - truth.table_vector()) / found.standard_uncertainty[:40])
         assert found.fit.lack_of_fit is not None
         ratios.append(found.fit.lack_of_fit.ratio)

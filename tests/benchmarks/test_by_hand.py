@@ -2,12 +2,11 @@
 
 import contextlib
 import statistics
-import tempfile
 from collections.abc import Iterator
 
 import pytest
 
-from tests.system.command import emulated
+from tests.system.command import emulated, own_runtime
 from tests.system.test_by_hand import Engine, engine_of, fed
 
 STOPS = 30
@@ -17,13 +16,11 @@ FEEDS = 15
 @pytest.fixture(scope="module")
 def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Engine]:
     with (
-        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
-        pytest.MonkeyPatch.context() as patch,
+        own_runtime(),
         emulated(tmp_path_factory.mktemp("by-hand"), "--speed", "1") as bench,
+        engine_of(bench) as made,
     ):
-        patch.setenv("XDG_RUNTIME_DIR", runtime)
-        with engine_of(bench) as made:
-            yield made
+        yield made
 
 
 def report(what: str, taken_ms: list[float]) -> None:

@@ -16,17 +16,17 @@ from catseye.calibration.core.draws import joined, solve_chunk
 from catseye.calibration.core.least_squares import minimise
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
-from catseye.calibration.scara.identification import Identification, identify
+from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.points import Commands
 from catseye.calibration.scara.prediction import predict
 from catseye.calibration.scara.uncertainty import chunks, contributions, with_draws
 from tests.unit.calibration.scara.paper import (
     NODES1_DEG,
     NODES2_DEG,
-    NOMINAL_REFLECTORS,
     paper_points,
     random_truth,
 )
+from tests.unit.calibration.scara.samples import identified
 
 DRAWS = 10_000
 PEER_DRAWS = 20
@@ -38,7 +38,7 @@ def paper_identification() -> Identification:
     """Return the paper's problem, 3 × 352 distances and 49 parameters, with the whole of its Table 2."""
     noise = np.random.default_rng(8).normal(0.0, 0.010, 1056)
     points = paper_points(random_truth(8), noise_mm=noise)
-    return identify(points, "error-map", *NODES, 325.0, 225.0, NOMINAL_REFLECTORS, Uncertainty().budget)
+    return identified(points, budget=Uncertainty().budget)
 
 
 def measured_again(one: Identification, noise_mm: Floats) -> DistanceModel:

@@ -6,7 +6,6 @@ import re
 import select
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Iterator
 from datetime import datetime
@@ -15,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from tests.patience import HANG_S
-from tests.system.command import Emulated, emulated
+from tests.system.command import Emulated, emulated, own_runtime
 from tests.system.screen import Screen, on_screen
 from tests.system.test_engine_service import SMALL, SPEED, held, while_the_arm_moves
 
@@ -26,12 +25,7 @@ PRESSES = 200
 
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
-    with (
-        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
-        pytest.MonkeyPatch.context() as patch,
-        emulated(tmp_path_factory.mktemp("tui"), "--speed", SPEED, edit=SMALL) as running,
-    ):
-        patch.setenv("XDG_RUNTIME_DIR", runtime)
+    with own_runtime(), emulated(tmp_path_factory.mktemp("tui"), "--speed", SPEED, edit=SMALL) as running:
         yield running
 
 

@@ -8,7 +8,6 @@ import asyncio
 import json
 import os
 import select
-import tempfile
 import threading
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable
@@ -36,7 +35,7 @@ from catseye.drivers.umd.display import UmdDisplay
 from tests.benchmarks.stream_peers import RATE_HZ
 from tests.benchmarks.test_stream import peer
 from tests.benchmarks.test_time_per_point import FEW_NODES, searched
-from tests.system.command import Emulated, emulated, start
+from tests.system.command import Emulated, emulated, own_runtime, start
 from tests.system.screen import Screen
 from tests.unit.app.service.manual.benches import bench_from_template, cell_from_template
 
@@ -145,9 +144,8 @@ def show_difference(what: str, late_ms: Stamps) -> float:
 
 
 @pytest.mark.timeout(300)
-async def test_a_watcher_delays_no_reading(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with tempfile.TemporaryDirectory(dir="/tmp") as runtime, emulated(tmp_path, edit=_EDIT) as bench:
-        monkeypatch.setenv("XDG_RUNTIME_DIR", runtime)
+async def test_a_watcher_delays_no_reading(tmp_path: Path) -> None:
+    with own_runtime(), emulated(tmp_path, edit=_EDIT) as bench:
         async with engine_of(bench, tmp_path) as client:
 
             async def every_other(number: int) -> bool:
@@ -191,11 +189,10 @@ class Interface:
 
 
 @pytest.mark.timeout(300)
-async def test_the_interface_delays_no_reading(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_the_interface_delays_no_reading(tmp_path: Path) -> None:
     """Without it up to the middle of the run, then with its screen of the bench, strip chart and all."""
     shown: list[Interface] = []
-    with tempfile.TemporaryDirectory(dir="/tmp") as runtime, emulated(tmp_path, edit=_EDIT) as bench:
-        monkeypatch.setenv("XDG_RUNTIME_DIR", runtime)
+    with own_runtime(), emulated(tmp_path, edit=_EDIT) as bench:
         async with engine_of(bench, tmp_path) as client:
 
             async def from_the_middle_on(number: int) -> bool | None:

@@ -6,13 +6,12 @@
 import contextlib
 import json
 import os
-import tempfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.system.command import begun, emulated
+from tests.system.command import begun, emulated, own_runtime
 from tests.system.memory import resident_mb
 from tests.system.socket_client import Lines
 
@@ -30,13 +29,11 @@ SHORT = {"reflectors": ["P1"], "poses": 1, "cycles": 2}
 @pytest.mark.timeout(60 + 10 * RUNS)
 def test_memory_does_not_grow_with_the_number_of_runs(tmp_path: Path) -> None:
     with (
-        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
-        pytest.MonkeyPatch.context() as patch,
+        own_runtime(),
         emulated(tmp_path, "--speed", str(SPEED)) as bench,
+        begun("engine", "--cell", bench.cell, cwd=tmp_path) as (process, output),
     ):
-        patch.setenv("XDG_RUNTIME_DIR", runtime)
-        with begun("engine", "--cell", bench.cell, cwd=tmp_path) as (process, output):
-            resident = _resident_after_each(process.pid, output.readline())
+        resident = _resident_after_each(process.pid, output.readline())
     counted = np.arange(RUNS)[int(WARM_SHARE * RUNS) :]
     slope_kb = 1024.0 * float(np.polyfit(counted, resident[counted], 1)[0])
     print(f"\n{RUNS} runs: {resident[0]:.1f} → {resident[-1]:.1f} MB, {slope_kb:+.1f} kB a run")  # noqa: T201  # the figure

@@ -3,7 +3,6 @@
 import shutil
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.system.by_keys import measure_by_keys, result_of
-from tests.system.command import emulated, environment
+from tests.system.command import emulated, environment, own_runtime
 
 SPEED = "100"
 LIMIT_S = 900.0
@@ -72,12 +71,7 @@ def in_tmux(folder: Path, *arguments: str) -> Iterator[Tmux]:
 
 @pytest.mark.timeout(2000)
 def test_whole_plan_by_keys_in_tmux(tmp_path: Path) -> None:
-    with (
-        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
-        pytest.MonkeyPatch.context() as patch,
-        emulated(tmp_path, "--speed", SPEED) as bench,
-    ):
-        patch.setenv("XDG_RUNTIME_DIR", runtime)
+    with own_runtime(), emulated(tmp_path, "--speed", SPEED) as bench:
         with in_tmux(tmp_path, "tui", "--cell", str(bench.cell), "--speed", SPEED) as tmux:
             begun_s = time.monotonic()
             measure_by_keys(tmux, LIMIT_S)

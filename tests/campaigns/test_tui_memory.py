@@ -1,7 +1,6 @@
 """Eight hours of bench time with the user interface open: its memory and the engine's stay flat."""
 
 import contextlib
-import tempfile
 import time
 from pathlib import Path
 
@@ -9,7 +8,7 @@ import numpy as np
 import pytest
 
 from catseye.app.service.address import find_socket
-from tests.system.command import emulated
+from tests.system.command import emulated, own_runtime
 from tests.system.memory import resident_mb
 from tests.system.screen import Screen, on_screen
 from tests.system.socket_client import Lines
@@ -26,21 +25,17 @@ GROWTH_MB = 8.0
 @pytest.mark.timeout(400)
 def test_memory_is_flat_over_eight_hours_of_bench_time(tmp_path: Path) -> None:
     with (
-        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
-        pytest.MonkeyPatch.context() as patch,
+        own_runtime(),
         emulated(tmp_path, "--speed", str(SPEED)) as bench,
+        on_screen("tui", "--cell", bench.cell, "--speed", str(SPEED), cwd=tmp_path, size=(120, 40)) as screen,
     ):
-        patch.setenv("XDG_RUNTIME_DIR", runtime)
-        with on_screen(
-            "tui", "--cell", bench.cell, "--speed", str(SPEED), cwd=tmp_path, size=(120, 40)
-        ) as screen:
-            screen.shows("IDLE", "interferometer")
-            engine = _started(tmp_path)
-            screen.press("f4")
-            screen.shows("EXECUTE")
-            grown_mb = _grown_mb(screen, {"interface": screen.process.pid, "engine": engine})
-            screen.press("f12")
-            screen.shows("stopped")
+        screen.shows("IDLE", "interferometer")
+        engine = _started(tmp_path)
+        screen.press("f4")
+        screen.shows("EXECUTE")
+        grown_mb = _grown_mb(screen, {"interface": screen.process.pid, "engine": engine})
+        screen.press("f12")
+        screen.shows("stopped")
     for name, megabytes in grown_mb.items():
         hours = BENCH_H * (1 - WARM_SHARE)
         print(f"\n{name}: {megabytes:+.1f} MB over {hours:.1f} h of bench time")  # noqa: T201  # the figure

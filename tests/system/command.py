@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
+import pytest
+
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.guard.lock import lock_path
@@ -82,6 +84,14 @@ class Emulated:
             answer: dict[str, Any] = json.loads(connection.makefile("rb").readline())
         assert answer["ok"], answer
         return answer
+
+
+@contextmanager
+def own_runtime() -> Iterator[None]:
+    """Have engines and clients meet in a folder of their own; a socket's path must be short."""
+    with tempfile.TemporaryDirectory(dir="/tmp") as runtime, pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_RUNTIME_DIR", runtime)
+        yield
 
 
 @contextmanager

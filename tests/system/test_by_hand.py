@@ -5,7 +5,6 @@ import json
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -17,7 +16,7 @@ import pytest
 
 from catseye.app.cell.load import load_cell
 from tests.patience import HANG_S
-from tests.system.command import Emulated, begun, catseye, emulated, environment
+from tests.system.command import Emulated, begun, catseye, emulated, environment, own_runtime
 from tests.system.feeder import FEED_S, hold
 from tests.system.forked import Forked
 from tests.system.guarded import guards_of
@@ -43,8 +42,7 @@ NARROW = {"j1 = [-170.0, 170.0]": "j1 = [-170.0, 10.0]"}
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
     with (
-        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
-        pytest.MonkeyPatch.context() as patch,
+        own_runtime(),
         emulated(
             tmp_path_factory.mktemp("by-hand"),
             "--speed",
@@ -53,7 +51,6 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
             module="tests.system.prompt_drives",
         ) as running,
     ):
-        patch.setenv("XDG_RUNTIME_DIR", runtime)
         yield running
 
 

@@ -12,7 +12,6 @@ import socket
 import stat
 import subprocess
 import sys
-import tempfile
 import termios
 import threading
 import time
@@ -25,7 +24,7 @@ import pytest
 from catseye.app.service.address import find_socket
 from catseye.app.store.reader import RunReader
 from tests.patience import HANG_S
-from tests.system.command import Emulated, begun, catseye, emulated, environment, start
+from tests.system.command import Emulated, begun, catseye, emulated, environment, own_runtime, start
 from tests.system.socket_client import Lines
 
 SPEED = "40"
@@ -41,12 +40,7 @@ _clients: list[subprocess.Popen[str]] = []
 
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
-    with (
-        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
-        pytest.MonkeyPatch.context() as patch,
-        emulated(tmp_path_factory.mktemp("service"), "--speed", SPEED, edit=SMALL) as running,
-    ):
-        patch.setenv("XDG_RUNTIME_DIR", runtime)
+    with own_runtime(), emulated(tmp_path_factory.mktemp("service"), "--speed", SPEED, edit=SMALL) as running:
         yield running
         for client in _clients:
             client.kill()

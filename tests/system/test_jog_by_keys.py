@@ -1,13 +1,12 @@
 """The arm moved by keys in a real terminal: the controller's emulator shows where it is, and when it stands."""
 
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 
 import pytest
 
 from tests.patience import HANG_S
-from tests.system.command import Emulated, emulated
+from tests.system.command import Emulated, emulated, own_runtime
 from tests.system.screen import Screen, on_screen
 
 REPEAT_S = 0.033
@@ -20,13 +19,11 @@ DELAY_S = 0.5
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
     with (
-        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
-        pytest.MonkeyPatch.context() as patch,
+        own_runtime(),
         emulated(
             tmp_path_factory.mktemp("jog-by-keys"), "--speed", "1", module="tests.system.prompt_drives"
         ) as running,
     ):
-        patch.setenv("XDG_RUNTIME_DIR", runtime)
         yield running
 
 

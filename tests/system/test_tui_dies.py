@@ -2,7 +2,6 @@
 
 import contextlib
 import signal
-import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,7 +11,7 @@ import pytest
 from catseye.app.service.address import find_socket
 from catseye.app.store.reader import RunReader
 from tests.patience import HANG_S
-from tests.system.command import Emulated, emulated
+from tests.system.command import Emulated, emulated, own_runtime
 from tests.system.screen import Screen, on_screen
 from tests.system.socket_client import Lines
 from tests.system.test_engine_service import (
@@ -27,12 +26,7 @@ from tests.system.test_engine_service import (
 
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
-    with (
-        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
-        pytest.MonkeyPatch.context() as patch,
-        emulated(tmp_path_factory.mktemp("tui"), "--speed", SPEED, edit=SMALL) as running,
-    ):
-        patch.setenv("XDG_RUNTIME_DIR", runtime)
+    with own_runtime(), emulated(tmp_path_factory.mktemp("tui"), "--speed", SPEED, edit=SMALL) as running:
         yield running
 
 

@@ -1,13 +1,12 @@
 """A full measurement by keys alone in a terminal of 80 columns and 24 lines, on the emulators."""
 
-import tempfile
 from pathlib import Path
 
 import pytest
 
 from tests.patience import HANG_S
 from tests.system.by_keys import measure_by_keys, result_of
-from tests.system.command import emulated
+from tests.system.command import emulated, own_runtime
 from tests.system.screen import on_screen
 
 SPEED = "400"
@@ -21,12 +20,7 @@ _FEWER_NODES = {
 
 @pytest.mark.slow
 def test_full_measurement_by_keys_alone(tmp_path: Path) -> None:
-    with (
-        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
-        pytest.MonkeyPatch.context() as patch,
-        emulated(tmp_path, "--speed", SPEED, edit=_FEWER_NODES) as bench,
-    ):
-        patch.setenv("XDG_RUNTIME_DIR", runtime)
+    with own_runtime(), emulated(tmp_path, "--speed", SPEED, edit=_FEWER_NODES) as bench:
         with on_screen("tui", "--cell", bench.cell, "--speed", SPEED, cwd=tmp_path) as screen:
             measure_by_keys(screen, HANG_S)
             screen.press("ctrl+q")

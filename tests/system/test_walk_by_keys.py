@@ -1,7 +1,6 @@
 """A plan walked by a held key, at a terminal and in the terminal UI; the emulator reports whether the arm moves."""
 
 import re
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,7 +13,7 @@ from catseye.app.exitcode import ExitCode
 from catseye.app.store.reader import RunReader
 from tests.patience import HANG_S
 from tests.system.by_keys import choose
-from tests.system.command import Emulated, emulated
+from tests.system.command import Emulated, emulated, own_runtime
 from tests.system.screen import Screen, on_screen
 
 REPEAT_S = 0.033
@@ -31,13 +30,11 @@ SMALL = re.sub(
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Emulated]:
     with (
-        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
-        pytest.MonkeyPatch.context() as patch,
+        own_runtime(),
         emulated(
             tmp_path_factory.mktemp("walk"), "--speed", "1", text=SMALL, module="tests.system.prompt_drives"
         ) as running,
     ):
-        patch.setenv("XDG_RUNTIME_DIR", runtime)
         yield running
 
 

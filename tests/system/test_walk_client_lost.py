@@ -1,13 +1,12 @@
 """A client that is killed while it walks an arm through the engine's socket."""
 
 import json
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from tests.system.command import Emulated, begun, emulated
+from tests.system.command import Emulated, begun, emulated, own_runtime
 from tests.system.test_by_hand import Engine, feeder
 from tests.system.test_walk_by_keys import SMALL
 
@@ -15,11 +14,9 @@ from tests.system.test_walk_by_keys import SMALL
 @pytest.fixture
 def bench(tmp_path: Path) -> Iterator[Emulated]:
     with (
-        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
-        pytest.MonkeyPatch.context() as patch,
+        own_runtime(),
         emulated(tmp_path, "--speed", "1", text=SMALL, module="tests.system.prompt_drives") as running,
     ):
-        patch.setenv("XDG_RUNTIME_DIR", runtime)
         yield running
 
 

@@ -3,7 +3,6 @@
 import asyncio
 import json
 import subprocess
-import tempfile
 import time
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager
@@ -18,7 +17,7 @@ from catseye.app.service.address import find_socket
 from catseye.app.service.client import EngineClient, connect
 from catseye.app.store.reader import RunReader
 from tests.patience import HANG_S
-from tests.system.command import Emulated, begun, emulated, start
+from tests.system.command import Emulated, begun, emulated, own_runtime, start
 
 SPEED = 40.0
 _SMALL = {
@@ -31,12 +30,8 @@ _NAMES = ["robot", "interferometer", "environment", "tracker"]
 
 
 @pytest.fixture
-def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Emulated]:
-    with (
-        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
-        emulated(tmp_path, "--speed", f"{SPEED:g}", edit=_SMALL) as running,
-    ):
-        monkeypatch.setenv("XDG_RUNTIME_DIR", runtime)
+def bench(tmp_path: Path) -> Iterator[Emulated]:
+    with own_runtime(), emulated(tmp_path, "--speed", f"{SPEED:g}", edit=_SMALL) as running:
         yield running
 
 
@@ -239,15 +234,9 @@ async def _code(process: "subprocess.Popen[str]", drain: "asyncio.Task[Any]") ->
     return process.returncode
 
 
-async def test_every_value_of_an_instrument_that_streams_is_seen(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_every_value_of_an_instrument_that_streams_is_seen(tmp_path: Path) -> None:
     edit = {'driver = "line-counter"\n': 'driver = "umd"\n', 'profile = "default"\n': ""}
-    with (
-        tempfile.TemporaryDirectory(dir="/tmp") as runtime,
-        emulated(tmp_path, "--speed", "1", edit=edit) as bench,
-    ):
-        monkeypatch.setenv("XDG_RUNTIME_DIR", runtime)
+    with own_runtime(), emulated(tmp_path, "--speed", "1", edit=edit) as bench:
         async with idle_engine(bench) as watcher:
             await watcher.until(idle)
             first = await watcher.next("samples")

@@ -119,7 +119,6 @@ async def measure(
     """Start the emulators, run search, measurement and validation path, keep the truth.
 
     Args:
-        folder: where everything is written.
         speed: bench seconds in one real second.
         truth: result JSON with the true arm; None draws one.
         publish: makes what takes the events of each run.

@@ -173,7 +173,7 @@ def _write_cell(design: "Design", loaded: "LoadedCell", file: Path) -> None:
     import numpy as np
 
     from catseye.app.cell.load import load_cell
-    from catseye.app.cell.reflectors import with_reflector_tables
+    from catseye.app.cell.rewriting import with_reflector_tables
     from catseye.app.protocol.procedures import analysed_by
 
     reflectors = [

@@ -84,7 +84,6 @@ def identified(
     """Identify from distances.
 
     Args:
-        source: distances, and what they were measured with.
         sharing: provides who shares the draws of a Monte Carlo.
     """
     bench, terms = source.bench, parse_extensions(method.extend)

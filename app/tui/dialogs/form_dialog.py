@@ -6,11 +6,10 @@ from typing import ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal, Vertical
-from textual.screen import ModalScreen
+from textual.containers import Horizontal
 from textual.widgets import Input, Label, Select, Static
 
-from catseye.app.tui.widgets.key_line import KeyLine
+from catseye.app.tui.dialogs.box_dialog import BoxDialog
 
 
 @dataclass(frozen=True)
@@ -35,7 +34,7 @@ class Field:
 Answers = dict[str, str]
 
 
-class FormDialog(ModalScreen[Answers | None]):
+class FormDialog(BoxDialog[Answers | None]):
     """Asks; Enter in a field answers, None goes back.
 
     Args:
@@ -43,12 +42,7 @@ class FormDialog(ModalScreen[Answers | None]):
     """
 
     DEFAULT_CSS = """
-    FormDialog { align: center middle; }
-    FormDialog > Vertical {
-        width: 76; max-width: 96%; height: auto; max-height: 92%;
-        border: heavy $primary; background: $surface; padding: 0 1;
-    }
-    FormDialog .title { text-style: bold; width: 100%; }
+    FormDialog > Vertical { width: 76; max-height: 92%; }
     FormDialog #text { height: auto; max-height: 6; color: $text-muted; }
     FormDialog Horizontal { height: 1; }
     FormDialog .label { width: 16; }
@@ -71,31 +65,24 @@ class FormDialog(ModalScreen[Answers | None]):
         text: str = "",
         fault: Callable[[Answers], str] = lambda _: "",
     ) -> None:
-        super().__init__()
-        self._title = title
+        super().__init__(title, text)
         self._fields = tuple(fields)
-        self._text = text
         self._fault = fault
 
-    def compose(self) -> ComposeResult:
-        """Title, a line each, and what is wrong."""
-        with Vertical():
-            yield Label(self._title, classes="title", markup=False)
-            if self._text:
-                yield Static(self._text, id="text", markup=False)
-            for field in self._fields:
-                with Horizontal():
-                    yield Label(field.label, classes="label", markup=False)
-                    if field.choices:
-                        options = [(choice, choice) for choice in field.choices]
-                        yield Select(
-                            options, value=field.value, allow_blank=False, compact=True, id=field.name
-                        )
-                    else:
-                        yield Input(field.value, id=field.name, compact=True, select_on_focus=False)
-                    yield Label(field.hint, classes="hint", markup=False)
-            yield Static("", id="fault", markup=False)
-            yield KeyLine()
+    def body(self) -> ComposeResult:
+        """A line each, and what is wrong."""
+        if self._text:
+            yield Static(self._text, id="text", markup=False)
+        for field in self._fields:
+            with Horizontal():
+                yield Label(field.label, classes="label", markup=False)
+                if field.choices:
+                    options = [(choice, choice) for choice in field.choices]
+                    yield Select(options, value=field.value, allow_blank=False, compact=True, id=field.name)
+                else:
+                    yield Input(field.value, id=field.name, compact=True, select_on_focus=False)
+                yield Label(field.hint, classes="hint", markup=False)
+        yield Static("", id="fault", markup=False)
 
     def on_input_submitted(self) -> None:
         """Answer."""

@@ -3,21 +3,17 @@
 from typing import ClassVar
 
 from textual.binding import Binding, BindingType
-from textual.screen import ModalScreen
+
+from catseye.app.tui.dialogs.box_dialog import BoxDialog
 
 
-class MessageDialog(ModalScreen[None]):
-    """A title and a text; a subclass puts them on the screen."""
+class MessageDialog(BoxDialog[None]):
+    """A title and a text."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape,enter", "dismiss_it", "close", id="dialog.close"),
         Binding("c", "copy", "copy the text", id="dialog.copy"),
     ]
-
-    def __init__(self, title: str, text: str) -> None:
-        super().__init__()
-        self._title = title
-        self._text = text
 
     def action_dismiss_it(self) -> None:
         """Close."""

@@ -4,14 +4,12 @@ from typing import ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.containers import Vertical
-from textual.screen import ModalScreen
-from textual.widgets import Input, Label, Static
+from textual.widgets import Input, Static
 
-from catseye.app.tui.widgets.key_line import KeyLine
+from catseye.app.tui.dialogs.box_dialog import BoxDialog
 
 
-class OverrideDialog(ModalScreen[float | None]):
+class OverrideDialog(BoxDialog[float | None]):
     """Asks for a lower speed override; None leaves it.
 
     Args:
@@ -19,11 +17,7 @@ class OverrideDialog(ModalScreen[float | None]):
     """
 
     DEFAULT_CSS = """
-    OverrideDialog { align: center middle; }
-    OverrideDialog > Vertical {
-        width: 60; max-width: 95%; height: auto; border: heavy $primary; background: $surface; padding: 0 1;
-    }
-    OverrideDialog Label { text-style: bold; width: 100%; }
+    OverrideDialog > Vertical { width: 60; }
     OverrideDialog Input { background: $boost; }
     OverrideDialog #fault { color: $error; height: auto; }
     """
@@ -31,18 +25,15 @@ class OverrideDialog(ModalScreen[float | None]):
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "back", "leave it", id="override.back")]
 
     def __init__(self, now_percent: float | None) -> None:
-        super().__init__()
-        self._now_percent = now_percent
+        now = "not known" if now_percent is None else f"{now_percent:g} %"
+        text = f"It is {now}. From here it is only lowered, before the next motion."
+        super().__init__("Lower the speed override", text)
 
-    def compose(self) -> ComposeResult:
+    def body(self) -> ComposeResult:
         """A number."""
-        now = "not known" if self._now_percent is None else f"{self._now_percent:g} %"
-        with Vertical():
-            yield Label("Lower the speed override")
-            yield Static(f"It is {now}. From here it is only lowered, before the next motion.", markup=False)
-            yield Input(placeholder="percent, then Enter", compact=True)
-            yield Static("", id="fault", markup=False)
-            yield KeyLine()
+        yield from super().body()
+        yield Input(placeholder="percent, then Enter", compact=True)
+        yield Static("", id="fault", markup=False)
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Take a percentage; whether it is lower the engine decides."""

@@ -5,11 +5,10 @@ from typing import ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.containers import Vertical, VerticalScroll
-from textual.screen import ModalScreen
-from textual.widgets import Input, Label, Static
+from textual.containers import VerticalScroll
+from textual.widgets import Input, Static
 
-from catseye.app.tui.widgets.key_line import KeyLine
+from catseye.app.tui.dialogs.box_dialog import BoxDialog
 
 
 @dataclass(frozen=True)
@@ -23,20 +22,16 @@ class Permission:
     arm: str | None
 
 
-class StartDialog(ModalScreen[Permission | None]):
+class StartDialog(BoxDialog[Permission | None]):
     """Shows what is about to begin. F8 begins it, Enter never does; None goes back.
 
     Args:
         simulated: every device is an emulator; None when nobody knows yet.
     """
 
+    DEFAULT_CLASSES = "-warning"
     DEFAULT_CSS = """
-    StartDialog { align: center middle; }
-    StartDialog > Vertical {
-        width: 74; max-width: 96%; height: auto; max-height: 92%;
-        border: heavy $warning; background: $surface; padding: 0 1;
-    }
-    StartDialog Label { text-style: bold; width: 100%; }
+    StartDialog > Vertical { width: 74; max-height: 92%; }
     StartDialog VerticalScroll { height: auto; max-height: 11; }
     StartDialog #arm { margin-top: 1; background: $boost; }
     StartDialog #fault { color: $error; height: auto; }
@@ -57,25 +52,20 @@ class StartDialog(ModalScreen[Permission | None]):
     ]
 
     def __init__(self, title: str, text: str, cell: str, *, simulated: bool | None) -> None:
-        super().__init__()
-        self._title = title
-        self._text = text
+        super().__init__(title, text)
         self._cell = cell
         self._simulated = simulated
 
-    def compose(self) -> ComposeResult:
+    def body(self) -> ComposeResult:
         """What begins, and what to do."""
-        with Vertical():
-            yield Label(self._title, markup=False)
-            with VerticalScroll(can_focus=False):
-                yield Static(self._text, markup=False)
-            if self._simulated is not True:
-                unless = "" if self._simulated is False else " (leave it empty for emulators)"
-                yield Static(f"Real hardware: type the cell's name to arm it{unless}.", markup=False)
-                yield Input(id="arm", compact=True, placeholder="name of the cell")
-            yield Static("", id="fault", markup=False)
-            yield Static("F8  the arm moves        Esc  back; nothing moves", id="key", markup=False)
-            yield KeyLine()
+        with VerticalScroll(can_focus=False):
+            yield from super().body()
+        if self._simulated is not True:
+            unless = "" if self._simulated is False else " (leave it empty for emulators)"
+            yield Static(f"Real hardware: type the cell's name to arm it{unless}.", markup=False)
+            yield Input(id="arm", compact=True, placeholder="name of the cell")
+        yield Static("", id="fault", markup=False)
+        yield Static("F8  the arm moves        Esc  back; nothing moves", id="key", markup=False)
 
     def action_begin(self) -> None:
         """Agree, if the name is right."""

@@ -18,11 +18,7 @@ from catseye.app.tui.widgets.status_bar import StatusBar
 
 
 class MainScreen(Screen[None]):
-    """A main screen. A subclass gives `SCREEN`, `body` and `show_state`.
-
-    Args:
-        session: link, work and paths; the same for all screens.
-    """
+    """A main screen. A subclass gives `SCREEN`, `body` and `show_state`."""
 
     SCREEN: ClassVar[str]
     """Name of this screen in `catseye.app.tui.main_screens`."""

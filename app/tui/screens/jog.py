@@ -10,7 +10,7 @@ from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.widgets import Input
 
 from catseye.app.service.errors import RefusedError, ServiceError
-from catseye.app.tui.dialogs.motion_dialog import MotionDialog
+from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.jog_client import JogClient, Step, Way
 from catseye.app.tui.jog_text import (

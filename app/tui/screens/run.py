@@ -14,8 +14,8 @@ from textual.content import Content
 from catseye.app.protocol.state import ENDING, ControlState
 from catseye.app.results.readiness.after_run import CLEAR, Advice, after_run
 from catseye.app.service.errors import RefusedError, ServiceError
-from catseye.app.tui.dialogs.motion_dialog import MotionDialog
 from catseye.app.tui.dialogs.override_dialog import OverrideDialog
+from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.run_state import RunState

@@ -18,8 +18,8 @@ from catseye.app.files.documents import read_text
 from catseye.app.protocol.banners import SIMULATION
 from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.cell_change import use_cell
-from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
+from catseye.app.tui.dialogs.questions import ConfirmDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.screens.working import WorkScreen
 from catseye.app.tui.session import DEMO_FOLDER, Session

@@ -8,14 +8,12 @@ from typing import ClassVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.containers import Vertical, VerticalScroll
+from textual.containers import VerticalScroll
 from textual.content import Content
-from textual.screen import ModalScreen
-from textual.widgets import Label
 
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import duration_text
-from catseye.app.tui.widgets.key_line import KeyLine
+from catseye.app.tui.dialogs.box_dialog import BoxDialog
 from catseye.app.tui.widgets.report_content import section_content, statement_content
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.work import Work
@@ -23,7 +21,7 @@ from catseye.app.tui.work import Work
 _NOT_USABLE = 3
 
 
-class DeviceTest(ModalScreen[None]):
+class DeviceTest(BoxDialog[None]):
     """Runs `catseye doctor` on one device. Esc cancels, and closes.
 
     Args:
@@ -32,12 +30,7 @@ class DeviceTest(ModalScreen[None]):
     """
 
     DEFAULT_CSS = """
-    DeviceTest { align: center middle; }
-    DeviceTest > Vertical {
-        width: 76; max-width: 96%; height: auto; max-height: 92%;
-        border: heavy $primary; background: $surface; padding: 0 1;
-    }
-    DeviceTest Label { text-style: bold; width: 100%; }
+    DeviceTest > Vertical { width: 76; max-height: 92%; }
     DeviceTest VerticalScroll { height: auto; max-height: 16; }
     """
 
@@ -48,21 +41,17 @@ class DeviceTest(ModalScreen[None]):
     ]
 
     def __init__(self, device: str, text: str, work: Work, now_s: Callable[[], float]) -> None:
-        super().__init__()
+        super().__init__(f"Connection test: {device}", text)
         self._device = device
-        self._text = text
         self._work = work
         self._now_s = now_s
         self._begun_s = 0.0
         self._running = False
 
-    def compose(self) -> ComposeResult:
-        """Title and findings."""
-        with Vertical():
-            yield Label(f"Connection test: {self._device}", markup=False)
-            with VerticalScroll():
-                yield StaticText(id="found")
-            yield KeyLine()
+    def body(self) -> ComposeResult:
+        """The findings."""
+        with VerticalScroll():
+            yield StaticText(id="found")
 
     def on_mount(self) -> None:
         """Begin at once."""

@@ -17,8 +17,8 @@ class BeamPanel(Vertical):
     BeamPanel StaticText { height: auto; text-wrap: nowrap; text-overflow: ellipsis; }
     """
 
-    def __init__(self, *, id: str | None = None) -> None:
-        super().__init__(id=id, classes="panel")
+    def __init__(self) -> None:
+        super().__init__(classes="panel")
         self.border_title = "Beam"
 
     def compose(self) -> ComposeResult:

@@ -53,7 +53,6 @@ class Chart:
         rows: height in cells.
         x: smallest and largest value across.
         y: smallest and largest value upwards.
-        frame: axes, numbers and title.
 
     Attributes:
         canvas: what is drawn.

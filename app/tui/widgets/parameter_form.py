@@ -133,11 +133,7 @@ class ParameterForm(VerticalScroll):
             self.text = text
 
     async def show_parameters(self, procedure: str, schema: Schema, typed: dict[str, str]) -> None:
-        """Show the fields of a procedure.
-
-        Args:
-            typed: what was typed for it before.
-        """
+        """Show the fields of a procedure."""
         self.procedure = ""
         with self.app.batch_update():
             await self.remove_children()

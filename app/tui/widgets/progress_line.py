@@ -46,13 +46,14 @@ class ProgressLine(StaticText):
         self.set_text(Content.assemble(*parts))
 
 
-def bar(share: float, width: int) -> str:
-    """Return a bar of block characters.
+def bar(share: float, width: int, empty: str = "░") -> str:
+    """Return a bar of block characters, to an eighth of a cell.
 
     Args:
         share: 0…1 of it is full.
         width: in characters.
+        empty: character of a cell that is not full at all.
     """
     eighths = round(min(max(share, 0.0), 1.0) * width * 8)
     full, rest = divmod(eighths, 8)
-    return ("█" * full + (_EIGHTHS[rest] if rest else "")).ljust(width, "░")
+    return ("█" * full + (_EIGHTHS[rest] if rest else "")).ljust(width, empty)

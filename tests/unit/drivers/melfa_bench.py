@@ -4,9 +4,12 @@ from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
 from typing import Any
 
+import pytest
+
 from catseye.drivers.melfa.motion import VARIABLES
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.melfa.settings import MelfaSettings
+from catseye.drivers.roles.errors import LinkTimeoutError
 from tests.unit.drivers.peers import Peer, StepClock
 
 # Section 1.8: sixteen fields and a trailing semicolon; patterns 0F of a four-axis RH are inferred there.
@@ -115,6 +118,13 @@ class Bench:
     def said_aside(self) -> list[str]:
         """Commands on the stop connection."""
         return [data.decode().strip().removeprefix("1;1;") for data in self.aside.requests]
+
+
+async def lose_an_answer(bench: Bench) -> None:
+    """Have the controller leave a request unanswered: the link heals before it is used again."""
+    bench.controller.replies["RSTALRM"] = list
+    with pytest.raises(LinkTimeoutError):
+        await bench.robot.reset_alarm()
 
 
 @asynccontextmanager

@@ -3,14 +3,16 @@
 import asyncio
 import contextlib
 from abc import ABC, abstractmethod
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Iterable
 from contextlib import asynccontextmanager
 from datetime import UTC, datetime
 from types import TracebackType
-from typing import Self
+from typing import Any, Self, TypeVar
 
 from catseye.app.testing.memory import MemoryTransport, pipe
 from catseye.drivers.roles.errors import LinkError
+
+T = TypeVar("T")
 
 Answer = Callable[[bytes], Iterable[bytes]]
 
@@ -140,3 +142,17 @@ class Peer(FarEnd):
             for chunk in self._answer(data):
                 with contextlib.suppress(LinkError):
                     await self.far.write(chunk)
+
+
+async def settled() -> None:
+    """Let every task go as far as it can."""
+    for _ in range(10):
+        await asyncio.sleep(0)
+
+
+async def asked(question: Coroutine[Any, Any, T], peer: Peer, said: bytes) -> T:
+    """Ask the driver, then let the device say something; return the answer."""
+    task = asyncio.create_task(question)
+    await settled()
+    await peer.say(said)
+    return await task

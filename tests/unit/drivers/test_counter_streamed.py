@@ -1,11 +1,9 @@
 """Counters that send values by themselves, counters without status, and what a profile may say of them."""
 
-import asyncio
-from collections.abc import AsyncIterator, Coroutine
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, TypeVar
 
 import pytest
 from hypothesis import given
@@ -16,9 +14,7 @@ from catseye.drivers.counter.counter import LineCounter
 from catseye.drivers.counter.profile import CounterProfile, load_profile, parse_profile
 from catseye.drivers.counter.streamed import StreamedCounter
 from catseye.drivers.roles.errors import LinkTimeoutError, ProfileError, RefusedError, WrongDeviceError
-from tests.unit.drivers.peers import Peer, StepClock
-
-T = TypeVar("T")
+from tests.unit.drivers.peers import Peer, StepClock, asked, settled
 
 STREAM = """
 format = "catseye-counter/1"
@@ -40,19 +36,6 @@ mode = "commands"
 start = "GO"
 stop = "HALT"
 """
-
-
-async def settled() -> None:
-    for _ in range(10):
-        await asyncio.sleep(0)
-
-
-async def asked(question: Coroutine[Any, Any, T], peer: Peer, said: bytes) -> T:
-    """Ask the driver, then let the counter say something; return the answer."""
-    task = asyncio.create_task(question)
-    await settled()
-    await peer.say(said)
-    return await task
 
 
 @asynccontextmanager

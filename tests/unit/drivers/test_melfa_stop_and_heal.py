@@ -18,7 +18,17 @@ from catseye.drivers.roles.errors import (
     WrongDeviceError,
 )
 from tests.patience import until
-from tests.unit.drivers.melfa_bench import JPOS, OPEN, QUICK, START, STATE, TARGET, Controller, bench
+from tests.unit.drivers.melfa_bench import (
+    JPOS,
+    OPEN,
+    QUICK,
+    START,
+    STATE,
+    TARGET,
+    Controller,
+    bench,
+    lose_an_answer,
+)
 from tests.unit.drivers.peers import Peer, StepClock
 
 
@@ -49,9 +59,7 @@ async def test_healing_lowers_the_override_but_never_raises_it(found: str, left:
     controller = Controller()
     async with bench(controller) as b:
         await b.robot.set_override(15)
-        controller.replies["RSTALRM"] = list
-        with pytest.raises(LinkTimeoutError):
-            await b.robot.reset_alarm()
+        await lose_an_answer(b)
         controller.override = found
         before = len(b.said)
         await b.robot.joints()
@@ -64,9 +72,7 @@ async def test_a_right_refused_while_healing_returns_with_the_override() -> None
     controller = Controller()
     async with bench(controller) as b:
         await b.robot.set_override(15)
-        controller.replies["RSTALRM"] = list
-        with pytest.raises(LinkTimeoutError):
-            await b.robot.reset_alarm()
+        await lose_an_answer(b)
         controller.replies["CNTLON"] = lambda: ["QeR602000000"]
         assert await b.robot.joints() == START
         assert "operation right is refused" in b.robot.notes[0]
@@ -84,9 +90,7 @@ async def test_a_right_refused_while_healing_is_retaken_before_motion() -> None:
     async with bench(controller) as b:
         await b.robot.set_override(15)
         await b.robot.move_joints(TARGET)
-        controller.replies["RSTALRM"] = list
-        with pytest.raises(LinkTimeoutError):
-            await b.robot.reset_alarm()
+        await lose_an_answer(b)
         controller.override = "40"
         refused = iter([["QeR602000000"]])
         controller.replies["CNTLON"] = lambda: next(refused, ["QoK"])
@@ -106,9 +110,7 @@ async def test_nothing_moves_while_the_override_cannot_be_restored() -> None:
     controller = Controller()
     async with bench(controller) as b:
         await b.robot.set_override(15)
-        controller.replies["RSTALRM"] = list
-        with pytest.raises(LinkTimeoutError):
-            await b.robot.reset_alarm()
+        await lose_an_answer(b)
         controller.replies["CNTLON"] = lambda: ["QeR602000000"]
         await b.robot.joints()
         del controller.replies["CNTLON"]
@@ -397,9 +399,7 @@ async def test_a_right_unanswered_while_healing_is_claimed_again() -> None:
         await b.robot.set_override(15)
         spoilt = iter([["\x02?"]])
         controller.replies["CNTLON"] = lambda: next(spoilt, ["QoK"])
-        controller.replies["RSTALRM"] = list
-        with pytest.raises(LinkTimeoutError):
-            await b.robot.reset_alarm()
+        await lose_an_answer(b)
         before = len(b.said)
         await b.robot.move_joints(TARGET)
         assert b.said[before : before + 5] == ["OPEN=CATSEYE", "CNTLON", "OPEN=CATSEYE", "CNTLON", "OVRD"]

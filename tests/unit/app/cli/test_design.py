@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from catseye.app.cell.load import load_cell
-from catseye.app.cell.reflectors import with_reflector_tables
+from catseye.app.cell.rewriting import with_reflector_tables
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cli.scara.design import design
 from catseye.app.errors import ConfigError, UsageError, exit_code_of

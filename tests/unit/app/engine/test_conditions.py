@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from catseye.app.cell.air import AirLimits
+from catseye.app.cell.model import Conditions
 from catseye.app.engine.conditions import AirInRange, Condition, Watchman
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.gate import require_ready
@@ -22,7 +22,7 @@ from catseye.drivers.roles.errors import LinkError
 from catseye.drivers.roles.robot import RobotStatus
 from tests.unit.app.engine.fakes import FakeAir, FakeRobot, ManualClock
 
-LIMITS = AirLimits({"temperature_c": (15.0, 25.0), "pressure_hpa": (800.0, 1100.0)})
+LIMITS = Conditions(temperature_c=[15.0, 25.0], pressure_hpa=[800.0, 1100.0])
 
 
 class Sensor(FakeAir):

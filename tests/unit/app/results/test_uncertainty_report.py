@@ -14,14 +14,11 @@ from catseye.app.results.scara.result_of import result_of
 from catseye.app.results.scara.uncertainty import by_jacobian
 from catseye.app.results.uncertainty_report import uncertainty_section
 from catseye.calibration.scara.budget import Budget
-from catseye.calibration.scara.identification import identify
 from tests.unit.calibration.scara.paper import (
-    NODES1_DEG,
-    NODES2_DEG,
-    NOMINAL_REFLECTORS,
     paper_points,
     random_truth,
 )
+from tests.unit.calibration.scara.samples import identified
 
 
 @cache
@@ -31,11 +28,10 @@ def cell() -> Cell:
 
 @cache
 def result() -> Result:
-    nodes = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
     noise = np.random.default_rng(4).normal(0.0, 0.010, 1056)
     budget: Budget = cell().uncertainty.budget
     points = paper_points(random_truth(4), noise_mm=noise)
-    found = identify(points, "error-map", *nodes, 325.0, 225.0, NOMINAL_REFLECTORS, budget)
+    found = identified(points, budget=budget)
     plain = result_of(found, (325.0, 225.0), ["run"], "catseye", "2026-01-01T00:00:00+00:00")
     return plain.model_copy(update={"uncertainty": by_jacobian(found).part})
 

@@ -1,7 +1,8 @@
 """An engine that sends what a test says, and notes what it is asked."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -154,6 +155,22 @@ def make_app(
     # What slides to its place is drawn many times on its way.
     app.animation_level = "none"
     return app
+
+
+@asynccontextmanager
+async def started(
+    snapshot: dict[str, Any] | None = None,
+    screen: str = "bench",
+    *,
+    size: tuple[int, int] = (80, 24),
+    notifications: bool = False,
+    **places: Path,
+) -> AsyncIterator[tuple[CatseyeApp, Pilot[Any], ScriptedLink]]:
+    """Run the program in a terminal; the engine is as a snapshot says, or idle."""
+    link = ScriptedLink(snapshot)
+    app = make_app(link, screen, **places)
+    async with app.run_test(size=size, notifications=notifications) as pilot:
+        yield app, pilot, link
 
 
 def work_of(app: CatseyeApp) -> ScriptedWork:

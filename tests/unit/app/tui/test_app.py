@@ -9,13 +9,12 @@ from textual.screen import Screen
 from textual.widgets import Button, Input
 
 from catseye.app.service.errors import ServiceError
-from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
-from catseye.app.tui.dialogs.quit_dialog import QuitDialog
+from catseye.app.tui.dialogs.questions import ConfirmDialog, QuitDialog
 from catseye.app.tui.main_screens import MAIN_SCREENS
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.stopping import StopOp
-from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
+from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, started
 
 RUN = {
     "run": "20261121T090000Z_open-loop_abc123",
@@ -31,9 +30,7 @@ def ops(link: ScriptedLink) -> list[str]:
 
 @pytest.mark.parametrize("dialog", [False, True])
 async def test_stop_key_reaches_the_engine(dialog: bool) -> None:
-    link = ScriptedLink(RUN)
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started(RUN) as (app, pilot, link):
         if dialog:
             app.push_screen(ErrorDialog("Something", "went wrong: try again"))
         await pilot.press("f12")
@@ -42,9 +39,7 @@ async def test_stop_key_reaches_the_engine(dialog: bool) -> None:
 
 
 async def test_stop_key_works_in_the_palette_and_in_an_input() -> None:
-    link = ScriptedLink(RUN)
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started(RUN) as (app, pilot, link):
         await pilot.press("ctrl+p")
         await pilot.pause()
         assert app.screen.query(Input)
@@ -54,9 +49,7 @@ async def test_stop_key_works_in_the_palette_and_in_an_input() -> None:
 
 
 async def test_buttons_are_labelled_and_only_f8_permits_motion() -> None:
-    link = ScriptedLink(RUN)
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started(RUN) as (app, pilot, link):
         await shown(app, pilot)
         # A button takes the second click within 0.2 s for the first one's bounce; nobody waits for that here.
         app.screen.query_one("#hold", Button).active_effect_duration = 0.0
@@ -88,9 +81,7 @@ async def test_refusal_is_reported_with_its_remedy() -> None:
 
 @pytest.mark.parametrize(("key", "asked", "ends"), [("l", [], False), ("h", ["hold"], False)])
 async def test_quitting_asks_while_a_run_is_under_way(key: str, asked: list[str], ends: bool) -> None:
-    link = ScriptedLink(RUN)
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started(RUN) as (app, pilot, link):
         await pilot.press("ctrl+q")
         await pilot.pause()
         assert isinstance(app.screen, QuitDialog)
@@ -101,9 +92,7 @@ async def test_quitting_asks_while_a_run_is_under_way(key: str, asked: list[str]
 
 
 async def test_quitting_with_stop_waits_for_the_end_of_the_run() -> None:
-    link = ScriptedLink(RUN)
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started(RUN) as (_app, pilot, link):
         await pilot.press("ctrl+q", "s")
         await pilot.pause()
         assert ops(link) == ["stop"]
@@ -142,9 +131,7 @@ async def test_quitting_a_jog_stops_the_arm_or_stays_open(
 
 
 async def test_quitting_asks_while_a_command_works() -> None:
-    link = ScriptedLink()
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started() as (app, pilot, link):
         with app.session.at_work("Identification"):
             for key, left in (("enter", []), ("escape", []), ("y", [True])):
                 if not isinstance(app.screen, ConfirmDialog):
@@ -156,18 +143,14 @@ async def test_quitting_asks_while_a_command_works() -> None:
 
 
 async def test_quitting_at_once_when_nothing_runs() -> None:
-    link = ScriptedLink()
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started() as (_app, pilot, link):
         await pilot.press("ctrl+q")
         await pilot.pause()
         assert link.left == [True]
 
 
 async def test_ctrl_c_stops_at_once_if_the_engine_is_silent() -> None:
-    link = ScriptedLink(RUN)
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started(RUN) as (app, pilot, link):
         link.engine.silent_since_s = link.now_s - 4.0
         text = await shown(app, pilot)
         assert "THE ENGINE HAS NOT ANSWERED FOR 4.0 s" in text
@@ -197,9 +180,7 @@ async def test_a_failing_panel_is_reported_once_and_stop_still_works(
         raise ZeroDivisionError("a reflector at the axis")
 
     monkeypatch.setattr("catseye.app.tui.screens.bench.BenchScreen.show_state", fail)
-    link = ScriptedLink(RUN)
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started(RUN) as (app, pilot, link):
         text = await shown(app, pilot)
         assert "A fault of this program" in text
         await pilot.press("escape")

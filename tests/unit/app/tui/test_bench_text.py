@@ -15,7 +15,6 @@ from catseye.app.tui.bench_text import (
     engine_lines,
     length_text,
     robot_lines,
-    signal_bar,
     troubles,
 )
 from catseye.app.tui.dialogs.error_dialog import split_remedy
@@ -37,21 +36,6 @@ def robot(**fields: Any) -> RobotStatus:
 
 def said(lines: list[Any]) -> str:
     return "\n".join(line.plain for line in lines)
-
-
-@pytest.mark.parametrize(
-    ("signal", "bar"),
-    [
-        (0.0, "········"),
-        (1.0, "████████"),
-        (0.5, "████····"),
-        (0.5625, "████▌···"),
-        (-1.0, "········"),
-        (7.0, "████████"),
-    ],
-)
-def test_signal_bar_is_filled_by_eighths_of_a_cell(signal: float, bar: str) -> None:
-    assert signal_bar(signal, 8) == bar
 
 
 def test_lengths_are_grouped_down_to_the_nanometre() -> None:

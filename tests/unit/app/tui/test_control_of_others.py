@@ -3,8 +3,8 @@
 import pytest
 
 from catseye.app.protocol.requests import Control
-from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
-from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
+from catseye.app.tui.dialogs.questions import ConfirmDialog
+from tests.unit.app.tui.scripted import ScriptedLink, shown, started
 from tests.unit.app.tui.scripted_run import SNAPSHOT, end, measure, publish
 
 BOB = {"client": "attach-2", "who": "Bob"}
@@ -12,9 +12,7 @@ BOB = {"client": "attach-2", "who": "Bob"}
 
 @pytest.mark.parametrize(("key", "asked"), [("escape", []), ("enter", []), ("y", ["control"])])
 async def test_control_is_taken_from_somebody_only_after_a_question(key: str, asked: list[str]) -> None:
-    link = ScriptedLink({**SNAPSHOT, "control": BOB})
-    app = make_app(link, "bench")
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started({**SNAPSHOT, "control": BOB}, "bench") as (app, pilot, link):
         app.action_take_control()
         assert "Take control from Bob (attach-2)?" in await shown(app, pilot)
         assert isinstance(app.screen, ConfirmDialog)
@@ -24,18 +22,14 @@ async def test_control_is_taken_from_somebody_only_after_a_question(key: str, as
 
 
 async def test_free_control_is_taken_without_asking_or_force() -> None:
-    link = ScriptedLink({**SNAPSHOT, "control": None})
-    app = make_app(link, "bench")
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started({**SNAPSHOT, "control": None}, "bench") as (app, pilot, link):
         app.action_take_control()
         await shown(app, pilot)
         assert link.asked == [Control()]
 
 
 async def test_who_loses_control_learns_to_whom() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = make_app(link, "bench")
-    async with app.run_test(size=(120, 40), notifications=True) as pilot:
+    async with started(SNAPSHOT, "bench", size=(120, 40), notifications=True) as (app, pilot, link):
         await shown(app, pilot)
         app._show_changes()  # noqa: SLF001  # what the clock does five times a second
         publish(link, "control", what="taken by force", by="Bob (attach-2)", before="Ada (tui-1)", holder=BOB)
@@ -45,9 +39,7 @@ async def test_who_loses_control_learns_to_whom() -> None:
 
 
 async def test_a_name_resembling_markup_is_shown_verbatim() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = make_app(link, "bench")
-    async with app.run_test(size=(120, 40), notifications=True) as pilot:
+    async with started(SNAPSHOT, "bench", size=(120, 40), notifications=True) as (app, pilot, link):
         await shown(app, pilot)
         app._show_changes()  # noqa: SLF001  # what the clock does five times a second
         publish(
@@ -64,17 +56,14 @@ async def test_a_name_resembling_markup_is_shown_verbatim() -> None:
 
 
 async def test_a_holder_whose_name_looks_like_markup_is_shown() -> None:
-    link = ScriptedLink({**SNAPSHOT, "control": {**BOB, "who": "[/x]"}})
-    app = make_app(link, "run")
-    async with app.run_test(size=(120, 40)) as pilot:
+    controlled = {**SNAPSHOT, "control": {**BOB, "who": "[/x]"}}
+    async with started(controlled, "run", size=(120, 40)) as (app, pilot, link):
         measure(link)
         assert "control: [/x]" in await shown(app, pilot)
 
 
 async def test_an_aborted_idle_engine_offers_clearing() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = make_app(link, "run")
-    async with app.run_test(size=(120, 40)) as pilot:
+    async with started(SNAPSHOT, "run", size=(120, 40)) as (app, pilot, link):
         end(link, "stopped", "the guard stopped the arm; nobody was there")
         link.publish("state", run=None, state="ABORTED", reason="the guard stopped the arm")
         link.publish("idle", run=None, state="ABORTED")
@@ -88,9 +77,7 @@ def abort_by_hand(link: ScriptedLink) -> None:
 
 
 async def test_an_aborted_jog_before_any_run_is_cleared_by_key() -> None:
-    link = ScriptedLink()
-    app = make_app(link, "run")
-    async with app.run_test(size=(120, 40)) as pilot:
+    async with started(screen="run", size=(120, 40)) as (app, pilot, link):
         abort_by_hand(link)
         text = " ".join((await shown(app, pilot)).split())
         assert "press x to clear the abort: the guard stopped the jog" in text
@@ -101,9 +88,7 @@ async def test_an_aborted_jog_before_any_run_is_cleared_by_key() -> None:
 
 @pytest.mark.parametrize("status", ["complete", "stopped"])
 async def test_an_aborted_jog_after_a_run_is_cleared_by_key(status: str) -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = make_app(link, "run")
-    async with app.run_test(size=(120, 40)) as pilot:
+    async with started(SNAPSHOT, "run", size=(120, 40)) as (app, pilot, link):
         end(link, status)
         abort_by_hand(link)
         assert "x  clear" in await shown(app, pilot)
@@ -113,9 +98,7 @@ async def test_an_aborted_jog_after_a_run_is_cleared_by_key(status: str) -> None
 
 
 async def test_without_an_abort_the_key_clears_nothing() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = make_app(link, "run")
-    async with app.run_test(size=(120, 40)) as pilot:
+    async with started(SNAPSHOT, "run", size=(120, 40)) as (app, pilot, link):
         end(link, "complete")
         assert "x  clear" not in await shown(app, pilot)
         await pilot.press("x")
@@ -124,9 +107,7 @@ async def test_without_an_abort_the_key_clears_nothing() -> None:
 
 
 async def test_a_cleared_abort_offers_resuming_instead_of_clearing() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = make_app(link, "run")
-    async with app.run_test(size=(120, 40)) as pilot:
+    async with started(SNAPSHOT, "run", size=(120, 40)) as (app, pilot, link):
         publish(link, "state", state="ABORTED", reason="the robot stands")
         end(link, "aborted", "alarm 2600")
         assert "x  clear" in await shown(app, pilot)

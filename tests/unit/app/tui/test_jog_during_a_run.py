@@ -1,14 +1,14 @@
 """F8 on the screen Jog while a run is under way."""
 
-from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
+from tests.unit.app.tui.scripted import shown, started
 from tests.unit.app.tui.scripted_bench import BENCH
 from tests.unit.app.tui.scripted_run import SNAPSHOT
 
 
 async def test_jogging_during_a_run_is_refused_without_any_request() -> None:
-    link = ScriptedLink({**SNAPSHOT, "control": {"client": "attach-2", "who": "Bob"}})
-    app = make_app(link, "jog")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+    async with started(
+        {**SNAPSHOT, "control": {"client": "attach-2", "who": "Bob"}}, "jog", notifications=True
+    ) as (app, pilot, link):
         link.publish("bench", **BENCH)
         await shown(app, pilot)
         await pilot.press("f8")

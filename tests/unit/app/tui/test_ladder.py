@@ -2,7 +2,7 @@
 
 from catseye.app.protocol.ladder import top_text
 from catseye.app.protocol.state import ControlState
-from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
+from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, started
 
 RUN = {"run": "20261121T090000Z_open-loop_abc123", "procedure": "open-loop", "title": "Open loop"}
 
@@ -19,9 +19,7 @@ async def test_above_an_abort_there_is_only_the_emergency_stop() -> None:
 
 
 async def test_ctrl_c_drops_a_run_that_is_being_planned() -> None:
-    link = ScriptedLink()
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started() as (app, pilot, link):
         await pilot.press("ctrl+c")
         await pilot.pause()
         assert link.ops == []

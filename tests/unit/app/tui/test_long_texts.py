@@ -3,11 +3,11 @@
 import copy
 from datetime import UTC, datetime, timedelta
 
-from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.screens.run import RunScreen
-from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, work_of
+from tests.unit.app.tui.screens.run_screen import run_screen
+from tests.unit.app.tui.scripted import shown, started
 from tests.unit.app.tui.scripted_bench import BENCH
-from tests.unit.app.tui.scripted_run import REHEARSAL, SNAPSHOT, ask, end, measure, publish
+from tests.unit.app.tui.scripted_run import ask, end, measure, publish
 
 LINK = "tcp://192.168.0.20:10001: cannot connect (Connection refused): check that the instrument is switched on; "
 CAUSE = "PRESS THE EMERGENCY STOP: standstill is not confirmed; " + 9 * LINK + "and that is the end of it"
@@ -17,21 +17,13 @@ LASER = (
 )
 
 
-def app_of(link: ScriptedLink) -> CatseyeApp:
-    app = make_app(link, "run")
-    work_of(app).outcomes["run"] = REHEARSAL
-    return app
-
-
 def in_one(text: str) -> str:
     """Return the words of a screen, whatever line they stand in."""
     return " ".join(text.replace("│", " ").replace("┃", " ").split())
 
 
 async def test_a_long_question_scrolls_while_its_keys_stay_visible() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         measure(link)
         ask(link, id="clear", kind="confirm", text=f"The cause was ‘{CAUSE}’: is it removed?", motion=True)
         await shown(app, pilot)
@@ -47,9 +39,7 @@ async def test_a_long_question_scrolls_while_its_keys_stay_visible() -> None:
 
 
 async def test_a_long_cause_leaves_the_end_keys_visible() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         measure(link)
         end(link, "aborted", CAUSE)
         await shown(app, pilot)
@@ -63,18 +53,14 @@ async def test_a_long_cause_leaves_the_end_keys_visible() -> None:
 
 
 async def test_why_a_run_is_suspended_is_read_to_its_end() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         measure(link)
         publish(link, "state", state="SUSPENDED", reason=LASER)
         assert f"Suspended: {LASER}" in in_one(await shown(app, pilot))
 
 
 async def test_a_stop_by_the_door_says_that_nothing_moves_unasked() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         measure(link)
         publish(link, "state", state="UNSUSPENDING", reason="the arm stands: the door is open")
         words = in_one(await shown(app, pilot))
@@ -82,9 +68,7 @@ async def test_a_stop_by_the_door_says_that_nothing_moves_unasked() -> None:
 
 
 async def test_drives_that_go_off_by_themselves_are_counted_down() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         off_at = datetime.now(UTC) + timedelta(seconds=250)
         link.publish("drives", on=True, off_at_utc=off_at.isoformat())
         assert "DRIVES ON, off in 4 min" in in_one(await shown(app, pilot))
@@ -93,9 +77,7 @@ async def test_drives_that_go_off_by_themselves_are_counted_down() -> None:
 
 
 async def test_the_full_screen_log_wraps_and_shows_the_newest_line() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         for number in range(30):
             publish(
                 link, "warning", text=f"the beam was lost, number {number}: {LASER}, says number {number}"
@@ -115,18 +97,14 @@ async def test_an_alarms_remedy_fits_a_small_bench_screen() -> None:
     bench["robot"]["alarm_text"] = (
         "alarm L2600: position data outside of the range; check the target against the joint limits in the cell file"
     )
-    link = ScriptedLink()
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started() as (app, pilot, link):
         link.publish("bench", **bench)
         words = in_one(await shown(app, pilot))
         assert "outside of the range → check the target against the joint limits in the cell file" in words
 
 
 async def test_the_first_line_says_once_why_a_run_was_aborted() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(120, 40)) as pilot:
+    async with run_screen(size=(120, 40)) as (app, pilot, link):
         publish(link, "state", state="ABORTED", reason="the robot stands")
         end(link, "aborted", "alarm 2600")
         first = (await shown(app, pilot)).splitlines()[0]

@@ -6,7 +6,7 @@ import pytest
 
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.main_screens import MAIN_SCREENS
-from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, work_of
+from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, started, work_of
 from tests.unit.app.tui.scripted_bench import bench
 from tests.unit.app.tui.scripted_run import MOTION, REHEARSAL, SNAPSHOT, ask, measure
 
@@ -32,9 +32,8 @@ async def test_every_screen_shows_values_that_are_null(robot: dict[str, Any]) ->
 
 @pytest.mark.parametrize("robot", [NO_NUMBERS, NOTHING], ids=["some", "none"])
 async def test_a_jog_shows_values_that_are_null(robot: dict[str, Any]) -> None:
-    link = ScriptedLink({"control": {"client": "tui-1", "who": "Ada"}})
-    app = make_app(link, "jog")
-    async with app.run_test(size=(120, 40)) as pilot:
+    controlled = {"control": {"client": "tui-1", "who": "Ada"}}
+    async with started(controlled, "jog", size=(120, 40)) as (app, pilot, link):
         link.publish("bench", **bench(robot=robot))
         link.publish("jog", on=True, by="Ada (tui-1)", percent=None, moving=None)
         assert "JOG —" in await shown(app, pilot)

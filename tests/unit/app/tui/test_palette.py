@@ -4,15 +4,13 @@ import pytest
 from textual.command import CommandPalette
 
 from catseye.app.tui.main_screens import MAIN_SCREENS
-from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown
+from tests.unit.app.tui.scripted import shown, started
 from tests.unit.app.tui.scripted_run import MOTION, SNAPSHOT, ask
 
 
 @pytest.mark.parametrize("screen", MAIN_SCREENS)
 async def test_enter_alone_changes_nothing(screen: str) -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = make_app(link, screen)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started(SNAPSHOT, screen) as (app, pilot, link):
         ask(link, **MOTION)
         await pilot.press("ctrl+p")
         for _ in range(20):

@@ -9,12 +9,12 @@ from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.errors import UsageError
 from catseye.app.tui import start
 from catseye.app.tui.app import CatseyeApp
-from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
+from catseye.app.tui.dialogs.questions import ConfirmDialog
 from catseye.app.tui.key_table import key_table
 from catseye.app.tui.session import Session
 from catseye.app.tui.start_checks import cell_fault, key_clashes, unknown_names
-from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, make_app, shown
+from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, make_app, shown, started
 
 
 def test_unknown_names_suggest_the_nearest() -> None:
@@ -63,9 +63,7 @@ async def test_trouble_before_the_start_is_shown_in_a_dialog() -> None:
 async def test_an_engine_of_another_cell_is_asked_about(tmp_path: Path) -> None:
     cell = tmp_path / "cell.toml"
     cell.write_text(TEMPLATE, encoding="utf-8")
-    link = ScriptedLink()
-    app = make_app(link, cell=cell)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started(cell=cell) as (app, pilot, link):
         await shown(app, pilot)
         assert isinstance(app.screen, ConfirmDialog)
         await pilot.press("escape")

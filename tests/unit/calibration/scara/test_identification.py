@@ -5,8 +5,7 @@ import pytest
 
 from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
 from catseye.calibration.scara.errors import MapRangeError
-from catseye.calibration.scara.identification import Identification, identify
-from catseye.calibration.scara.layout import ModelName
+from catseye.calibration.scara.identification import identify
 from catseye.calibration.scara.points import Points
 from tests.unit.calibration.scara.paper import (
     MDEG,
@@ -18,19 +17,15 @@ from tests.unit.calibration.scara.paper import (
     random_truth,
     sequence,
 )
+from tests.unit.calibration.scara.samples import identified
 
 NODES1, NODES2 = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
-
-
-def solve(points: Points, model: ModelName = "error-map") -> Identification:
-    places = NOMINAL_REFLECTORS[: len(points.reflector_names)]
-    return identify(points, model, NODES1, NODES2, 325.0, 225.0, places)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_noise_free_points_give_the_arm_back(seed: int) -> None:
     truth = random_truth(seed)
-    result = solve(paper_points(truth))
+    result = identified(paper_points(truth))
     error = result.parameters[:40] - truth.table_vector()
     assert np.abs(error[:2]).max() < 1e-8
     assert np.abs(error[2:]).max() / MDEG < 1e-8
@@ -59,8 +54,8 @@ def test_largest_standard_deviations_of_the_paper_layout(
 def test_without_stated_sigma_the_fit_scatter_gives_the_uncertainty() -> None:
     truth = random_truth(4)
     noise = np.random.default_rng(5).normal(0.0, 0.02, 1056)
-    free = solve(paper_points(truth, noise_mm=noise))
-    stated = solve(paper_points(truth, noise_mm=noise, sigma_mm=0.02))
+    free = identified(paper_points(truth, noise_mm=noise))
+    stated = identified(paper_points(truth, noise_mm=noise, sigma_mm=0.02))
     assert free.fit.sigma0_um == pytest.approx(20.0, rel=0.07)
     ratio = free.standard_uncertainty / stated.standard_uncertainty
     assert ratio == pytest.approx(np.full(ratio.size, free.fit.sigma0_um / 20.0), rel=1e-3)
@@ -74,8 +69,8 @@ def test_systematic_errors_cause_lack_of_fit_and_widen_uncertainty() -> None:
     place = {key: i for i, key in enumerate(sorted({(a, b) for a, b, _, _ in rows}))}
     common = np.random.default_rng(9).normal(0.0, 0.012, (3, len(place)))
     systematic = np.array([common[j, place[(a, b)]] for j in range(3) for a, b, _, _ in rows])
-    white = solve(paper_points(truth, noise_mm=noise, sigma_mm=0.0156))
-    both = solve(paper_points(truth, noise_mm=noise + systematic, sigma_mm=0.0156))
+    white = identified(paper_points(truth, noise_mm=noise, sigma_mm=0.0156))
+    both = identified(paper_points(truth, noise_mm=noise + systematic, sigma_mm=0.0156))
     assert white.fit.lack_of_fit is not None
     assert both.fit.lack_of_fit is not None
     assert not white.fit.lack_of_fit.significant
@@ -95,7 +90,7 @@ def test_conventional_model_finds_links_and_offset() -> None:
         {1: [-5.55 * MDEG] * 8, -1: [-5.55 * MDEG] * 8},
         truth.reflectors,
     )
-    result = solve(paper_points(flat), "conventional")
+    result = identified(paper_points(flat), "conventional")
     assert result.parameters[:3] == pytest.approx([flat.link1_mm, flat.link2_mm, -5.55 * MDEG], abs=1e-10)
 
 
@@ -109,7 +104,7 @@ def test_dead_path_of_each_segment() -> None:
         points.commands, points.reflector, dead_path, displacement, None, points.reflector_names,
         (*points.dead_paths, ("P2", 1)),
     )  # fmt: skip
-    result = solve(split)
+    result = identified(split)
     assert result.parameters[:40] == pytest.approx(truth.table_vector(), abs=1e-10)
     zero = result.parameters[result.layout.dead_path]
     assert zero[3] - zero[1] == pytest.approx(77.5, abs=1e-9)
@@ -123,7 +118,7 @@ def test_short_segment_is_dropped_with_a_sentence() -> None:
         points.commands, points.reflector, dead_path, points.displacement_mm, None, points.reflector_names,
         (*points.dead_paths, ("P3", 1)),
     )  # fmt: skip
-    result = solve(split)
+    result = identified(split)
     assert result.rejected == ["segment 1 of reflector P3 dropped: 2 distance(s), fewer than 3"]
     assert result.fit.n_points == 1054
 
@@ -131,7 +126,7 @@ def test_short_segment_is_dropped_with_a_sentence() -> None:
 def test_one_direction_never_used_names_its_table() -> None:
     points = paper_points(random_truth(0))
     with pytest.raises(UnidentifiableError, match="no point touches") as caught:
-        solve(points.select(points.commands.direction2 > 0))
+        identified(points.select(points.commands.direction2 > 0))
     assert sorted(caught.value.null_directions) == sorted([[f"Δθ2({a:g}°, −)"] for a in NODES2_DEG])
 
 
@@ -139,7 +134,7 @@ def test_untouched_node_is_named_and_nothing_else() -> None:
     points = paper_points(random_truth(0))
     kept = points.select(np.abs(points.commands.theta1_rad - NODES1[4]) > 0.01)
     with pytest.raises(UnidentifiableError) as caught:
-        solve(kept)
+        identified(kept)
     assert caught.value.null_directions == [["Δθ1(-60°, +)"], ["Δθ1(-60°, −)"]]
 
 
@@ -152,7 +147,7 @@ def test_single_theta2_cannot_separate_the_links() -> None:
 
 
 def test_one_reflector_identifies_the_paper_layout() -> None:
-    assert solve(paper_points(random_truth(1), reflectors=1)).fit.n_parameters == 42
+    assert identified(paper_points(random_truth(1), reflectors=1)).fit.n_parameters == 42
 
 
 def test_gauge_holds_and_a_turn_of_everything_changes_no_distance() -> None:
@@ -165,7 +160,7 @@ def test_gauge_holds_and_a_turn_of_everything_changes_no_distance() -> None:
         truth.map2,
         truth.reflectors @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]]),
     )
-    result = solve(paper_points(turned))
+    result = identified(paper_points(turned))
     assert float(np.mean(result.parameters[result.layout.map1])) == pytest.approx(0.0, abs=1e-15)
     assert result.parameters[:40] == pytest.approx(truth.table_vector(), abs=1e-12)
 
@@ -179,4 +174,4 @@ def test_points_outside_the_nodes_are_refused() -> None:
 def test_too_few_points() -> None:
     points = paper_points(random_truth(0))
     with pytest.raises(InsufficientPointsError, match="cannot determine"):
-        solve(points.select(np.arange(len(points)) < 30))
+        identified(points.select(np.arange(len(points)) < 30))

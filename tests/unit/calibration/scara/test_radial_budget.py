@@ -13,21 +13,20 @@ import pytest
 from catseye.calibration.core.errors import BudgetError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget, Contributor
-from catseye.calibration.scara.identification import Identification, identify
+from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.radial import RadialBudget, radial_effects
 from tests.unit.calibration.scara.diagnostics.bench import commands_on_nodes, measured, problem
 from tests.unit.calibration.scara.paper import (
     NODES1_DEG,
     NODES2_DEG,
-    NOMINAL_REFLECTORS,
     Truth,
     paper_points,
     random_truth,
     sequence,
     true_position,
 )
-from tests.unit.calibration.scara.samples import radial_motions
+from tests.unit.calibration.scara.samples import identified, radial_motions
 
 ORDERS = 5
 BUDGET = RadialBudget(0.005, 0.005, 0.010, ORDERS)
@@ -89,9 +88,7 @@ def units(truth: Truth, reflectors: int) -> Floats:
 
 
 def solve(points: Points, radial: RadialBudget | None) -> Identification:
-    nodes = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
-    budget = None if radial is None else radial_motions(radial)
-    return identify(points, "error-map", *nodes, 325.0, 225.0, NOMINAL_REFLECTORS, budget)
+    return identified(points, budget=None if radial is None else radial_motions(radial))
 
 
 def true_parameters(truth: Truth) -> Floats:

@@ -5,16 +5,14 @@ from functools import cache
 
 import numpy as np
 
-from catseye.calibration.scara.identification import Identification, identify
+from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.points import Commands
 from catseye.calibration.scara.prediction import predict
 from tests.unit.calibration.scara.paper import (
-    NODES1_DEG,
-    NODES2_DEG,
-    NOMINAL_REFLECTORS,
     paper_points,
     random_truth,
 )
+from tests.unit.calibration.scara.samples import identified
 
 TRUTH = random_truth(6)
 SIGMA_MM = 0.0156
@@ -25,12 +23,11 @@ DRAWS = 300
 def draws() -> list[Identification]:
     """Return the arm as repeated measurements of it find it, which differ in their white errors."""
     exact = paper_points(TRUTH, sigma_mm=SIGMA_MM)
-    nodes = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
     found = []
     for seed in range(DRAWS):
         noise = np.random.default_rng(seed).normal(0.0, SIGMA_MM, len(exact))
         points = replace(exact, displacement_mm=exact.displacement_mm + noise)
-        found.append(identify(points, "error-map", *nodes, 325.0, 225.0, NOMINAL_REFLECTORS))
+        found.append(identified(points))
     return found
 
 

@@ -7,19 +7,17 @@ import pytest
 
 from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.calibration.scara.comparison import compare, rigid_fit
-from catseye.calibration.scara.identification import identify
 from catseye.calibration.scara.points import Commands
 from catseye.calibration.scara.prediction import predict
 from catseye.calibration.scara.reflector_search import Sightings, locate_reflectors
 from tests.unit.calibration.scara.paper import (
-    NODES1_DEG,
-    NODES2_DEG,
     NOMINAL_REFLECTORS,
     paper_points,
     random_truth,
     sequence,
     true_position,
 )
+from tests.unit.calibration.scara.samples import identified
 
 POSES = [(-100.0, 40.0), (-60.0, 80.0), (-20.0, 30.0), (0.0, 100.0), (30.0, 60.0), (50.0, 20.0)]
 
@@ -69,12 +67,9 @@ def test_search_needs_sightings_of_each_reflector() -> None:
 
 def test_prediction_of_the_commands_gives_the_true_positions() -> None:
     truth = random_truth(5)
-    nodes = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
-    identified = identify(
-        paper_points(truth, sigma_mm=0.0156), "error-map", *nodes, 325.0, 225.0, NOMINAL_REFLECTORS
-    )
-    commands = identified.points.commands.select(np.arange(352))
-    predicted = predict(identified.arm, commands, 325.0, 225.0)
+    found = identified(paper_points(truth, sigma_mm=0.0156))
+    commands = found.points.commands.select(np.arange(352))
+    predicted = predict(found.arm, commands, 325.0, 225.0)
     expected = np.array([true_position(truth, row) for row in sequence()])
     assert predicted.position_mm == pytest.approx(expected, abs=1e-9)
     assert predicted.inside.all()
@@ -83,8 +78,7 @@ def test_prediction_of_the_commands_gives_the_true_positions() -> None:
 
 
 def test_rows_outside_the_nodes_are_not_predicted() -> None:
-    nodes = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
-    result = identify(paper_points(random_truth(6)), "error-map", *nodes, 325.0, 225.0, NOMINAL_REFLECTORS)
+    result = identified(paper_points(random_truth(6)))
     commands = Commands(
         np.deg2rad([0.0, 0.0]), np.deg2rad([139.0, 141.0]), np.array([1, 1]), np.array([1, 1])
     )

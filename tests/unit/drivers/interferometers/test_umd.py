@@ -1,10 +1,10 @@
 """uMD displays: the published layout, both codecs, the stream, software zero."""
 
 import asyncio
-from collections.abc import AsyncIterator, Coroutine
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from itertools import pairwise
-from typing import Any, TypeVar
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -21,10 +21,8 @@ from catseye.simulators.world.bench import Instrument
 from catseye.simulators.world.timekeeper import TimeKeeper
 from tests.transcripts import umd as transcript
 from tests.unit.drivers.interferometers.pairs import new_session, paired, quiet_world
-from tests.unit.drivers.peers import Peer, StepClock
+from tests.unit.drivers.peers import Peer, StepClock, asked, settled
 from tests.unit.simulators.benches import aimed, driven_mm, quiet_bench
-
-T = TypeVar("T")
 
 HALF_WAVE_MM = 632.9908e-6 / 2.0
 
@@ -184,20 +182,6 @@ async def connected(**settings: Any) -> AsyncIterator[tuple[UmdDisplay, Peer]]:
 
 def lines(first: int, count: int, **fields: int) -> bytes:
     return b"".join(line(first + k, **fields) for k in range(count))
-
-
-async def settled() -> None:
-    """Let every task go as far as it can."""
-    for _ in range(10):
-        await asyncio.sleep(0)
-
-
-async def asked(question: Coroutine[Any, Any, T], peer: Peer, said: bytes) -> T:
-    """Ask the driver, then let the display say something; return the answer."""
-    task = asyncio.create_task(question)
-    await settled()
-    await peer.say(said)
-    return await task
 
 
 async def test_missing_samples_are_counted_and_latched_until_zero() -> None:

@@ -39,8 +39,7 @@ from catseye.app.results.scara.result_of import result_of
 from catseye.app.results.scara.truth_tables import TruthMap, TruthTables
 from catseye.app.results.scara.validation import PathMeasurement, PathValidation, validate_on_path
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.identification import Identification, identify
-from catseye.calibration.scara.layout import ModelName
+from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.planar import forward, inverse
 from catseye.calibration.scara.points import Commands, Points
 from tests.unit.calibration.scara.paper import (
@@ -52,6 +51,7 @@ from tests.unit.calibration.scara.paper import (
     paper_points,
     sequence,
 )
+from tests.unit.calibration.scara.samples import identified
 
 SEARCH = {
     "reflectors": [
@@ -162,12 +162,7 @@ def measurement(systematic_um: float = 0.0) -> tuple[Points, tuple[Identificatio
     wave = np.sin(0.9 * rows[:, 0] * rows[:, 1] + np.repeat([0.0, 1.0, 2.0], len(rows) // 3))
     noise_mm = rng.normal(0.0, 0.0156, len(rows)) + 1e-3 * systematic_um * wave
     points = paper_points(smooth_truth(), noise_mm=noise_mm, sigma_mm=0.0156)
-    return points, (_identified(points, "conventional"), _identified(points, "error-map"))
-
-
-def _identified(points: Points, model: ModelName) -> Identification:
-    nodes = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
-    return identify(points, model, *nodes, 325.0, 225.0, NOMINAL_REFLECTORS)
+    return points, (identified(points, "conventional"), identified(points))
 
 
 def results(systematic_um: float = 0.0) -> list[Result]:

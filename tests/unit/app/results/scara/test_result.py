@@ -7,7 +7,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from catseye.app.errors import StorageError, UsageError
@@ -15,29 +14,20 @@ from catseye.app.files.atomic import write_atomically
 from catseye.app.results.scara.identified_arm import arm_of
 from catseye.app.results.scara.result import Result, read_result, result_text, write_result
 from catseye.app.results.scara.result_of import result_of
-from catseye.calibration.scara.identification import IdentifiedArm, identify
+from catseye.calibration.scara.identification import IdentifiedArm
 from tests.unit.calibration.scara.paper import (
     MDEG,
     NODES1_DEG,
-    NODES2_DEG,
-    NOMINAL_REFLECTORS,
     paper_points,
     random_truth,
 )
+from tests.unit.calibration.scara.samples import identified
 
 
 @cache
 def result(model: str = "error-map") -> Result:
-    nodes = np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG)
     points = paper_points(random_truth(3), sigma_mm=0.0156)
-    found = identify(
-        points,
-        "conventional" if model == "conventional" else "error-map",
-        *nodes,
-        325.0,
-        225.0,
-        NOMINAL_REFLECTORS,
-    )
+    found = identified(points, "conventional" if model == "conventional" else "error-map")
     return result_of(found, (325.0, 225.0), ["run-1"], "catseye 0", "2026-01-02T03:04:05+00:00")
 
 

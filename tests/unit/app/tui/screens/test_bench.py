@@ -11,7 +11,7 @@ from catseye.app.tui.scara.plan_view import PlanView
 from catseye.app.tui.screens.bench import BenchScreen
 from catseye.app.tui.widgets.beam_panel import BeamPanel
 from catseye.app.tui.widgets.strip import Strip
-from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown
+from tests.unit.app.tui.scripted import compare, shown, started
 from tests.unit.app.tui.scripted_bench import BENCH, bench, publish_strip
 
 SIZES = [(80, 24), (120, 40)]
@@ -30,9 +30,7 @@ LOST["devices"][2].update(link="lost", error="no answer within 1 s: check cable 
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize(("name", "status"), [("well", BENCH), ("lost", LOST)])
 async def test_looks(size: tuple[int, int], name: str, status: dict[str, Any]) -> None:
-    link = ScriptedLink()
-    app = make_app(link)
-    async with app.run_test(size=size) as pilot:
+    async with started(size=size) as (app, pilot, link):
         link.publish("bench", **status)
         publish_strip(link)
         await shown(app, pilot)
@@ -40,9 +38,7 @@ async def test_looks(size: tuple[int, int], name: str, status: dict[str, Any]) -
 
 
 async def test_the_bench_screen_changes_strip_length_and_view() -> None:
-    link = ScriptedLink()
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started() as (app, pilot, link):
         compare("bench-nothing-80x24", await shown(app, pilot))
         link.publish("bench", **BENCH)
         publish_strip(link)
@@ -68,9 +64,7 @@ async def test_the_bench_screen_changes_strip_length_and_view() -> None:
 
 
 async def test_other_sizes_and_changes_of_size() -> None:
-    link = ScriptedLink()
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started() as (app, pilot, link):
         link.publish("bench", **BENCH)
         publish_strip(link)
         for size in ((60, 20), (100, 30), (200, 60), (20, 8), (160, 24)):
@@ -82,9 +76,7 @@ async def test_other_sizes_and_changes_of_size() -> None:
 
 
 async def test_device_details_can_be_copied_while_values_arrive() -> None:
-    link = ScriptedLink()
-    app = make_app(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started() as (app, pilot, link):
         link.publish("bench", **BENCH)
         await shown(app, pilot)
         await pilot.press("down")
@@ -107,9 +99,7 @@ async def test_device_details_can_be_copied_while_values_arrive() -> None:
 
 
 async def test_stale_values_are_greyed_and_a_missing_engine_explained() -> None:
-    link = ScriptedLink()
-    app = make_app(link)
-    async with app.run_test(size=(120, 40)) as pilot:
+    async with started(size=(120, 40)) as (app, pilot, link):
         link.publish("bench", **BENCH)
         publish_strip(link)
         await shown(app, pilot)

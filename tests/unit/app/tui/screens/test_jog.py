@@ -14,10 +14,10 @@ from catseye.app.protocol.engine_events import Client
 from catseye.app.protocol.requests import AnyRequest, Control, JogHold, JogMode, JogStep, Plain
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
-from catseye.app.tui.dialogs.motion_dialog import MotionDialog
+from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.screens.jog import JogScreen
 from catseye.app.tui.widgets.strip import Strip
-from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, snapshot_with
+from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, snapshot_with, started
 from tests.unit.app.tui.scripted_bench import BENCH, bench, publish_strip
 
 SIZES = [(80, 24), (120, 40)]
@@ -56,9 +56,7 @@ async def jogging(
     script: Script, size: tuple[int, int] = (80, 24), status: dict[str, Any] = BENCH
 ) -> ScriptedLink:
     """Play a script while this client jogs."""
-    link = ScriptedLink()
-    app = make_app(link, "jog")
-    async with app.run_test(size=size) as pilot:
+    async with started(screen="jog", size=size) as (app, pilot, link):
         link.publish("bench", **status)
         publish_strip(link)
         link.engine.control = Client(client="tui-1", who="Ada")
@@ -71,9 +69,7 @@ async def jogging(
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize(("name", "status"), [("simulated", BENCH), ("real", bench(simulated=False))])
 async def test_looks_before(size: tuple[int, int], name: str, status: dict[str, Any]) -> None:
-    link = ScriptedLink()
-    app = make_app(link, "jog")
-    async with app.run_test(size=size) as pilot:
+    async with started(screen="jog", size=size) as (app, pilot, link):
         link.publish("bench", **status)
         publish_strip(link)
         await shown(app, pilot)
@@ -101,9 +97,7 @@ async def test_other_sizes_and_changes_of_size() -> None:
 
 
 async def test_an_override_that_stays_low_is_shown() -> None:
-    link = ScriptedLink()
-    app = make_app(link, "jog")
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started(screen="jog") as (app, pilot, link):
         for percent, raised in ((5.0, True), (19.5, False), (20.0, False), (100.0, False)):
             link.publish("bench", **bench(robot={**BENCH["robot"], "override_percent": percent}))
             text = " ".join((await shown(app, pilot)).split())
@@ -115,9 +109,7 @@ SPEEDS = ((("plus",), 10.0), (("pageup", "pageup", "pageup", "plus"), 20.0), (("
 
 
 async def test_only_f8_begins_at_the_chosen_speed_within_the_cap() -> None:
-    link = ScriptedLink()
-    app = make_app(link, "jog")
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started(screen="jog") as (app, pilot, link):
         link.publish("bench", **BENCH)
         await shown(app, pilot)
         await pilot.press("enter", "space", "left", "a", "q", "z", "p", "1", "escape")
@@ -146,9 +138,7 @@ async def test_only_f8_begins_at_the_chosen_speed_within_the_cap() -> None:
 
 
 async def test_a_real_arm_needs_the_typed_name() -> None:
-    link = ScriptedLink()
-    app = make_app(link, "jog")
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started(screen="jog") as (app, pilot, link):
         link.publish("bench", **bench(simulated=False))
         text = await shown(app, pilot)
         assert "REAL ARM" in text
@@ -394,9 +384,7 @@ async def test_palette_motions_need_f8_and_leaving_ends_the_jog() -> None:
 
 
 async def test_who_else_jogs_is_shown_and_keys_do_nothing() -> None:
-    link = ScriptedLink()
-    app = make_app(link, "jog")
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started(screen="jog") as (app, pilot, link):
         link.publish("bench", **BENCH)
         link.engine.control = Client(client="tui-2", who="Bob")
         link.publish("jog", on=True, by="Bob (tui-2)", percent=10.0, moving="j4")

@@ -9,7 +9,7 @@ from catseye.app.protocol.requests import Override, Resume
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.override_dialog import OverrideDialog
 from catseye.app.tui.dialogs.start_dialog import StartDialog
-from tests.unit.app.tui.screens.run_screen import app_of, ops, settled
+from tests.unit.app.tui.screens.run_screen import ops, run_screen, settled
 from tests.unit.app.tui.scripted import ScriptedLink, compare, failed, make_app, shown, work_of
 from tests.unit.app.tui.scripted_bench import BENCH
 from tests.unit.app.tui.scripted_run import RUN, SNAPSHOT, end, measure, publish, show_value
@@ -19,9 +19,7 @@ SIZES = [(80, 24), (120, 40)]
 
 @pytest.mark.parametrize("size", SIZES)
 async def test_a_measurement_under_way(size: tuple[int, int]) -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=size) as pilot:
+    async with run_screen(size=size) as (app, pilot, link):
         measure(link)
         compare(f"run-measuring-{size[0]}x{size[1]}", await settled(app, pilot, link))
         assert work_of(app).done == [("run", "open-loop", "--dry-run", "--json")]
@@ -29,18 +27,14 @@ async def test_a_measurement_under_way(size: tuple[int, int]) -> None:
 
 @pytest.mark.parametrize("size", SIZES)
 async def test_the_end_of_a_run(size: tuple[int, int]) -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=size) as pilot:
+    async with run_screen(size=size) as (app, pilot, link):
         measure(link)
         end(link, "stopped", "Ada stopped the run")
         compare(f"run-stopped-{size[0]}x{size[1]}", await settled(app, pilot, link))
 
 
 async def test_the_override_is_lowered_by_a_number() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         link.publish("bench", **BENCH)
         await shown(app, pilot)
         await pilot.press("o")
@@ -59,9 +53,7 @@ async def test_the_override_is_lowered_by_a_number() -> None:
 
 
 async def test_plots_log_levels_and_steps_by_keys() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         measure(link)
         text = await settled(app, pilot, link)
         assert "Innovation / µm" in text
@@ -104,9 +96,7 @@ async def test_a_complete_measurement_is_identified_and_reported_by_keys(tmp_pat
 
 
 async def test_nothing_of_the_run_before_stays_on_the_plots() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(120, 40)) as pilot:
+    async with run_screen(size=(120, 40)) as (app, pilot, link):
         measure(link)
         before = await settled(app, pilot, link)
         assert "× 1 of 3 outside" in before
@@ -122,9 +112,7 @@ async def test_nothing_of_the_run_before_stays_on_the_plots() -> None:
 
 
 async def test_what_the_engine_reports_beside_the_steps() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         named = {command.title for command in app.get_system_commands(app.screen)}
         assert {"Answer: yes", "Answer: no", "Lower the speed override", "After the run: resume"} <= named
         show_value(link, "signal", 0.05, 0.6, 1.0, "")
@@ -150,9 +138,7 @@ async def test_what_the_engine_reports_beside_the_steps() -> None:
 
 
 async def test_held_runs_offer_going_on_and_long_reasons_are_truncated() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         publish(link, "state", state="HELD", reason="Ada holds the run")
         text = await shown(app, pilot)
         assert "Press g to go on" in text
@@ -179,9 +165,7 @@ async def test_held_runs_offer_going_on_and_long_reasons_are_truncated() -> None
 
 
 async def test_before_a_run_and_after_one_that_was_interrupted() -> None:
-    link = ScriptedLink()
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen({}) as (app, pilot, link):
         compare("run-nothing-80x24", await shown(app, pilot))
         link.engine.control = Client.model_validate(SNAPSHOT["control"])
         link.publish("run-started", procedure="open-loop", title=SNAPSHOT["title"], run=RUN)

@@ -7,10 +7,10 @@ from textual.widgets import Button, Input
 from textual.widgets._footer import FooterKey  # noqa: PLC2701  # Textual has no public name for it
 
 from catseye.app.protocol.requests import Control
-from catseye.app.tui.dialogs.motion_dialog import MotionDialog
+from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.run_state import SoFar
 from catseye.app.tui.screens.run import RunScreen
-from tests.unit.app.tui.screens.run_screen import answers, app_of, ops, settled
+from tests.unit.app.tui.screens.run_screen import answers, app_of, ops, run_screen, settled
 from tests.unit.app.tui.scripted import ScriptedLink, compare, shown
 from tests.unit.app.tui.scripted_run import MOTION, SNAPSHOT, ask, measure, publish
 
@@ -19,9 +19,7 @@ SIZES = [(80, 24), (120, 40)]
 
 @pytest.mark.parametrize("size", SIZES)
 async def test_a_question_before_a_motion(size: tuple[int, int]) -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=size) as pilot:
+    async with run_screen(size=size) as (app, pilot, link):
         measure(link)
         ask(link, **MOTION)
         text = await settled(app, pilot, link)
@@ -31,9 +29,7 @@ async def test_a_question_before_a_motion(size: tuple[int, int]) -> None:
 
 
 async def test_a_key_pressed_as_the_question_comes_answers_nothing() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         ask(link, **MOTION)
         await shown(app, pilot)
         await pilot.press("f8", "n")
@@ -42,9 +38,7 @@ async def test_a_key_pressed_as_the_question_comes_answers_nothing() -> None:
 
 
 async def test_a_key_pressed_before_the_question_was_seen_answers_nothing() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         await settled(app, pilot, link)
         ask(link, **MOTION)
         # The screen was busy with something else for so long.
@@ -58,9 +52,7 @@ async def test_a_key_pressed_before_the_question_was_seen_answers_nothing() -> N
 
 
 async def test_a_question_hidden_behind_a_screen_ignores_immediate_answers() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         ask(link, **MOTION)
         await settled(app, pilot, link)
         await pilot.press("f2")
@@ -77,9 +69,7 @@ async def test_a_question_hidden_behind_a_screen_ignores_immediate_answers() -> 
 
 
 async def test_the_palette_asks_for_f8_before_a_motion() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         ask(link, **MOTION)
         await settled(app, pilot, link)
         screen = app.screen
@@ -105,9 +95,7 @@ async def test_the_palette_asks_for_f8_before_a_motion() -> None:
 
 
 async def test_the_key_that_moves_the_arm_cannot_be_clicked() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(200, 60)) as pilot:
+    async with run_screen(size=(200, 60)) as (app, pilot, link):
         ask(link, **MOTION)
         text = await settled(app, pilot, link)
         keys = [key.key for key in app.screen.query(FooterKey)]
@@ -141,9 +129,7 @@ async def test_a_refused_answer_is_shown_beside_the_question() -> None:
 
 
 async def test_a_question_is_announced_everywhere_and_focused_when_shown() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         await shown(app, pilot)
         await pilot.press("f2")
         ask(link, id="height", kind="number", text="How high is it?", unit="mm")
@@ -158,9 +144,7 @@ async def test_a_question_is_announced_everywhere_and_focused_when_shown() -> No
 
 
 async def test_control_is_taken_before_an_answer_when_nobody_has_it() -> None:
-    link = ScriptedLink({**SNAPSHOT, "control": None})
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen({**SNAPSHOT, "control": None}) as (app, pilot, link):
         ask(link, **MOTION)
         await settled(app, pilot, link)
         await pilot.press("f8")
@@ -169,9 +153,8 @@ async def test_control_is_taken_before_an_answer_when_nobody_has_it() -> None:
 
 
 async def test_somebody_elses_control_is_named_and_can_be_taken() -> None:
-    link = ScriptedLink({**SNAPSHOT, "control": {"client": "attach-2", "who": "Bob"}})
-    app = app_of(link)
-    async with app.run_test(size=(120, 40)) as pilot:
+    controlled = {**SNAPSHOT, "control": {"client": "attach-2", "who": "Bob"}}
+    async with run_screen(controlled, size=(120, 40)) as (app, pilot, link):
         ask(link, **MOTION)
         text = await settled(app, pilot, link)
         assert "Bob (attach-2) answers; c takes control" in text
@@ -195,9 +178,9 @@ async def test_the_time_to_answer_follows_the_runs_clock() -> None:
         "safe_answer": "y",
         "motion": False,
     }
-    link = ScriptedLink({**SNAPSHOT, "simulated": True, "prompt": question, "prompt_open_s": 15.0})
-    app = app_of(link)
-    async with app.run_test(size=(120, 40)) as pilot:
+    async with run_screen(
+        {**SNAPSHOT, "simulated": True, "prompt": question, "prompt_open_s": 15.0}, size=(120, 40)
+    ) as (app, pilot, link):
         run = link.engine.run
         assert run is not None
         measure(link)
@@ -209,9 +192,7 @@ async def test_the_time_to_answer_follows_the_runs_clock() -> None:
 
 
 async def test_no_answer_is_requested_while_stopping() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         ask(link, **MOTION)
         assert "Answer the question" in await settled(app, pilot, link)
         publish(link, "state", state="STOPPING", reason="Ada stops the run")
@@ -221,9 +202,7 @@ async def test_no_answer_is_requested_while_stopping() -> None:
 
 
 async def test_motion_is_confirmed_by_f8_alone_and_refused_by_n() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         ask(link, **MOTION)
         await settled(app, pilot, link)
         await pilot.press("enter", "y", "space", "1", "escape")
@@ -249,9 +228,7 @@ CONFIRMATIONS: tuple[tuple[str | None, str, str], ...] = (
 
 
 async def test_a_confirmation_has_its_safe_answer_in_focus() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         for number, (safe, key, answer) in enumerate(CONFIRMATIONS):
             case = (safe, key)
             ask(link, id=f"place/{number}", kind="confirm", text="Put it there.", safe_answer=safe)
@@ -335,9 +312,7 @@ async def test_choices_that_move_the_arm_need_f8() -> None:
 
 
 async def test_typed_answers_are_checked_and_cleared_on_withdrawal() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         ask(link, id="height", kind="number", text="How high is it?", unit="mm")
         text = await settled(app, pilot, link)
         assert isinstance(app.focused, Input)
@@ -370,9 +345,7 @@ async def test_typed_answers_are_checked_and_cleared_on_withdrawal() -> None:
 
 
 async def test_stop_and_ladder_from_within_an_input() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         for kind in ("number", "text"):
             link.asked.clear()
             ask(link, id=kind, kind=kind, text="What?")
@@ -385,9 +358,7 @@ async def test_stop_and_ladder_from_within_an_input() -> None:
 
 
 async def test_typed_answers_move_the_arm_only_with_f8() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         for kind in ("text", "number"):
             link.asked.clear()
             ask(link, id=kind, kind=kind, text="By how much?", unit="deg", safe_answer="skip", motion=True)
@@ -404,9 +375,7 @@ async def test_typed_answers_move_the_arm_only_with_f8() -> None:
 
 
 async def test_a_typed_answer_that_moves_nothing_needs_no_f8() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         ask(link, id="walk/waiver", kind="text", text="Why without a walk?", motion=True, rests_after=["no"])
         await settled(app, pilot, link)
         await pilot.press("n", "o", "f8")
@@ -418,9 +387,7 @@ async def test_a_typed_answer_that_moves_nothing_needs_no_f8() -> None:
 
 
 async def test_other_sizes_do_not_crash() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(40, 12)) as pilot:
+    async with run_screen(size=(40, 12)) as (app, pilot, link):
         measure(link)
         ask(link, **MOTION)
         await settled(app, pilot, link)

@@ -3,7 +3,7 @@
 from textual.pilot import Pilot
 
 from catseye.app.protocol.requests import WalkFeed
-from tests.unit.app.tui.screens.run_screen import app_of, ops, settled
+from tests.unit.app.tui.screens.run_screen import ops, run_screen, settled
 from tests.unit.app.tui.scripted import ScriptedLink
 from tests.unit.app.tui.scripted_run import SNAPSHOT
 
@@ -18,9 +18,7 @@ async def hold(pilot: Pilot[int], link: ScriptedLink) -> None:
 
 
 async def test_holding_space_feeds_a_walk() -> None:
-    link = ScriptedLink(WALK)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen(WALK) as (app, pilot, link):
         text = await settled(app, pilot, link)
         assert "hold Space" in text
         assert "no enabling device" in text
@@ -33,9 +31,7 @@ async def test_holding_space_feeds_a_walk() -> None:
 
 
 async def test_another_screen_lets_go() -> None:
-    link = ScriptedLink(WALK)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen(WALK) as (app, pilot, link):
         await settled(app, pilot, link)
         await hold(pilot, link)
         await pilot.press("f3")
@@ -44,18 +40,14 @@ async def test_another_screen_lets_go() -> None:
 
 
 async def test_a_walk_under_somebody_elses_control_is_not_fed() -> None:
-    link = ScriptedLink({**WALK, "control": {"client": "tui-9", "who": "Ben"}})
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen({**WALK, "control": {"client": "tui-9", "who": "Ben"}}) as (app, pilot, link):
         await settled(app, pilot, link)
         await hold(pilot, link)
         assert "walk-feed" not in ops(link)
 
 
 async def test_space_means_nothing_to_a_measurement() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with run_screen() as (app, pilot, link):
         await settled(app, pilot, link)
         await hold(pilot, link)
         assert "walk-feed" not in ops(link)

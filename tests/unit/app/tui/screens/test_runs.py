@@ -25,7 +25,16 @@ from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.screens.runs import RunsScreen
 from catseye.app.tui.widgets.task_line import TaskLine
 from catseye.app.tui.work import Done
-from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, compare, failed, make_app, shown, work_of
+from tests.unit.app.tui.scripted import (
+    ScriptedLink,
+    ScriptedWork,
+    compare,
+    failed,
+    make_app,
+    shown,
+    started,
+    work_of,
+)
 from tests.unit.app.tui.stored_runs import (
     COMPLETE,
     DAMAGED,
@@ -210,9 +219,7 @@ async def test_runs_that_cannot_resume_say_why(root: Path) -> None:
 
 
 async def test_resume_is_asked_of_the_engine_after_f8(root: Path) -> None:
-    link = ScriptedLink()
-    app = make_app(link, "runs", root=root)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started(screen="runs", root=root) as (app, pilot, link):
         # Real hardware is armed by the name of the cell.
         await go_to(app, pilot, REAL)
         await pilot.press("r", "f8")
@@ -395,9 +402,9 @@ async def test_work_shows_its_progress_and_escape_cancels_it(root: Path) -> None
 
 
 async def test_attach(root: Path) -> None:
-    link = ScriptedLink({"run": RUNNING, "procedure": "reflector-search", "title": "", "state": "EXECUTE"})
-    app = make_app(link, "runs", root=root)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started(
+        {"run": RUNNING, "procedure": "reflector-search", "title": "", "state": "EXECUTE"}, "runs", root=root
+    ) as (app, pilot, _link):
         await go_to(app, pilot, RUNNING)
         await pilot.press("a")
         await pilot.pause()

@@ -15,15 +15,15 @@ from catseye.app.protocol.requests import Watch
 from catseye.app.results.scara.job_document import JobDocument, JobValidation
 from catseye.app.results.scara.result import Fit
 from catseye.app.tui.app import CatseyeApp
-from catseye.app.tui.dialogs.confirm_dialog import ConfirmDialog
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.form_dialog import FormDialog
+from catseye.app.tui.dialogs.questions import ConfirmDialog
 from catseye.app.tui.screens.setup import SetupScreen
 from catseye.app.tui.setup.device_test import DeviceTest
 from catseye.app.tui.setup.question_row import QuestionRow
 from catseye.app.tui.setup.wizard import Wizard
 from catseye.app.tui.work import Done
-from tests.unit.app.tui.scripted import ScriptedLink, compare, failed, make_app, shown, work_of
+from tests.unit.app.tui.scripted import ScriptedLink, compare, failed, make_app, shown, started, work_of
 from tests.unit.app.tui.stored_results import error_map
 
 ENDPOINTS = {
@@ -280,9 +280,7 @@ async def test_a_file_is_changed_and_keeps_its_comments(folder: Path) -> None:
     path.write_text(
         TEMPLATE.replace("# the program never drives faster", "# ask Ada first"), encoding="utf-8"
     )
-    link = ScriptedLink({"cell": str(path)})
-    app = make_app(link, "setup", cell=path)
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started({"cell": str(path)}, "setup", cell=path) as (app, pilot, link):
         await pilot.press("c")
         await settled(app, pilot)
         await to_page(app, pilot, "robot")
@@ -341,9 +339,7 @@ async def test_faulty_cell_files_are_refused_and_replacing_the_engine_confirmed(
 ) -> None:
     path = folder / "mine.toml"
     path.write_text(TEMPLATE, encoding="utf-8")
-    link = ScriptedLink()
-    app = make_app(link, "setup")
-    async with app.run_test(size=(80, 24)) as pilot:
+    async with started(screen="setup") as (app, pilot, link):
         work_of(app).outcomes["config"] = failed(2, "the cell file cannot be used:\n  x.toml:3: name")
         await pilot.press("o")
         await pilot.pause()

@@ -28,6 +28,21 @@ def test_a_bar_is_as_full_as_its_share(share: float, text: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("signal", "text"),
+    [
+        (0.0, "········"),
+        (1.0, "████████"),
+        (0.5, "████····"),
+        (0.5625, "████▌···"),
+        (-1.0, "········"),
+        (7.0, "████████"),
+    ],
+)
+def test_the_signal_bar_is_filled_by_eighths_of_a_cell(signal: float, text: str) -> None:
+    assert bar(signal, 8, "·") == text
+
+
+@pytest.mark.parametrize(
     ("steps", "text"), [(0, "0 steps"), (1, "1 step, 1 distance"), (2, "2 steps, 2 distances")]
 )
 def test_the_outcome_counts_steps_and_distances(steps: int, text: str) -> None:

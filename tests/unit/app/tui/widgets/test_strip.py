@@ -5,7 +5,7 @@ from itertools import pairwise
 from catseye.app.protocol.engine_events import SamplesTaken
 from catseye.app.tui.engine_state import STRIP_COLUMNS, Column, EngineState
 from catseye.app.tui.widgets.strip import Strip
-from tests.unit.app.tui.scripted import ScriptedLink, make_app, shown, snapshot_with
+from tests.unit.app.tui.scripted import shown, snapshot_with, started
 from tests.unit.app.tui.scripted_bench import BENCH, publish_strip
 from tests.unit.app.tui.widgets.dots import dots_of
 
@@ -43,9 +43,7 @@ def test_a_new_engine_begins_a_new_strip() -> None:
 
 
 async def test_a_gap_is_as_wide_as_the_missed_time() -> None:
-    link = ScriptedLink()
-    app = make_app(link)
-    async with app.run_test(size=(120, 40)) as pilot:
+    async with started(size=(120, 40)) as (app, pilot, link):
         link.publish("bench", **BENCH)
         for values, missed in (([743.1] * 200, 0), ([743.1] * 200, 80)):
             link.engine.take(samples(list(values), missed), link.now_s)
@@ -61,9 +59,7 @@ async def test_a_gap_is_as_wide_as_the_missed_time() -> None:
 
 
 async def test_the_scale_stays_while_nothing_comes() -> None:
-    link = ScriptedLink()
-    app = make_app(link)
-    async with app.run_test(size=(120, 40)) as pilot:
+    async with started(size=(120, 40)) as (app, pilot, link):
         link.publish("bench", **BENCH)
         publish_strip(link)
         await shown(app, pilot)

@@ -1,0 +1,94 @@
+"""Questions that a key answers; Esc is the safe answer, and Enter does nothing."""
+
+from typing import ClassVar, Literal
+
+from textual.binding import Binding, BindingType
+
+from catseye.app.tui.dialogs.box_dialog import BoxDialog
+
+
+class ConfirmDialog(BoxDialog[bool]):
+    """Asks; y agrees, Esc does not.
+
+    Args:
+        text: what follows from yes, and from no.
+        yes: what y does, in a word or two.
+    """
+
+    DEFAULT_CLASSES = "-warning"
+    DEFAULT_CSS = """
+    ConfirmDialog > Vertical { width: 70; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("y", "choose(True)", "yes", id="confirm.yes"),
+        Binding("escape", "choose(False)", "no", id="confirm.no"),
+    ]
+
+    def __init__(self, title: str, text: str, yes: str, no: str) -> None:
+        super().__init__(title, f"{text}\n\ny  {yes}      Esc  {no}")
+
+    def action_choose(self, agreed: bool) -> None:
+        """Close with the answer."""
+        self.dismiss(agreed)
+
+
+class MotionDialog(BoxDialog[bool]):
+    """Says what will move, how far and how fast; F8, the key for motion, has it done."""
+
+    DEFAULT_CLASSES = "-warning"
+    DEFAULT_CSS = """
+    MotionDialog > Vertical { width: 66; }
+    MotionDialog Label { color: $warning; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        # Keys in the footer can be clicked: this one is in the text.
+        Binding("f8", "choose(True)", "move", show=False, id="motion.confirm", tooltip="the arm moves"),
+        Binding("escape", "choose(False)", "do not move", id="motion.refuse"),
+    ]
+
+    def __init__(self, title: str, text: str) -> None:
+        super().__init__(title, f"{text}\n\nF8  move    Esc  do not move")
+
+    def action_choose(self, move: bool) -> None:
+        """Close with the decision."""
+        self.dismiss(move)
+
+
+Choice = Literal["leave", "hold", "stop"]
+
+
+class QuitDialog(BoxDialog[Choice | None]):
+    """Asks what becomes of the run when the user quits; None goes back to it."""
+
+    DEFAULT_CLASSES = "-warning"
+    DEFAULT_CSS = """
+    QuitDialog > Vertical { width: 66; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("l", "choose('leave')", "leave it running", id="quit.leave"),
+        Binding("h", "choose('hold')", "hold it", id="quit.hold"),
+        Binding("s", "choose('stop')", "stop it", id="quit.stop"),
+        Binding("escape", "choose('')", "stay here", id="quit.stay"),
+    ]
+
+    def __init__(self, run: str) -> None:
+        super().__init__(
+            "A run is under way",
+            f"{run}\n\n"
+            "l  leave it running: the engine goes on without this screen; its questions wait\n"
+            "h  hold it at the next checkpoint, then quit\n"
+            "s  stop it now, wait for standstill, then quit; it can be resumed\n"
+            "Esc  stay here\n\n"
+            "catseye tui comes back to it at any time.",
+        )
+
+    def action_choose(self, choice: str) -> None:
+        """Take a choice."""
+        match choice:
+            case "leave" | "hold" | "stop":
+                self.dismiss(choice)
+            case _:
+                self.dismiss(None)
