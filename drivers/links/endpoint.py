@@ -8,7 +8,7 @@ from urllib.parse import SplitResult, parse_qsl, urlsplit
 from catseye.drivers.links.record import RecordingTransport
 from catseye.drivers.links.serial_line import Handshake, LineSettings, Parity, SerialTransport, StopBits
 from catseye.drivers.links.tcp import TcpTransport
-from catseye.drivers.links.transport import Transport
+from catseye.drivers.links.transport import Transport, socket_endpoint
 from catseye.drivers.links.udp import UdpTransport
 from catseye.drivers.roles.device import Sink
 from catseye.drivers.roles.errors import LinkError
@@ -29,8 +29,7 @@ class _SocketEndpoint:
     port: int
 
     def __str__(self) -> str:
-        host = f"[{self.host}]" if ":" in self.host else self.host
-        return f"{self.scheme}://{host}:{self.port}"
+        return socket_endpoint(self.scheme, self.host, self.port)
 
 
 class TcpEndpoint(_SocketEndpoint):

@@ -10,6 +10,7 @@ import os
 import socket
 
 from catseye.drivers.links.channel import Channel, ChannelTransport
+from catseye.drivers.links.transport import socket_endpoint
 from catseye.drivers.roles.errors import LinkError
 
 _ENDED = (
@@ -35,8 +36,7 @@ class TcpTransport(ChannelTransport):
     @property
     def endpoint(self) -> str:
         """Where it leads: tcp://host:port."""
-        host = f"[{self._host}]" if ":" in self._host else self._host
-        return f"tcp://{host}:{self._port}"
+        return socket_endpoint("tcp", self._host, self._port)
 
     async def open(self) -> None:
         """Connect; an open link is kept.

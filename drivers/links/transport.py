@@ -110,3 +110,8 @@ class WrappedTransport:
     def waiting(self) -> bytes:
         """Return a chunk that has come, empty bytes when there is none."""
         return self._inner.waiting()
+
+
+def socket_endpoint(scheme: str, host: str, port: int) -> str:
+    """Return a socket as the cell file writes it; an address with colons (IPv6) stands in brackets."""
+    return f"{scheme}://[{host}]:{port}" if ":" in host else f"{scheme}://{host}:{port}"

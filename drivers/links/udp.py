@@ -4,6 +4,7 @@ import asyncio
 import socket
 
 from catseye.drivers.links.inbox import Inbox
+from catseye.drivers.links.transport import socket_endpoint
 from catseye.drivers.roles.errors import LinkError
 
 _LARGEST_BYTES = 65_536
@@ -28,8 +29,7 @@ class UdpTransport:
     @property
     def endpoint(self) -> str:
         """Where it leads: udp://host:port."""
-        host = f"[{self._host}]" if ":" in self._host else self._host
-        return f"udp://{host}:{self._port}"
+        return socket_endpoint("udp", self._host, self._port)
 
     async def open(self) -> None:
         """Take a local port; nothing is sent, so a missing instrument shows with the first datagram.
