@@ -21,9 +21,7 @@ def tables_in(db: sqlite3.Connection) -> dict[str, Table]:
         LookupError: a column has a type that is never stored.
         ValueError: a table or column has a name that is never given.
     """
-    found = db.execute("SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY rowid").fetchall()
-    names = [name for (name,) in found if name not in BASE_TABLES]
-    return {name: Table(name, _columns(db, name)) for name in names}
+    return {name: Table(name, _columns(db, name)) for name in _names(db)}
 
 
 def declare(db: sqlite3.Connection, tables: Iterable[Table]) -> dict[str, Table]:
@@ -65,9 +63,14 @@ def require_fitting(known: Iterable[Table], tables: Iterable[Table]) -> None:
 
 def measured_rows(db: sqlite3.Connection) -> int:
     """Return how many rows a run has of what it measures: those of its first table that is not empty."""
-    tables = [name for name in tables_in(db) if name != OBSERVATIONS.name]
+    tables = [name for name in _names(db) if name != OBSERVATIONS.name]
     counts = (int(db.execute(f'SELECT count(*) FROM "{name}"').fetchone()[0]) for name in tables)
     return next(filter(None, counts), 0)
+
+
+def _names(db: sqlite3.Connection) -> list[str]:
+    found = db.execute("SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY rowid").fetchall()
+    return [name for (name,) in found if name not in BASE_TABLES]
 
 
 def _columns(db: sqlite3.Connection, name: str) -> tuple[Column, ...]:
