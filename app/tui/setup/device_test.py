@@ -46,7 +46,7 @@ class DeviceTest(BoxDialog[None]):
         self._work = work
         self._now_s = now_s
         self._begun_s = 0.0
-        self._running = False
+        self._looking = False
 
     def body(self) -> ComposeResult:
         """The findings."""
@@ -60,7 +60,7 @@ class DeviceTest(BoxDialog[None]):
 
     def action_again(self) -> None:
         """Look once more."""
-        self._begun_s, self._running = self._now_s(), True
+        self._begun_s, self._looking = self._now_s(), True
         self._show_time()
         self.run_worker(self._look(), group="look", exclusive=True, exit_on_error=False)
 
@@ -75,7 +75,7 @@ class DeviceTest(BoxDialog[None]):
         self.notify("copied")
 
     def _show_time(self) -> None:
-        if self._running:
+        if self._looking:
             gone = duration_text(self._now_s() - self._begun_s)
             self.query_one("#found", StaticText).set_text(
                 Content(f"asking who answers … {gone}   Esc cancels")
@@ -85,7 +85,7 @@ class DeviceTest(BoxDialog[None]):
         try:
             shown = await self._findings()
         finally:
-            self._running = False
+            self._looking = False
         self.query_one("#found", StaticText).set_text(shown)
 
     async def _findings(self) -> Content:
