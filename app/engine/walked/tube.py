@@ -35,6 +35,14 @@ _STILL: Final = 1e-9
 
 _FIRST_ROOM: Final = 64
 
+FASTEST_MM_S: Final = 250.0
+"""Of anything on the arm while it is walked."""
+
+MOST_PERCENT: Final = 10.0
+"""Override of a walk."""
+
+_LEAST_PERCENT: Final = 1.0
+
 
 @dataclass(frozen=True)
 class Leg:
@@ -183,15 +191,6 @@ def _cover_all(first: Floats, last: Floats) -> bool:
     reaches = np.concatenate([[reached], np.maximum.accumulate(ends)])
     gaps = np.flatnonzero(begins > reaches[:-1])
     return bool(reaches[-1 if not len(gaps) else gaps[0]] >= 1.0)
-
-
-FASTEST_MM_S: Final = 250.0
-"""Of anything on the arm while it is walked."""
-
-MOST_PERCENT: Final = 10.0
-"""Override of a walk."""
-
-_LEAST_PERCENT: Final = 1.0
 
 
 def walking_percent(bench: Bench, leg: Leg, cap_percent: float) -> float:
