@@ -1,4 +1,4 @@
-"""Where an arm was walked: tubes around straight joint motions, and whether another motion lies inside them.
+"""Tubes around the motions that an arm was walked through, which motions they cover, and how fast an arm is walked.
 
 A pose lies in the tube of a walked motion when some pose of that motion is within 1 deg of it in every revolute axis
 and within 5 mm in every prismatic one. A motion is covered when each of its poses lies in some tube: exactly, not by
