@@ -40,9 +40,10 @@ class DeviceTest(BoxDialog[None]):
         Binding("c", "copy", "copy", id="test.copy"),
     ]
 
-    def __init__(self, device: str, text: str, work: Work, now_s: Callable[[], float]) -> None:
-        super().__init__(f"Connection test: {device}", text)
+    def __init__(self, device: str, cell_text: str, work: Work, now_s: Callable[[], float]) -> None:
+        super().__init__(f"Connection test: {device}")
         self._device = device
+        self._cell_text = cell_text
         self._work = work
         self._now_s = now_s
         self._begun_s = 0.0
@@ -95,7 +96,7 @@ class DeviceTest(BoxDialog[None]):
 
         with tempfile.TemporaryDirectory(prefix="catseye-test-") as folder:
             path = Path(folder) / "cell.toml"
-            await asyncio.to_thread(path.write_text, self._text, encoding="utf-8")
+            await asyncio.to_thread(path.write_text, self._cell_text, encoding="utf-8")
             done = await self._work.do("doctor", path, "--device", self._device, "--json")
         if done.code not in {0, _NOT_USABLE} or not done.out.strip():
             return statement_content(Statement(Sign.BAD, done.fault or "the test ended without a finding"))
