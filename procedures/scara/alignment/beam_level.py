@@ -163,7 +163,7 @@ def _poses(bench: ScaraBench, params: BeamLevelParams) -> tuple[SearchPose, ...]
         )
         for reflector in reflectors
     ]
-    best = max(chains, key=_base_mm)
+    best = max(chains, key=_base_mm, default=())
     if _base_mm(best) < _LEAST_BASE_MM:
         names = ", ".join(reflector.name for reflector in reflectors)
         raise PlanError(
