@@ -69,10 +69,11 @@ class PromptFields(Message):
         Args:
             motion: as it would be now; left out where no answer moves the arm.
         """
+        asked = cls.model_validate(prompt, from_attributes=True)
         after: dict[str, Any] = {"rests_after": None, "target": None}
-        if prompt.motion:
-            after = {"rests_after": prompt.resting_answers, "target": prompt.target, **dict(motion)}
-        return cls.model_validate(prompt, from_attributes=True).model_copy(update=after)
+        if asked.motion:
+            after = {"rests_after": asked.prompt.resting_answers, **dict(motion)}
+        return asked.model_copy(update=after)
 
     @property
     def prompt(self) -> Prompt:

@@ -43,6 +43,13 @@ from catseye.app.service.watching.telemetry import Topic
 from catseye.app.store.software import SOFTWARE
 from catseye.drivers.roles.clock import Clock
 
+_log = logging.getLogger(__name__)
+
+MOST_CLIENTS: Final = 32
+"""That have said hello, at a time."""
+
+_GO_ON = "attach with --control and let it go on, or stop it"
+
 
 @dataclass
 class LatestEvents:
@@ -71,14 +78,6 @@ class LatestEvents:
                 self.prompt = self.live = None
             case Progressed():
                 self.progress = event
-
-
-_log = logging.getLogger(__name__)
-
-MOST_CLIENTS: Final = 32
-"""That have said hello, at a time."""
-
-_GO_ON = "attach with --control and let it go on, or stop it"
 
 
 @dataclass(frozen=True)

@@ -70,17 +70,18 @@ class Fault:
             raise ValueError(f"a chunk that is sent cannot have {self.kind!r}, only {', '.join(SENT_KINDS)}")
 
 
-def random_faults(seed: int, *, rate: float = 0.1) -> list[Fault]:
-    """Return faults of every kind but foreign, spread at random over the first 1000 chunks of both directions.
+def random_faults(seed: int, *, chunks: int = 1000, rate: float = 0.1) -> list[Fault]:
+    """Return faults of every kind but foreign, spread at random over the first chunks of both directions.
 
     Args:
+        chunks: how many chunks of each direction.
         rate: how many of them have a fault, 0...1.
     """
     source = random.Random(seed)
     directions: tuple[tuple[Direction, tuple[Kind, ...]], ...] = (("rx", KINDS[:-1]), ("tx", SENT_KINDS))
     return [
         Fault(at, source.choice(kinds), direction, amount_s=source.uniform(0.0, 0.1))
-        for at in range(1000)
+        for at in range(chunks)
         for direction, kinds in directions
         if source.random() < rate
     ]

@@ -58,7 +58,11 @@ class Resident:
         self.start()
 
     def halt(self, number: int) -> None:
-        """Stop where it is; switching the servo off alone stops nothing unless the program needs the arm."""
+        """Stop where it is; switching the servo off alone stops nothing unless the program needs the arm.
+
+        Args:
+            number: why, an error number.
+        """
         if self.running and (number != alarms.SERVO_IS_OFF or self.busy):
             self.stage = Stage.HALTED
             self.halted()

@@ -1,4 +1,4 @@
-"""Where an arm was walked: tubes around straight joint motions, and whether another motion lies inside them.
+"""Tubes around the motions that an arm was walked through, which motions they cover, and how fast an arm is walked.
 
 A pose lies in the tube of a walked motion when some pose of that motion is within 1 deg of it in every revolute axis
 and within 5 mm in every prismatic one. A motion is covered when each of its poses lies in some tube: exactly, not by
@@ -34,6 +34,14 @@ _STILL: Final = 1e-9
 """A walked motion that moves a joint by less, in those units, is taken for one that does not move it."""
 
 _FIRST_ROOM: Final = 64
+
+FASTEST_MM_S: Final = 250.0
+"""Of anything on the arm while it is walked."""
+
+MOST_PERCENT: Final = 10.0
+"""Override of a walk."""
+
+_LEAST_PERCENT: Final = 1.0
 
 
 @dataclass(frozen=True)
@@ -183,15 +191,6 @@ def _cover_all(first: Floats, last: Floats) -> bool:
     reaches = np.concatenate([[reached], np.maximum.accumulate(ends)])
     gaps = np.flatnonzero(begins > reaches[:-1])
     return bool(reaches[-1 if not len(gaps) else gaps[0]] >= 1.0)
-
-
-FASTEST_MM_S: Final = 250.0
-"""Of anything on the arm while it is walked."""
-
-MOST_PERCENT: Final = 10.0
-"""Override of a walk."""
-
-_LEAST_PERCENT: Final = 1.0
 
 
 def walking_percent(bench: Bench, leg: Leg, cap_percent: float) -> float:

@@ -49,6 +49,7 @@ def job_report(
     """Return the report of several runs of one job.
 
     Args:
+        runs: all of them, in order.
         validation: models on an independently measured path.
     """
     bench = bench_of_runs([measured], measured.path.parent)

@@ -1,6 +1,7 @@
 """A validation as numbers, for machines."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,8 +11,11 @@ from catseye.app.results.figures import Figure
 from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.app.results.scara.path_view import model_title, path_axis, there
 from catseye.app.results.scara.validation import ModelOnPath
-from catseye.app.results.scara.validation_of_files import FileValidation
 from catseye.app.results.scara.validation_text import agreement_text
+
+if TYPE_CHECKING:
+    # The report comes with it: who only reads a validation starts without.
+    from catseye.app.results.scara.validation_of_files import FileValidation
 
 
 class Fitted(Document):
@@ -134,7 +138,7 @@ class ValidationDocument(Document):
 
 
 def validation_document(
-    file: FileValidation, limit_um: float | None, figures: Sequence[Figure]
+    file: "FileValidation", limit_um: float | None, figures: Sequence[Figure]
 ) -> ValidationDocument:
     """Return what a validation found as plain values.
 
@@ -171,7 +175,7 @@ def validation_document(
     )
 
 
-def _model(model: ModelOnPath, validation: FileValidation) -> ModelOnPathPart:
+def _model(model: ModelOnPath, validation: "FileValidation") -> ModelOnPathPart:
     comparison, judged = model.comparison, model.agreement
     first_um = validation.validation.models[0].comparison.rms_2d_um
     rms_x, rms_y = comparison.rms_um
@@ -203,7 +207,7 @@ def _alignment(model: ModelOnPath) -> AlignmentPart:
     return AlignmentPart(rotation_mdeg=rotation, shift_x_mm=x, shift_y_mm=y)
 
 
-def _path(file: FileValidation) -> PathPart:
+def _path(file: "FileValidation") -> PathPart:
     validation = file.validation
     axis, rows = path_axis(validation.path), validation.compared
     measured_mm = validation.models[-1].comparison.measured_error_mm[rows]
@@ -228,7 +232,7 @@ def _path(file: FileValidation) -> PathPart:
     )
 
 
-def _repeats(validation: FileValidation) -> list[RepeatedPosePart]:
+def _repeats(validation: "FileValidation") -> list[RepeatedPosePart]:
     path, repeats = validation.validation.path, validation.repeats
     return [
         RepeatedPosePart(

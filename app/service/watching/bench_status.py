@@ -27,6 +27,7 @@ def bench_status(
 
     Args:
         moving: the run under way moves the arm.
+        simulated: as the run under way knows it; None asks the devices.
         free_bytes: of the disk that runs are stored on; None where that is not known.
     """
     door = latest.door_closed

@@ -21,7 +21,6 @@ from catseye.drivers.roles.errors import DeviceError, LinkError, ProtocolError
 
 _log = logging.getLogger(__name__)
 
-
 Question = Callable[[], Awaitable[object]]
 
 ROBOT_S = 0.25
@@ -31,6 +30,18 @@ DOOR_S = 0.5
 AIR_S = 2.0
 TRACKER_S = 5.0
 """Real seconds between two rounds of questions."""
+
+FIRST_PAUSE_S = 0.5
+LONGEST_PAUSE_S = 10.0
+"""Real seconds until a lost device is connected anew; each attempt doubles them."""
+
+CLOSE_LIMIT_S = 5.0
+"""Real seconds for a driver to let its link go."""
+
+_HELD = "its driver did not let the link go"
+
+_ROUND_LIMIT_S = 1.0
+"""Real seconds for the questions under way: a link that is closed between two answers is closed properly."""
 
 
 @dataclass(frozen=True)
@@ -62,19 +73,6 @@ def round_for(device: ObservedDevice) -> Round:
         case ObservedTracker():
             return Round(TRACKER_S, (device.locate,))
     return Round(AIR_S)
-
-
-FIRST_PAUSE_S = 0.5
-LONGEST_PAUSE_S = 10.0
-"""Real seconds until a lost device is connected anew; each attempt doubles them."""
-
-CLOSE_LIMIT_S = 5.0
-"""Real seconds for a driver to let its link go."""
-
-_HELD = "its driver did not let the link go"
-
-_ROUND_LIMIT_S = 1.0
-"""Real seconds for the questions under way: a link that is closed between two answers is closed properly."""
 
 
 class DeviceSupervisor:

@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     # The first screen is painted before this is imported.
     from catseye.app.protocol.commands import CommandEvent
 
-_PLOTS = ("residuals", "maps")
-
 WALK: Final = "walk"
 """Name of the procedure under which a walk is stored."""
 

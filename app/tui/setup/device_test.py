@@ -40,13 +40,14 @@ class DeviceTest(BoxDialog[None]):
         Binding("c", "copy", "copy", id="test.copy"),
     ]
 
-    def __init__(self, device: str, text: str, work: Work, now_s: Callable[[], float]) -> None:
-        super().__init__(f"Connection test: {device}", text)
+    def __init__(self, device: str, cell_text: str, work: Work, now_s: Callable[[], float]) -> None:
+        super().__init__(f"Connection test: {device}")
         self._device = device
+        self._cell_text = cell_text
         self._work = work
         self._now_s = now_s
         self._begun_s = 0.0
-        self._running = False
+        self._looking = False
 
     def body(self) -> ComposeResult:
         """The findings."""
@@ -60,7 +61,7 @@ class DeviceTest(BoxDialog[None]):
 
     def action_again(self) -> None:
         """Look once more."""
-        self._begun_s, self._running = self._now_s(), True
+        self._begun_s, self._looking = self._now_s(), True
         self._show_time()
         self.run_worker(self._look(), group="look", exclusive=True, exit_on_error=False)
 
@@ -75,7 +76,7 @@ class DeviceTest(BoxDialog[None]):
         self.notify("copied")
 
     def _show_time(self) -> None:
-        if self._running:
+        if self._looking:
             gone = duration_text(self._now_s() - self._begun_s)
             self.query_one("#found", StaticText).set_text(
                 Content(f"asking who answers … {gone}   Esc cancels")
@@ -85,7 +86,7 @@ class DeviceTest(BoxDialog[None]):
         try:
             shown = await self._findings()
         finally:
-            self._running = False
+            self._looking = False
         self.query_one("#found", StaticText).set_text(shown)
 
     async def _findings(self) -> Content:
@@ -95,7 +96,7 @@ class DeviceTest(BoxDialog[None]):
 
         with tempfile.TemporaryDirectory(prefix="catseye-test-") as folder:
             path = Path(folder) / "cell.toml"
-            await asyncio.to_thread(path.write_text, self._text, encoding="utf-8")
+            await asyncio.to_thread(path.write_text, self._cell_text, encoding="utf-8")
             done = await self._work.do("doctor", path, "--device", self._device, "--json")
         if done.code not in {0, _NOT_USABLE} or not done.out.strip():
             return statement_content(Statement(Sign.BAD, done.fault or "the test ended without a finding"))

@@ -18,6 +18,7 @@ def refine(places_mm: Floats, value: Callable[[Floats], float], step_mm: float) 
     Args:
         places_mm: layout, mm, shape (k, 2).
         value: criterion of a layout; infinite where it breaks a constraint.
+        step_mm: first step; the last one is 1 mm.
 
     Returns:
         The layout and its value, which is never above that of the start.

@@ -16,7 +16,7 @@ from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import numbers_of
 from catseye.procedures.scara import texts
-from catseye.procedures.scara.alignment.screws import GuidedScrew, Rounds, Screw
+from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw, ScrewRounds
 from catseye.procedures.scara.beam.beam_scan import (
     find_height,
     find_return,
@@ -163,7 +163,7 @@ def _poses(bench: ScaraBench, params: BeamLevelParams) -> tuple[SearchPose, ...]
         )
         for reflector in reflectors
     ]
-    best = max(chains, key=_base_mm)
+    best = max(chains, key=_base_mm, default=())
     if _base_mm(best) < _LEAST_BASE_MM:
         names = ", ".join(reflector.name for reflector in reflectors)
         raise PlanError(
@@ -223,7 +223,7 @@ class _Found:
     j3_mm: float
 
 
-class _Rounds(Rounds):
+class _Rounds(ScrewRounds):
     """Measures the pitch; knows where the beam came back from each pose in the last round."""
 
     def __init__(self, ctx: Context, plan: BeamLevelPlan) -> None:

@@ -25,7 +25,7 @@ from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
-from catseye.procedures.scara.alignment.screws import GuidedScrew, Rounds, Screw
+from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw, ScrewRounds
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
 from catseye.procedures.scara.before import ALIGNING, COUNTER, LEVELLED, REFLECTORS
 from catseye.procedures.scara.bench import ScaraBench
@@ -185,7 +185,7 @@ def require_inside(bench: ScaraBench, poses_deg: Sequence[tuple[float, float]]) 
                 )
 
 
-class _Rounds(Rounds):
+class _Rounds(ScrewRounds):
     """Measures the offset; knows where the beam was centred last."""
 
     def __init__(self, ctx: Context, plan: BeamToJ4Plan) -> None:

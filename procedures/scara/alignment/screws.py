@@ -134,7 +134,7 @@ def respond(screw: Screw, before: Observed, after: Observed, turns: float) -> Re
     return Response("expected", observed)
 
 
-class Rounds(ABC):
+class ScrewRounds(ABC):
     """The measurements of what a screw changes."""
 
     def __init__(self, ctx: Context, bench: ScaraBench) -> None:
@@ -178,7 +178,7 @@ class GuidedScrew:
         max_rounds: most measurements.
     """
 
-    def __init__(self, ctx: Context, screw: Screw, rounds: Rounds, max_rounds: int) -> None:
+    def __init__(self, ctx: Context, screw: Screw, rounds: ScrewRounds, max_rounds: int) -> None:
         self._ctx = ctx
         self._screw = screw
         self._rounds = rounds

@@ -172,6 +172,7 @@ def looking_poses(
     """Return every pose from which a reflector is seen alone, its scan inside the limits of J4.
 
     Args:
+        half_range_deg: how far J4 turns to either side.
         at_deg: J1 and J2 of the only pose to consider; None for poses all over the range of the nodes.
     """
     candidates = _grid(bench) if at_deg is None else np.deg2rad([at_deg])

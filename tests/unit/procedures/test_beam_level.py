@@ -159,3 +159,5 @@ def test_what_cannot_be_planned() -> None:
         PlanError, match=r"cannot be seen alone from 3 distances that lie 100 mm or more apart"
     ):
         planned(narrow)
+    with pytest.raises(PlanError, match="cannot be seen alone"):
+        planned(replace(mounted_bench(), reflectors=()))

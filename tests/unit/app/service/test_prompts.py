@@ -4,7 +4,9 @@ import asyncio
 import json
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from catseye.app.engine.host import run_procedure
@@ -133,6 +135,14 @@ def test_a_question_comes_back_whole_from_its_event() -> None:
     event = event_of(json.loads(line))
     assert isinstance(event, PromptAsked)
     assert event.prompt == prompt
+
+
+@pytest.mark.parametrize("target", [np.array([1.0, 90.0], np.float32), [1, 90]], ids=["array", "list"])
+def test_what_a_question_holds_is_converted_for_the_wire(target: Any) -> None:
+    resting: Any = ["no"]
+    prompt = Prompt("t", "text", "Why?", motion=True, rests_after=resting, target=target)
+    asked = PromptAsked.of(prompt, MotionAfter(override_percent=10.0, speed_deg_s=None))
+    assert b'"rests_after": ["no"], "target": [1.0, 90.0]' in encode_event(asked)
 
 
 async def test_the_console_answers_commands_and_questions() -> None:

@@ -170,6 +170,7 @@ def test_random_faults_come_again_with_their_seed() -> None:
     assert random_faults(7) == random_faults(7) != random_faults(8)
     assert 100 < len(random_faults(7)) < 300
     assert {fault.kind for fault in random_faults(7)} == set(KINDS) - {"foreign"}
+    assert {fault.at for fault in random_faults(7, chunks=3, rate=1.0)} == {0, 1, 2}
 
 
 def faults(foreign: bytes) -> st.SearchStrategy[list[Fault]]:

@@ -234,6 +234,8 @@ async def test_a_device_is_asked_who_it_is() -> None:
         text = await shown(app, pilot)
         for part in ("RH-3FRH5515 F2", "servo off", "! alarm 60: reset it"):
             assert part in text
+        # Textual passes the signals of a screen on, to its line of keys too, only while it counts as running.
+        assert app.screen.is_running
         await pilot.press("c")
         assert "alarm 60" in app.clipboard
         await pilot.press("r")
