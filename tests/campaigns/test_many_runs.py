@@ -1,6 +1,6 @@
 """Many runs in one engine: its memory does not grow with them.
 
-`CATSEYE_RUNS` sets how many [300].
+`CATSEYE_MANY_RUNS` sets how many [300].
 """
 
 import contextlib
@@ -15,7 +15,7 @@ from tests.system.command import begun, emulated, own_runtime
 from tests.system.memory import resident_mb
 from tests.system.socket_client import Lines
 
-RUNS = int(os.environ.get("CATSEYE_RUNS", "300"))
+RUNS = int(os.environ.get("CATSEYE_MANY_RUNS", "300"))
 SPEED = 4000.0
 WARM_SHARE = 0.2
 """Share of the runs in which caches fill."""
