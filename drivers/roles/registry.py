@@ -1,6 +1,7 @@
 """Drivers by name: built-in and third-party ones register in the same way, through entry points."""
 
 import difflib
+from functools import cache
 from importlib import metadata
 from typing import Final, cast
 
@@ -10,9 +11,18 @@ GROUP: Final = "catseye.drivers"
 """Entry point group; each entry is a driver class that subclasses its role and fits `DriverClass`."""
 
 
+@cache
+def installed() -> dict[str, metadata.EntryPoint]:
+    """Return the entry points of all drivers by name.
+
+    They are looked for once in a process: each look reads the records of every installed package.
+    """
+    return {entry.name: entry for entry in metadata.entry_points(group=GROUP)}
+
+
 def driver_names() -> tuple[str, ...]:
     """Return the names of all installed drivers; imports none of them."""
-    return tuple(sorted({entry.name for entry in metadata.entry_points(group=GROUP)}))
+    return tuple(sorted(installed()))
 
 
 def load_driver(name: str, role: Role | None = None) -> type[DriverClass]:
@@ -25,8 +35,8 @@ def load_driver(name: str, role: Role | None = None) -> type[DriverClass]:
     Raises:
         LookupError: no such driver is installed, or it has another role; the text lists those that would do.
     """
-    for entry in metadata.entry_points(group=GROUP, name=name):
-        found = cast("type[DriverClass]", entry.load())
+    if name in installed():
+        found = cast("type[DriverClass]", installed()[name].load())
         if role not in {None, _declared_role(name, found)}:
             raise LookupError(f"{name!r} is a driver of role {found.role}, not {role}")
         return found

@@ -1,5 +1,6 @@
 """Drivers by name."""
 
+from collections.abc import Iterator
 from importlib import metadata
 from typing import Any
 
@@ -17,6 +18,14 @@ ENTRIES = metadata.EntryPoints(
         metadata.EntryPoint("other", "elsewhere:Thing", "other.group"),
     ]
 )
+
+
+@pytest.fixture(autouse=True)
+def forgotten() -> Iterator[None]:
+    """Have each test look for what is installed, and none leave what it found."""
+    registry.installed.cache_clear()
+    yield
+    registry.installed.cache_clear()
 
 
 def installed(entries: metadata.EntryPoints, monkeypatch: pytest.MonkeyPatch) -> None:
