@@ -7,9 +7,8 @@ from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.errors import UsageError
 from catseye.app.protocol.banners import unverified_text
-from catseye.app.results.scara.distance_unit import require_millimetres
 from catseye.app.results.scara.identify import bench_of_runs, cell_of_run, error_budget, run_points
-from catseye.app.results.scara.points import read_points, to_points
+from catseye.app.results.scara.points import read_points
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader, accept
 from catseye.app.store.runs_folder import runs_folder
@@ -79,6 +78,5 @@ def _of_file(points: Path, cell: Path | None) -> DistanceSource:
     loaded = load_cell(cell)
     names = [reflector.name for reflector in loaded.cell.reflector]
     distances, bench = read_points(points, names), scara_bench_of(loaded.cell)
-    require_millimetres(points, to_points(distances, names), bench)
     # A points file states its uncertainties itself, in the column sigma_mm.
     return DistanceSource(distances, bench, None, [points.name], [], [])

@@ -186,6 +186,13 @@ class ScanPart(ResultPart):
     histogram: list[int]
 
 
+class Implausible(ResultPart):
+    """What speaks against the arm, and the reason why it was kept all the same."""
+
+    accepted: str
+    findings: list[str]
+
+
 class Result(ResultPart):
     """A whole result file."""
 
@@ -209,6 +216,7 @@ class Result(ResultPart):
     residuals: Residuals | None = None
     uncertainty: UncertaintyPart | None = None
     scan: ScanPart | None = None
+    implausible: Implausible | None = None
     provenance: Provenance
 
     @property
