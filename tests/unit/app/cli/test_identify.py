@@ -174,7 +174,7 @@ def said_of(fit: Fit) -> str:
 def test_only_unexplained_lack_of_fit_is_in_capitals() -> None:
     assert said_of(sample.fit(sample.LACK)).startswith("LACK OF FIT: repeats of a pose scatter by 9.9 µm")
     assert said_of(sample.fit(sample.LACK)).endswith("the uncertainties were widened by a factor of 2.50.")
-    covered = sample.fit(sample.LACK).model_copy(update={"variance_factor": 1.0})
+    covered = sample.fit(sample.LACK).model_copy(update={"variance_ratio": 1.0})
     assert said_of(covered).endswith("large enough to cover it and were not widened.")
     stated = sample.LACK.model_copy(update={"explained": True, "expected_ratio": 16.2})
     text = said_of(sample.fit(stated))
@@ -182,7 +182,7 @@ def test_only_unexplained_lack_of_fit_is_in_capitals() -> None:
     assert "the stated systematic contributors account for it (F = 16.2 expected" in text
 
 
-def test_a_dimensional_variance_factor_is_not_called_a_widening(
+def test_the_variance_of_a_row_is_not_called_a_widening(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     rng = np.random.default_rng(5)

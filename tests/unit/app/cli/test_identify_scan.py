@@ -70,7 +70,7 @@ def test_streamed_or_not_the_result_file_is_the_same(
     assert a.covariance == pytest.approx(b.covariance, rel=1e-6, abs=1e-18)
     for name in ("n_points", "n_parameters", "dof", "rejected", "null_directions"):
         assert getattr(streamed.fit, name) == getattr(whole.fit, name)
-    for name in ("rms_um", "sigma0_um", "chi2_reduced", "chi2_probability", "variance_factor"):
+    for name in ("rms_um", "sigma0_um", "chi2_reduced", "chi2_probability", "variance_ratio"):
         assert getattr(streamed.fit, name) == pytest.approx(getattr(whole.fit, name), rel=1e-7)
     assert streamed.scan is not None
     assert streamed.scan.n_points == sum(streamed.scan.segments.n_points) == ROWS
