@@ -30,7 +30,7 @@ class Coefficient:
 
 def diagnose_distances(source: DistanceSource, progress: Callable[[str], None] = lambda _: None) -> Diagnosis:
     """Diagnose the error map of distances; see `diagnose_points`."""
-    return diagnose_points(source.points, source.bench, source.budget, progress)
+    return diagnose_points(source.points, source.bench, source.stated.budget, progress)
 
 
 def diagnose_points(

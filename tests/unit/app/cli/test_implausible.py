@@ -20,11 +20,12 @@ from catseye.app.render.text import report_text
 from catseye.app.results.scara.identification_report import identification_report
 from catseye.app.results.scara.plausible import ImplausibleError
 from catseye.app.results.scara.points import COLUMNS
-from catseye.app.results.scara.result import read_result
+from catseye.app.results.scara.result import Result, read_result
 from catseye.app.results.scara.run_report import result_file_report
 from catseye.app.results.scara.scan import identify_scan_file
+from catseye.app.results.scara.stated_budget import budget_of_table
 from tests.unit.calibration.scara.paper import NAMES
-from tests.unit.calibration.scara.plausibility.tables import MISTAKES, SOUND, Table, measured
+from tests.unit.calibration.scara.plausibility.tables import MISTAKES, Table, measured
 
 
 def written(table: Table, folder: Path) -> tuple[Path, Path]:
@@ -133,18 +134,25 @@ def test_bounds_stand_in_the_cell_file(tmp_path: Path) -> None:
         identify(tmp_path / "r2.json", [], points, cell)
 
 
+def streamed(points: Path, cell: Path) -> Result:
+    stated = load_cell(cell).cell
+    return identify_scan_file(
+        points,
+        scara_bench_of(stated),
+        "error-map",
+        lambda seen: budget_of_table(seen, stated.uncertainty, "cell.toml"),
+    )
+
+
 @pytest.mark.parametrize("name", ["micrometres", "scale", "mirrored", "sign of θ2"])
 def test_a_streamed_file_is_judged_as_well(tmp_path: Path, name: str) -> None:
     mistake, text = TEXTS[name]
-    points, cell = written(mistake(measured(26)), tmp_path)
     with pytest.raises(ImplausibleError, match=text):
-        identify_scan_file(points, scara_bench_of(load_cell(cell).cell), "error-map")
+        streamed(*written(mistake(measured(26)), tmp_path))
 
 
 def test_a_sound_streamed_file_passes(tmp_path: Path) -> None:
-    points, cell = written(measured(27, SOUND), tmp_path)
-    result = identify_scan_file(points, scara_bench_of(load_cell(cell).cell), "error-map")
-    assert result.implausible is None
+    assert streamed(*written(measured(27), tmp_path)).implausible is None
 
 
 def test_nothing_implausible_is_diagnosed(tmp_path: Path) -> None:
