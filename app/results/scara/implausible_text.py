@@ -22,6 +22,7 @@ from catseye.calibration.scara.plausibility.findings import (
     PlacesMirrored,
     ReflectorMoved,
     RowsShifted,
+    VagueLink,
     Verdict,
     ZeroLost,
 )
@@ -41,17 +42,18 @@ def finding_texts(verdict: Verdict) -> list[str]:
         *(mistake_text(one) for one in verdict.mistakes),
         *(_break_text(one) for one in verdict.breaks),
         *(_other_text(one) for one in verdict.others),
+        *(_vague_text(one) for one in verdict.vague),
     ]
 
 
 def implausible_text(verdict: Verdict) -> str:
     """Return why an arm is refused, and what to do."""
-    beyond = [_break_text(one) for one in verdict.breaks]
     if verdict.mistakes:
+        beyond = [_break_text(one) for one in verdict.breaks]
         likely = "; or ".join(mistake_text(one) for one in verdict.mistakes)
         shown = f" (as they are: {'; '.join(beyond)})" if beyond else ""
         return f"{likely}; with that corrected the distances fit a plausible arm{shown}"
-    return "; ".join([*beyond, *(_other_text(one) for one in verdict.others)])
+    return "; ".join(finding_texts(verdict))
 
 
 def mistake_text(mistake: Mistake) -> str:
@@ -127,6 +129,13 @@ def _break_text(found: Offset) -> str:
                 f"{reflector} comes out at ({x_mm:.1f}, {y_mm:.1f}) mm, {found.off_mm:.0f} mm from its rough place: "
                 f"was it moved, or is its place in the cell file wrong? place_mm = {bound_mm:g} is the bound"
             )
+
+
+def _vague_text(vague: VagueLink) -> str:
+    return (
+        f"the distances leave L{vague.link} open (u = {vague.u_mm:.1f} mm; link_mm = {vague.bound_mm:g} is the "
+        "bound): measure at more angles of J2, with two of them links and Δθ2 are hardly told apart"
+    )
 
 
 def _other_text(other: OtherSolution) -> str:

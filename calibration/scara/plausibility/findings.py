@@ -176,6 +176,15 @@ class OtherSolution:
 
 
 @dataclass(frozen=True)
+class VagueLink:
+    """The distances leave the length of a link open by more than its bound, mm."""
+
+    link: Joint
+    u_mm: float
+    bound_mm: float
+
+
+@dataclass(frozen=True)
 class Verdict:
     """What speaks against an identified arm.
 
@@ -183,15 +192,17 @@ class Verdict:
         breaks: what is beyond its bound.
         mistakes: each alone explains the distances; none where nothing that was tried does.
         others: solutions that the distances do not distinguish from it.
+        vague: links that the distances do not determine well enough to be judged.
         rms_mm: residuals of an error map fitted to the distances as they are; None where that has no solution.
     """
 
     breaks: tuple[Offset, ...] = ()
     mistakes: tuple[Mistake, ...] = ()
     others: tuple[OtherSolution, ...] = ()
+    vague: tuple[VagueLink, ...] = ()
     rms_mm: float | None = None
 
     @property
     def implausible(self) -> bool:
         """The arm should not be used."""
-        return bool(self.breaks or self.mistakes or self.others)
+        return bool(self.breaks or self.mistakes or self.others or self.vague)

@@ -12,7 +12,13 @@ from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.plausibility.bounded_fit import BoundedFit, Case, fitted, offsets
 from catseye.calibration.scara.plausibility.bounds import Bounds
 from catseye.calibration.scara.plausibility.corrections import Correction, corrections
-from catseye.calibration.scara.plausibility.findings import Mistake, OtherSolution, Verdict
+from catseye.calibration.scara.plausibility.findings import (
+    Joint,
+    Mistake,
+    OtherSolution,
+    VagueLink,
+    Verdict,
+)
 from catseye.calibration.scara.plausibility.jumps import jumps
 from catseye.calibration.scara.points import FEWEST, without_short_segments
 
@@ -75,11 +81,27 @@ def judge(
     breaks = tuple(one for one in off if one.share > 1.0)
     asis = fitted(case.thinned(_MOST_ROWS), bounds)
     rms_mm = None if asis is None else asis.rms_mm
-    broken = bool(breaks) or asis is None or asis.strain(bounds) > 1.0
-    doubtful = broken or found is None or rms_mm is None or rms_mm > _FAR_BEYOND * stated_mm
-    mistakes = _mistakes(case, asis, bounds, broken=broken) if doubtful else ()
-    others = () if found is None or mistakes else tuple(_others(case, found, bounds))
-    return Verdict(breaks, mistakes, others, rms_mm)
+    beyond = asis is None or asis.strain(bounds) > 1.0
+    if asis is None or beyond or asis.rms_mm > _FAR_BEYOND * stated_mm:
+        mistakes = _mistakes(case, asis, bounds, broken=beyond or bool(breaks))
+        if mistakes or found is None:
+            return Verdict(breaks, mistakes, rms_mm=rms_mm)
+    elif found is None:
+        return Verdict(rms_mm=rms_mm)
+    elif breaks:
+        # What is known of the arm makes another one of it, and the distances do not mind.
+        own_mm = 1e-3 * found.fit.rms_um
+        return Verdict(breaks, others=(_other(asis, own_mm),), vague=_vague(found, bounds), rms_mm=rms_mm)
+    return Verdict(breaks, (), tuple(_others(case, found, bounds)), _vague(found, bounds), rms_mm)
+
+
+def _vague(found: Identification, bounds: Bounds) -> tuple[VagueLink, ...]:
+    """Return the links that the distances leave open by more than their bound."""
+    links: tuple[Joint, ...] = (1, 2)
+    u_mm = found.standard_uncertainty[:2].tolist()
+    return tuple(
+        VagueLink(link, u, bounds.link_mm) for link, u in zip(links, u_mm, strict=True) if u > bounds.link_mm
+    )
 
 
 @dataclass(frozen=True)

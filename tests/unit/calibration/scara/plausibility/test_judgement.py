@@ -148,6 +148,35 @@ def test_places_600_mm_off_do_not_silently_decide(angle_deg: int) -> None:
     assert found.implausible
 
 
+def with_two_angles_of_j2(table: Table, nodes_deg: tuple[float, float]) -> Table:
+    kept = np.isin(table.theta_deg[:, 1], nodes_deg)
+    return replace(
+        table,
+        theta_deg=table.theta_deg[kept],
+        direction=table.direction[kept],
+        reflector=table.reflector[kept],
+        segment=table.segment[kept],
+        displacement=table.displacement[kept],
+        nodes_deg=(table.nodes_deg[0], nodes_deg),
+    )
+
+
+@pytest.mark.parametrize("nodes_deg", [(0.0, 60.0), (20.0, 100.0), (0.0, 140.0)])
+@pytest.mark.parametrize("off_mm", [0.0, 10.0, 50.0])
+def test_two_angles_of_j2_do_not_let_the_start_decide(nodes_deg: tuple[float, float], off_mm: float) -> None:
+    table = with_two_angles_of_j2(measured(5), nodes_deg)
+    problem = replace(table, rough_mm=table.rough_mm + np.array([off_mm, -off_mm])).problem(None)
+    try:
+        found = problem.solve()
+    except CalibrationError:
+        return
+    judged = judge(case_of(problem, found), found, Bounds(), STATED_MM)
+    assert judged.mistakes == ()
+    assert judged.vague
+    # What the start made of the arm is told apart from the other arm that fits as well.
+    assert bool(judged.breaks) == bool(judged.others)
+
+
 def test_bounds_are_those_that_were_given() -> None:
     table = measured(17, Faults(rough_mm=0.0))
     problem = replace(table, rough_mm=table.rough_mm + np.array([30.0, 0.0])).problem(table_2())
