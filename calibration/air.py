@@ -15,7 +15,10 @@ from catseye.calibration.core.types import Bools, Floats
 Formula = Literal["ciddor", "edlen"]
 
 HE_NE_VACUUM_NM = 632.9908
-"""Vacuum wavelength of an unstabilised helium-neon laser (mise en pratique: ±1.5e-6, k = 1), nm."""
+"""Vacuum wavelength of any unstabilised helium-neon laser (mise en pratique), nm."""
+
+HE_NE_RELATIVE_U = 1.5e-6
+"""Its relative standard uncertainty (mise en pratique)."""
 
 _PHYSICAL = {
     "wavelength_vacuum_nm": (200.0, 3000.0, "nm"),

@@ -10,6 +10,7 @@ from pydantic import Field, ValidationError, model_validator
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.documents import LARGEST_RESULT_BYTES
+from catseye.app.results.scara.budget_part import BudgetPart
 from catseye.app.results.uncertainty_part import Finite, ResultPart, UncertaintyPart
 from catseye.calibration.scara.extension import Part, Source, Target, Term
 from catseye.drivers.roles.user_file import read_regular
@@ -222,6 +223,7 @@ class Result(ResultPart):
     covariance: Covariance | None = None
     residuals: Residuals | None = None
     uncertainty: UncertaintyPart | None = None
+    budget: BudgetPart | None = None
     scan: ScanPart | None = None
     provenance: Provenance
 
