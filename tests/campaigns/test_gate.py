@@ -8,6 +8,7 @@ from collections import Counter
 
 import pytest
 
+from catseye.calibration.scara.layout import ModelName
 from tests.unit.calibration.scara.plausibility.tables import MISTAKES, SOUND_BENCHES, measured, table_2
 from tests.unit.calibration.scara.plausibility.test_judgement import named, verdict
 
@@ -19,7 +20,7 @@ def test_no_sound_set_is_refused() -> None:
     refused = {}
     for seed in range(SETS):
         bench = SOUND_BENCHES[seed % len(SOUND_BENCHES)]
-        model = "conventional" if seed % 5 == 4 else "error-map"
+        model: ModelName = "conventional" if seed % 5 == 4 else "error-map"
         found = verdict(measured(seed, bench), table_2() if seed % 2 else None, model)
         if found.implausible:
             refused[seed] = found

@@ -96,7 +96,7 @@ def test_a_classic_mistake_is_refused_and_named(name: str) -> None:
     assert any(named(mistake, name) for mistake in found.mistakes)
 
 
-def test_mirrored_places_and_two_reversed_signs_are_one_and_the_same() -> None:
+def test_mirrored_places_and_two_reversed_signs_are_alike() -> None:
     mirrored, signs = (verdict(MISTAKES[name](measured(12))) for name in ("places mirrored", "sign of both"))
     assert set(mirrored.mistakes) == set(signs.mistakes)
     assert set(mirrored.mistakes) == {PlacesMirrored("y"), AngleSignReversed((1, 2))}
