@@ -80,6 +80,16 @@ def taken_apart(model: Model, values: Floats, errors: RowErrors) -> Contribution
     return Contributions(errors, errors.factor * np.stack([part @ part.T for part in parts]))
 
 
+def shifts(model: Model, values: Floats, effects_mm: Floats) -> Floats:
+    """Return what sources do to an estimate, shape (p, m).
+
+    Args:
+        values: the estimate, shape (p,).
+        effects_mm: what the sources do to the rows, shape (n, m).
+    """
+    return np.asarray(_gain(model, values) @ effects_mm, dtype=np.float64)
+
+
 def _gain(model: Model, values: Floats) -> Floats:
     """Return what the estimate moves by per row, shape (p, n)."""
     weights, basis = model.weights, model.parameters.basis

@@ -13,6 +13,7 @@ from catseye.calibration.scara.budget import (
     Budget,
     Geometry,
     combined_white_mm,
+    seen_along,
     shared_errors,
     white_errors,
 )
@@ -60,7 +61,7 @@ class DistanceModel:
         """Return how the distances answer to the arm at parameters of shape (p,)."""
         length, unit = self.beam(parameters)
         local = np.einsum("ni,nij->nj", unit, self.design.local_jacobian(parameters))
-        return Geometry(self.points, unit, length, local[:, 2:], self.layout.terms)
+        return seen_along(self.points, unit, length, local[:, 2:], self.layout)
 
     def white(self, parameters: Floats) -> tuple[White, ...]:
         """Return the errors that differ from reading to reading."""

@@ -16,6 +16,7 @@ from catseye.app.results.scara.identify import (
     identified_result,
     parse_extensions,
     problem_of_points,
+    with_gears,
     with_what_speaks_against,
 )
 from catseye.app.results.scara.material import with_reference_links
@@ -128,7 +129,8 @@ def identified_scan(points: Path, cell: Path, method: Method) -> tuple[Result, S
         UsageError: an option is asked for that needs all distances at once, or a file is wrong.
     """
     _require_streamable(points, method)
-    bench, terms = scara_bench_of(load_cell(cell).cell), parse_extensions(method.extend)
+    bench = scara_bench_of(load_cell(cell).cell)
+    terms = with_gears(parse_extensions(method.extend), bench, method.model)
     with _Bar("reading") as reading, _Bar("solving") as solving:
         result = identify_scan_file(
             points,

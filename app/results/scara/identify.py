@@ -86,12 +86,22 @@ def problem_of_points(
 
     Args:
         budget: contributors of the uncertainty; None for what the points state themselves.
+        terms: beyond the model and the gears that the cell file knows of.
     """
     places = {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}
     distances = to_points(points, places)
     nodes = np.deg2rad(bench.nodes1_deg), np.deg2rad(bench.nodes2_deg)
     rough = np.array([places[name] for name in distances.reflector_names])
-    return Problem(distances, model, *nodes, bench.link1_mm, bench.link2_mm, rough, budget, terms)
+    links, extended = (bench.link1_mm, bench.link2_mm), with_gears(terms, bench, model)
+    return Problem(distances, model, *nodes, *links, rough, budget, extended)
+
+
+def with_gears(terms: tuple[Term, ...], bench: ScaraBench, model: ModelName) -> tuple[Term, ...]:
+    """Return terms with the periods of the gears that the cell file knows; a model without maps has none of these."""
+    if model == "conventional":
+        return terms
+    first, second = bench.gear_orders
+    return tuple(dict.fromkeys((*periodic(1, first), *periodic(2, second), *terms)))
 
 
 def identify_points(
