@@ -7,7 +7,7 @@ import asyncio
 from typing import ClassVar
 
 from catseye.app.exitcode import ExitCode
-from catseye.calibration.core.errors import BudgetError, CalibrationError
+from catseye.calibration.core.errors import ArgumentError, BudgetError, CalibrationError
 from catseye.calibration.scara.errors import MapRangeError, OutOfReachError
 from catseye.drivers.roles.errors import AlarmError, DeviceError, NotArrivedError, NotReadyError, ProfileError
 from catseye.procedures.kit.errors import ManualStepError, PlanError, PlanLimitError, ProcedureError
@@ -120,6 +120,7 @@ _FOREIGN: tuple[tuple[type[BaseException], ExitCode], ...] = (
     (OutOfReachError, ExitCode.USAGE),
     (MapRangeError, ExitCode.USAGE),
     (BudgetError, ExitCode.USAGE),
+    (ArgumentError, ExitCode.USAGE),
     (CalibrationError, ExitCode.REJECTED),
     (PlanLimitError, ExitCode.SAFETY),
     (PlanError, ExitCode.USAGE),

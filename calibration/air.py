@@ -8,12 +8,17 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from catseye.calibration.core.arguments import require_one_of, require_positive
+from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.types import Bools, Floats
 
 Formula = Literal["ciddor", "edlen"]
 
 HE_NE_VACUUM_NM = 632.9908
-"""Vacuum wavelength of an unstabilised helium-neon laser (mise en pratique: ±1.5e-6, k = 1), nm."""
+"""Vacuum wavelength of any unstabilised helium-neon laser (mise en pratique), nm."""
+
+HE_NE_RELATIVE_U = 1.5e-6
+"""Its relative standard uncertainty (mise en pratique)."""
 
 _PHYSICAL = {
     "wavelength_vacuum_nm": (200.0, 3000.0, "nm"),
@@ -55,8 +60,9 @@ def refractive_index(
         formula: `ciddor` or `edlen` (the modified equation of the NIST).
 
     Raises:
-        ValueError: an input that no air has; the text names it.
+        ArgumentError: an input that no air has, or an unknown formula; the text names it.
     """
+    require_one_of(Formula, formula, "formula")
     given = (wavelength_vacuum_nm, temperature_c, pressure_hpa, humidity_percent, co2_ppm)
     arrays = [np.asarray(value, dtype=np.float64) for value in given]
     for (name, limits), values in zip(_PHYSICAL.items(), arrays, strict=True):
@@ -65,14 +71,12 @@ def refractive_index(
     square = (1000.0 / wavelength) ** 2
     vapour_pa = humidity / 100.0 * vapour_pressure_pa(temperature)
     if not np.all(vapour_pa < 100.0 * pressure):
-        raise ValueError(
+        raise ArgumentError(
             "the vapour pressure exceeds the pressure of the air: check the units of the pressure"
         )
     if formula == "ciddor":
         return _ciddor(square, temperature, 100.0 * pressure, vapour_pa, co2)
-    if formula == "edlen":
-        return _edlen(square, temperature, 100.0 * pressure, vapour_pa)
-    raise ValueError(f"formula {formula!r} is unknown: use 'ciddor' or 'edlen'")
+    return _edlen(square, temperature, 100.0 * pressure, vapour_pa)
 
 
 def outside_nist_range(wavelength_vacuum_nm: float, temperature_c: float, pressure_hpa: float) -> str | None:
@@ -118,7 +122,12 @@ def compensated_mm(vacuum_mm: float, n_now: float, n_zero: float, dead_path_mm: 
         n_now: refractive index of the air now.
         n_zero: the same at the zero.
         dead_path_mm: length of the beam at the zero, mm.
+
+    Raises:
+        ArgumentError: a refractive index is not positive.
     """
+    require_positive(n_now, "n_now")
+    require_positive(n_zero, "n_zero")
     return vacuum_mm / n_now - dead_path_mm * (n_now - n_zero) / n_now
 
 
@@ -128,7 +137,7 @@ def _require(name: str, values: Floats, limits: tuple[float, float, str]) -> Non
     inside: Bools = (values >= low) & (values <= high)
     if not inside.all():
         wrong = float(values[~inside].flat[0]) if values.ndim else float(values)
-        raise ValueError(f"{name} = {wrong:g}: air has {low:g}...{high:g} {unit}; check sensor and units")
+        raise ArgumentError(f"{name} = {wrong:g}: air has {low:g}...{high:g} {unit}; check sensor and units")
 
 
 def _ciddor(square: Floats, t: Floats, p: Floats, vapour_pa: Floats, co2: Floats) -> Floats:

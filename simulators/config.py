@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from catseye.calibration.air import HE_NE_RELATIVE_U
+
 Joints = tuple[float, ...]
 """One value a joint of the arm: deg for a rotary joint, mm for a linear one."""
 
@@ -33,7 +35,8 @@ class ErrorBudget:
     """What makes two measurements of one place differ. Zero switches a contribution off.
 
     The figures are those of the SCARA paper's Table 2 where it has them (repeatability, radial error
-    motions, wavelength, correction, environment); the others are assumptions of this emulation.
+    motions, correction, environment); the laser is any helium-neon laser; the others are assumptions of this
+    emulation.
 
     Attributes:
         repeatability_um: robot repeatability, standard deviation of x and of y at each arrival.
@@ -54,7 +57,7 @@ class ErrorBudget:
 
     repeatability_um: float = 10.0
     radial_um: tuple[float, ...] = (5.0, 5.0, 10.0)
-    wavelength_um: float = 0.04
+    wavelength_um: float = 0.7e6 * HE_NE_RELATIVE_U
     correction_um: float = 0.19
     environment_um: float = 0.09
     counter_noise_um: float = 0.1

@@ -1,8 +1,9 @@
 """diagnose: what speaks for and against a fit."""
 
-from catseye.app.cli.options import AsJson, MeasuredRuns, PointsCell, PointsFile, Runs
+from catseye.app.cli.options import AsJson, Budget, MeasuredRuns, PointsCell, PointsFile, Runs
 from catseye.app.cli.output import note, warn, write_json, write_line
 from catseye.app.cli.progress import ProgressBar
+from catseye.app.cli.report_output import note_statement
 from catseye.app.render.text import statement_lines, tables_text
 from catseye.app.results.origin import origin_now
 
@@ -16,20 +17,24 @@ def diagnose(
     cell: PointsCell = None,
     runs: Runs = None,
     as_json: AsJson = False,
+    budget: Budget = None,
 ) -> None:
     """Show what speaks against a fit: outliers, drift, lack of fit, cross-validation, richer models, node spacing.
 
     Example: catseye diagnose 1a2b3c
     """
+    from catseye.app.results.scara.budget_text import budget_statements
     from catseye.app.results.scara.diagnosis import diagnose_distances
     from catseye.app.results.scara.diagnosis_document import diagnosis_document
     from catseye.app.results.scara.diagnosis_report import diagnosis_report
     from catseye.app.results.scara.distances import load_distances
     from catseye.app.results.scara.identify import are_simulated
 
-    source = load_distances(run or [], points, cell, runs)
+    source = load_distances(run or [], points, cell, runs, budget=budget)
     for text in source.warnings:
         warn(text)
+    for statement in budget_statements(source.stated.part):
+        note_statement(statement)
     bar, step = ProgressBar("diagnose"), iter(range(1, 1000))
     try:
         diagnosis = diagnose_distances(

@@ -100,10 +100,11 @@ def _written(table: "Export", form: Format) -> str | bytes:
         case "csv":
             return comment_lines(map(unverified_text, table.unverified)) + table.csv
         case "json":
-            return json.dumps({**_about(table), table.content: table.rows}, ensure_ascii=False) + "\n"
+            about = {**table.about, **_beside(table)}
+            return json.dumps({**about, table.content: table.rows}, ensure_ascii=False) + "\n"
         case _:
-            return table_parquet(table.rows, {"unverified": table.unverified} if table.unverified else {})
+            return table_parquet(table.rows, _beside(table))
 
 
-def _about(table: "Export") -> dict[str, object]:
-    return {**table.about, "unverified": table.unverified} if table.unverified else dict(table.about)
+def _beside(table: "Export") -> dict[str, object]:
+    return {**table.documents, **({"unverified": table.unverified} if table.unverified else {})}

@@ -1,7 +1,7 @@
 """Arguments and options that several commands share, each declared once."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -15,7 +15,7 @@ StoredRun = Annotated[str, typer.Argument(metavar="RUN", help="path, name, begin
 Unverified = Annotated[
     bool,
     typer.Option(
-        "--unverified", help="take a sealed run that was changed after its end; what comes out says so"
+        "--unverified", help="take a sealed run or table that was changed afterwards; what comes out says so"
     ),
 ]
 Speed = Annotated[
@@ -39,7 +39,15 @@ KeepDrives = Annotated[
 ]
 
 MeasuredRuns = Annotated[list[str] | None, typer.Argument(metavar="[RUN]...", help="measured runs")]
-PointsFile = Annotated[Path | None, typer.Option(help="points CSV instead of runs; needs --cell")]
+PointsFile = Annotated[
+    Path | None, typer.Option(help="points file instead of runs, CSV or Parquet; needs --cell")
+]
+Budget = Annotated[
+    Literal["table", "cell", "none"] | None,
+    typer.Option(
+        help="whose error budget counts [the points file's own, else the cell's]; none takes sigma_mm as white"
+    ),
+]
 PointsCell = Annotated[Path | None, typer.Option(help="cell file for --points")]
 RunOrResult = Annotated[str, typer.Argument(metavar="RUN|RESULT", help="run, or result JSON")]
 Output = Annotated[Path, typer.Option("-o", "--output", help="file to write")]

@@ -11,10 +11,15 @@ def write_tables(report: Report) -> None:
 
 
 def note_statements(report: Report) -> None:
-    """Write the statements of a report to stderr; those that need attention as warnings."""
+    """Write the statements of a report to stderr."""
     for block in report.blocks(brief=True):
-        match block:
-            case Statement(sign=Sign.ATTENTION, text=text):
-                warn(text)
-            case Statement():
-                note(statement_line(block))
+        if isinstance(block, Statement):
+            note_statement(block)
+
+
+def note_statement(statement: Statement) -> None:
+    """Write a statement to stderr; one that needs attention as a warning."""
+    if statement.sign is Sign.ATTENTION:
+        warn(statement.text)
+    else:
+        note(statement_line(statement))

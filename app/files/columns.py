@@ -1,6 +1,7 @@
 """Tables of any length, CSV or Parquet, as columns that are checked by the rules of their declaration."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -73,7 +74,8 @@ def read_rows(path: Path, table: TableRule) -> tuple[list[CsvRow], Columns]:
 def _joined(blocks: Sequence[Columns]) -> Columns:
     filled = [block for block in blocks if len(block)]
     values = {name: np.concatenate([block[name] for block in filled]) for name in filled[0].values}
-    return Columns(values, np.concatenate([block.lines for block in filled]), filled[0].names)
+    lines = np.concatenate([block.lines for block in filled])
+    return replace(filled[0], values=values, lines=lines)
 
 
 def _without_rows(path: Path, table: TableRule) -> UsageError:

@@ -1,13 +1,15 @@
 """CSV tables as columns: whole blocks at once, line by line only to name what is wrong in one."""
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from catseye.app.errors import UsageError
+from catseye.app.files.attached import attached_documents
 from catseye.app.files.column_rules import (
     LARGEST_INTEGER,
     Form,
@@ -24,36 +26,57 @@ from catseye.procedures.kit.columns import ColumnRule, Columns, Kind, TableRule
 
 def csv_blocks(path: Path, table: TableRule, names: tuple[str, ...]) -> Iterator[tuple[float, Columns]]:
     """Read a CSV table block by block; see `columns.table_blocks`."""
-    for header, line, text, share in _below_header(path, table):
-        form = form_of(table, header)
-        block = _clean_columns(text, line, header, form, names)
+    for top, line, text, share in _below_header(path, table):
+        form = form_of(table, top.header)
+        block = _clean_columns(text, line, top.header, form, names)
         if block is None:
-            _, block = _row_by_row(path, header, form, line, text, names)
-        yield share, block
+            _, block = _row_by_row(path, top.header, form, line, text, names)
+        yield share, replace(block, attached=top.attached)
 
 
 def csv_blocks_of_text(path: Path, table: TableRule) -> Iterator[tuple[list[CsvRow], Columns]]:
     """Read the same with the text of the cells."""
-    for header, line, text, _ in _below_header(path, table):
-        yield _row_by_row(path, header, form_of(table, header), line, text, ())
+    for top, line, text, _ in _below_header(path, table):
+        yield _row_by_row(path, top.header, form_of(table, top.header), line, text, ())
 
 
-def _below_header(path: Path, table: TableRule) -> Iterator[tuple[list[str], int, str, float]]:
-    """Return header, number of the first line, lines below the header, and the share of the file that is read."""
-    header: list[str] = []
+@dataclass(frozen=True)
+class _Top:
+    """What stands above the rows.
+
+    Attributes:
+        header: names of the columns.
+        attached: documents in the comments above it, JSON by their kind.
+    """
+
+    header: list[str]
+    attached: Mapping[str, str]
+
+
+def _below_header(path: Path, table: TableRule) -> Iterator[tuple[_Top, int, str, float]]:
+    """Return the top, number of the first line, lines below the header, and the share of the file that is read."""
+    top: _Top | None = None
+    above: list[str] = []
     for first, text, share in chunks(path):
         line, below = first, text
-        while not header and below:
-            top, _, below = below.partition("\n")
-            if not is_comment(top):
-                header = header_of(path, line, top)
-                if fault := header_fault(table, header):
-                    raise UsageError(f"{path}:{line}: {fault}")
+        while top is None and below:
+            one, _, below = below.partition("\n")
+            if is_comment(one):
+                above.append(one)
+            else:
+                top = _Top(_header(path, line, one, table), attached_documents(above))
             line += 1
-        if below:
-            yield header, line, below, share
-    if not header:
+        if top is not None and below:
+            yield top, line, below, share
+    if top is None:
         raise UsageError(f"{path}: is empty; the first line has to be the header {forms_text(table)}")
+
+
+def _header(path: Path, number: int, line: str, table: TableRule) -> list[str]:
+    header = header_of(path, number, line)
+    if fault := header_fault(table, header):
+        raise UsageError(f"{path}:{number}: {fault}")
+    return header
 
 
 def _clean_columns(

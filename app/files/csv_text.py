@@ -43,6 +43,11 @@ def _comment(text: str) -> str:
     return ",".join(marked(part) for part in text.replace('"', "'").split(","))
 
 
+def uncommented(comment: str) -> str:
+    """Return the text of a comment that `comment_lines` wrote, if there was no apostrophe in it."""
+    return ",".join(unmarked(part) for part in comment.split(",")).replace("'", '"')
+
+
 def _cell(text: str) -> str:
     # csv quotes a text for its line feeds, not for a carriage return, which most readers take for the end of a row.
     return marked("\n".join(re.split(r"\r\n?", text)))

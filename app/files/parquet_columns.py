@@ -2,12 +2,15 @@
 
 import importlib
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from catseye.app.errors import ConfigError, UsageError
+from catseye.app.files.attached import attached_metadata
 from catseye.app.files.column_rules import Form, doubled_fault, first_fault, form_of, places_among
 from catseye.app.files.csv_lines import require_file
 from catseye.calibration.core.types import Floats
@@ -18,6 +21,36 @@ _BATCH_ROWS = 50_000
 
 def parquet_blocks(path: Path, table: TableRule, names: tuple[str, ...]) -> Iterator[tuple[float, Columns]]:
     """Read a Parquet table block by block; see `columns.table_blocks`."""
+    with _opened(path) as file:
+        form = _parquet_form(path, table, file.schema_arrow.names)
+        attached = attached_metadata(file.schema_arrow.metadata or {})
+        total, read = max(file.metadata.num_rows, 1), 0
+        for batch in file.iter_batches(_BATCH_ROWS, columns=[column.name for column in form]):
+            block = replace(_batch_columns(batch, form, read + 1, names), attached=attached)
+            if fault := first_fault(form, block):
+                row, column = fault
+                value = batch.column(column.name)[row].as_py()
+                raise UsageError(
+                    f"{path}: row {read + row + 1}: {column.name} = {value!r} cannot be; "
+                    f"it has to be {_wanted(column, names)}"
+                )
+            read += len(block)
+            yield read / total, block
+
+
+def parquet_rows(path: Path) -> int:
+    """Return the number of rows of a Parquet table.
+
+    Raises:
+        UsageError: the file is missing or no Parquet.
+        ConfigError: the extra package is not installed.
+    """
+    with _opened(path) as file:
+        return int(file.metadata.num_rows)
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
     try:
         parquet = importlib.import_module("pyarrow.parquet")
     except ImportError as error:
@@ -26,19 +59,7 @@ def parquet_blocks(path: Path, table: TableRule, names: tuple[str, ...]) -> Iter
     require_file(path)
     try:
         with parquet.ParquetFile(path) as file:
-            form = _parquet_form(path, table, file.schema_arrow.names)
-            total, read = max(file.metadata.num_rows, 1), 0
-            for batch in file.iter_batches(_BATCH_ROWS, columns=[column.name for column in form]):
-                block = _batch_columns(batch, form, read + 1, names)
-                if fault := first_fault(form, block):
-                    row, column = fault
-                    value = batch.column(column.name)[row].as_py()
-                    raise UsageError(
-                        f"{path}: row {read + row + 1}: {column.name} = {value!r} cannot be; "
-                        f"it has to be {_wanted(column, names)}"
-                    )
-                read += len(block)
-                yield read / total, block
+            yield file
     except (OSError, ValueError, NotImplementedError) as error:
         # The last one is how pyarrow says that a column of lists or tables is none of numbers.
         raise UsageError(f"{path}: cannot be read as Parquet: {error}") from error

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any, Final, get_args
 
 from pydantic import ValidationError
+from pydantic_core import PydanticSerializationError
 
 from catseye.app.protocol.engine_events import EngineEvent
 from catseye.app.protocol.message import VERSION, Event, MessageError, encode_object, faults_of
@@ -52,4 +53,9 @@ def _model_of(message: Mapping[str, Any]) -> type[AnyEvent]:
 
 def encode_event(event: Event) -> bytes:
     """Return an event as its line on the socket."""
-    return encode_object({"v": VERSION, **event.json_object()})
+    try:
+        text = event.model_dump_json(ensure_ascii=True)
+    except PydanticSerializationError:
+        # A lone surrogate, as file names have them; Python's own writer escapes it.
+        return encode_object({"v": VERSION, **event.json_object()})
+    return f'{{"v":{VERSION},{text[1:]}\n'.encode("ascii")

@@ -41,7 +41,7 @@ class MessageError(ValueError):
 class Message(BaseModel):
     """A part of what the engine sends. What a newer engine adds is kept, and passed on by `attach --json`."""
 
-    model_config = ConfigDict(frozen=True, extra="allow")
+    model_config = ConfigDict(frozen=True, extra="allow", ser_json_inf_nan="constants")
 
     def json_object(self) -> JsonObject:
         """Return it as JSON has it."""

@@ -18,14 +18,14 @@ _LEAST_SHARE = 0.0005
 _UNITS = {"mm": "mm", "mdeg": "mdeg", "um": "µm"}
 
 
-def uncertainty_section(part: UncertaintyPart | None, budget: Sequence[ContributorEntry] | None) -> Section:
+def uncertainty_section(part: UncertaintyPart | None, budget: Sequence[ContributorEntry]) -> Section:
     """Return the budget and what becomes of it in the results.
 
     Args:
         part: of the result; None leaves it out.
-        budget: of the configuration; None where only a result file is known.
+        budget: that the result stands on; empty where it does not say.
     """
-    blocks: list[Block | None] = [] if budget is None else [_budget(budget)]
+    blocks: list[Block | None] = [_budget(budget)] if budget else []
     if part is not None:
         blocks += [Paragraph(_method(part)), _contributions(part.contributions), _correlations(part)]
         blocks += [*_validation(part.monte_carlo), _intervals(part)]
@@ -35,7 +35,7 @@ def uncertainty_section(part: UncertaintyPart | None, budget: Sequence[Contribut
 def _budget(entries: Sequence[ContributorEntry]) -> Table:
     return Table(
         "budget",
-        "Error budget of the cell file. A normal contributor is stated by its standard uncertainty, the others by "
+        "Error budget. A normal contributor is stated by its standard uncertainty, the others by "
         "their half width; what is shared by several distances does not average out.",
         (
             Column("name", "contributor"),

@@ -9,6 +9,7 @@ from catseye.app.render.text import table_text
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import fixed, number
 from catseye.app.results.origin import origin_now
+from catseye.app.results.scara.budget_text import budget_statements
 from catseye.app.results.scara.comparison import ResultComparison
 from catseye.app.results.scara.comparison_report import comparison_report
 from catseye.app.results.scara.diagnosis_document import DiagnosisDocument
@@ -71,6 +72,8 @@ def layout_text(result: Result) -> str:
 def fit_sentences(result: Result, diagnosis: DiagnosisDocument | None) -> list[Statement]:
     """Return what was identified, how it fits, and what a diagnosis found."""
     statements = [Statement(Sign.NEUTRAL, identified_text(result)), *fit_statements(result)]
+    if result.budget is not None:
+        statements += budget_statements(result.budget)
     if result.uncertainty is not None:
         statements += uncertainty_statements(result.uncertainty)
     if diagnosis is None:

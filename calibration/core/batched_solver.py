@@ -10,6 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
+from catseye.calibration.core.gain import gain
 from catseye.calibration.core.least_squares import factorise, minimise
 from catseye.calibration.core.model import Model
 from catseye.calibration.core.types import Bools, Floats
@@ -92,7 +93,7 @@ class BatchedProblem:
             nominal=nominal,
             predicted_mm=model.residuals(nominal) + rows.measured_mm,
             weights=weights,
-            gain=root @ (root.T @ (jacobian * weights[:, None]).T),
+            gain=gain(model, nominal),
             directions=root,
         )
 

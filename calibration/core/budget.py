@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_one_of
 from catseye.calibration.core.types import Floats, Ints
 
 Distribution = Literal["normal", "uniform", "triangular", "arcsine"]
@@ -172,6 +173,7 @@ def standard_draws(
     distribution: Distribution, rng: np.random.Generator, size: int | tuple[int, ...]
 ) -> Floats:
     """Return independent draws of mean 0 and standard deviation 1."""
+    require_one_of(Distribution, distribution, "distribution")
     return _STANDARD[distribution](rng, size)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from catseye.calibration.core.budget import RowErrors
 from catseye.calibration.core.coverage import effective_dof
 from catseye.calibration.core.fit_statistics import FitStatistics
-from catseye.calibration.core.least_squares import factorise
+from catseye.calibration.core.gain import gain
 from catseye.calibration.core.model import Model
 from catseye.calibration.core.types import Floats
 
@@ -46,13 +46,11 @@ class Contributions:
         Args:
             variances: what each contributor gives to each result, shape (contributors, m).
         """
+        dof = np.array([one.dof for one in self.errors.contributors])
         # The widening multiplies everything, so it counts as one more input of full size.
-        dof = np.array([*(one.dof for one in self.errors.contributors), self.errors.factor_dof])
-        totals = variances.sum(axis=0)
-        parts = np.sqrt(np.vstack([variances, totals]))
-        return np.array(
-            [effective_dof(part, dof, float(np.sqrt(v))) for part, v in zip(parts.T, totals, strict=True)]
-        )
+        widening = 1.0 / self.errors.factor_dof
+        inverse = np.array([1.0 / effective_dof(np.sqrt(v), dof) + widening for v in variances.T])
+        return np.where(inverse > 0.0, 1.0 / np.where(inverse > 0.0, inverse, 1.0), math.inf)
 
 
 def row_errors(model: Model, values: Floats, fit: FitStatistics) -> RowErrors:
@@ -61,9 +59,9 @@ def row_errors(model: Model, values: Floats, fit: FitStatistics) -> RowErrors:
     Args:
         values: the estimate, shape (p,).
     """
-    widened = not model.stated or fit.variance_factor != 1.0
+    widened = not model.stated or fit.variance_ratio != 1.0
     return RowErrors(
-        model.white(values), model.shared(values), fit.variance_factor, fit.dof if widened else math.inf
+        model.white(values), model.shared(values), fit.unit_weight_variance, fit.dof if widened else math.inf
     )
 
 
@@ -74,25 +72,7 @@ def taken_apart(model: Model, values: Floats, errors: RowErrors) -> Contribution
         values: the estimate, shape (p,).
         errors: white and shared, in the order of the rows.
     """
-    gain = _gain(model, values)
-    parts = [gain * one.sigma_mm for one in errors.white] + [gain @ one.effects_mm for one in errors.shared]
+    moved = gain(model, values)
+    parts = [moved * one.sigma_mm for one in errors.white] + [moved @ one.effects_mm for one in errors.shared]
     # A product with its own transpose is symmetric to the last digit.
     return Contributions(errors, errors.factor * np.stack([part @ part.T for part in parts]))
-
-
-def shifts(model: Model, values: Floats, effects_mm: Floats) -> Floats:
-    """Return what sources do to an estimate, shape (p, m).
-
-    Args:
-        values: the estimate, shape (p,).
-        effects_mm: what the sources do to the rows, shape (n, m).
-    """
-    return np.asarray(_gain(model, values) @ effects_mm, dtype=np.float64)
-
-
-def _gain(model: Model, values: Floats) -> Floats:
-    """Return what the estimate moves by per row, shape (p, n)."""
-    weights, basis = model.weights, model.parameters.basis
-    jacobian = model.jacobian(values) * weights[:, None]
-    white = factorise(jacobian @ basis).covariance_on(basis)
-    return np.asarray(white @ (jacobian * weights[:, None]).T)

@@ -6,8 +6,17 @@ from typing import Literal
 
 import numpy as np
 from scipy import special
+from scipy.sparse import csgraph
 
-from catseye.calibration.core.types import Floats
+from catseye.calibration.core.arguments import (
+    require_count,
+    require_finite,
+    require_positive,
+    require_shape,
+    require_share,
+)
+from catseye.calibration.core.errors import ArgumentError
+from catseye.calibration.core.types import Floats, Ints
 
 Verdict = Literal["validated", "not validated", "too few draws"]
 
@@ -27,16 +36,14 @@ def symmetric_interval(draws: Floats, coverage: float) -> Interval:
         draws: of one quantity, shape (draws,).
         coverage: 0...1.
     """
-    ordered = np.sort(draws)
-    count = _inside(ordered.size, coverage)
+    ordered, count = _ordered(draws, coverage)
     first = (ordered.size - count + 1) // 2
     return Interval(float(ordered[first - 1]), float(ordered[first - 1 + count]))
 
 
 def shortest_interval(draws: Floats, coverage: float) -> Interval:
     """Return the shortest interval that holds the share `coverage` of the draws."""
-    ordered = np.sort(draws)
-    count = _inside(ordered.size, coverage)
+    ordered, count = _ordered(draws, coverage)
     first = int(np.argmin(ordered[count:] - ordered[:-count]))
     return Interval(float(ordered[first]), float(ordered[first + count]))
 
@@ -46,11 +53,13 @@ def fewest_draws(coverage: float) -> int:
 
     Then fifty draws lie beyond either limit of a symmetric interval.
     """
+    require_share(coverage, "coverage")
     return math.ceil(100.0 / (1.0 - coverage) - 1e-9)
 
 
 def numerical_tolerance(u: float, digits: int = 1) -> float:
     """Return half a unit of the last digit of a standard uncertainty that is stated with so many digits."""
+    require_count(digits, "digits")
     if not (u > 0.0 and math.isfinite(u)):
         return 0.0
     exponent = int(f"{u:.{digits - 1}e}".partition("e")[2]) - (digits - 1)
@@ -111,26 +120,56 @@ def _scatter(draws: Floats, share: float) -> float:
     return 0.5 * float(high - low)
 
 
-def _inside(draws: int, coverage: float) -> int:
-    count = int(coverage * draws + 0.5)
-    if not 0 < count < draws:
-        raise ValueError(f"{draws} draws hold no interval of coverage {coverage:g}")
-    return count
+def _ordered(draws: Floats, coverage: float) -> tuple[Floats, int]:
+    """Return draws in ascending order, and how many of them an interval holds."""
+    require_shape(draws, (None,), "draws")
+    require_finite(draws, "draws")
+    require_share(coverage, "coverage")
+    count = int(coverage * draws.size + 0.5)
+    if not 0 < count < draws.size:
+        raise ArgumentError(f"{draws.size} draws hold no interval of coverage {coverage:g}: draw more")
+    return np.sort(draws), count
 
 
-def effective_dof(parts: Floats, dof: Floats, combined: float | None = None) -> float:
-    """Return the effective degrees of freedom of a combined standard uncertainty (Welch–Satterthwaite).
+def effective_dof(parts: Floats, dof: Floats, correlations: Floats | None = None) -> float:
+    """Return the effective degrees of freedom of a combined standard uncertainty (Welch–Satterthwaite, GUM G.4.1).
+
+    The formula holds for independent inputs. Correlated ones were estimated together, from one set of observations or
+    by one fit: they count as one input with the degrees of freedom that they have in common, and with the standard
+    uncertainty that they give the result together.
 
     Args:
-        parts: standard uncertainty that each independent input makes of the result, shape (k,).
+        parts: sensitivity times standard uncertainty of each input, with its sign, shape (k,).
         dof: degrees of freedom of each, infinite where it is known for certain, shape (k,).
-        combined: combined standard uncertainty; None for the root of the sum of the squares.
+        correlations: coefficients between the inputs, shape (k, k); None where they are independent.
+
+    Raises:
+        ArgumentError: correlated inputs have different degrees of freedom, or some are not positive.
     """
-    total = float(np.sqrt(np.sum(np.square(parts)))) if combined is None else combined
-    if total == 0.0:
+    parts, dof = np.asarray(parts, dtype=np.float64), np.asarray(dof, dtype=np.float64)
+    require_shape(dof, parts.shape, "dof")
+    require_positive(dof, "dof", infinite=True)
+    between = np.eye(parts.size) if correlations is None else correlations
+    require_shape(between, (parts.size, parts.size), "correlations")
+    together = csgraph.connected_components(between != 0.0, directed=False)[1].astype(np.int64)
+    _require_one_dof(dof, together)
+    variances = np.bincount(together, parts * (between @ parts))
+    total = float(variances.sum())
+    if total <= 0.0:
         return math.inf
-    inverse = float(np.sum((np.asarray(parts) / total) ** 4 / np.asarray(dof)))
+    inverse = float(np.sum((variances / total) ** 2 / dof[np.unique(together, return_index=True)[1]]))
     return 1.0 / inverse if inverse > 0.0 else math.inf
+
+
+def _require_one_dof(dof: Floats, together: Ints) -> None:
+    for number in np.unique(together):
+        own = np.unique(dof[together == number])
+        if own.size > 1:
+            listed = ", ".join(f"{one:g}" for one in own)
+            raise ArgumentError(
+                f"correlated inputs have {listed} degrees of freedom: correlation comes from an estimate that they "
+                "share, and with it its degrees of freedom; state the same for all of them"
+            )
 
 
 def coverage_factor(coverage: float, dof: Floats | float) -> Floats:
@@ -140,6 +179,8 @@ def coverage_factor(coverage: float, dof: Floats | float) -> Floats:
         coverage: probability that the interval holds the quantity, 0...1.
         dof: effective degrees of freedom, infinite for a normal distribution, any shape.
     """
+    require_share(coverage, "coverage")
+    require_positive(dof, "dof", infinite=True)
     return np.asarray(special.stdtrit(dof, 0.5 * (1.0 + coverage)), dtype=np.float64)
 
 

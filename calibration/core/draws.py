@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_count
 from catseye.calibration.core.batched_solver import BatchedProblem, Solved, solve_draws
 from catseye.calibration.core.budget import RowErrors
 from catseye.calibration.core.errors import CalibrationError
@@ -39,7 +40,13 @@ class Chunk:
 
 
 def chunked(problem: BatchedProblem, errors: RowErrors, draws: int, seed: int) -> list[Chunk]:
-    """Return the work of a Monte Carlo of so many draws, at least 2."""
+    """Return the work of a Monte Carlo of so many draws, at least 2.
+
+    Raises:
+        ArgumentError: fewer draws, or a negative seed.
+    """
+    require_count(draws, "draws", 2)
+    require_count(seed, "seed", 0)
     starts = range(0, draws, CHUNK)
     return [Chunk(problem, errors, seed, k, min(CHUNK, draws - start)) for k, start in enumerate(starts)]
 

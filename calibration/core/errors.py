@@ -22,6 +22,10 @@ class UnidentifiableError(CalibrationError):
         return type(self), (str(self), self.null_directions)
 
 
+class ArgumentError(CalibrationError, ValueError):
+    """An argument has no meaning: an unknown name, a number out of range, arrays that do not fit together."""
+
+
 class InsufficientPointsError(CalibrationError):
     """There are fewer usable rows than the model needs."""
 

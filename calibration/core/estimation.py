@@ -71,5 +71,5 @@ def _judged(model: Model, solution: Solution) -> Estimate:
             iterations=solution.iterations,
         )
     )
-    covariance = np.asarray(fit.variance_factor * (white + shifts @ shifts.T), dtype=np.float64)
+    covariance = np.asarray(fit.unit_weight_variance * (white + shifts @ shifts.T), dtype=np.float64)
     return Estimate(solution.parameters, covariance, solution.residuals, fit)

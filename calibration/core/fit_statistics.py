@@ -40,7 +40,8 @@ class FitStatistics:
         chi2_expected: its expectation, shared errors included.
         chi2_probability: of a χ² this large; None when no uncertainties were stated.
         lack_of_fit: test against repeats; None when too few rows are repeated.
-        variance_factor: what the covariance of the stated uncertainties was multiplied with.
+        variance_ratio: what stated variances were multiplied with; 1 where none were stated.
+        row_variance_mm2: variance of a row from the scatter of the fit, mm²; None where one was stated.
         iterations: steps of the solver.
         robust: of a robust fit; None for least squares.
     """
@@ -54,9 +55,18 @@ class FitStatistics:
     chi2_expected: float
     chi2_probability: float | None
     lack_of_fit: LackOfFit | None
-    variance_factor: float
+    variance_ratio: float
+    row_variance_mm2: float | None
     iterations: int
     robust: RobustLoss | None = None
+
+    @property
+    def unit_weight_variance(self) -> float:
+        """Variance of unit weight: what a covariance that follows from the weights is multiplied with.
+
+        Weights that no uncertainty states are ones, 1/mm; then it is the variance of a row.
+        """
+        return self.variance_ratio if self.row_variance_mm2 is None else self.row_variance_mm2
 
 
 @dataclass(frozen=True)
@@ -106,6 +116,7 @@ def summed_statistics(sums: FitSums, lack: LackOfFit | None) -> FitStatistics:
     expected = Expected.of_products(dof, sums.inner)
     probability = expected.probability(sums.square) if sums.stated else None
     variance = sums.square / dof
+    factor = _unit_weight_variance(variance, expected.mean / dof, probability, lack)
     return FitStatistics(
         n_points=sums.n_points,
         n_parameters=sums.free,
@@ -116,12 +127,13 @@ def summed_statistics(sums: FitSums, lack: LackOfFit | None) -> FitStatistics:
         chi2_expected=expected.mean / dof,
         chi2_probability=probability,
         lack_of_fit=lack,
-        variance_factor=_variance_factor(variance, expected.mean / dof, probability, lack),
+        variance_ratio=factor if sums.stated else 1.0,
+        row_variance_mm2=None if sums.stated else factor,
         iterations=sums.iterations,
     )
 
 
-def _variance_factor(
+def _unit_weight_variance(
     variance: float, expected: float, probability: float | None, lack: LackOfFit | None
 ) -> float:
     """Return the factor that keeps the stated uncertainties honest.

@@ -117,7 +117,7 @@ def minimise(
     for iteration in range(1, MAX_ITERATIONS + 1):
         weighted = jacobian(parameters) * weights[:, None]
         gradient = weighted.T @ (current * weights)
-        equations = NormalEquations.of(weighted.T @ weighted, gradient, basis)
+        equations = NormalEquations.of(basis.T @ (weighted.T @ weighted) @ basis, gradient, basis)
         parameters, current, change = _improve(residuals, parameters, current, weights, equations)
         if change < STEP_TOLERANCE:
             final = jacobian(parameters)
@@ -142,9 +142,8 @@ class NormalEquations:
     directions: Floats
 
     @classmethod
-    def of(cls, matrix: Floats, gradient: Floats, basis: Floats) -> "NormalEquations":
-        """Reduce JᵀWJ of shape (p, p) and JᵀWr of shape (p,) to the free directions, a basis of shape (p, free)."""
-        reduced = basis.T @ matrix @ basis
+    def of(cls, reduced: Floats, gradient: Floats, basis: Floats) -> "NormalEquations":
+        """Scale BᵀJᵀWJB, shape (free, free), and JᵀWr, shape (p,), for a basis B of shape (p, free)."""
         diagonal = np.diag(reduced)
         scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
         directions = basis * scale

@@ -140,13 +140,15 @@ def _half(loss: Loss) -> float:
 
 def _statistics(fit: FitStatistics, residuals_mm: Floats, scale: float, rounds: int) -> FitStatistics:
     """Return the statistics that a robust fit has: no χ², which judges squares."""
+    stated = fit.row_variance_mm2 is None
     return replace(
         fit,
         rms_um=1e3 * float(np.sqrt(np.mean(residuals_mm**2))),
         chi2_reduced=None,
         chi2_probability=None,
         lack_of_fit=None,
-        variance_factor=scale**2,
+        variance_ratio=scale**2 if stated else 1.0,
+        row_variance_mm2=None if stated else scale**2,
         iterations=rounds,
     )
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from catseye.calibration.kinematics.chain import Chain
 from catseye.calibration.kinematics.distances import depth_in_box_mm, segment_to_box_mm, segment_to_segment_mm
+from catseye.calibration.kinematics.errors import KinematicsError
 from catseye.calibration.kinematics.types import Floats
 
 Point = tuple[float, float, float]
@@ -35,6 +36,12 @@ class Capsule:
     end_mm: Point
     radius_mm: float
 
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.radius_mm < math.inf:
+            raise KinematicsError(
+                f"body {self.name}: its radius is {self.radius_mm:g} mm: state zero or more"
+            )
+
 
 @dataclass(frozen=True)
 class Box:
@@ -49,6 +56,10 @@ class Box:
     name: str
     low_mm: Point
     high_mm: Point
+
+    def __post_init__(self) -> None:
+        if not all(low <= high for low, high in zip(self.low_mm, self.high_mm, strict=True)):
+            raise KinematicsError(f"box {self.name}: its smallest corner exceeds its largest: exchange them")
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,14 @@ The transform of joint i is T_i = Rx(α_i) Tx(a_i) Rz(θ_i) Tz(d_i) (Craig, Intr
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
+from catseye.calibration.kinematics.errors import KinematicsError
 from catseye.calibration.kinematics.types import Floats
+
+JointKind = Literal["revolute", "prismatic"]
 
 
 @dataclass(frozen=True)
@@ -31,7 +34,7 @@ class Joint:
     """
 
     name: str
-    kind: Literal["revolute", "prismatic"]
+    kind: JointKind
     alpha_deg: float
     a_mm: float
     theta_offset_deg: float
@@ -39,6 +42,17 @@ class Joint:
     sign: float
     low: float
     high: float
+
+    def __post_init__(self) -> None:
+        if self.kind not in get_args(JointKind):
+            known = ", ".join(get_args(JointKind))
+            raise KinematicsError(f"joint {self.name}: kind {self.kind!r} is unknown: use one of {known}")
+        if abs(self.sign) != 1.0:
+            raise KinematicsError(f"joint {self.name}: its sign is {self.sign:g}: use 1 or -1")
+        if not self.low <= self.high:
+            raise KinematicsError(
+                f"joint {self.name}: its range {self.low:g}…{self.high:g} is empty: exchange the ends"
+            )
 
     @property
     def longest_mm(self) -> float:
@@ -67,9 +81,12 @@ class Chain:
         """Return the number of a frame by its joint's name, or "base".
 
         Raises:
-            KeyError: there is no such joint.
+            KinematicsError: there is no such joint.
         """
-        return {"base": 0, **{joint.name: i for i, joint in enumerate(self.joints, 1)}}[name]
+        names = ["base", *(joint.name for joint in self.joints)]
+        if name not in names:
+            raise KinematicsError(f"frame {name!r} is unknown: use one of {', '.join(names)}")
+        return names.index(name)
 
     def frames(self, poses: Floats) -> Floats:
         """Return the frames at poses.

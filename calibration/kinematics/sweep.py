@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.calibration.kinematics.bodies import Gaps, Pair
+from catseye.calibration.kinematics.errors import KinematicsError
 from catseye.calibration.kinematics.types import Bools, Floats, Ints
 
 RESOLUTION_MM = 0.1
@@ -79,10 +80,10 @@ def first_contact(
             there at most.
 
     Raises:
-        ValueError: a target is not finite: nothing would be too near then.
+        KinematicsError: a target is not finite: nothing would be too near then.
     """
     if not np.isfinite(way).all():
-        raise ValueError("a target of the way is not finite")
+        raise KinematicsError("a target of the way is not finite: plan the way anew")
     if not gaps.pairs:
         return None
     if len(way) == 1:

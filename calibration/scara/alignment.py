@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_finite, require_not_negative, require_shape
 from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
 from catseye.calibration.core.types import Floats, Ints
 
@@ -54,7 +55,10 @@ def fit_offset(turn_rad: Floats, length_mm: Floats, series: Ints, u_length_mm: f
     Raises:
         InsufficientPointsError: no more lengths than unknowns.
         UnidentifiableError: the turns do not separate slope and curvature.
+        ArgumentError: the columns do not fit together, a number is not finite, or the uncertainty is negative.
     """
+    _require_columns(turn_rad, length_mm, u_length_mm)
+    require_shape(series, turn_rad.shape, "series")
     passes = np.unique(series)
     unknowns = passes.size + 2
     if turn_rad.size <= unknowns:
@@ -116,7 +120,9 @@ def fit_pitch(distance_mm: Floats, height_mm: Floats, u_height_mm: float) -> Pit
     Raises:
         InsufficientPointsError: fewer than two heights.
         UnidentifiableError: all distances are the same.
+        ArgumentError: the columns do not fit together, a number is not finite, or the uncertainty is negative.
     """
+    _require_columns(distance_mm, height_mm, u_height_mm)
     if distance_mm.size < 2:
         raise InsufficientPointsError(
             f"the pitch needs heights at two distances or more, not {distance_mm.size}: measure at more poses"
@@ -134,6 +140,13 @@ def fit_pitch(distance_mm: Floats, height_mm: Floats, u_height_mm: float) -> Pit
         covariance=covariance,
         rms_mm=rms_mm,
     )
+
+
+def _require_columns(given: Floats, observed: Floats, u: float) -> None:
+    require_shape(observed, given.shape, "what was measured")
+    require_finite(given, "where it was measured")
+    require_finite(observed, "what was measured")
+    require_not_negative(u, "its standard uncertainty")
 
 
 def _least_squares(design: Floats, observed: Floats, u_stated: float) -> tuple[Floats, Floats, float]:

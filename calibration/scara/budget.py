@@ -10,6 +10,12 @@ from typing import Literal
 
 import numpy as np
 
+from catseye.calibration.core.arguments import (
+    require_count,
+    require_not_negative,
+    require_one_of,
+    require_positive,
+)
 from catseye.calibration.core.budget import (
     Distribution,
     Shared,
@@ -19,6 +25,7 @@ from catseye.calibration.core.budget import (
     per_group,
     stacked,
 )
+from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.between_nodes import between_nodes
 from catseye.calibration.scara.extension import Term, term_values
@@ -79,18 +86,29 @@ class Contributor:
     dof: float = math.inf
 
     def __post_init__(self) -> None:
+        require_one_of(Kind, self.kind, f"{self.name}: kind")
+        require_one_of(Correlation, self.correlation, f"{self.name}: correlation")
+        require_one_of(Distribution, self.distribution, f"{self.name}: distribution")
+        require_not_negative(self.u, f"{self.name}: u")
+        require_count(self.orders, f"{self.name}: orders")
+        require_positive(self.dof, f"{self.name}: dof", infinite=True)
+        if self.axis is not None:
+            require_one_of(Axis, self.axis, f"{self.name}: axis")
+        self._require_combination()
+
+    def _require_combination(self) -> None:
         if self.correlation not in _ALLOWED[self.kind]:
-            raise ValueError(
+            raise ArgumentError(
                 f"{self.name}: kind {self.kind} cannot be correlated per {self.correlation}; "
                 f"possible: {', '.join(_ALLOWED[self.kind])}"
             )
         needed = self.kind in {"radial", "angle", "between-nodes"} or self.correlation == "axis-angle"
         if needed and self.axis is None:
-            raise ValueError(f"{self.name}: say which axis: j1, j2 or j4")
+            raise ArgumentError(f"{self.name}: say which axis: j1, j2 or j4")
         if self.kind == "between-nodes" and self.axis == "j4":
-            raise ValueError(f"{self.name}: J4 has no map, and so no nodes: say j1 or j2")
+            raise ArgumentError(f"{self.name}: J4 has no map, and so no nodes: say j1 or j2")
         if self.kind == "angle" and self.axis == "j4":
-            raise ValueError(
+            raise ArgumentError(
                 f"{self.name}: the angle of J4 acts on the direction of the beam: kind direction"
             )
 

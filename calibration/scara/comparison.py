@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_finite, require_shape
 from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
 from catseye.calibration.core.types import Bools, Floats
 
@@ -112,7 +113,15 @@ def compare(command_mm: Floats, predicted_mm: Floats, measured_mm: Floats, insid
 
     Raises:
         InsufficientPointsError: fewer than two rows to compare.
+        ArgumentError: the columns do not fit together, or a position to compare is not finite.
     """
+    for name, column in (
+        ("command_mm", command_mm),
+        ("predicted_mm", predicted_mm),
+        ("measured_mm", measured_mm),
+    ):
+        require_shape(column, (inside.size, 2), name)
+        require_finite(column[inside], name)
     transform = rigid_fit(measured_mm[inside], predicted_mm[inside])
     aligned = transform.apply(measured_mm)
     difference = np.where(inside[:, None], aligned - predicted_mm, np.nan)

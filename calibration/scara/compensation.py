@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_shape
 from catseye.calibration.core.errors import ConvergenceError
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.scara.arm import arm_design
@@ -58,7 +59,9 @@ def compensate(arm: IdentifiedArm, commands: Commands, wished_mm: Floats) -> Com
 
     Raises:
         ConvergenceError: a map changes nearly as fast as the angle itself; no arm does that.
+        ArgumentError: there is not one position to each command.
     """
+    require_shape(wished_mm, (len(commands), 2), "wished_mm")
     reachable = _reachable(arm, commands, wished_mm)
     angles = np.full((len(commands), 2), np.nan)
     angles[reachable], steps = _iterated(arm, commands.select(reachable), wished_mm[reachable])

@@ -4,6 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catseye.calibration.core.arguments import (
+    require_directions,
+    require_finite,
+    require_increasing,
+    require_shape,
+)
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.errors import MapRangeError
 
@@ -33,7 +39,8 @@ def interpolate(nodes_rad: Floats, theta_rad: Floats, *, name: str = "angle") ->
         MapRangeError: an angle lies outside the nodes by more than 1e-9 rad.
     """
     theta = np.asarray(theta_rad, dtype=np.float64)
-    outside = np.flatnonzero((theta < nodes_rad[0] - 1e-9) | (theta > nodes_rad[-1] + 1e-9))
+    # Written so that an angle that is no number lies outside.
+    outside = np.flatnonzero(~((theta >= nodes_rad[0] - 1e-9) & (theta <= nodes_rad[-1] + 1e-9)))
     if outside.size:
         raise MapRangeError(
             f"{name} {np.rad2deg(theta[outside[0]]):.4f}° of row {int(outside[0]) + 1} is outside the nodes "
@@ -66,11 +73,10 @@ class BidirectionalMap:
     negative_rad: Floats
 
     def __post_init__(self) -> None:
-        sizes = {self.nodes_rad.shape, self.positive_rad.shape, self.negative_rad.shape}
-        if len(sizes) != 1 or self.nodes_rad.ndim != 1 or self.nodes_rad.size == 0:
-            raise ValueError("nodes and both tables need one and the same length, at least 1")
-        if not np.all(np.diff(self.nodes_rad) > 0.0):
-            raise ValueError("nodes must increase strictly")
+        require_increasing(self.nodes_rad, "nodes_rad")
+        for name in ("positive_rad", "negative_rad"):
+            require_shape(getattr(self, name), self.nodes_rad.shape, name)
+            require_finite(getattr(self, name), name)
 
     def deviation(self, theta_rad: Floats, direction: Ints) -> Floats:
         """Return the deviation at command angles, rad, shape (n,).
@@ -81,7 +87,9 @@ class BidirectionalMap:
 
         Raises:
             MapRangeError: an angle lies outside the nodes.
+            ArgumentError: a direction is neither 1 nor -1.
         """
+        require_directions(direction, "direction")
         place = interpolate(self.nodes_rad, theta_rad)
         upper = np.minimum(place.lower + 1, self.nodes_rad.size - 1)
         table = np.where(np.asarray(direction)[..., None] > 0, self.positive_rad, self.negative_rad)

@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_count, require_one_of
 from catseye.calibration.core.types import Floats
 
 Target = Literal["theta1", "theta2", "link1", "link2", "length"]
@@ -18,6 +19,8 @@ Source = Literal["theta1", "theta2", "theta4", "elapsed"]
 """What a term is a function of: a command angle, the beam's angle against link 2, the elapsed share of the run."""
 
 Part = Literal["cos", "sin", "linear"]
+
+Joint = Literal[1, 2]
 
 _ROUNDING = 1e-11
 """Values of cosine and sine below this are zero."""
@@ -42,6 +45,12 @@ class Term:
     part: Part
     order: int = 1
 
+    def __post_init__(self) -> None:
+        require_one_of(Target, self.target, "target of a term")
+        require_one_of(Source, self.source, "source of a term")
+        require_one_of(Part, self.part, "part of a term")
+        require_count(self.order, "order of a term", 0)
+
     @property
     def name(self) -> str:
         """What messages call its coefficient."""
@@ -60,8 +69,9 @@ class Term:
         return self.target in {"theta1", "theta2"}
 
 
-def periodic(joint: Literal[1, 2], orders: tuple[int, ...]) -> tuple[Term, ...]:
+def periodic(joint: Joint, orders: tuple[int, ...]) -> tuple[Term, ...]:
     """Return periodic errors of a joint's transmission: harmonics of its own angle between the nodes."""
+    require_one_of(Joint, joint, "joint")
     source: Source = "theta1" if joint == 1 else "theta2"
     return waves("theta1" if joint == 1 else "theta2", source, orders)
 

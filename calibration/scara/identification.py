@@ -6,15 +6,17 @@ from functools import cached_property
 
 import numpy as np
 
-from catseye.calibration.core.contributions import shifts
+from catseye.calibration.core.arguments import require_finite, require_shape
 from catseye.calibration.core.errors import BudgetError, InsufficientPointsError
 from catseye.calibration.core.estimation import Estimate, estimate
 from catseye.calibration.core.fit_statistics import FitStatistics
+from catseye.calibration.core.gain import gain
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget, Contributor, combined_white_mm, effects
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.layout import Layout, ModelName
+from catseye.calibration.scara.planar import require_links
 from catseye.calibration.scara.pointing import beam_turn_rad
 from catseye.calibration.scara.points import Points, without_short_segments
 
@@ -86,8 +88,8 @@ class Identification:
         if self.budget is None:
             return {}
         model = self.model
-        geometry = model.geometry(self.parameters)
-        return {one: shifts(model, self.parameters, effects(one, geometry)) for one in self.budget.repeating}
+        moved, geometry = gain(model, self.parameters), model.geometry(self.parameters)
+        return {one: moved @ effects(one, geometry) for one in self.budget.repeating}
 
     @property
     def model(self) -> DistanceModel:
@@ -134,7 +136,10 @@ def identify(
         UnidentifiableError: null directions beyond the gauge; the parameters are named.
         BudgetError: it states shared errors only.
         ConvergenceError: the iteration does not settle.
+        ArgumentError: the model is unknown, nodes do not increase, a link is not positive, or a rough place
+            is missing.
     """
+    require_nominal(link1_mm, link2_mm, reflectors_mm, points.reflector_names)
     used, rejected = without_short_segments(points)
     rough = reflectors_mm[[points.reflector_names.index(name) for name in used.reflector_names]]
     empty = np.zeros(0)
@@ -163,6 +168,13 @@ def identify(
     )
 
 
+def require_nominal(link1_mm: float, link2_mm: float, reflectors_mm: Floats, names: tuple[str, ...]) -> None:
+    """Refuse a nominal arm or rough places that nothing can start from."""
+    require_links(link1_mm, link2_mm)
+    require_shape(reflectors_mm, (len(names), 2), f"reflectors_mm of {', '.join(names)}")
+    require_finite(reflectors_mm, "reflectors_mm")
+
+
 def _weighted(distances: DistanceModel, start: Floats, budget: Budget) -> DistanceModel:
     """Give the points the standard uncertainty that follows from the white contributors."""
     sigma = combined_white_mm(budget, distances.geometry(start))
@@ -183,7 +195,7 @@ def _require_nothing_shared(budget: Budget) -> None:
 
 
 def _require_points(points: Points, layout: Layout) -> None:
-    free = layout.gauge_basis().shape[1]
+    free = layout.gauge.free
     if len(points) <= free:
         raise InsufficientPointsError(
             f"{len(points)} usable distances cannot determine {free} parameters of the {layout.model} model: "

@@ -5,6 +5,8 @@ from typing import Literal
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_increasing, require_one_of, require_shape
+from catseye.calibration.core.gauge import Gauge
 from catseye.calibration.core.model import Parameters
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.extension import Term
@@ -42,6 +44,14 @@ class Layout:
     reflector_names: tuple[str, ...]
     dead_paths: tuple[tuple[str, int], ...]
     terms: tuple[Term, ...] = ()
+
+    def __post_init__(self) -> None:
+        require_one_of(ModelName, self.model, "model")
+        for name in ("nodes1_rad", "nodes2_rad"):
+            if self.model == "error-map":
+                require_increasing(getattr(self, name), name)
+            else:
+                require_shape(getattr(self, name), (0,), f"{name} of the {self.model} model")
 
     @property
     def arm_size(self) -> int:
@@ -136,22 +146,14 @@ class Layout:
         ]
         return "the points do not determine every parameter: " + "; ".join(parts)
 
-    def gauge_basis(self) -> Floats:
-        """Return an orthonormal basis of the steps that keep the gauge, shape (size, free).
+    @property
+    def gauge(self) -> Gauge:
+        """Mean of the J1 map; the conventional model needs none, for J1's command angles fix the frame."""
+        return Gauge.none(self.size) if self.model == "conventional" else Gauge.mean_of(self.map1, self.size)
 
-        The conventional model has no gauge freedom: J1's command angles fix the frame.
-        """
-        if self.model == "conventional":
-            return np.eye(self.size)
-        tables = 2 * self.nodes1_rad.size
-        ones = np.full(tables, 1.0 / np.sqrt(tables))
-        # A Householder reflection that sends the mean's direction to the first axis.
-        normal = ones.copy()
-        normal[0] += 1.0
-        reflection = np.eye(tables) - 2.0 * np.outer(normal, normal) / (normal @ normal)
-        basis = np.eye(self.size)
-        basis[self.map1, self.map1] = reflection
-        return np.delete(basis, self.map1.start, axis=1)
+    def gauge_basis(self) -> Floats:
+        """Return an orthonormal basis of the steps that keep the gauge, shape (size, free)."""
+        return self.gauge.basis
 
 
 def _table_names(joint: str, nodes_rad: Floats) -> list[str]:

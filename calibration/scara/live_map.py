@@ -13,11 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import linalg
 
+from catseye.calibration.core.arguments import require_finite, require_positive
 from catseye.calibration.core.centred_sums import CentredSums
+from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.rank import known_variances
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.scara.arm import arm_design
 from catseye.calibration.scara.layout import Layout
+from catseye.calibration.scara.planar import require_links
 from catseye.calibration.scara.points import Commands, Points
 from catseye.calibration.scara.radial import RadialBudget, radial_effects
 
@@ -107,12 +110,10 @@ class LiveMap:
             radial: radial error motions, which repeat with the angles; None for none.
 
         Raises:
-            ValueError: white_mm is not positive.
+            ArgumentError: white_mm or a link is not positive, or nodes do not increase.
         """
-        if not white_mm > 0.0:
-            raise ValueError(
-                f"white_mm is {white_mm:g}: the white uncertainty of a distance has to be positive"
-            )
+        require_positive(white_mm, "white_mm")
+        require_links(link1_mm, link2_mm)
         self._layout = Layout("error-map", nodes1_rad, nodes2_rad, tuple(reflectors_mm), ())
         self._white_mm = white_mm
         self._radial = radial
@@ -155,15 +156,14 @@ class LiveMap:
 
         Raises:
             MapRangeError: the command lies outside the nodes.
-            ValueError: the reflector is unknown, or the distance is not a number.
+            ArgumentError: the reflector is unknown, a direction is not 1 or -1, or the distance is not a number.
         """
         if reflector not in self._layout.reflector_names:
             known = ", ".join(self._layout.reflector_names)
-            raise ValueError(f"reflector {reflector} is not among those that the map was begun with: {known}")
-        if not math.isfinite(displacement_mm):
-            raise ValueError(
-                f"a distance of {displacement_mm} mm to reflector {reflector} cannot be taken in"
+            raise ArgumentError(
+                f"reflector {reflector} is not among those that the map was begun with: {known}"
             )
+        require_finite(displacement_mm, f"displacement_mm to reflector {reflector}")
         index = self._layout.reflector_names.index(reflector)
         key = (index, segment)
         row = np.array([theta1_rad, theta2_rad, direction1, direction2, index, displacement_mm])
@@ -311,4 +311,4 @@ def _points(table: Floats, layout: Layout) -> Points:
     whole = table[:, 2:5].astype(np.int64)
     commands = Commands(table[:, 0], table[:, 1], whole[:, 0], whole[:, 1])
     none = np.zeros(len(table), dtype=np.int64)
-    return Points(commands, whole[:, 2], none, table[:, 5], None, layout.reflector_names, ())
+    return Points(commands, whole[:, 2], none, table[:, 5], None, layout.reflector_names, (("", 0),))

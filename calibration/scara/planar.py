@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_one_of, require_positive
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.errors import OutOfReachError
 
@@ -52,7 +53,10 @@ def inverse(
 
     Raises:
         OutOfReachError: a position lies outside the ring that the arm reaches; names the first one.
+        ArgumentError: the hand is unknown, or a link is not positive.
     """
+    require_one_of(Hand, hand, "hand")
+    require_links(link1_mm, link2_mm)
     x_mm, y_mm = np.moveaxis(np.asarray(xy_mm, dtype=np.float64), -1, 0)
     cosine = (x_mm**2 + y_mm**2 - link1_mm**2 - link2_mm**2) / (2.0 * link1_mm * link2_mm)
     _require_reach(cosine, x_mm, y_mm, link1_mm, link2_mm)
@@ -85,6 +89,12 @@ def position_jacobian(
     row_x = np.stack([cos1, cos12, d_theta1_x, d_theta2_x], axis=-1)
     row_y = np.stack([sin1, sin12, d_theta1_y, d_theta2_y], axis=-1)
     return np.stack([row_x, row_y], axis=-2)
+
+
+def require_links(link1_mm: Floats | float, link2_mm: Floats | float) -> None:
+    """Refuse lengths of links that are not positive."""
+    require_positive(link1_mm, "link1_mm")
+    require_positive(link2_mm, "link2_mm")
 
 
 def wrap_rad(angle_rad: Floats) -> Floats:

@@ -5,6 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from catseye.calibration.core.arguments import (
+    require_below,
+    require_directions,
+    require_finite,
+    require_positive,
+    require_shape,
+)
 from catseye.calibration.core.types import Bools, Floats, Ints
 
 
@@ -23,6 +30,12 @@ class Commands:
     theta2_rad: Floats
     direction1: Ints
     direction2: Ints
+
+    def __post_init__(self) -> None:
+        for name in ("theta2_rad", "direction1", "direction2"):
+            require_shape(getattr(self, name), np.shape(self.theta1_rad), name)
+        require_directions(self.direction1, "direction1")
+        require_directions(self.direction2, "direction2")
 
     def __len__(self) -> int:
         """Return the number of rows."""
@@ -67,6 +80,16 @@ class Points:
     dead_paths: tuple[tuple[str, int], ...]
     theta4_rad: Floats | None = None
     time_s: Floats | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("reflector", "dead_path", "displacement_mm", "sigma_mm", "theta4_rad", "time_s"):
+            if (column := getattr(self, name)) is not None:
+                require_shape(column, (len(self.commands),), name)
+        require_finite(self.displacement_mm, "displacement_mm")
+        require_below(self.reflector, len(self.reflector_names), "reflector")
+        require_below(self.dead_path, len(self.dead_paths), "dead_path")
+        if self.sigma_mm is not None:
+            require_positive(self.sigma_mm, "sigma_mm")
 
     def __len__(self) -> int:
         """Return the number of distances."""

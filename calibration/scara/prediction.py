@@ -8,7 +8,7 @@ import numpy as np
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.scara.arm import arm_design
 from catseye.calibration.scara.identification import IdentifiedArm
-from catseye.calibration.scara.planar import forward
+from catseye.calibration.scara.planar import forward, require_links
 from catseye.calibration.scara.points import Commands
 from catseye.calibration.scara.prediction_errors import PredictionErrors, position_errors
 
@@ -74,7 +74,11 @@ def predict(arm: IdentifiedArm, commands: Commands, link1_mm: float, link2_mm: f
         commands: joint angles with their direction of approach, n rows.
         link1_mm: nominal length of link 1, mm, for the command position.
         link2_mm: nominal length of link 2, mm.
+
+    Raises:
+        ArgumentError: a link is not positive.
     """
+    require_links(link1_mm, link2_mm)
     inside = inside_range(arm, commands)
     position = np.full((len(commands), 2), np.nan)
     covariance = np.full((len(commands), 2, 2), np.nan)

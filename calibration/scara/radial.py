@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_count, require_not_negative
 from catseye.calibration.core.budget import harmonics
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.points import Points
@@ -28,6 +29,10 @@ class RadialBudget:
     j2_mm: float
     j4_mm: float
     orders: int = 5
+
+    def __post_init__(self) -> None:
+        require_not_negative([self.j1_mm, self.j2_mm, self.j4_mm], "radial error motions")
+        require_count(self.orders, "orders")
 
 
 def radial_effects(points: Points, unit: Floats, budget: RadialBudget) -> Floats:

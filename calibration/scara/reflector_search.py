@@ -4,10 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_below, require_finite, require_shape
 from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
 from catseye.calibration.core.least_squares import minimise
 from catseye.calibration.core.types import Bools, Floats, Ints
-from catseye.calibration.scara.planar import forward, wrap_rad
+from catseye.calibration.scara.planar import forward, require_links, wrap_rad
 from catseye.calibration.scara.pointing import beam_direction
 
 
@@ -26,6 +27,12 @@ class Sightings:
     theta2_rad: Floats
     j4_rad: Floats
     reflector: Ints
+
+    def __post_init__(self) -> None:
+        for name in ("theta2_rad", "j4_rad", "reflector"):
+            require_shape(getattr(self, name), self.theta1_rad.shape, name)
+        for name in ("theta1_rad", "theta2_rad", "j4_rad"):
+            require_finite(getattr(self, name), name)
 
     def select(self, rows: Bools) -> "Sightings":
         """Return the chosen sightings."""
@@ -131,8 +138,13 @@ def locate_reflectors(
         InsufficientPointsError: fewer sightings than unknowns, or a reflector with fewer than two.
         UnidentifiableError: the poses do not separate the places from θ40.
         ConvergenceError: the iteration does not settle.
+        ArgumentError: a link is not positive, or a sighting is of a reflector without a rough place.
     """
+    require_links(link1_mm, link2_mm)
+    require_shape(rough_mm, (None, 2), "rough_mm")
+    require_finite(rough_mm, "rough_mm")
     count = rough_mm.shape[0]
+    require_below(sightings.reflector, count, "reflector")
     _require_sightings(sightings, count)
     xy_mm = forward(sightings.theta1_rad, sightings.theta2_rad, link1_mm, link2_mm)
     found = sightings.theta1_rad + sightings.theta2_rad + sightings.j4_rad

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
+from catseye.calibration.core.arguments import require_not_negative
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.planar import forward, wrap_rad
@@ -54,7 +55,11 @@ def find_outlier(
         link1_mm: nominal length of link 1, mm.
         link2_mm: nominal length of link 2, mm.
         least_mm: differences that miss the reflector's centre by less are no outliers.
+
+    Raises:
+        ArgumentError: least_mm is negative or no number.
     """
+    require_not_negative(least_mm, "least_mm")
     count = sightings.j4_rad.size
     freedom = count - 1 - found.covariance.shape[0]
     if freedom < _LEAST_FREEDOM:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_finite, require_shape
 from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.calibration.core.types import Floats
 
@@ -42,7 +43,10 @@ def circular(clockwise: Floats, counter_clockwise: Floats) -> Circular:
 
     Raises:
         InsufficientPointsError: a contour has fewer than three points.
+        ArgumentError: a radial error is not finite.
     """
+    require_finite(clockwise, "clockwise")
+    require_finite(counter_clockwise, "counter_clockwise")
     if min(clockwise.size, counter_clockwise.size) < _FEWEST:
         raise InsufficientPointsError(
             f"a circular error needs {_FEWEST} points or more of each sense; measure the circle both ways"
@@ -75,7 +79,15 @@ def least_squares_centre(xy: Floats) -> Floats:
 
     Args:
         xy: positions near a circle, shape (n, 2).
+
+    Raises:
+        InsufficientPointsError: fewer than three positions.
+        ArgumentError: they are not pairs of finite numbers.
     """
+    require_shape(xy, (None, 2), "xy")
+    require_finite(xy, "xy")
+    if len(xy) < _FEWEST:
+        raise InsufficientPointsError(f"{len(xy)} position(s) determine no circle: measure {_FEWEST} or more")
     centre = algebraic_centre(xy)
     for _ in range(_STEPS):
         arm = xy - centre

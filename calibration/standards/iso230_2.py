@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_count, require_finite, require_shape
 from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.calibration.core.types import Floats
 
@@ -63,7 +64,11 @@ def positioning(up: Floats, down: Floats) -> Positioning:
 
     Raises:
         InsufficientPointsError: a target has fewer than two approaches from a side.
+        ArgumentError: the sides have different targets, or a deviation is not finite.
     """
+    for name, side in (("up", up), ("down", down)):
+        require_shape(side, (len(up), None), name)
+        require_finite(side, name)
     if min(up.shape[1], down.shape[1]) < 2:
         raise InsufficientPointsError(
             "repeatability needs two approaches or more to each target from each side; the standard test has five"
@@ -149,7 +154,14 @@ def systematic_of_map(
     Args:
         mean: the map at m nodes, upwards, then downwards, shape (2m,).
         covariance: of the map, shape (2m, 2m); it may be singular.
+
+    Raises:
+        ArgumentError: the covariance does not belong to the map, or there are fewer than two draws.
     """
+    require_shape(mean, (2 * (np.size(mean) // 2),), "mean")
+    require_shape(covariance, (mean.size, mean.size), "covariance")
+    require_count(draws, "draws", 2)
+    require_count(seed, "seed", 0)
     half = mean.size // 2
     values, vectors = np.linalg.eigh(covariance)
     root = vectors * np.sqrt(np.maximum(values, 0.0))

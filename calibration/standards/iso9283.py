@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_finite, require_shape
 from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.calibration.core.types import Floats
 
@@ -39,7 +40,11 @@ def pose(attained: Floats, command: Floats) -> PoseQuantities:
 
     Raises:
         InsufficientPointsError: fewer than two attained positions.
+        ArgumentError: the command has other coordinates than the positions, or a number is not finite.
     """
+    require_shape(attained, (None, np.size(command)), "attained")
+    require_finite(attained, "attained")
+    require_finite(command, "command")
     barycentre = attained.mean(axis=0)
     off = barycentre - command
     return PoseQuantities(
@@ -85,7 +90,10 @@ def distance(attained: Floats, command: float) -> DistanceQuantities:
 
     Raises:
         InsufficientPointsError: fewer than two attained distances.
+        ArgumentError: a distance is not finite.
     """
+    require_finite(attained, "attained")
+    require_finite(command, "command")
     _require_two(attained.size)
     spread = distance_repeatability(float(attained.std(ddof=1)))
     return DistanceQuantities(attained.size, float(attained.mean()) - command, spread)

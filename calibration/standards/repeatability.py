@@ -5,6 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catseye.calibration.core.arguments import (
+    require_finite,
+    require_not_negative,
+    require_positive,
+    require_shape,
+)
 from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
 from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Floats, Ints
@@ -85,7 +91,11 @@ def along_beam(displacement_mm: Floats, segment: Ints, cycle: Ints) -> AlongBeam
 
     Raises:
         InsufficientPointsError: no segment has two arrivals.
+        ArgumentError: the columns do not fit together, or a distance is not finite.
     """
+    require_finite(displacement_mm, "displacement_mm")
+    require_shape(segment, displacement_mm.shape, "segment")
+    require_shape(cycle, displacement_mm.shape, "cycle")
     names, group = np.unique(segment, return_inverse=True)
     counts = np.bincount(group)
     dof = displacement_mm.size - names.size
@@ -116,6 +126,7 @@ def along_beam(displacement_mm: Floats, segment: Ints, cycle: Ints) -> AlongBeam
 
 def interval_of_s(dof: int) -> tuple[float, float]:
     """Return the ends of the interval of a standard deviation as multiples of its estimate (chi-square)."""
+    require_positive(dof, "dof")
     # Whoever only lists procedures imports this module too.
     from scipy import special
 
@@ -160,7 +171,12 @@ def in_plane(direction_rad: Floats, s_um: Floats, dof: Ints) -> InPlane:
     Raises:
         InsufficientPointsError: fewer than two beams.
         UnidentifiableError: the beams are (nearly) parallel, or no spread has these variances.
+        ArgumentError: the columns do not fit together, or a standard deviation is negative or no number.
     """
+    require_finite(direction_rad, "direction_rad")
+    for name, column in (("s_um", s_um), ("dof", dof)):
+        require_shape(column, direction_rad.shape, name)
+        require_not_negative(column, name)
     if direction_rad.size < 2:
         raise InsufficientPointsError(
             "one beam says nothing across itself: measure with two reflectors or more"

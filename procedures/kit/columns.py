@@ -1,7 +1,7 @@
 """Tables that come from outside, as columns: whoever owns a table declares what its files may hold."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -84,11 +84,13 @@ class Columns:
             unknown one.
         lines: where each row stands: line of a CSV file, row of any other, from 1, shape (n,).
         names: what the places of a column of names stand for.
+        attached: documents that stand with the table, JSON by their kind (`catseye.app.files.attached`).
     """
 
     values: Mapping[str, NDArray[np.float64]]
     lines: NDArray[np.int64]
     names: tuple[str, ...] = ()
+    attached: Mapping[str, str] = field(default_factory=dict)
 
     def __len__(self) -> int:
         """Return the number of rows."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from catseye.app.cell.load import load_cell
-from catseye.app.results.scara.identify import bench_of_runs, error_budget, identify_points, run_points
+from catseye.app.results.scara.identify import bench_of_runs, identify_points, run_points
 from catseye.app.results.scara.truth import compare_with_truth
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader
@@ -85,7 +85,7 @@ def test_the_map_stays_within_its_own_uncertainty(seed: int, tmp_path: Path) -> 
     sigma_um = cell.uncertainty.distance_um
     off = np.abs(misfits_um(record.rows("points"), arm))
     rows, folder = run_points([record]), tmp_path / "catseye-runs"
-    found = identify_points(rows, bench_of_runs([record], folder), "error-map", error_budget(cell))
+    found = identify_points(rows, bench_of_runs([record], folder), "error-map", cell.uncertainty.budget)
     compared = compare_with_truth(found, arm)
     print(  # noqa: T201  # the figure
         f"largest misfit {off.max():.1f} µm (5 sigma = {5 * sigma_um:.1f} µm); normalised errors "

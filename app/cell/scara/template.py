@@ -47,7 +47,7 @@ pressure_register = 44
 [air]
 formula = "ciddor"                      # or "edlen", the modified equation of the NIST
 co2_ppm = 450
-vacuum_wavelength_nm = 632.9908         # helium-neon; better: the value in the laser's certificate
+vacuum_wavelength_nm = 632.9908         # any helium-neon laser; better: its certificate, here and below
 
 [tracker]                               # only the emulated bench has one; leave this out for real hardware
 driver = "bench-tracker"
@@ -135,15 +135,16 @@ readings = 10                           # spread over the dwell time
 take_up_deg = 1.0                       # overshoot at every reversal; larger than any backlash
 spread_limit_um = 5.0                   # readings that scatter more have not settled and are taken again
 
-# The error budget: Table 2 of the SCARA paper (k = 1). Each contributor says what shares its error: nothing
-# (reading), a pose, the angle of an axis, or the whole measurement (common). What is shared does not average out.
+# The error budget: Table 2 of the SCARA paper (k = 1) with the laser of [air]. Each contributor says what shares its
+# error: nothing (reading), a pose, the angle of an axis, or the whole measurement (common). What is shared does not
+# average out. What the arm does (position, radial, between-nodes) counts in predictions as well.
 # kind: length, position, radial: value_um; scale: value_ppm; angle of j1 or j2, between-nodes: value_mdeg;
-# direction: value_mrad. What the arm does (position, radial, between-nodes) counts in predictions as well.
+# direction: value_mrad.
 # value: standard uncertainty (distribution = "normal") or half width ("uniform", "triangular", "arcsine").
 [[uncertainty.contributor]]
-name = "wavelength"                     # 0.04 µm in a distance of 743 mm
+name = "wavelength"                     # any helium-neon laser's; else its certificate's, the paper's: 0.054
 kind = "scale"
-value_ppm = 0.054
+value_ppm = 1.5
 correlation = "common"
 
 [[uncertainty.contributor]]

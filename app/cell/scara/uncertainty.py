@@ -1,11 +1,12 @@
-"""[uncertainty]: what a distance is good for. The default is Table 2 of the SCARA paper."""
+"""[uncertainty]: what a distance is good for. The default is Table 2 of the SCARA paper with the laser of [air]."""
 
 import math
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import Field, StringConstraints, model_validator
 
 from catseye.app.cell.section import NotNegative, Section
+from catseye.calibration.air import HE_NE_RELATIVE_U
 from catseye.calibration.core.budget import Distribution
 from catseye.calibration.scara.budget import Budget, Contributor, Correlation, Kind
 
@@ -94,18 +95,27 @@ class ContributorEntry(Section):
         )
 
 
+PAPER_WAVELENGTH_PPM: Final = 0.054
+"""What the paper states for its own laser."""
+
+
 def table_2(
     repeatability_um: float = 10.0,
     radial_um: tuple[float, float, float] = (5.0, 5.0, 10.0),
     radial_orders: int = 5,
+    wavelength_ppm: float = 1e6 * HE_NE_RELATIVE_U,
 ) -> list[ContributorEntry]:
     """Return Table 2 of the SCARA paper.
 
     The table states micrometres in one distance of 743 mm. Wavelength and its correction are a scale that all
     distances share; the others are as they stand there. What lies between nodes is not in the table.
+
+    Args:
+        wavelength_ppm: of the laser; by default that of any helium-neon laser, whose wavelength is the default of
+            [air].
     """
     return [
-        ContributorEntry(name="wavelength", kind="scale", value_ppm=0.054, correlation="common"),
+        ContributorEntry(name="wavelength", kind="scale", value_ppm=wavelength_ppm, correlation="common"),
         ContributorEntry(name="wavelength correction", kind="scale", value_ppm=0.256, correlation="common"),
         ContributorEntry(name="environmental change", kind="length", value_um=0.09),
         ContributorEntry(name="repeatability of the robot", kind="position", value_um=repeatability_um),

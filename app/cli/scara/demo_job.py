@@ -21,18 +21,19 @@ from catseye.app.exitcode import ExitCode
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.documents import read_truth
 from catseye.app.protocol.procedures import analysed_by, on_the_way, parse_params
+from catseye.app.results.scara.budget_part import BudgetPart
+from catseye.app.results.scara.export import run_export
 from catseye.app.results.scara.identify import (
     MODELS,
     are_simulated,
     bench_of_runs,
-    error_budget,
     identified_result,
     identify_points,
     run_points,
 )
 from catseye.app.results.scara.path_rows import path_measurement
-from catseye.app.results.scara.points import points_csv
 from catseye.app.results.scara.result import Result, write_result
+from catseye.app.results.scara.stated_budget import budget_of_runs
 from catseye.app.results.scara.truth import TruthComparison, compare_with_truth
 from catseye.app.results.scara.uncertainty import by_jacobian
 from catseye.app.results.scara.validation import PathValidation, validate_on_path
@@ -188,13 +189,14 @@ def run_for(command: str, runs: dict[str, Path]) -> Path:
 def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
     """Identify both models, compare them with the truth and on the validation path; write the files."""
     measured = RunReader(run_for("identify", runs))
-    cell = load_cell(folder / "cell.toml").cell
     bench = bench_of_runs([measured], folder / "runs")
     points = run_points([measured])
-    write_atomically(folder / "points.csv", points_csv(points))
-    identified = {model: identify_points(points, bench, model, error_budget(cell)) for model in MODELS}
+    write_atomically(folder / "points.csv", run_export(measured).csv)
+    stated = budget_of_runs([measured])
+    identified = {model: identify_points(points, bench, model, stated.budget) for model in MODELS}
     results = {
-        model: _result(identification, bench, measured) for model, identification in identified.items()
+        model: _result(identification, bench, stated.part, measured)
+        for model, identification in identified.items()
     }
     for model, result in results.items():
         write_result(result, folder / f"result-{model}.json")
@@ -211,8 +213,8 @@ def evaluate(folder: Path, runs: dict[str, Path]) -> DemoResult:
     )
 
 
-def _result(identified: Identification, bench: ScaraBench, measured: RunReader) -> Result:
-    result = identified_result(identified, bench, [measured.path.name], are_simulated([measured]))
+def _result(identified: Identification, bench: ScaraBench, budget: BudgetPart, measured: RunReader) -> Result:
+    result = identified_result(identified, bench, [measured.path.name], budget, are_simulated([measured]))
     return result.model_copy(update={"uncertainty": by_jacobian(identified).part})
 
 

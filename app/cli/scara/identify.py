@@ -8,6 +8,7 @@ import typer
 
 from catseye.app.cli.options import (
     AsJson,
+    Budget,
     Dask,
     InsecureCluster,
     MeasuredRuns,
@@ -34,6 +35,7 @@ def identify(
     model: Annotated[
         Literal["conventional", "error-map"], typer.Option(help="what to identify")
     ] = "error-map",
+    budget: Budget = None,
     uncertainty: Annotated[
         Literal["jacobian", "monte-carlo"], typer.Option(help="how uncertainties are propagated")
     ] = "jacobian",
@@ -72,10 +74,10 @@ def identify(
     monte_carlo = MonteCarlo(draws, seed) if uncertainty == "monte-carlo" else None
     method = Method(model, loss, reject, tuple(extend or ()), monte_carlo)
     if points is not None and cell is not None and not run and is_scan(points):
-        result, _ = identified_scan(points, cell, method)
+        result, _ = identified_scan(points, cell, method, budget, unverified=unverified)
         _hand_over(result, output, as_json=as_json)
         return
-    source = load_distances(run or [], points, cell, runs, unverified)
+    source = load_distances(run or [], points, cell, runs, unverified, budget)
     for text in source.warnings:
         warn(text)
     with taken_as_it_is(*source.readers):
@@ -94,7 +96,9 @@ def _hand_over(result: "Result", output: Path, *, as_json: bool) -> None:
         write_json(
             {
                 "result": str(output),
-                **result.model_dump(include={"model", "gauge", "link1_mm", "link2_mm", "extension", "fit"}),
+                **result.model_dump(
+                    include={"model", "gauge", "link1_mm", "link2_mm", "extension", "fit", "budget"}
+                ),
             }
         )
     else:

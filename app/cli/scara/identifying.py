@@ -23,6 +23,7 @@ from catseye.app.results.scara.material import with_reference_links
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.robust import identify_robustly
 from catseye.app.results.scara.scan import SCAN_ROWS, identify_scan_file
+from catseye.app.results.scara.stated_budget import BudgetChoice, budget_of_table
 from catseye.app.results.scara.uncertainty import Propagated, by_jacobian, by_monte_carlo, require_draws
 from catseye.calibration.core.contributions import Contributions
 from catseye.calibration.scara.identification import Identification
@@ -88,15 +89,13 @@ def identified(
         sharing: provides who shares the draws of a Monte Carlo.
     """
     bench, terms = source.bench, parse_extensions(method.extend)
-    problem = problem_of_points(source.points, bench, method.model, source.budget, terms)
+    problem = problem_of_points(source.points, bench, method.model, source.stated.budget, terms)
     propagated = _propagated(*identify_robustly(problem, method.loss, method.reject), method, sharing)
-    result = with_reference_links(
-        identified_result(propagated.identified, bench, source.names, are_simulated(source.readers)),
-        source.readers,
+    result = identified_result(
+        propagated.identified, bench, source.names, source.stated.part, are_simulated(source.readers)
     )
-    return with_what_speaks_against(result, source.readers).model_copy(
-        update={"uncertainty": propagated.part}
-    )
+    result = with_what_speaks_against(with_reference_links(result, source.readers), source.unverified)
+    return result.model_copy(update={"uncertainty": propagated.part})
 
 
 def _propagated(
@@ -122,20 +121,28 @@ def _propagated(
             bar.close()
 
 
-def identified_scan(points: Path, cell: Path, method: Method) -> tuple[Result, ScaraBench]:
+def identified_scan(
+    points: Path, cell: Path, method: Method, budget: BudgetChoice | None, *, unverified: bool
+) -> tuple[Result, ScaraBench]:
     """Identify from a long points file, with bars for reading and for solving.
+
+    Args:
+        budget: which error budget counts; None for the table's own, else the cell's.
+        unverified: take a table too that was changed.
 
     Raises:
         UsageError: an option is asked for that needs all distances at once, or a file is wrong.
     """
     _require_streamable(points, method)
-    bench = scara_bench_of(load_cell(cell).cell)
+    loaded = load_cell(cell).cell
+    bench = scara_bench_of(loaded)
     terms = with_gears(parse_extensions(method.extend), bench, method.model)
     with _Bar("reading") as reading, _Bar("solving") as solving:
         result = identify_scan_file(
             points,
             bench,
             method.model,
+            lambda seen: budget_of_table(seen, loaded.uncertainty, cell.name, budget, unverified=unverified),
             terms,
             lambda share: reading.update(share, 1.0, points.name),
             lambda done, expected: solving.update(done, expected, f"{done} of {expected} rows"),
@@ -155,7 +162,7 @@ def _require_streamable(points: Path, method: Method) -> None:
     ]
     if asked:
         raise UsageError(
-            f"{points}: is streamed, as Parquet and more than {SCAN_ROWS} distances are, and {', '.join(asked)} "
+            f"{points}: is streamed, as files of more than {SCAN_ROWS} distances are, and {', '.join(asked)} "
             "needs all distances at once: leave it out, or thin the points (every tenth row, say) into a CSV file"
         )
 

@@ -76,7 +76,9 @@ def _result_sections(findings: Findings, measurement: Measurement) -> list[Secti
     """Return what was found out."""
     best, truth = findings.best, findings.truth
     note = Paragraph("All uncertainties are standard uncertainties (k = 1).")
-    budget = None if measurement.cell is None else measurement.cell.uncertainty.contributor
+    budget = [] if measurement.cell is None else measurement.cell.uncertainty.contributor
+    if best is not None and best.budget is not None:
+        budget = best.budget.contributor
     map_truth = truth if best is not None and best.model == "error-map" else None
     statements = verdict(findings, len(measurement.incidents))
     return [

@@ -34,7 +34,9 @@ def diagnose_distances(source: DistanceSource, progress: Callable[[str], None] =
     Raises:
         CalibrationError: the distances cannot determine the error map.
     """
-    return diagnose(problem_of_points(source.points, source.bench, "error-map", source.budget), progress)
+    return diagnose(
+        problem_of_points(source.points, source.bench, "error-map", source.stated.budget), progress
+    )
 
 
 def coefficients(model: ComparedModel) -> list[Coefficient]:

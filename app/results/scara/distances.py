@@ -8,13 +8,20 @@ from catseye.app.cell.load import load_cell
 from catseye.app.errors import UsageError
 from catseye.app.protocol.banners import unverified_text
 from catseye.app.results.scara.distance_unit import require_millimetres
-from catseye.app.results.scara.identify import bench_of_runs, cell_of_run, error_budget, run_points
+from catseye.app.results.scara.identify import bench_of_runs, run_points
 from catseye.app.results.scara.points import read_points, to_points
+from catseye.app.results.scara.stated_budget import (
+    BudgetChoice,
+    StatedBudget,
+    budget_of_runs,
+    budget_of_table,
+    other_budgets,
+)
+from catseye.app.results.scara.table_budget import SeenTable
 from catseye.app.store.catalog import resolve_run
 from catseye.app.store.reader import RunReader, accept
 from catseye.app.store.runs_folder import runs_folder
 from catseye.app.store.unverified import taken_as_it_is
-from catseye.calibration.scara.budget import Budget
 from catseye.procedures.kit.columns import Columns
 from catseye.procedures.scara.bench import ScaraBench
 
@@ -26,7 +33,7 @@ class DistanceSource:
     Attributes:
         points: distances in measuring order.
         bench: nodes, nominal links and rough reflectors.
-        budget: contributors of the uncertainty; None for what the points state themselves.
+        stated: the error budget that counts.
         names: of the runs or of the points file.
         readers: the runs; none for a points file.
         warnings: sentences about runs that did not end.
@@ -34,21 +41,32 @@ class DistanceSource:
 
     points: Columns
     bench: ScaraBench
-    budget: Budget | None
+    stated: StatedBudget
     names: list[str]
     readers: list[RunReader]
     warnings: list[str]
 
+    @property
+    def unverified(self) -> list[str]:
+        """What speaks against runs and tables that are taken as they are."""
+        return [*(text for reader in self.readers for text in reader.unverified), *self.stated.unverified]
+
 
 def load_distances(
-    run: list[str], points: Path | None, cell: Path | None, runs: Path | None, unverified: bool = False
+    run: list[str],
+    points: Path | None,
+    cell: Path | None,
+    runs: Path | None,
+    unverified: bool = False,
+    budget: BudgetChoice | None = None,
 ) -> DistanceSource:
     """Read distances.
 
     Args:
         run: runs by path, name, beginning of a name, or id.
         runs: folder of the runs; None for the usual one.
-        unverified: take sealed runs too whose files were changed.
+        unverified: take sealed runs and tables too that were changed.
+        budget: which error budget counts; None for the table's own, else the cell's.
 
     Raises:
         UsageError: neither or both are given, or a file is wrong; names it.
@@ -57,7 +75,7 @@ def load_distances(
     if bool(run) == (points is not None):
         raise UsageError("give either runs, or --points FILE with --cell FILE")
     if points is not None:
-        return _of_file(points, cell)
+        return _of_file(points, cell, budget, unverified=unverified)
     root = runs_folder(runs)
     readers = [RunReader(resolve_run(root, text), accept(unverified=unverified)) for text in run]
     warnings = [
@@ -67,18 +85,24 @@ def load_distances(
     ]
     names = [reader.path.name for reader in readers]
     with taken_as_it_is(*readers):
-        budget = error_budget(cell_of_run(readers[0]))
+        stated = budget_of_runs(readers, budget)
+        warnings += other_budgets(readers)
         distances, bench = run_points(readers), bench_of_runs(readers, root)
     warnings += dict.fromkeys(unverified_text(text) for reader in readers for text in reader.unverified)
-    return DistanceSource(distances, bench, budget, names, readers, warnings)
+    return DistanceSource(distances, bench, stated, names, readers, warnings)
 
 
-def _of_file(points: Path, cell: Path | None) -> DistanceSource:
+def _of_file(
+    points: Path, cell: Path | None, budget: BudgetChoice | None, *, unverified: bool
+) -> DistanceSource:
     if cell is None:
         raise UsageError("--points needs --cell FILE: nodes, nominal links and rough reflectors stand there")
     loaded = load_cell(cell)
     names = [reflector.name for reflector in loaded.cell.reflector]
     distances, bench = read_points(points, names), scara_bench_of(loaded.cell)
     require_millimetres(points, to_points(distances, names), bench)
-    # A points file states its uncertainties itself, in the column sigma_mm.
-    return DistanceSource(distances, bench, None, [points.name], [], [])
+    seen = SeenTable(points)
+    seen.see(distances)
+    stated = budget_of_table(seen, loaded.cell.uncertainty, cell.name, budget, unverified=unverified)
+    warnings = list(map(unverified_text, stated.unverified))
+    return DistanceSource(stated.counted_columns(distances), bench, stated, [points.name], [], warnings)

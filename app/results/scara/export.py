@@ -1,19 +1,21 @@
 """What runs and results hand to other programs, as rows of one table."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from catseye.app.errors import UsageError
 from catseye.app.files.tabular import Row, table_csv
-from catseye.app.results.scara.identify import cell_of_run, run_points
+from catseye.app.results.scara.budget_part import BUDGET_KIND
+from catseye.app.results.scara.identify import cell_of_run
 from catseye.app.results.scara.path_rows import holds_distances
 from catseye.app.results.scara.points import point_columns, points_csv, with_sigma
 from catseye.app.results.scara.result import Result, read_result
+from catseye.app.results.scara.stated_budget import corrected_by
+from catseye.app.results.scara.table_budget import budget_document
 from catseye.app.results.scara.values import result_values
 from catseye.app.store.reader import RunReader
-from catseye.procedures.kit.columns import Columns
 
 _MEASURED = ("theta1_deg", "theta2_deg", "direction1", "direction2", "x_meas_mm", "y_meas_mm", "u_mm")
 
@@ -29,14 +31,16 @@ class Export:
         rows: all of them with all their columns.
         csv: text of the CSV file: where this program reads such a CSV, in the form that it reads.
         unverified: what speaks against the run, or against those of the result; empty for what is as it was sealed.
+        documents: that the table carries along, by kind; the CSV has them already.
     """
 
     source: str
     about: Mapping[str, object]
     content: str
-    rows: list[Row]
+    rows: Sequence[Row]
     csv: str
     unverified: Sequence[str] = ()
+    documents: Mapping[str, object] = field(default_factory=dict)
 
 
 def run_export(reader: RunReader) -> Export:
@@ -45,7 +49,7 @@ def run_export(reader: RunReader) -> Export:
     Raises:
         UsageError: it has measured nothing.
     """
-    stored: Iterable[tuple[str, list[Any]]] = (
+    stored: Iterable[tuple[str, list[dict[str, Any]]]] = (
         (table.name, reader.rows(table.name)) for table in reader.tables()
     )
     content, rows = next(((name, found) for name, found in stored if found), ("", []))
@@ -55,25 +59,38 @@ def run_export(reader: RunReader) -> Export:
             f"catseye show {reader.path.name} shows what happened"
         )
     about = {"run": reader.path.name, "meta": reader.meta}
-    return Export(reader.path.name, about, content, rows, _run_csv(reader, content, rows), reader.unverified)
+    if content == "points" or (content == "path" and holds_distances(rows)):
+        return _distances(reader, about, content, rows)
+    return Export(reader.path.name, about, content, rows, _run_csv(content, rows), reader.unverified)
 
 
-def _run_csv(reader: RunReader, content: str, rows: list[dict[str, Any]]) -> str:
-    if content == "points":
-        return _points_csv(reader, run_points([reader]))
-    if content == "path" and holds_distances(rows):
-        return _points_csv(reader, point_columns(rows))
+def _distances(
+    reader: RunReader, about: Mapping[str, object], content: str, rows: list[dict[str, Any]]
+) -> Export:
+    """Return distances with their error budget; sigma_mm is what of it differs from distance to distance."""
+    stated = cell_of_run(reader).uncertainty
+    sigma_mm = 1e-3 * stated.white_um
+    points = with_sigma(point_columns(rows), sigma_mm)
+    budget = budget_document(points, reader.path.name, stated.contributor, corrected_by(reader))
+    documents = {BUDGET_KIND: budget}
+    return Export(
+        reader.path.name,
+        about,
+        content,
+        [{**row, "sigma_mm": sigma_mm} for row in rows],
+        points_csv(points, documents),
+        reader.unverified,
+        documents,
+    )
+
+
+def _run_csv(content: str, rows: list[dict[str, Any]]) -> str:
     if content == "path":
         located = [row for row in rows if row["x_meas_mm"] is not None and row["y_meas_mm"] is not None]
         stated = all(row["u_mm"] is not None for row in located)
         names = _MEASURED if stated else _MEASURED[:-1]
         return table_csv([{name: row[name] for name in names} for row in located])
     return table_csv(rows)
-
-
-def _points_csv(reader: RunReader, points: Columns) -> str:
-    """Return distances with a standard uncertainty; a CSV carries no correlations, so it covers all contributors."""
-    return points_csv(with_sigma(points, 1e-3 * cell_of_run(reader).uncertainty.distance_um))
 
 
 def result_export(path: Path) -> Export:

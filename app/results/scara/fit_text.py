@@ -127,6 +127,6 @@ def _misses(name: str, lack: LackOfFitPart) -> str:
 def _widened(fit: Fit) -> str:
     if fit.chi2_reduced is None:
         return "the uncertainties follow from the fit and include it"
-    if fit.variance_factor <= 1.0:
+    if fit.variance_ratio <= 1.0:
         return "the stated uncertainties are large enough to cover it and were not widened"
-    return f"the uncertainties were widened by a factor of {math.sqrt(fit.variance_factor):.2f}"
+    return f"the uncertainties were widened by a factor of {math.sqrt(fit.variance_ratio):.2f}"

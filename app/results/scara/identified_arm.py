@@ -6,6 +6,7 @@ import numpy as np
 
 from catseye.app.errors import UsageError
 from catseye.app.protocol.banners import unverified_text
+from catseye.app.results.scara.budget_text import budget_remarks
 from catseye.app.results.scara.result import Covariance, Result, term_unit
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.extension import Term
@@ -82,6 +83,7 @@ def arm_remarks(result: Result) -> list[str]:
     """Return what a reader of predictions from this result has to know: what it does not state."""
     remarks = unverified_texts(result)
     remarks += [remark] if (remark := nominal_of(result)[1]) else []
+    remarks += [] if result.budget is None else budget_remarks(result.budget)
     if result.covariance is None:
         remarks.append(
             "the result holds no covariance: its standard uncertainties are taken as uncorrelated, which makes those "

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,6 +14,7 @@ from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.model import Cell
 from catseye.app.cell.section import RECORD
 from catseye.app.errors import UsageError
+from catseye.app.results.scara.budget_part import BudgetPart
 from catseye.app.results.scara.points import point_columns, to_points
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.result_of import result_of
@@ -70,11 +71,6 @@ def run_points(readers: Sequence[RunReader]) -> Columns:
     return point_columns(rows)
 
 
-def error_budget(cell: Cell) -> Budget:
-    """Return the error budget that a cell file states."""
-    return cell.uncertainty.budget
-
-
 def problem_of_points(
     points: Columns,
     bench: ScaraBench,
@@ -116,17 +112,23 @@ def identify_points(
 
 
 def identified_result(
-    identified: Identification, bench: ScaraBench, sources: list[str], simulated: bool | None = None
+    identified: Identification,
+    bench: ScaraBench,
+    sources: list[str],
+    budget: BudgetPart,
+    simulated: bool | None = None,
 ) -> Result:
     """Return an identification as a result file's content."""
     nominal, now = (bench.link1_mm, bench.link2_mm), datetime.now(UTC)
-    return result_of(identified, nominal, sources, SOFTWARE, now.isoformat(timespec="seconds"), simulated)
+    created = now.isoformat(timespec="seconds")
+    result = result_of(identified, nominal, sources, SOFTWARE, created, simulated)
+    return result.model_copy(update={"budget": budget})
 
 
-def with_what_speaks_against(result: Result, readers: Sequence[RunReader]) -> Result:
-    """Return a result that says which of the runs it was identified from are not what was sealed."""
-    texts = list(dict.fromkeys(text for reader in readers for text in reader.unverified))
-    provenance = result.provenance.model_copy(update={"unverified": texts or None})
+def with_what_speaks_against(result: Result, texts: Iterable[str]) -> Result:
+    """Return a result that says which of its runs and tables are not what was sealed."""
+    unverified = list(dict.fromkeys(texts))
+    provenance = result.provenance.model_copy(update={"unverified": unverified or None})
     return result.model_copy(update={"provenance": provenance})
 
 

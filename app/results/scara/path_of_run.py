@@ -10,8 +10,6 @@ from catseye.app.results.scara.identify import (
     MODELS,
     are_simulated,
     bench_of_runs,
-    cell_of_run,
-    error_budget,
     identified_result,
     identify_points,
     run_points,
@@ -20,6 +18,7 @@ from catseye.app.results.scara.material import with_reference_links
 from catseye.app.results.scara.mirrored import mirrored_text
 from catseye.app.results.scara.path_rows import distance_path, holds_distances, path_measurement
 from catseye.app.results.scara.result import Result
+from catseye.app.results.scara.stated_budget import budget_of_runs
 from catseye.app.results.scara.validation import PathValidation, validate_on_path
 from catseye.app.store.catalog import list_runs
 from catseye.app.store.reader import Accept, RunReader
@@ -56,11 +55,10 @@ def compare_path(reader: RunReader, root: Path) -> PathComparison:
                 f"aim ({reader.meta.get('aim')}); measure one and report again"
             ]
         )
-    bench = bench_of_runs([measured], root)
+    bench, stated = bench_of_runs([measured], root), budget_of_runs([measured])
     try:
         identified = [
-            identify_points(run_points([measured]), bench, model, error_budget(cell_of_run(measured)))
-            for model in MODELS
+            identify_points(run_points([measured]), bench, model, stated.budget) for model in MODELS
         ]
         found = _compared(reader, identified, bench)
     except (CalibrationError, UsageError) as error:
@@ -68,7 +66,7 @@ def compare_path(reader: RunReader, root: Path) -> PathComparison:
             [f"the path cannot be compared with the models of {measured.path.name}: {error}"]
         )
     results = [
-        identified_result(identification, bench, [measured.path.name], are_simulated([measured]))
+        identified_result(identification, bench, [measured.path.name], stated.part, are_simulated([measured]))
         for identification in identified
     ]
     notes = [f"the models on the path were identified from {measured.path.name}", *found.notes]

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from catseye.app.files.attached import document_comments
 from catseye.app.files.columns import read_table
 from catseye.app.files.csv_text import csv_text
 from catseye.calibration.scara.points import Commands, Points
@@ -64,12 +65,17 @@ def with_sigma(points: Columns, sigma_mm: float) -> Columns:
     return replace(points, values={**points.values, "sigma_mm": np.full(len(points), sigma_mm)})
 
 
-def points_csv(points: Columns) -> str:
-    """Return the text of a points file; numbers keep their full precision."""
+def points_csv(points: Columns, documents: Mapping[str, object] | None = None) -> str:
+    """Return the text of a points file; numbers keep their full precision.
+
+    Args:
+        documents: that the table carries along, by kind.
+    """
     (form,) = POINTS.forms
     columns = [column for column in form if column.name in points]
     cells = (_cells(column, points) for column in columns)
-    return csv_text([column.name for column in columns], zip(*cells, strict=True))
+    comments = document_comments(documents or {})
+    return csv_text([column.name for column in columns], zip(*cells, strict=True), comments)
 
 
 def _cells(column: ColumnRule, points: Columns) -> list[object]:

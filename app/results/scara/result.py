@@ -3,13 +3,14 @@
 import json
 import math
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationError, model_validator
 
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.documents import LARGEST_RESULT_BYTES
+from catseye.app.results.scara.budget_part import BudgetPart
 from catseye.app.results.uncertainty_part import Finite, ResultPart, UncertaintyPart
 from catseye.calibration.scara.extension import Part, Source, Target, Term
 from catseye.drivers.roles.user_file import read_regular
@@ -103,9 +104,23 @@ class Fit(ResultPart):
     chi2_reduced: float | None = None
     chi2_expected: float = 1.0
     chi2_probability: float | None = None
-    variance_factor: float = 1.0
+    variance_ratio: float = 1.0
+    row_variance_mm2: float | None = None
     lack_of_fit: LackOfFitPart | None = None
     robust: RobustPart | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_one_factor(cls, given: Any) -> Any:
+        """Read `variance_factor` of earlier files: a ratio, or mm² where no uncertainty was stated."""
+        if not isinstance(given, dict) or "variance_factor" not in given:
+            return given
+        factor, sigma0_um = given["variance_factor"], given.get("sigma0_um")
+        unstated = given.get("chi2_reduced") is None
+        if given.get("robust") is not None and isinstance(factor, float) and isinstance(sigma0_um, float):
+            # A robust fit has no χ²; its factor is the variance of a row where none was stated.
+            unstated = math.isclose(factor, (1e-3 * sigma0_um) ** 2, rel_tol=1e-9)
+        return given | {"row_variance_mm2" if unstated else "variance_ratio": factor}
 
 
 class Nominal(ResultPart):
@@ -208,6 +223,7 @@ class Result(ResultPart):
     covariance: Covariance | None = None
     residuals: Residuals | None = None
     uncertainty: UncertaintyPart | None = None
+    budget: BudgetPart | None = None
     scan: ScanPart | None = None
     provenance: Provenance
 

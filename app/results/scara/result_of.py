@@ -138,7 +138,8 @@ def _fit(fit: FitStatistics, rejected: list[str]) -> Fit:
         chi2_reduced=fit.chi2_reduced,
         chi2_expected=fit.chi2_expected,
         chi2_probability=fit.chi2_probability,
-        variance_factor=fit.variance_factor,
+        variance_ratio=fit.variance_ratio,
+        row_variance_mm2=fit.row_variance_mm2,
         lack_of_fit=None if lack is None else LackOfFitPart.model_validate(lack),
         robust=None if fit.robust is None else RobustPart.model_validate(fit.robust),
     )

@@ -217,7 +217,7 @@ def _fit_column(model: Result) -> dict[str, Quantity]:
         "probability of a larger χ²": (fit.chi2_probability, PROBABILITY),
         **_lack_rows(fit.lack_of_fit),
         "uncertainties widened by": (
-            math.sqrt(fit.variance_factor) if expected.stated else None,
+            math.sqrt(fit.variance_ratio) if expected.stated else None,
             THREE_DIGITS,
         ),
         "steps of the solver": (fit.iterations, COUNT),

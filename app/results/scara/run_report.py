@@ -19,7 +19,6 @@ from catseye.app.results.scara.identify import (
     are_simulated,
     bench_of_runs,
     cell_of_run,
-    error_budget,
     identified_result,
     identify_points,
     problem_of_points,
@@ -29,6 +28,7 @@ from catseye.app.results.scara.material import with_reference_links
 from catseye.app.results.scara.measurement import measurement_of
 from catseye.app.results.scara.path_of_run import compare_path
 from catseye.app.results.scara.result import Result, read_result
+from catseye.app.results.scara.stated_budget import budget_of_runs
 from catseye.app.results.scara.truth_tables import TruthTables
 from catseye.app.results.scara.uncertainty import by_jacobian
 from catseye.app.results.scara.validation import PathValidation
@@ -108,16 +108,16 @@ def _findings(reader: RunReader, root: Path) -> tuple[Findings, list[str]]:
 
 def _identified(reader: RunReader, root: Path) -> tuple[list[Result], list[str]]:
     """Return both models as far as the points determine them, and what could not be done."""
-    bench, points = bench_of_runs([reader], root), run_points([reader])
+    bench, points, stated = bench_of_runs([reader], root), run_points([reader]), budget_of_runs([reader])
     results, notes = [], []
     for model in MODELS:
         try:
-            one = identify_points(points, bench, model, error_budget(cell_of_run(reader)))
+            one = identify_points(points, bench, model, stated.budget)
         except CalibrationError as error:
             notes.append(f"the {model} model could not be identified: {error}")
             continue
         result = with_reference_links(
-            identified_result(one, bench, [reader.path.name], are_simulated([reader])), [reader]
+            identified_result(one, bench, [reader.path.name], stated.part, are_simulated([reader])), [reader]
         )
         results.append(result.model_copy(update={"uncertainty": by_jacobian(one).part}))
     return results, notes
@@ -127,7 +127,7 @@ def _diagnosed(reader: RunReader, root: Path) -> Diagnosis | None:
     """Return what speaks for and against the error map; None where there is none, which the notes explain."""
     if not reader.rows(Distance.table):
         return None
-    bench, budget = bench_of_runs([reader], root), error_budget(cell_of_run(reader))
+    bench, budget = bench_of_runs([reader], root), budget_of_runs([reader]).budget
     try:
         return diagnose(problem_of_points(run_points([reader]), bench, "error-map", budget))
     except CalibrationError:

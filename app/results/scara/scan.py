@@ -1,14 +1,18 @@
 """From a points file of any length to an identified arm."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from catseye.app.files.parquet_columns import parquet_rows
 from catseye.app.results.scara.distance_unit import require_millimetres
-from catseye.app.results.scara.identify import identified_result
+from catseye.app.results.scara.identify import identified_result, with_what_speaks_against
 from catseye.app.results.scara.result import Result, ScanPart, ScanSegments
 from catseye.app.results.scara.spooled_points import spooled_points
+from catseye.app.results.scara.stated_budget import StatedBudget
+from catseye.app.results.scara.table_budget import SeenTable
 from catseye.calibration.core.blockwise.residual_sums import ResidualSums
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.layout import ModelName
@@ -16,19 +20,19 @@ from catseye.calibration.scara.scans.scan_identification import identify_scan
 from catseye.procedures.scara.bench import ScaraBench
 
 SCAN_ROWS = 100_000
-"""Longer points files are streamed."""
+"""Points files with more rows are streamed."""
 
 _SHORTEST_LINE_BYTES = 20
 _CHUNK_BYTES = 1_000_000
 
 
 def is_scan(points: Path) -> bool:
-    """Return whether a points file is streamed: Parquet, or CSV of more than SCAN_ROWS lines.
+    """Return whether a points file is streamed, which has more than SCAN_ROWS rows or lines.
 
     A file that cannot be read is none; whoever reads it then says why.
     """
     if points.suffix == ".parquet":
-        return True
+        return parquet_rows(points) > SCAN_ROWS
     try:
         if points.stat().st_size < SCAN_ROWS * _SHORTEST_LINE_BYTES:
             return False
@@ -45,6 +49,7 @@ def identify_scan_file(
     points: Path,
     bench: ScaraBench,
     model: ModelName,
+    stated: Callable[[SeenTable], StatedBudget],
     terms: tuple[Term, ...] = (),
     reading: Callable[[float], None] | None = None,
     solving: Callable[[int, int], None] | None = None,
@@ -52,7 +57,8 @@ def identify_scan_file(
     """Identify an arm from a points file, block by block.
 
     Args:
-        points: the file, CSV or Parquet; it states its uncertainties itself, in the column sigma_mm.
+        points: the file, CSV or Parquet.
+        stated: returns the error budget that counts for what the file shows.
         reading: is called with the share of the file that is read.
         solving: is called with the rows done and the rows expected of all passes.
 
@@ -65,12 +71,21 @@ def identify_scan_file(
     links = bench.link1_mm, bench.link2_mm
     with spooled_points(points, list(places), reading) as source:
         require_millimetres(points, next(source.blocks()), bench)
+        counted = stated(source.seen)
         found = identify_scan(
-            source, model, *nodes, *links, np.array(list(places.values())), terms=terms, progress=solving
+            replace(source, with_sigma=counted.counts_sigma),
+            model,
+            *nodes,
+            *links,
+            np.array(list(places.values())),
+            counted.budget,
+            terms,
+            solving,
         )
     identified = found.identified
     part = _scan_part(found.residuals, identified.layout.dead_paths, len(identified.points))
-    return identified_result(identified, bench, [points.name]).model_copy(update={"scan": part})
+    result = identified_result(identified, bench, [points.name], counted.part)
+    return with_what_speaks_against(result, counted.unverified).model_copy(update={"scan": part})
 
 
 def _scan_part(residuals: ResidualSums, dead_paths: tuple[tuple[str, int], ...], n_sample: int) -> ScanPart:

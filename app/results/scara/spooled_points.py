@@ -15,6 +15,7 @@ import numpy as np
 
 from catseye.app.files.columns import table_blocks
 from catseye.app.results.scara.points import POINTS
+from catseye.app.results.scara.table_budget import SeenTable
 from catseye.calibration.core.types import Ints
 from catseye.calibration.scara.points import Commands, Points
 from catseye.procedures.kit.columns import Columns
@@ -44,8 +45,9 @@ class SpooledPoints:
         file: of records, without a header; it has no name, so that it is gone however the program ends.
         reflector_names: names of the reflectors.
         dead_paths: (reflector name, segment) of each dead path.
-        with_sigma: the points state their uncertainties.
+        with_sigma: the uncertainties that the points state count.
         rows: number of distances.
+        seen: what the points file shows of its uncertainties.
     """
 
     file: IO[bytes]
@@ -53,6 +55,7 @@ class SpooledPoints:
     dead_paths: tuple[tuple[str, int], ...]
     with_sigma: bool
     rows: int
+    seen: SeenTable
 
     def __len__(self) -> int:
         """Return the number of distances."""
@@ -95,14 +98,15 @@ def spooled_points(
         UsageError: the file is missing, a column is missing, a value is wrong; names file and line.
     """
     # Reflectors that the file does not name keep their place: without a dead path they are left out later.
-    paths, with_sigma, rows = _DeadPaths(tuple(known)), False, 0
+    paths, seen, rows = _DeadPaths(tuple(known)), SeenTable(path), 0
     with tempfile.TemporaryFile() as file:
         for share, columns in table_blocks(path, POINTS, known):
             _records(columns, paths.index(columns)).tofile(file)
-            with_sigma, rows = "sigma_mm" in columns, rows + len(columns)
+            seen.see(columns)
+            rows += len(columns)
             if progress is not None:
                 progress(share)
-        yield SpooledPoints(file, tuple(known), paths.names, with_sigma, rows)
+        yield SpooledPoints(file, tuple(known), paths.names, seen.with_sigma, rows, seen)
 
 
 class _DeadPaths:

@@ -7,6 +7,7 @@ import numpy as np
 
 from catseye.calibration.core.blockwise.normal_sums import NormalSums
 from catseye.calibration.core.errors import ConvergenceError
+from catseye.calibration.core.gauge import Gauge
 from catseye.calibration.core.least_squares import MAX_ITERATIONS, STEP_TOLERANCE, NormalEquations
 from catseye.calibration.core.types import Floats
 
@@ -32,7 +33,7 @@ class Minimum:
     passes: int
 
 
-def descend(sums_at: Callable[[Floats], NormalSums], start: Floats, basis: Floats, unsettled: str) -> Minimum:
+def descend(sums_at: Callable[[Floats], NormalSums], start: Floats, gauge: Gauge, unsettled: str) -> Minimum:
     """Minimise a sum of squares whose normal equations come from passes.
 
     The normal equations say beforehand how much a step changes the residuals; the last one, below the tolerance of
@@ -41,23 +42,25 @@ def descend(sums_at: Callable[[Floats], NormalSums], start: Floats, basis: Float
     Args:
         sums_at: sums over all rows at parameters of shape (p,).
         start: starting values, shape (p,); they fulfil the gauge.
-        basis: steps that keep the gauge, shape (p, free).
+        gauge: that the steps keep.
         unsettled: advice for an iteration that does not settle.
 
     Raises:
         ConvergenceError: no convergence within the iteration limit.
     """
     parameters, sums, damping = start, sums_at(start), 0.0
-    equations = NormalEquations.of(sums.matrix(), sums.gradient, basis)
+    matrix = sums.matrix()
+    equations = NormalEquations.of(gauge.reduced(matrix), sums.gradient, gauge.basis)
     for passes in range(1, MAX_ITERATIONS + 1):
         step, damping = _definite_step(equations, damping)
-        change_mm = _change_mm(step, sums)
+        # The rms change of the residuals that is expected of the step: √(sᵀHs / Σw).
+        change_mm = float(np.sqrt(max(float(step @ matrix @ step), 0.0) / sums.weight))
         if change_mm < STEP_TOLERANCE and damping <= _LARGEST_DAMPING:
             return Minimum(parameters + step, sums, passes)
         trial = sums_at(parameters + step)
         if trial.cost <= sums.cost * (1.0 + _ROUNDING):
-            parameters, sums, damping = parameters + step, trial, 0.0
-            equations = NormalEquations.of(sums.matrix(), sums.gradient, basis)
+            parameters, sums, damping, matrix = parameters + step, trial, 0.0, trial.matrix()
+            equations = NormalEquations.of(gauge.reduced(matrix), sums.gradient, gauge.basis)
         else:
             damping = max(10.0 * damping, 1e-9)
     raise ConvergenceError(
@@ -76,9 +79,3 @@ def _definite_step(equations: NormalEquations, damping: float) -> tuple[Floats, 
     raise ConvergenceError(
         "the normal equations hold no usable numbers; look for rows that are not finite or mixed up"
     )
-
-
-def _change_mm(step: Floats, sums: NormalSums) -> float:
-    """Return the rms change of the residuals expected of a step: √(sᵀHs / Σw)."""
-    square = float(step @ (sums.matrix() @ step))
-    return float(np.sqrt(max(square, 0.0) / sums.weight))

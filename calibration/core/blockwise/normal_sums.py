@@ -7,7 +7,7 @@ from scipy import linalg
 
 from catseye.calibration.core.blockwise.residual_sums import ResidualSums
 from catseye.calibration.core.blockwise.sparse_rows import Slot, SparseRows
-from catseye.calibration.core.least_squares import factorise
+from catseye.calibration.core.gauge import Gauge
 from catseye.calibration.core.model import Parameters
 from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.types import Floats, Ints
@@ -32,6 +32,7 @@ class NormalSums:
         weight: trace of W, 1/mm².
         effect_gradient: JᵀWE of the effects of m shared sources, shape (p, m).
         effect_matrix: EᵀWE, shape (m, m).
+        effect_residuals: EᵀWr, shape (m,).
     """
 
     size: int
@@ -39,6 +40,7 @@ class NormalSums:
     gradient: Floats = field(init=False)
     effect_gradient: Floats = field(init=False)
     effect_matrix: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    effect_residuals: Floats = field(default_factory=lambda: np.zeros(0))
     cost: float = 0.0
     weight: float = 0.0
     _products: dict[tuple[int, int], Floats] = field(default_factory=dict)
@@ -93,7 +95,7 @@ class NormalSums:
         return np.asarray(upper + upper.T, dtype=np.float64)
 
 
-def white_covariance(matrix: Floats, parameters: Parameters) -> Floats:
+def white_covariance(matrix: Floats, parameters: Parameters, gauge: Gauge) -> Floats:
     """Return the covariance for unit weights, shape (p, p).
 
     Args:
@@ -102,11 +104,29 @@ def white_covariance(matrix: Floats, parameters: Parameters) -> Floats:
     Raises:
         UnidentifiableError: directions that the normal matrix does not separate from null directions.
     """
-    root = _square_root(matrix)
-    factor = factorise(root @ parameters.basis)
-    if factor.singular_values[-1] <= SQUARED_RANK_TOLERANCE * factor.singular_values[0]:
-        require_identifiable(parameters, root, SQUARED_RANK_TOLERANCE)
-    return factor.covariance_on(parameters.basis)
+    reduced = gauge.reduced(matrix)
+    scale = 1.0 / np.sqrt(np.where(np.diag(reduced) > 0.0, np.diag(reduced), 1.0))
+    scaled = reduced * np.outer(scale, scale)
+    try:
+        inverse = _inverse(scaled)
+    except linalg.LinAlgError:
+        require_identifiable(parameters, _square_root(matrix), SQUARED_RANK_TOLERANCE)
+        raise
+    # Norms bound the condition from above; eigenvalues, which take ten times as long, are left for what is doubtful.
+    if SQUARED_RANK_TOLERANCE**2 * linalg.norm(scaled, 1) * linalg.norm(inverse, 1) > 1.0:
+        require_identifiable(parameters, _square_root(matrix), SQUARED_RANK_TOLERANCE)
+    return gauge.expanded(inverse * np.outer(scale, scale))
+
+
+def _inverse(matrix: Floats) -> Floats:
+    """Return the inverse of a positive definite matrix.
+
+    Raises:
+        LinAlgError: it is singular.
+    """
+    lower = linalg.cholesky(matrix, lower=True, check_finite=False)
+    inverse, _ = linalg.lapack.dpotri(lower, lower=1, overwrite_c=1)
+    return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T, dtype=np.float64)
 
 
 def _square_root(matrix: Floats) -> Floats:

@@ -5,6 +5,8 @@ from typing import Literal
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_count, require_one_of, require_shape
+from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.types import Bools, Floats
 
 CriterionName = Literal["A", "D", "E", "path"]
@@ -39,6 +41,13 @@ class Criterion:
     name: CriterionName
     parameters: int
     gradient: Floats
+
+    def __post_init__(self) -> None:
+        require_one_of(CriterionName, self.name, "criterion")
+        require_count(self.parameters, "parameters")
+        require_shape(self.gradient, (None, None), "gradient")
+        if self.name == "path" and not len(self.gradient):
+            raise ArgumentError("criterion path needs the combinations that it judges: state their gradient")
 
     def value(self, covariance: Floats) -> Floats:
         """Return the value of covariances of shape (..., f, f), shape (...); infinite where singular."""

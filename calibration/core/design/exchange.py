@@ -9,6 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catseye.calibration.core.arguments import (
+    require_below,
+    require_count,
+    require_increasing,
+    require_shape,
+)
 from catseye.calibration.core.design.criteria import Criterion, covariances
 from catseye.calibration.core.design.information import Information
 from catseye.calibration.core.types import Bools, Floats, Ints
@@ -36,7 +42,9 @@ class Pool:
 
     @classmethod
     def of(cls, brought: list[Information], compatible: Bools, *, systematic: bool) -> "Pool":
-        """Return the pool of what each candidate brings."""
+        """Return the pool of what each candidate brings, at least one."""
+        require_count(len(brought), "candidates")
+        require_shape(compatible, (len(brought), len(brought)), "compatible")
         effects = np.stack([one.effects for one in brought]) if systematic else None
         return cls(np.stack([one.matrix for one in brought]), effects, compatible)
 
@@ -68,7 +76,12 @@ def exchange(pool: Pool, start: Ints, criterion: Criterion) -> Chosen:
 
     Args:
         start: indices of different, compatible candidates, shape (k,).
+
+    Raises:
+        ArgumentError: an index names no candidate, or one is chosen twice.
     """
+    require_below(start, len(pool), "start")
+    require_increasing(np.sort(start).astype(np.float64), "candidates of the start")
     chosen, value = np.array(start, dtype=np.int64), pool.value(start, criterion)
     idle, position = 0, 0
     while idle < chosen.size:
@@ -82,6 +95,7 @@ def exchange(pool: Pool, start: Ints, criterion: Criterion) -> Chosen:
 
 def random_start(pool: Pool, count: int, rng: np.random.Generator) -> Ints | None:
     """Return a random choice of compatible candidates, None when those drawn leave no room for another."""
+    require_count(count, "count")
     chosen: list[int] = []
     free = np.ones(len(pool), dtype=np.bool_)
     for _ in range(count):
@@ -96,6 +110,7 @@ def random_start(pool: Pool, count: int, rng: np.random.Generator) -> Ints | Non
 
 def greedy_start(pool: Pool, count: int, criterion: Criterion) -> Ints | None:
     """Return a choice to which each time the best candidate was added, None when there is no room for so many."""
+    require_count(count, "count")
     chosen = np.zeros(0, dtype=np.int64)
     while chosen.size < count:
         place, _ = _best_addition(pool, chosen, -1, np.inf, criterion)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_count
 from catseye.calibration.core.design.criteria import Criterion, covariances
 from catseye.calibration.core.design.information import Rows
 from catseye.calibration.core.types import Bools, Floats, Ints
@@ -72,7 +73,11 @@ def choose_commands(pool: CommandPool, count: int, criterion: Criterion) -> Bool
 
     Returns:
         Flags of the commands kept, shape (n,). More than count where fewer would leave a parameter undetermined.
+
+    Raises:
+        ArgumentError: fewer than one command is asked for.
     """
+    require_count(count, "count")
     kept = np.ones(len(pool.rows), dtype=np.bool_)
     while kept.sum() > count:
         worst = _least_useful(pool, kept, criterion)

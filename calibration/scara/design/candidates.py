@@ -4,6 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catseye.calibration.core.arguments import (
+    require_count,
+    require_not_negative,
+    require_positive,
+    require_range,
+)
 from catseye.calibration.core.types import Bools, Floats
 
 
@@ -20,6 +26,11 @@ class Floor:
     x_mm: tuple[float, float]
     y_mm: tuple[float, float]
     radius_mm: float = np.inf
+
+    def __post_init__(self) -> None:
+        require_range(self.x_mm, "x_mm")
+        require_range(self.y_mm, "y_mm")
+        require_positive(self.radius_mm, "radius_mm", infinite=True)
 
     def holds(self, xy_mm: Floats) -> Bools:
         """Return which places lie on it, shape (...), of places of shape (..., 2), mm."""
@@ -45,7 +56,12 @@ def grid(floor: Floor, keep_out_mm: float, count: int) -> tuple[Floats, float]:
 
     Returns:
         Places in whole millimetres, shape (m, 2), and the spacing, mm.
+
+    Raises:
+        ArgumentError: no place is wanted, or the keep-out radius is negative.
     """
+    require_count(count, "count")
+    require_not_negative(keep_out_mm, "keep_out_mm")
     spacing = float(max(np.ptp(floor.x_mm), np.ptp(floor.y_mm), 1.0))
     places = _lattice(floor, spacing)
     while np.sum(np.hypot(*places.T) >= keep_out_mm) < count and spacing > 1.0 and len(places) < 50 * count:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_positive
 from catseye.calibration.core.types import Floats
 
 _DIRECTIONS = np.array([[1, 0], [0, 1], [-1, 0], [0, -1], [1, 1], [-1, 1], [-1, -1], [1, -1]], dtype=float)
@@ -22,7 +23,11 @@ def refine(places_mm: Floats, value: Callable[[Floats], float], step_mm: float) 
 
     Returns:
         The layout and its value, which is never above that of the start.
+
+    Raises:
+        ArgumentError: the step is not positive.
     """
+    require_positive(step_mm, "step_mm")
     places, best = places_mm.copy(), value(places_mm)
     step = max(_FINEST_MM, float(np.ceil(step_mm / _FINEST_MM)) * _FINEST_MM)
     while True:

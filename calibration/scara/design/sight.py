@@ -5,6 +5,14 @@ from typing import Literal
 
 import numpy as np
 
+from catseye.calibration.core.arguments import (
+    require_below,
+    require_finite,
+    require_not_negative,
+    require_positive,
+    require_range,
+    require_shape,
+)
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.scara.pointing import beam_direction, column_clearance, unwrap, visible
 
@@ -36,6 +44,12 @@ class Way:
     xy_mm: Floats
     command: Ints
 
+    def __post_init__(self) -> None:
+        for name in ("theta_rad", "xy_mm"):
+            require_shape(getattr(self, name), (len(self.theta_rad), 2), name)
+            require_finite(getattr(self, name), name)
+        require_below(self.command, len(self.theta_rad), "command")
+
 
 @dataclass(frozen=True)
 class Rules:
@@ -62,6 +76,13 @@ class Rules:
     apart_mm: float
     fewest_seen: float
     most_breaks: int
+
+    def __post_init__(self) -> None:
+        for name in ("column_radius_mm", "keep_out_mm", "apart_mm", "fewest_seen", "most_breaks"):
+            require_not_negative(getattr(self, name), name)
+        require_positive(self.field_half_angle_rad, "field_half_angle_rad")
+        require_range(self.beam_range_mm, "beam_range_mm")
+        require_range(self.j4_limits_rad, "j4_limits_rad")
 
 
 @dataclass(frozen=True)
@@ -96,7 +117,12 @@ def sight_of(xy_mm: Floats, way: Way, rules: Rules, facing_rad: float | None = N
     Args:
         xy_mm: place, mm, shape (2,).
         facing_rad: direction of the reflector's axis; None for the one in which it sees most.
+
+    Raises:
+        ArgumentError: the place is not a pair of finite numbers.
     """
+    require_shape(xy_mm, (2,), "xy_mm")
+    require_finite(xy_mm, "xy_mm")
     facing = _facing(xy_mm, way, rules) if facing_rad is None else facing_rad
     along = visible(
         way.xy_mm, xy_mm, facing, rules.column_radius_mm, rules.field_half_angle_rad, rules.beam_range_mm

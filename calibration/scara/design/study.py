@@ -8,6 +8,7 @@ import numpy as np
 from scipy import linalg
 
 from catseye.calibration.core.design.information import Information, Rows
+from catseye.calibration.core.errors import BudgetError
 from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.arm import ArmDesign, arm_design
@@ -21,6 +22,7 @@ from catseye.calibration.scara.budget import (
 from catseye.calibration.scara.design.sight import Sight
 from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.layout import Layout
+from catseye.calibration.scara.planar import require_links
 from catseye.calibration.scara.points import Commands, Points
 
 
@@ -44,6 +46,9 @@ class Study:
     link2_mm: float
     commands: Commands
     budget: Budget
+
+    def __post_init__(self) -> None:
+        require_links(self.link1_mm, self.link2_mm)
 
     @property
     def reach_mm(self) -> float:
@@ -82,7 +87,7 @@ class Study:
         """Return the weighted rows of the distances to a reflector.
 
         Raises:
-            ValueError: the budget has no white contributor, so that a distance would be exact.
+            BudgetError: the budget has no white contributor, so that a distance would be exact.
         """
         _, positions, gradient = self._prepared
         beam = positions - sight.xy_mm
@@ -92,7 +97,7 @@ class Study:
         geometry = self._geometry(unit, length)
         sigma = combined_white_mm(self.budget, geometry)
         if not sigma.all():
-            raise ValueError("a distance without white uncertainty would be exact; state one in the budget")
+            raise BudgetError("a distance without white uncertainty would be exact; state one in the budget")
         weight = np.where(sight.seen, 1.0 / sigma, 0.0)[:, None]
         segments = sight.segment[:, None] == np.arange(sight.segments)
         return Rows(

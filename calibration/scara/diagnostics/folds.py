@@ -5,6 +5,7 @@ from typing import Literal
 import numpy as np
 
 from catseye.calibration.core import cross_validation as core
+from catseye.calibration.core.arguments import require_one_of
 from catseye.calibration.core.cross_validation import CrossValidation, Folds
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.scara.diagnostics.projection import DistanceProjection
@@ -34,6 +35,7 @@ def predicted_residuals(projection: DistanceProjection, way: Way) -> Floats:
 
 
 def _folds(points: Points, way: Way) -> Folds:
+    require_one_of(Way, way, "way to leave something out")
     names, group = _groups(points, way)
     own = [_own_parameters(points, group == i) for i in range(len(names))]
     return Folds(way, tuple(names), group, np.array(own, dtype=np.int64))

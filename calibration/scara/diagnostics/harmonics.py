@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_count
 from catseye.calibration.core.projection import addition
 from catseye.calibration.core.significance import Judged, adjusted
 from catseye.calibration.core.types import Bools, Floats
@@ -78,6 +79,7 @@ def harmonic_series(
         nominal_mm: nominal links, mm.
         reflectors_mm: places that the beam was aimed at, mm, shape (reflectors, 2).
     """
+    require_count(orders, "orders")
     angles = angles_rad(projection.points, nominal_mm, reflectors_mm)
     found = [_series(projection, target, source, angles[source], orders) for target, source in SERIES]
     tests = sum(len(one.harmonics) for one in found)

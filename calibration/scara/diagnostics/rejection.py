@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_positive, require_share
 from catseye.calibration.core.errors import RejectionError
 from catseye.calibration.core.residuals import robustly_studentised
 from catseye.calibration.core.types import Bools, Ints
@@ -82,10 +83,13 @@ def reject(problem: Problem, limit: float, most: float = MOST_REJECTED) -> Clean
     Raises:
         RejectionError: more would have to go; the model or the measurement is in doubt.
         CalibrationError: as `identify` does.
+        ArgumentError: the limit is not positive, or the share lies outside of 0...1.
     """
+    require_positive(limit, "limit")
+    require_share(most, "most")
     kept = np.flatnonzero(rows_of_long_segments(problem.points))
     gone: dict[int, Rejected] = {}
-    allowed = int(most * kept.size)
+    total = kept.size
     identified = problem.of_rows(kept).solve()
     # Outliers hardly bend a Huber fit: there the residual itself is what the others predict.
     judged, leans = robust_fit(identified, "huber").identified, False
@@ -99,7 +103,7 @@ def reject(problem: Problem, limit: float, most: float = MOST_REJECTED) -> Clean
         for i in np.flatnonzero(far).tolist():
             row = int(kept[i])
             gone[row] = _of_row(projection, row, i, float(deleted[i]), leans)
-        _require_few(gone, allowed, kept.size + len(gone), limit)
+        _require_few(len(gone), int(most * total), total, limit)
         kept = _without(problem.points, kept[~far])
         identified = problem.of_rows(kept).solve()
         judged, leans = identified, True
@@ -131,11 +135,11 @@ def _without(points: Points, kept: Ints) -> Ints:
     return kept[long]
 
 
-def _require_few(gone: dict[int, Rejected], allowed: int, total: int, limit: float) -> None:
-    if len(gone) <= allowed:
+def _require_few(gone: int, allowed: int, total: int, limit: float) -> None:
+    if gone <= allowed:
         return
     raise RejectionError(
-        f"{len(gone)} of {total} distances lie beyond {limit:g} robust standard deviations, more than the "
+        f"{gone} of {total} distances lie beyond {limit:g} robust standard deviations, more than the "
         f"{allowed} that may be left out: the model is in doubt, not the points. Run catseye diagnose (richer model, "
         "drift, a jump of the counter, a moved reflector), or raise the limit"
     )

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 
+from catseye.calibration.core.arguments import require_one_of
 from catseye.calibration.core.contributions import Contributions
 from catseye.calibration.core.robust import Loss, robust_estimate
 from catseye.calibration.core.types import Floats
@@ -33,7 +34,9 @@ def robust_fit(identified: Identification, loss: Loss) -> RobustFit:
 
     Raises:
         ConvergenceError: the weights do not settle.
+        ArgumentError: the loss is unknown.
     """
+    require_one_of(Loss, loss, "loss")
     found = robust_estimate(identified.model, identified.estimate, loss, "scatter of the distances")
     robust = replace(
         identified,

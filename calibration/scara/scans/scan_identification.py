@@ -1,7 +1,7 @@
 """From millions of distances to an arm, with constant memory: normal equations summed up in passes over blocks."""
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from catseye.calibration.scara.budget import Budget
 from catseye.calibration.scara.error_map import interpolate
 from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.extension import Term
-from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.identification import Identification, require_nominal
 from catseye.calibration.scara.layout import UNSETTLED, Layout, ModelName
 from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.scans.passes import Passes
@@ -86,28 +86,30 @@ def identify_scan(
         UnidentifiableError: null directions beyond the gauge, or directions too weak to be distinguished from them.
         ConvergenceError: the iteration does not settle.
         CalibrationError: a contributor is common to a pose, or there are too many parameters for a normal matrix.
+        ArgumentError: as identify.
     """
+    require_nominal(link1_mm, link2_mm, reflectors_mm, source.reflector_names)
     empty = np.zeros(0)
     nodes = (nodes1_rad, nodes2_rad) if model == "error-map" else (empty, empty)
+    arm = Layout(model, *nodes, (), (), terms)
     used = used_rows(source, lambda block, first: _require_range(nodes, block, first))
     rough = reflectors_mm[used.kept_reflectors]
-    layout = Layout(model, *nodes, used.reflector_names, used.dead_paths, terms)
+    layout = replace(arm, reflector_names=used.reflector_names, dead_paths=used.dead_paths)
     _require_size(layout)
-    basis = layout.gauge_basis()
-    _require_rows(used.rows, basis.shape[1], model)
+    _require_rows(used.rows, layout.gauge.free, model)
     passes = Passes(used, layout, (link1_mm, link2_mm), rough, budget)
     few = used.few()
-    first = _minimum_of_sample(passes, few, basis)
+    first = _minimum_of_sample(passes, few)
     half_width_mm = max(_HISTOGRAM_RMS * first.sums.residuals.rms_mm, _FINEST_MM)
     counter = _Counter(used.rows, progress)
     minimum = descend(
         lambda parameters: passes.sums(parameters, counter.counted(used.blocks()), half_width_mm),
         first.parameters,
-        basis,
+        layout.gauge,
         UNSETTLED,
     )
     counter.finish()
-    return _judged(passes, minimum, basis, few)
+    return _judged(passes, minimum, few)
 
 
 @dataclass
@@ -136,24 +138,27 @@ class _Counter:
             self.progress(self.done, expected)
 
 
-def _minimum_of_sample(passes: Passes, few: Points, basis: Floats) -> Minimum:
+def _minimum_of_sample(passes: Passes, few: Points) -> Minimum:
     """Return the solution of an even sample: where the descent over all rows starts."""
     return descend(
-        lambda parameters: passes.sums(parameters, [few], 1.0), passes.start(few), basis, UNSETTLED
+        lambda parameters: passes.sums(parameters, [few], 1.0),
+        passes.start(few),
+        passes.layout.gauge,
+        UNSETTLED,
     )
 
 
-def _judged(passes: Passes, minimum: Minimum, basis: Floats, few: Points) -> ScanIdentification:
+def _judged(passes: Passes, minimum: Minimum, few: Points) -> ScanIdentification:
     """Attach covariance, statistics and a sample of the residuals to a minimum."""
     sums, layout = minimum.sums, passes.layout
-    white = white_covariance(sums.matrix(), layout.parameters())
+    white = white_covariance(sums.matrix(), layout.parameters(), layout.gauge)
     # How the systematic contributors shift the estimate, and what of them stays in the residuals.
     shifts = white @ sums.effect_gradient
     sample = passes.model(few.rows(np.arange(0, len(few), -(-len(few) // _SAMPLE))))
     fit = summed_statistics(
         FitSums(
             n_points=sums.residuals.rows,
-            free=basis.shape[1],
+            free=layout.gauge.free,
             square=sums.cost,
             square_mm2=float(sums.residuals.square_mm2.sum()),
             weight=sums.weight,
@@ -166,7 +171,7 @@ def _judged(passes: Passes, minimum: Minimum, basis: Floats, few: Points) -> Sca
     identified = Identification(
         layout,
         minimum.parameters,
-        fit.variance_factor * (white + shifts @ shifts.T),
+        fit.unit_weight_variance * (white + shifts @ shifts.T),
         sample.points,
         sample.residuals(minimum.parameters),
         fit,

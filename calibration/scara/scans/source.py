@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_count
 from catseye.calibration.scara.points import Points
 
 
@@ -37,10 +38,14 @@ class SlicedPoints:
 
     Attributes:
         points: all distances.
+        rows: of a block.
     """
 
     points: Points
     rows: int = 50_000
+
+    def __post_init__(self) -> None:
+        require_count(self.rows, "rows of a block")
 
     @property
     def reflector_names(self) -> tuple[str, ...]:

@@ -8,8 +8,9 @@ import pytest
 
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
+from catseye.app.cell.plausible import implausible
 from catseye.app.cell.scara.template import TEMPLATE
-from catseye.app.cell.scara.uncertainty import Uncertainty
+from catseye.app.cell.scara.uncertainty import PAPER_WAVELENGTH_PPM, Uncertainty, table_2
 from catseye.app.errors import ConfigError
 
 HEAD = TEMPLATE[: TEMPLATE.index("# The error budget")]
@@ -33,9 +34,35 @@ def test_the_default_is_table_2() -> None:
     )
     # 0.04 and 0.19 µm in the example's distance from (100, 100) to (650, -400) mm.
     distance_mm = math.hypot(550.0, 500.0)
-    assert found["wavelength"].u * distance_mm == pytest.approx(0.04e-3, rel=0.01)
+    paper = {one.name: one.contributor() for one in table_2(wavelength_ppm=PAPER_WAVELENGTH_PPM)}
+    assert paper["wavelength"].u * distance_mm == pytest.approx(0.04e-3, rel=0.01)
     assert found["wavelength correction"].u * distance_mm == pytest.approx(0.19e-3, rel=0.01)
     assert found["beam direction, J1"].u == pytest.approx(7.17e-4)
+
+
+def test_the_default_laser_is_as_good_as_its_wavelength() -> None:
+    # Stone et al., Metrologia 46 (2009) 11: 632.9908 nm with a relative standard uncertainty of 1.5e-6.
+    cell = Cell.model_validate(tomllib.loads(TEMPLATE))
+    assert cell.air.vacuum_wavelength_nm == 632.9908
+    (laser,) = (one for one in cell.uncertainty.budget.contributors if one.name == "wavelength")
+    assert laser.u == pytest.approx(1.5e-6)
+    assert laser.correlation == "common"
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "doubted"),
+    [
+        ("value_ppm", "1.5", False),
+        ("value_ppm", "0.054", True),
+        ("vacuum_wavelength_nm", "632.9914", False),
+    ],
+)
+def test_a_sure_scale_beside_any_laser_is_doubted(key: str, value: str, doubted: bool) -> None:
+    text = TEMPLATE.replace("value_ppm = 1.5", f"value_ppm = {value if key == 'value_ppm' else '0.054'}")
+    if key != "value_ppm":
+        text = text.replace(f"{key} = 632.9908", f"{key} = {value}")
+    doubts = implausible(Cell.model_validate(tomllib.loads(text)))
+    assert any("is that of any helium-neon laser, good to 1.5 ppm" in one for one in doubts) is doubted
 
 
 def test_totals_of_earlier_files_map_to_current_contributors(tmp_path: Path) -> None:

@@ -38,8 +38,9 @@ def wrong_points() -> Points:
 
 
 def run(folder: Path, given: Points, **options: Any) -> Result:
+    """Identify from distances that have no error but those that they state."""
     file = write_points(given, folder)
-    identify(folder / "r.json", [], file, folder / "cell.toml", **options)
+    identify(folder / "r.json", [], file, folder / "cell.toml", budget="none", **options)
     return read_result(folder / "r.json")
 
 
@@ -119,7 +120,7 @@ def test_extensions_are_identified_beside_the_maps(
 def test_uncertainty_keys_of_the_result_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run(tmp_path, points(), uncertainty="monte-carlo", draws=2000, as_json=True)
     facts = json.loads(capsys.readouterr().out)
-    assert set(facts) == {"result", "model", "gauge", "link1_mm", "link2_mm", "extension", "fit"}
+    assert set(facts) == {"result", "model", "gauge", "link1_mm", "link2_mm", "extension", "fit", "budget"}
     document = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     part = document["uncertainty"]
     assert set(part) == {
@@ -173,7 +174,7 @@ def said_of(fit: Fit) -> str:
 def test_only_unexplained_lack_of_fit_is_in_capitals() -> None:
     assert said_of(sample.fit(sample.LACK)).startswith("LACK OF FIT: repeats of a pose scatter by 9.9 µm")
     assert said_of(sample.fit(sample.LACK)).endswith("the uncertainties were widened by a factor of 2.50.")
-    covered = sample.fit(sample.LACK).model_copy(update={"variance_factor": 1.0})
+    covered = sample.fit(sample.LACK).model_copy(update={"variance_ratio": 1.0})
     assert said_of(covered).endswith("large enough to cover it and were not widened.")
     stated = sample.LACK.model_copy(update={"explained": True, "expected_ratio": 16.2})
     text = said_of(sample.fit(stated))
@@ -181,7 +182,7 @@ def test_only_unexplained_lack_of_fit_is_in_capitals() -> None:
     assert "the stated systematic contributors account for it (F = 16.2 expected" in text
 
 
-def test_a_dimensional_variance_factor_is_not_called_a_widening(
+def test_the_variance_of_a_row_is_not_called_a_widening(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     rng = np.random.default_rng(5)

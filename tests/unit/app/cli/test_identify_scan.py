@@ -70,7 +70,7 @@ def test_streamed_or_not_the_result_file_is_the_same(
     assert a.covariance == pytest.approx(b.covariance, rel=1e-6, abs=1e-18)
     for name in ("n_points", "n_parameters", "dof", "rejected", "null_directions"):
         assert getattr(streamed.fit, name) == getattr(whole.fit, name)
-    for name in ("rms_um", "sigma0_um", "chi2_reduced", "chi2_probability", "variance_factor"):
+    for name in ("rms_um", "sigma0_um", "chi2_reduced", "chi2_probability", "variance_ratio"):
         assert getattr(streamed.fit, name) == pytest.approx(getattr(whole.fit, name), rel=1e-7)
     assert streamed.scan is not None
     assert streamed.scan.n_points == sum(streamed.scan.segments.n_points) == ROWS
@@ -80,7 +80,9 @@ def test_streamed_or_not_the_result_file_is_the_same(
     assert "Δθ1" not in said.out
 
 
-def test_parquet_is_streamed(folder: Path) -> None:
+def test_long_parquet_is_streamed_and_short_is_not(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert identified(folder, "points.parquet").scan is None
+    monkeypatch.setattr(scan_identifying, "SCAN_ROWS", ROWS - 1)
     found = identified(folder, "points.parquet")
     assert found.scan is not None
     assert abs(found.link1_mm.value - TRUTH.link1_mm) < 5.0 * found.link1_mm.u
@@ -95,8 +97,9 @@ def test_parquet_is_streamed(folder: Path) -> None:
     ],
 )
 def test_what_needs_all_distances_at_once_is_refused(
-    folder: Path, options: dict[str, Any], named: str
+    folder: Path, monkeypatch: pytest.MonkeyPatch, options: dict[str, Any], named: str
 ) -> None:
+    monkeypatch.setattr(scan_identifying, "SCAN_ROWS", ROWS - 1)
     with pytest.raises(UsageError, match=named):
         identified(folder, "points.parquet", **options)
 

@@ -65,4 +65,4 @@ def test_the_shares_of_a_result_are_all_of_its_variance() -> None:
 
 
 def test_without_result_and_cell_there_is_no_section() -> None:
-    assert not uncertainty_section(None, None).blocks
+    assert not uncertainty_section(None, []).blocks

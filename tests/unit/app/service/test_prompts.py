@@ -142,7 +142,7 @@ def test_what_a_question_holds_is_converted_for_the_wire(target: Any) -> None:
     resting: Any = ["no"]
     prompt = Prompt("t", "text", "Why?", motion=True, rests_after=resting, target=target)
     asked = PromptAsked.of(prompt, MotionAfter(override_percent=10.0, speed_deg_s=None))
-    assert b'"rests_after": ["no"], "target": [1.0, 90.0]' in encode_event(asked)
+    assert b'"rests_after":["no"],"target":[1.0,90.0]' in encode_event(asked)
 
 
 async def test_the_console_answers_commands_and_questions() -> None:

@@ -9,7 +9,7 @@ import pytest
 from GTC.type_b import arcsine, uniform
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy import stats
+from scipy import linalg, stats
 
 from catseye.calibration.core.coverage import (
     Interval,
@@ -210,6 +210,52 @@ def test_effective_dof_of_the_end_gauge_of_gum_h1() -> None:
     assert dof == pytest.approx(length.df, rel=1e-9)
     # The published 93 nm takes u = 32 nm, rounded up, and the next lower whole number of degrees of freedom.
     assert round(32.0 * float(coverage_factor(0.99, math.floor(dof)))) == 93
+
+
+def test_correlated_means_of_gum_h2_keep_the_dof_of_their_sample() -> None:
+    """Impedance from five simultaneous readings of voltage, current and phase; published: u, and n − 1 = 4."""
+    v, i, phi = np.array(
+        [
+            [5.007, 4.994, 5.005, 4.990, 4.999],
+            [19.663e-3, 19.639e-3, 19.640e-3, 19.685e-3, 19.678e-3],
+            [1.0456, 1.0438, 1.0468, 1.0428, 1.0433],
+        ]
+    )
+    together = np.cov([v, i, phi]) / v.size
+    u, between = np.sqrt(np.diag(together)), np.corrcoef([v, i, phi])
+    z, angle = v.mean() / i.mean(), phi.mean()
+    cos, sin = math.cos(angle), math.sin(angle)
+    slopes = {
+        0.071: np.array([cos / i.mean(), -z * cos / i.mean(), -z * sin]),
+        0.295: np.array([sin / i.mean(), -z * sin / i.mean(), z * cos]),
+        0.236: np.array([1.0 / i.mean(), -z / i.mean(), 0.0]),
+    }
+    for published, slope in slopes.items():
+        parts = slope * u
+        # The published ones come from rounded means, uncertainties and coefficients.
+        assert math.sqrt(parts @ between @ parts) == pytest.approx(published, abs=1e-3)
+        assert effective_dof(parts, np.full(3, 4.0), between) == pytest.approx(4.0, rel=1e-12)
+
+
+def test_intercept_and_slope_of_gum_h3_keep_the_dof_of_their_fit() -> None:
+    """Correction of a thermometer at 30 °C from a line through eleven readings; published: 4.1 m°C, 9."""
+    t = np.array([21.521, 22.012, 22.512, 23.003, 23.507, 23.999, 24.513, 25.002, 25.503, 26.010, 26.511])
+    b = np.array([-171, -169, -166, -159, -164, -165, -156, -157, -159, -161, -160]) * 1e-3
+    intercept, slope = GTC.type_a.line_fit(t - 20.0, b).a_b
+    correction = intercept + 10.0 * slope
+    parts = np.array([intercept.u, 10.0 * slope.u])
+    r = float(GTC.get_correlation(intercept, slope))
+    between = np.array([[1.0, r], [r, 1.0]])
+    assert float(correction.x) == pytest.approx(-0.1494, abs=5e-5)
+    assert math.sqrt(parts @ between @ parts) == pytest.approx(0.0041, abs=5e-5)
+    assert r == pytest.approx(-0.930, abs=5e-4)
+    assert effective_dof(parts, np.full(2, 9.0), between) == pytest.approx(9.0, rel=1e-12)
+    # Another input that is independent of both enters as the formula has it.
+    whole = effective_dof(
+        np.append(parts, 0.003), np.array([9.0, 9.0, 20.0]), linalg.block_diag(between, np.eye(1))
+    )
+    stated = correction + GTC.ureal(0.0, 0.003, 20)
+    assert whole == pytest.approx(float(stated.df), rel=1e-9)
 
 
 def test_correlations_are_those_of_gtc() -> None:

@@ -86,7 +86,7 @@ def test_covariance_and_degrees_of_freedom_are_those_of_gtc() -> None:
     model = line()
     found = solved(model)
     assert model.effects is not None
-    assert found.fit.variance_factor == 1.0
+    assert found.fit.variance_ratio == 1.0
     sources = [GTC.ureal(0.0, 1.0, 4) for _ in range(2)]
     rows = [
         y + s * white + sum(e * source for e, source in zip(effect, sources, strict=True))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from catseye.calibration.kinematics.chain import Chain, Joint
+from catseye.calibration.kinematics.errors import KinematicsError
 from catseye.calibration.scara.planar import forward
 
 SCARA = Chain(
@@ -70,7 +71,7 @@ def test_levers_of_parallel_axes_leave_heights_out() -> None:
     assert SCARA.lever(3, 4, (30.0, 0.0, 0.0)) == 1.0
 
 
-def test_an_unknown_joint_is_a_key_error() -> None:
+def test_an_unknown_joint_is_refused() -> None:
     assert (SCARA.frame_of("base"), SCARA.frame_of("J4")) == (0, 4)
-    with pytest.raises(KeyError):
+    with pytest.raises(KinematicsError, match="J5"):
         SCARA.frame_of("J5")

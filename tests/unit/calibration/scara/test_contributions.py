@@ -40,7 +40,7 @@ def test_parts_sum_to_the_covariance() -> None:
 @pytest.mark.parametrize("model", ["error-map", "conventional"])
 def test_parts_sum_to_a_covariance_that_was_widened(model: str) -> None:
     one = identified(noisy_points(sigma_mm=0.005), model)  # type: ignore[arg-type]  # a plain string
-    assert one.fit.variance_factor > 1.5
+    assert one.fit.variance_ratio > 1.5
     assert contributions(one).covariance == pytest.approx(one.covariance, rel=1e-6, abs=1e-18)
 
 
@@ -50,10 +50,8 @@ def test_a_part_is_the_covariance_its_contributor_adds(
 ) -> None:
     points = noisy_points(sigma_mm=0.0156)
     without, with_it = identified(points), identified(points, budget=Budget((contributor,)))
-    added = (
-        with_it.covariance / with_it.fit.variance_factor - without.covariance / without.fit.variance_factor
-    )
-    part = contributions(with_it).covariances[1] / with_it.fit.variance_factor
+    added = with_it.covariance / with_it.fit.variance_ratio - without.covariance / without.fit.variance_ratio
+    part = contributions(with_it).covariances[1] / with_it.fit.variance_ratio
     assert np.abs(part - added).max() < 1e-9 * float(np.abs(with_it.covariance).max())
 
 
@@ -103,7 +101,7 @@ def test_effective_degrees_of_freedom_by_hand() -> None:
     white = Contributor("few readings", "length", 0.0156, dof=5.0)
     scale = Contributor("wavelength", "scale", 3e-6, "common", dof=20.0)
     one = identified(noisy_points(sigma_mm=None), budget=Budget((white, scale)))
-    assert one.fit.variance_factor == 1.0
+    assert one.fit.variance_ratio == 1.0
     found = contributions(one)
     first, second = found.variances[:, 0]
     expected = (first + second) ** 2 / (first**2 / 5.0 + second**2 / 20.0)

@@ -53,7 +53,7 @@ def test_draws_agree_with_the_jacobian_when_no_uncertainty_is_stated() -> None:
 def test_draws_agree_with_the_jacobian_for_the_conventional_model() -> None:
     one = identified(model="conventional")
     # The maps of the true arm are a misfit that widens both.
-    assert one.fit.variance_factor > 2.0
+    assert one.fit.variance_ratio > 2.0
     assert_agree(one)
 
 
@@ -104,6 +104,6 @@ def test_a_distribution_without_standard_deviation_is_refused() -> None:
 
 def test_an_exact_fit_is_refused() -> None:
     one = identified(noisy_points(sigma_mm=None), "conventional")
-    exact = replace(one, fit=replace(one.fit, variance_factor=0.0))
+    exact = replace(one, fit=replace(one.fit, row_variance_mm2=0.0))
     with pytest.raises(CalibrationError, match=r"nothing is uncertain.*sigma_mm"):
         chunks(exact, 100, 1)

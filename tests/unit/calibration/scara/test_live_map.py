@@ -75,7 +75,7 @@ def identified_u(points: Points, radial: RadialBudget | None) -> tuple[Floats, F
     names = [NAMES.index(name) for name in points.reflector_names]
     budget = None if radial is None else radial_motions(radial)
     found = identify(points, "error-map", NODES1, NODES2, 325.0, 225.0, NOMINAL_REFLECTORS[names], budget)
-    u = found.standard_uncertainty / math.sqrt(found.fit.variance_factor)
+    u = found.standard_uncertainty / math.sqrt(found.fit.variance_ratio)
     return u[found.layout.map1], u[found.layout.map2]
 
 
@@ -289,7 +289,7 @@ def test_wrong_rows_are_refused_and_leave_no_trace() -> None:
     add_row(live, points, 0)
     with pytest.raises(ValueError, match=r"reflector P9 is not among .* P1, P2, P3"):
         live.add(0.0, 0.0, 1, 1, "P9", 0, 1.0)
-    with pytest.raises(ValueError, match="nan mm to reflector P1"):
+    with pytest.raises(ValueError, match="reflector P1 is nan"):
         live.add(0.0, 0.0, 1, 1, "P1", 0, float("nan"))
     with pytest.raises(MapRangeError, match="θ1 114"):
         live.add(2.0, 0.0, 1, 1, "P1", 0, 1.0)

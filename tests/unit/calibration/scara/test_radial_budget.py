@@ -146,7 +146,7 @@ def rms(errors: list[Floats]) -> float:
 
 def white_only(one: Identification, errors: Floats) -> Floats:
     """Undo the widening that an unexplained misfit causes."""
-    return errors * math.sqrt(one.fit.variance_factor)
+    return errors * math.sqrt(one.fit.variance_ratio)
 
 
 def test_errors_match_their_uncertainties_with_a_budget() -> None:
@@ -162,7 +162,7 @@ def test_lack_of_fit_is_seen_and_explained_by_the_budget() -> None:
     assert all(lack is not None and lack.significant for lack in lacks)
     # At a level of 1 % a false alarm may happen once in 40 draws.
     assert sum(lack is not None and not lack.explained for lack in lacks) <= 2
-    assert sum(one.fit.variance_factor != 1.0 for one, _ in trials()[0]) <= 3
+    assert sum(one.fit.variance_ratio != 1.0 for one, _ in trials()[0]) <= 3
 
 
 def test_lack_of_fit_stays_unexplained_without_a_budget() -> None:
@@ -171,7 +171,7 @@ def test_lack_of_fit_stays_unexplained_without_a_budget() -> None:
         assert lack is not None
         assert lack.significant
         assert not lack.explained
-        assert one.fit.variance_factor > 1.5
+        assert one.fit.variance_ratio > 1.5
 
 
 def test_the_expected_chi_square_is_what_is_observed_on_average() -> None:

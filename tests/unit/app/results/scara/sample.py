@@ -82,7 +82,7 @@ def fit(lack: LackOfFitPart | None = None, chi2: tuple[float, float] | None = (1
         null_directions=[],
         chi2_reduced=None if chi2 is None else chi2[0],
         chi2_probability=None if chi2 is None else chi2[1],
-        variance_factor=1.0 if lack is None else 6.25,
+        variance_ratio=1.0 if lack is None else 6.25,
         lack_of_fit=lack,
     )
 

@@ -12,6 +12,7 @@ from catseye.app.errors import UsageError
 from catseye.app.results.scara.distances import load_distances
 from catseye.app.results.scara.points import COLUMNS
 from catseye.app.results.scara.scan import identify_scan_file
+from catseye.app.results.scara.stated_budget import budget_of_table
 
 
 def written(folder: Path, factor: float) -> Path:
@@ -55,5 +56,11 @@ def test_millimetres_are_taken(tmp_path: Path) -> None:
 
 def test_a_streamed_file_is_looked_at_as_well(tmp_path: Path) -> None:
     path = written(tmp_path, 1e3)
+    cell = load_cell(tmp_path / "cell.toml").cell
     with pytest.raises(UsageError, match="seem to be in µm"):
-        identify_scan_file(path, scara_bench_of(load_cell(tmp_path / "cell.toml").cell), "error-map")
+        identify_scan_file(
+            path,
+            scara_bench_of(cell),
+            "error-map",
+            lambda seen: budget_of_table(seen, cell.uncertainty, "cell.toml"),
+        )

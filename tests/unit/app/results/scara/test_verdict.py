@@ -51,7 +51,7 @@ def test_systematic_contributors_widen_what_is_expected() -> None:
 
 
 def test_a_fit_that_scatters_more_than_stated() -> None:
-    kind, text = sentence(sample.fit(chi2=(4.0, 1e-5)).model_copy(update={"variance_factor": 4.0}))
+    kind, text = sentence(sample.fit(chi2=(4.0, 1e-5)).model_copy(update={"variance_ratio": 4.0}))
     assert kind == "bad"
     assert "scatters by 15.8 µm, more than the stated 7.9 µm (χ²/dof = 4.00, p < 0.001)" in text
     assert "widened by a factor of 2.00" in text

@@ -7,7 +7,7 @@ import pytest
 
 from catseye.calibration.core.design.criteria import CriterionName, covariances
 from catseye.calibration.core.design.information import Information
-from catseye.calibration.core.errors import UnidentifiableError
+from catseye.calibration.core.errors import BudgetError, UnidentifiableError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget, Contributor
 from catseye.calibration.scara.design.criterion import Criterion
@@ -163,5 +163,5 @@ def test_a_place_under_the_j4_axis_keeps_other_commands_information() -> None:
 
 def test_exact_distances_are_refused() -> None:
     problem = study(SMALL, Budget((Contributor("scale", "scale", 1e-6, "common"),)))
-    with pytest.raises(ValueError, match="exact"):
+    with pytest.raises(BudgetError, match="exact"):
         problem.rows(seen_by_all(RING[0], len(problem.commands)))

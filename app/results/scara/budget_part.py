@@ -1,0 +1,53 @@
+"""The error budget as a document: what a points table carries along, and what a result says that it stands on."""
+
+from typing import Final, Literal
+
+from catseye.app.cell.scara.uncertainty import ContributorEntry
+from catseye.app.results.uncertainty_part import ResultPart
+from catseye.calibration.scara.budget import Budget
+
+BUDGET_KIND: Final = "catseye-budget"
+"""What a budget is called among the documents that a table carries."""
+
+BudgetFormat = Literal["catseye-budget/1"]
+
+CorrectedBy = Literal["program", "instrument"]
+"""Who has corrected the distances for the air."""
+
+BudgetSource = Literal["run", "table", "cell", "none"]
+
+SigmaRole = Literal["absent", "white", "implied", "total"]
+"""What the column sigma_mm of a table is: not there; what differs from reading to reading; the same as the budget's
+contributors per reading; all contributors together, as earlier versions exported it."""
+
+
+class TableBudget(ResultPart):
+    """What a points table carries along.
+
+    `sha256` is of the document itself and of the rows (`catseye.app.results.scara.table_budget`).
+    """
+
+    format: BudgetFormat
+    source: str
+    corrected_by: CorrectedBy | None = None
+    contributor: list[ContributorEntry]
+    sha256: str
+
+
+class BudgetPart(ResultPart):
+    """What the uncertainties of a result stand on: whose budget, and what the column sigma_mm was taken for."""
+
+    format: BudgetFormat = "catseye-budget/1"
+    source: BudgetSource
+    name: str
+    sigma_mm: SigmaRole = "absent"
+    corrected_by: CorrectedBy | None = None
+    contributor: list[ContributorEntry]
+
+    @property
+    def budget(self) -> Budget | None:
+        """Contributors that were counted: beside a white sigma_mm those that distances share; None for no budget."""
+        if self.source == "none":
+            return None
+        everything = Budget(tuple(entry.contributor() for entry in self.contributor))
+        return Budget(everything.systematic) if self.sigma_mm == "white" else everything

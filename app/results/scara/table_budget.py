@@ -1,0 +1,133 @@
+"""The error budget that travels with a points table, and the seal that holds both together."""
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from catseye.app.cell.scara.uncertainty import ContributorEntry
+from catseye.app.errors import UsageError
+from catseye.app.files.documents import parse_json
+from catseye.app.results.scara.budget_part import BUDGET_KIND, CorrectedBy, TableBudget
+from catseye.app.results.scara.points import POINTS
+from catseye.procedures.kit.columns import Columns
+
+_NUMBERS = tuple(column.name for column in POINTS.forms[0] if column.kind != "name")
+
+
+def budget_document(
+    points: Columns, source: str, contributors: Sequence[ContributorEntry], corrected_by: CorrectedBy | None
+) -> dict[str, Any]:
+    """Return the document that a table of distances carries along.
+
+    Args:
+        points: all rows, with all columns that a points file may have.
+        source: name of the run that they come from.
+        corrected_by: who has corrected them for the air; None where that is not known.
+    """
+    unsealed = TableBudget(
+        format="catseye-budget/1",
+        source=source,
+        corrected_by=corrected_by,
+        contributor=list(contributors),
+        sha256="",
+    ).model_dump(mode="json", exclude_none=True)
+    seal = _Seal(unsealed)
+    seal.add(points)
+    return {**unsealed, "sha256": seal.hexdigest()}
+
+
+class _Seal:
+    """SHA-256 of a budget and of the rows that it belongs to, whatever kind of file they stand in.
+
+    The document counts as JSON with sorted keys; of a row the name of the reflector and 64-bit floats.
+    """
+
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        sealed = {key: value for key, value in document.items() if key != "sha256"}
+        self._hash = hashlib.sha256(json.dumps(sealed, sort_keys=True).encode())
+
+    def add(self, block: Columns) -> None:
+        """Add rows below those that were added before."""
+        own = [hashlib.sha256(name.encode()).digest()[:8] for name in block.names]
+        numbers = block.stacked([name for name in _NUMBERS if name in block])
+        rows = np.empty(len(block), dtype=[("reflector", "S8"), ("numbers", "<f8", numbers.shape[1:])])
+        rows["reflector"] = np.array(own, dtype="S8")[block["reflector"].astype(np.int64)]
+        rows["numbers"] = numbers + 0.0  # makes one zero of both
+        self._hash.update(rows.tobytes())
+
+    def hexdigest(self) -> str:
+        """Return the sum of everything that was added."""
+        return self._hash.hexdigest()
+
+
+class SeenTable:
+    """What a points file shows of its uncertainties while it is read, block by block.
+
+    Args:
+        file: for complaints.
+
+    Attributes:
+        own: the budget that it carries; None for none.
+    """
+
+    def __init__(self, file: Path) -> None:
+        self.file = file
+        self.own: TableBudget | None = None
+        self._seal: _Seal | None = None
+        self._least, self._most = math.inf, -math.inf
+
+    def see(self, block: Columns) -> None:
+        """Look at rows below those that were seen before.
+
+        Raises:
+            UsageError: the table carries a budget that cannot be read.
+        """
+        text = block.attached.get(BUDGET_KIND)
+        if text is not None:
+            if self._seal is None:
+                self.own, self._seal = _read(self.file, text)
+            self._seal.add(block)
+        sigma_mm = block.get("sigma_mm")
+        if sigma_mm is not None:
+            self._least = min(self._least, float(sigma_mm.min(initial=math.inf)))
+            self._most = max(self._most, float(sigma_mm.max(initial=-math.inf)))
+
+    @property
+    def intact(self) -> bool:
+        """Budget and rows are those that were written together."""
+        return self.own is not None and self._seal is not None and self._seal.hexdigest() == self.own.sha256
+
+    @property
+    def with_sigma(self) -> bool:
+        """The rows state uncertainties of their own."""
+        return self._most >= self._least
+
+    @property
+    def one_sigma_mm(self) -> float | None:
+        """The standard uncertainty that all rows state, mm; None where they differ or state none."""
+        return self._most if self._most == self._least else None
+
+
+def _read(file: Path, text: str) -> tuple[TableBudget, _Seal]:
+    document = parse_json(text, f"{file}: {BUDGET_KIND}")
+    form = document.get("format") if isinstance(document, dict) else None
+    if isinstance(form, str) and form.startswith(f"{BUDGET_KIND}/") and form != f"{BUDGET_KIND}/1":
+        raise UsageError(
+            f"{file}: carries an error budget of format {form}; this version reads {BUDGET_KIND}/1: update catseye, "
+            "or leave the budget with --budget cell or none and without its comment line"
+        )
+    try:
+        return TableBudget.model_validate(document), _Seal(document)
+    except ValidationError as error:
+        fault = error.errors()[0]
+        place = ".".join(str(part) for part in fault["loc"]) or "document"
+        raise UsageError(
+            f"{file}: carries an error budget that cannot be read: {place}: {fault['msg']}; export the table again, "
+            f"or take the {BUDGET_KIND} line out of it"
+        ) from error

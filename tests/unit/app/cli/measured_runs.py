@@ -1,0 +1,87 @@
+"""Runs of an arm that is written down here, with the errors of Table 2, which the program does not know."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from catseye.app.cell.scara.template import TEMPLATE
+from catseye.app.store.reader import RunReader
+from catseye.procedures.kit.records import Json, Row
+from tests.unit.app.engine.fakes import point
+from tests.unit.app.test_path_comparison import stored
+from tests.unit.calibration.scara.paper import (
+    NAMES,
+    NODES1_DEG,
+    NODES2_DEG,
+    Truth,
+    random_truth,
+    sequence,
+    true_position,
+)
+
+WHITE_MM = 0.010
+RADIAL_MM = (0.005, 0.005, 0.010)
+ORDERS = 5
+
+
+def rows_of_arm(seed: int) -> list[Row]:
+    """Return the paper's distances to three reflectors, one segment each."""
+    rng, truth = np.random.default_rng([seed, 5]), random_truth(seed)
+    motions = [_Motion(rng, rms_mm) for rms_mm in RADIAL_MM]
+    rows: list[Row] = []
+    for j, name in enumerate(NAMES):
+        for command in sequence():
+            error_mm = _radial_mm(truth, command, j, motions) + float(rng.normal(0.0, WHITE_MM))
+            length_mm = math.dist(true_position(truth, command), truth.reflectors[j]) + error_mm
+            rows.append(
+                {
+                    **point(),
+                    "reflector": name,
+                    "segment": j,
+                    "theta1_deg": NODES1_DEG[command[0]],
+                    "theta2_deg": NODES2_DEG[command[1]],
+                    "direction1": command[2],
+                    "direction2": command[3],
+                    "displacement_mm": length_mm - 400.0,
+                }
+            )
+    return rows
+
+
+class _Motion:
+    """Where an axis stands while it turns, in the frame of the link that carries it: harmonics 1…5, even rms."""
+
+    def __init__(self, rng: np.random.Generator, rms_mm: float) -> None:
+        self.factors = rng.normal(0.0, rms_mm / math.sqrt(ORDERS), (2, ORDERS, 2))
+
+    def at(self, angle_rad: float) -> tuple[float, float]:
+        x, y = (
+            sum(c * math.cos(k * angle_rad) + s * math.sin(k * angle_rad) for k, (c, s) in enumerate(axis, 1))
+            for axis in self.factors
+        )
+        return x, y
+
+
+def _radial_mm(truth: Truth, command: tuple[int, int, int, int], j: int, motions: list[_Motion]) -> float:
+    """Return what the radial error motions add to a distance, mm."""
+    place = true_position(truth, command)
+    away = (place[0] - truth.reflectors[j][0], place[1] - truth.reflectors[j][1])
+    unit = (away[0] / math.hypot(*away), away[1] / math.hypot(*away))
+    one, two = math.radians(NODES1_DEG[command[0]]), math.radians(NODES2_DEG[command[1]])
+    beam = math.atan2(-unit[1], -unit[0]) - one - two
+    turned = (0.0, one, one + two)
+    added = 0.0
+    for motion, frame, angle in zip(motions, turned, (one, two, beam), strict=True):
+        x, y = motion.at(angle)
+        cosine, sine = math.cos(frame), math.sin(frame)
+        added += unit[0] * (cosine * x - sine * y) + unit[1] * (sine * x + cosine * y)
+    return added
+
+
+async def measured_run(folder: Path, seed: int, **meta: Json) -> RunReader:
+    """Store a measurement below folder/runs and write a cell file that fits it."""
+    (folder / "cell.toml").write_text(TEMPLATE, encoding="utf-8")
+    compensation: Json = {"by": "instrument", "sentence": "The instrument corrects its lengths."}
+    rows = [("points", row) for row in rows_of_arm(seed)]
+    return await stored(folder / "runs", "open-loop", rows, **{"compensation": compensation, **meta})
