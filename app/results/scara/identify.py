@@ -16,7 +16,7 @@ from catseye.app.cell.section import RECORD
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.budget_part import BudgetPart
 from catseye.app.results.scara.points import point_columns, to_points
-from catseye.app.results.scara.result import Result
+from catseye.app.results.scara.result import Covariance, Result, TakenUpPart
 from catseye.app.results.scara.result_of import result_of
 from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
@@ -122,7 +122,24 @@ def identified_result(
     nominal, now = (bench.link1_mm, bench.link2_mm), datetime.now(UTC)
     created = now.isoformat(timespec="seconds")
     result = result_of(identified, nominal, sources, SOFTWARE, created, simulated)
-    return result.model_copy(update={"budget": budget})
+    covariance = _with_taken_up(result.covariance, identified, budget)
+    return result.model_copy(update={"budget": budget, "covariance": covariance})
+
+
+def _with_taken_up(
+    covariance: Covariance | None, identified: Identification, budget: BudgetPart
+) -> Covariance | None:
+    """Return a covariance with what positions need of the contributors that come again: J4 may stand anywhere."""
+    everything = budget.everything
+    if covariance is None or everything is None:
+        return covariance
+    found, motions = identified.arm.taken_up, everything.of_arm.repeating
+    parts = [
+        TakenUpPart(contributor=place, matrix=found[one].tolist())
+        for place, one in enumerate(everything.contributors)
+        if one in motions and one.axis != "j4" and one in found
+    ]
+    return covariance.model_copy(update={"taken_up": parts})
 
 
 def with_what_speaks_against(result: Result, texts: Iterable[str]) -> Result:
