@@ -40,6 +40,8 @@ class Machines:
         client: connection to the scheduler.
     """
 
+    begins_after_s = 0.0
+
     def __init__(self, client: Client) -> None:
         self._client = client
 

@@ -22,8 +22,14 @@ _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM
 """Each process has a core to itself: threads of the linear algebra would only wait for one another."""
 
 
+_BEGINS_AFTER_S = 2.0
+"""What a new process takes to import what the work needs: 1.2 s of a core, and starting it."""
+
+
 class Processes:
     """Carries out items in a pool of processes."""
+
+    begins_after_s = _BEGINS_AFTER_S
 
     def __init__(self, pool: ProcessPoolExecutor) -> None:
         self._pool = pool

@@ -3,7 +3,17 @@
 from collections.abc import Sequence
 
 from catseye.app.cell.scara.uncertainty import ContributorEntry
-from catseye.app.results.model import Block, Cell, Column, Paragraph, Quantity, Section, Table, section
+from catseye.app.results.model import (
+    Block,
+    Cell,
+    Column,
+    Paragraph,
+    Quantity,
+    Section,
+    Statement,
+    Table,
+    section,
+)
 from catseye.app.results.numbers import COUNT, NOTHING, OF_UNIT, fixed, number
 from catseye.app.results.uncertainty_part import (
     ContributionTable,
@@ -18,14 +28,17 @@ _LEAST_SHARE = 0.0005
 _UNITS = {"mm": "mm", "mdeg": "mdeg", "um": "µm"}
 
 
-def uncertainty_section(part: UncertaintyPart | None, budget: Sequence[ContributorEntry]) -> Section:
+def uncertainty_section(
+    part: UncertaintyPart | None, budget: Sequence[ContributorEntry], whose: Sequence[Statement] = ()
+) -> Section:
     """Return the budget and what becomes of it in the results.
 
     Args:
         part: of the result; None leaves it out.
         budget: that the result stands on; empty where it does not say.
+        whose: budget it is, and what it leaves open.
     """
-    blocks: list[Block | None] = [_budget(budget)] if budget else []
+    blocks: list[Block | None] = [*whose, _budget(budget) if budget else None]
     if part is not None:
         blocks += [Paragraph(_method(part)), _contributions(part.contributions), _correlations(part)]
         blocks += [*_validation(part.monte_carlo), _intervals(part)]

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -44,8 +45,9 @@ class White:
             errors *= self.sigma_mm
         else:
             errors *= self.tilt_rad
-            np.cos(errors, out=errors)
-            np.subtract(1.0, errors, out=errors)
+            np.square(errors, out=errors)
+            # 1 − cos δ to the sixth order, ten times as fast as a cosine: what is left out is 4e-8 of it at 17°.
+            errors *= 0.5 - errors * (1.0 / 24.0 - errors / 720.0)
             # sigma is L u²/√2, what a cosine error scatters by to first order.
             errors *= self.sigma_mm * (math.sqrt(2.0) / self.tilt_rad**2)
         return _spread_by_dof(errors, self.dof, rng)
@@ -92,6 +94,11 @@ class RowErrors:
         """All of them, white ones first."""
         return (*self.white, *self.shared)
 
+    @cached_property
+    def _effects_mm(self) -> Floats:
+        """Effects of all sources, shape (m, n)."""
+        return np.vstack([shared.effects_mm.T for shared in self.shared])
+
     def draw(self, rng: np.random.Generator, draws: int) -> Floats:
         """Return errors of the rows, mm, shape (draws, n)."""
         first, *others = _merged(self.white)
@@ -100,7 +107,7 @@ class RowErrors:
             errors += white.draw(rng, draws)
         if self.shared:
             sources = np.hstack([shared.draw(rng, draws) for shared in self.shared])
-            errors += sources @ np.hstack([shared.effects_mm for shared in self.shared]).T
+            errors += sources @ self._effects_mm
         errors *= math.sqrt(self.factor)
         return _spread_by_dof(errors, self.factor_dof, rng)
 
@@ -173,7 +180,8 @@ def standard_draws(
     distribution: Distribution, rng: np.random.Generator, size: int | tuple[int, ...]
 ) -> Floats:
     """Return independent draws of mean 0 and standard deviation 1."""
-    require_one_of(Distribution, distribution, "distribution")
+    if distribution not in _STANDARD:
+        require_one_of(Distribution, distribution, "distribution")
     return _STANDARD[distribution](rng, size)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from catseye.calibration.core.budget import RowErrors
 from catseye.calibration.core.coverage import effective_dof
 from catseye.calibration.core.fit_statistics import FitStatistics
-from catseye.calibration.core.gain import gain
+from catseye.calibration.core.gain import Gain
 from catseye.calibration.core.model import Model
 from catseye.calibration.core.types import Floats
 
@@ -72,7 +72,7 @@ def taken_apart(model: Model, values: Floats, errors: RowErrors) -> Contribution
         values: the estimate, shape (p,).
         errors: white and shared, in the order of the rows.
     """
-    moved = gain(model, values)
+    moved = Gain.at(model, values).matrix
     parts = [moved * one.sigma_mm for one in errors.white] + [moved @ one.effects_mm for one in errors.shared]
     # A product with its own transpose is symmetric to the last digit.
     return Contributions(errors, errors.factor * np.stack([part @ part.T for part in parts]))

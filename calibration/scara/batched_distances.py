@@ -3,6 +3,7 @@
 The gradient needs no dense Jacobian: commands that repeat share their trigonometry, and what is linear is sparse.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +19,6 @@ class BatchedDistances:
 
     Attributes:
         model: the distances, their commands and the order of the parameters.
-        squares: squares of the weights, shape (n, 1).
         command_rad: θ1 and θ2 commands of the states, shape (2, m, 1).
         to_states: parameters to L1, L2, θ1 and θ2 of the states, shape (4 m, p).
         from_states: its transpose.
@@ -29,7 +29,6 @@ class BatchedDistances:
     """
 
     model: DistanceModel
-    squares: Floats
     command_rad: Floats
     to_states: sparse.csr_array
     from_states: sparse.csr_array
@@ -46,7 +45,6 @@ class BatchedDistances:
         rows, commands = np.arange(state.size), model.design.commands
         return cls(
             model=model,
-            squares=(model.weights**2)[:, None],
             command_rad=np.stack([commands.theta1_rad, commands.theta2_rad])[:, first, None],
             to_states=to_states,
             from_states=to_states.T.tocsr(),
@@ -65,15 +63,16 @@ class BatchedDistances:
         """Return the model of a draw's displacements, mm, shape (n,)."""
         return replace(self.model, points=replace(self.model.points, displacement_mm=measured_mm))
 
-    def gradient(self, values: Floats, measured_mm: Floats) -> Floats:
-        """Return half the gradient of the weighted sums of squared residuals.
+    def gradient(self, values: Floats, measured_mm: Floats, forces: Callable[[Floats], Floats]) -> Floats:
+        """Return half the gradients of the sums of squares.
 
         Args:
             values: of the parameters, one column a draw, shape (p, b).
             measured_mm: displacements, one column a draw, shape (n, b).
+            forces: returns V⁻¹ times residuals, shape (n, b).
 
         Returns:
-            The exact Jᵀ W² r, shape (p, b).
+            The exact JᵀV⁻¹r, shape (p, b).
         """
         draws = values.shape[1]
         link1, link2, theta1, theta2 = (self.to_states @ values).reshape(4, -1, draws)
@@ -93,7 +92,7 @@ class BatchedDistances:
         np.sqrt(length, out=length)
         residual += length
         residual -= measured_mm
-        residual *= self.squares
+        residual[:] = forces(residual)
         np.divide(residual, length, out=length)
         beam_x *= length
         beam_y *= length

@@ -155,6 +155,9 @@ def identify(
     start = distances.start(link1_mm, link2_mm, rough)
     if budget is not None and used.sigma_mm is None:
         distances = _weighted(distances, start, budget)
+        # Weights at the estimate do not depend on how rough the places were.
+        start = estimate(distances, start).values
+        distances = _weighted(distances, start, budget)
     found = estimate(distances, start)
     return Identification(
         layout,

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import Final
 
+from catseye.app.cell.model import Cell
 from catseye.app.results.model import Bullets, Origin, Paragraph, Report, Section, Sign, Statement, section
 from catseye.app.results.numbers import counted
 from catseye.app.results.runs.records import Measurement, Sources
@@ -12,6 +13,7 @@ from catseye.app.results.runs.sections import (
     run_section,
 )
 from catseye.app.results.runs.trace import trace_section
+from catseye.app.results.scara.budget_text import budget_statements
 from catseye.app.results.scara.diagnosis_report import diagnosis_section
 from catseye.app.results.scara.distance_report import distance_section, distance_statement
 from catseye.app.results.scara.figures.layout import layout_figure
@@ -57,6 +59,8 @@ def verdict(findings: Findings, incidents: int = 0) -> list[Statement]:
     if best is None:
         return [Statement(Sign.BAD, "Nothing was identified: there is no result to report.")]
     statements = [Statement(Sign.NEUTRAL, identified_text(best)), *fit_statements(best)]
+    doubts = [] if best.budget is None else budget_statements(best.budget)
+    statements += [one for one in doubts if one.sign is Sign.ATTENTION]
     statements.append(
         path_statement(findings.validation)
         if findings.distances is None
@@ -76,9 +80,6 @@ def _result_sections(findings: Findings, measurement: Measurement) -> list[Secti
     """Return what was found out."""
     best, truth = findings.best, findings.truth
     note = Paragraph("All uncertainties are standard uncertainties (k = 1).")
-    budget = [] if measurement.cell is None else measurement.cell.uncertainty.contributor
-    if best is not None and best.budget is not None:
-        budget = best.budget.contributor
     map_truth = truth if best is not None and best.model == "error-map" else None
     statements = verdict(findings, len(measurement.incidents))
     return [
@@ -90,7 +91,7 @@ def _result_sections(findings: Findings, measurement: Measurement) -> list[Secti
         distance_section(findings.distances),
         fit_section(findings.models),
         diagnosis_section(findings.diagnosis),
-        uncertainty_section(None if best is None else best.uncertainty, budget),
+        _uncertainty_section(best, measurement.cell),
         _layout_section(findings),
         reflector_section(best, map_truth),
     ]
@@ -110,6 +111,14 @@ def _run_sections(
         configuration_section(measurement.cell, measurement.origins),
         trace_section(origin.software, sources, measurement.runs, result_software),
     ]
+
+
+def _uncertainty_section(best: Result | None, cell: Cell | None) -> Section:
+    """Return what the uncertainties stand on; where no result says it, the budget of the cell."""
+    part = None if best is None else best.uncertainty
+    if best is not None and best.budget is not None:
+        return uncertainty_section(part, best.budget.contributor, budget_statements(best.budget))
+    return uncertainty_section(part, [] if cell is None else cell.uncertainty.contributor)
 
 
 def _layout_section(findings: Findings) -> Section:

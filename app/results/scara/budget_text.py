@@ -14,7 +14,8 @@ def budget_statements(part: BudgetPart) -> list[Statement]:
         texts.append(f"Error budget: that of {whose} {part.name}, {size}.")
         if part.sigma_mm == "white":
             texts.append(
-                "sigma_mm is what differs from distance to distance; the budget adds what several distances share."
+                "The column sigma_mm is what differs from distance to distance; the budget adds what several "
+                "distances share."
             )
     return [
         *(Statement(Sign.NEUTRAL, text) for text in texts),
@@ -33,8 +34,8 @@ def budget_remarks(part: BudgetPart) -> list[str]:
         )
     if part.sigma_mm == "total":
         remarks.append(
-            "sigma_mm holds all contributors of the budget, as earlier versions exported it: the budget counts, and "
-            "sigma_mm not beside it"
+            "the column sigma_mm holds all contributors of the budget, as earlier versions exported it: the budget "
+            "counts, and sigma_mm not beside it"
         )
     if part.corrected_by is None:
         remarks.append(

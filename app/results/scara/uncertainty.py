@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.app.cluster.share import Share
+from catseye.app.cluster.share import Share, map_quick
 from catseye.app.errors import UsageError
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import MDEG_PER_RAD
@@ -87,7 +87,7 @@ def by_monte_carlo(
     require_draws(draws)
     work = chunks(identified, draws, seed)
     advanced = None if done is None else (lambda count: done(min(draws, count * CHUNK)))
-    solved = joined(share.map(solve_chunk, work, advanced))
+    solved = joined(map_quick(share, solve_chunk, work, advanced))
     found = contributions(identified)
     shortest = [shortest_interval(column, COVERAGE) for column in solved.parameters.T]
     drawn = with_draws(identified, solved.parameters)

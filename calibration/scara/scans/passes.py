@@ -30,6 +30,7 @@ class Passes:
         nominal_mm: nominal links, mm.
         rough_mm: rough places of the reflectors, mm, shape (reflectors, 2).
         budget: contributors; None for what the points state alone.
+        estimate: where the white contributors are taken, shape (p,); None for the nominal arm.
     """
 
     used: UsedRows
@@ -37,6 +38,7 @@ class Passes:
     nominal_mm: tuple[float, float]
     rough_mm: Floats
     budget: Budget | None
+    estimate: Floats | None = None
 
     def __post_init__(self) -> None:
         common = (
@@ -70,7 +72,8 @@ class Passes:
         model = DistanceModel(self.layout, block, design, self.repeating)
         if not weighted or block.sigma_mm is not None or self.budget is None or not self.budget.white:
             return model
-        sigma = combined_white_mm(self.budget, model.geometry(self._nominal_parameters()))
+        known = self._nominal_parameters() if self.estimate is None else self.estimate
+        sigma = combined_white_mm(self.budget, model.geometry(known))
         if not sigma.all():
             raise CalibrationError(
                 "the white contributors leave some distances without an uncertainty: add one of kind length"

@@ -100,6 +100,7 @@ def identify_scan(
     passes = Passes(used, layout, (link1_mm, link2_mm), rough, budget)
     few = used.few()
     first = _minimum_of_sample(passes, few)
+    passes = replace(passes, estimate=first.parameters)
     half_width_mm = max(_HISTOGRAM_RMS * first.sums.residuals.rms_mm, _FINEST_MM)
     counter = _Counter(used.rows, progress)
     minimum = descend(

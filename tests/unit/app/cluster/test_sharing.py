@@ -2,13 +2,14 @@
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from typing import TypeVar
 
 import numpy as np
 import pytest
 
 from catseye.app.cluster.errors import WorkerLostError
-from catseye.app.cluster.share import Share
+from catseye.app.cluster.share import InThisProcess, Share, map_quick
 from catseye.app.cluster.sharing import cores, sharing
 from catseye.app.errors import ConfigError
 from catseye.calibration.core.errors import UnidentifiableError
@@ -21,6 +22,9 @@ from tests.unit.app.cluster.work import (
     large,
     process_and_threads,
 )
+
+A = TypeVar("A")
+B = TypeVar("B")
 
 
 @pytest.fixture(params=[1, 2])
@@ -118,3 +122,37 @@ def test_interrupted_work_does_not_wait_for_large_results() -> None:
 
         with pytest.raises(KeyboardInterrupt), sharing(2, None) as share:
             share.map(large, [20_000] * 400, stop)
+
+
+class Others:
+    """Takes five seconds to begin, and notes what it is given."""
+
+    begins_after_s = 5.0
+
+    def __init__(self) -> None:
+        self.given: list[int] = []
+
+    def map(
+        self, function: Callable[[A], B], items: Sequence[A], done: Callable[[int], None] | None = None
+    ) -> list[B]:
+        self.given.append(len(items))
+        return InThisProcess().map(function, items, done)
+
+
+@pytest.mark.parametrize(("item_s", "handed_over"), [(0.01, 0), (0.1, 0), (0.4, 0), (0.6, 99)])
+def test_quick_work_stays_here_until_others_pay(item_s: float, handed_over: int) -> None:
+    others, now = Others(), [0.0]
+    seen: list[int] = []
+
+    def carried_out(item: int) -> int:
+        now[0] += item_s
+        return -item
+
+    found = map_quick(others, carried_out, range(100), seen.append, lambda: now[0])
+    assert found == [-item for item in range(100)]
+    assert seen == list(range(1, 101))
+    assert sum(others.given) == handed_over
+
+
+def test_one_worker_hands_nothing_over() -> None:
+    assert map_quick(InThisProcess(), abs, [-1, 2]) == [1, 2]
