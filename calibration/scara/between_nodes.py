@@ -7,7 +7,7 @@ way between two nodes the error has the variance σ²(1 + ¼ + ¼).
 
 import numpy as np
 
-from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.scara.error_map import interpolate
 
 ORDERS = np.arange(18.0, 145.0)
@@ -48,11 +48,25 @@ def between_nodes(nodes_rad: Floats, theta_rad: Floats, direction: Ints) -> Floa
     return np.asarray(effects[place], dtype=np.float64)
 
 
+def different_places(nodes_rad: Floats, theta_rad: Floats, direction: Ints) -> int:
+    """Return at how many different commands a joint stands between its nodes; arguments as of between_nodes."""
+    if nodes_rad.size < 2:
+        return 0
+    off = ~at_nodes(nodes_rad, theta_rad)
+    return len(np.unique(np.column_stack([theta_rad, direction])[off], axis=0))
+
+
+def at_nodes(nodes_rad: Floats, theta_rad: Floats) -> Bools:
+    """Return which command angles are nodes, shape (n,)."""
+    alpha = interpolate(nodes_rad, theta_rad).alpha
+    return np.asarray(np.minimum(alpha, 1.0 - alpha) < _AT_NODE, dtype=np.bool_)
+
+
 def _of_commands(nodes_rad: Floats, theta_rad: Floats, direction: Floats) -> Floats:
     found = interpolate(nodes_rad, theta_rad)
-    at_nodes, alpha = _waves(nodes_rad), found.alpha[:, None]
-    ripple = _waves(theta_rad) - (1.0 - alpha) * at_nodes[found.lower] - alpha * at_nodes[found.lower + 1]
-    ripple[np.minimum(found.alpha, 1.0 - found.alpha) < _AT_NODE] = 0.0
+    waves, alpha = _waves(nodes_rad), found.alpha[:, None]
+    ripple = _waves(theta_rad) - (1.0 - alpha) * waves[found.lower] - alpha * waves[found.lower + 1]
+    ripple[at_nodes(nodes_rad, theta_rad)] = 0.0
     return np.hstack([np.where(direction[:, None] == state, ripple, 0.0) for state in (1.0, -1.0)])
 
 

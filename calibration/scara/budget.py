@@ -160,6 +160,7 @@ class Geometry:
         turn_mm: derivatives of the row by θ1 and θ2, mm/rad, shape (n, 2).
         theta4_rad: angle of the tool against link 2, rad, shape (n,).
         layout: of the arm: nodes, and functions beyond the maps that are identified with it.
+        averaged: what lies between nodes averages out over the rows.
     """
 
     points: Points
@@ -168,6 +169,7 @@ class Geometry:
     turn_mm: Floats
     theta4_rad: Floats
     layout: Layout
+    averaged: bool = False
 
 
 def seen_along(points: Points, unit: Floats, length_mm: Floats, turn_mm: Floats, layout: Layout) -> Geometry:
@@ -294,6 +296,8 @@ def _angle(axis: Axis | None, geometry: Geometry) -> Floats:
 
 def _between_nodes(axis: Axis | None, geometry: Geometry) -> Floats:
     commands, layout = geometry.points.commands, geometry.layout
+    if geometry.averaged:
+        return np.zeros((len(commands), 0))
     if axis == "j1":
         return between_nodes(layout.nodes1_rad, commands.theta1_rad, commands.direction1)
     return between_nodes(layout.nodes2_rad, commands.theta2_rad, commands.direction2)

@@ -1,6 +1,6 @@
 """Distances that a model predicts, their residuals and derivatives (Eqs 5 and 10)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -9,6 +9,7 @@ from catseye.calibration.core.budget import Shared, White
 from catseye.calibration.core.model import Parameters
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.arm import ArmDesign, arm_design
+from catseye.calibration.scara.between_nodes import different_places
 from catseye.calibration.scara.budget import (
     Budget,
     Geometry,
@@ -19,6 +20,9 @@ from catseye.calibration.scara.budget import (
 )
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.points import Points
+
+_MOST_PLACES = 100
+"""Places between the nodes of a joint beyond which a measurement is a scan: a plan has a few on purpose."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +80,17 @@ class DistanceModel:
 
     def shared(self, parameters: Floats) -> tuple[Shared, ...]:
         """Return the errors that several distances have in common."""
-        return shared_errors(self.budget, self.geometry(parameters))
+        return shared_errors(self.budget, replace(self.geometry(parameters), averaged=self._stands_nowhere))
+
+    @cached_property
+    def _stands_nowhere(self) -> bool:
+        """Whether the commands of a joint stand between its nodes at so many places that these average out."""
+        commands = self.points.commands
+        joints = (
+            (self.layout.nodes1_rad, commands.theta1_rad, commands.direction1),
+            (self.layout.nodes2_rad, commands.theta2_rad, commands.direction2),
+        )
+        return any(different_places(*joint) > _MOST_PLACES for joint in joints)
 
     def residuals(self, parameters: Floats) -> Floats:
         """Return predicted minus measured displacement, mm, shape (n,)."""

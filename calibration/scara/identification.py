@@ -10,7 +10,7 @@ from catseye.calibration.core.arguments import require_finite, require_shape
 from catseye.calibration.core.errors import BudgetError, InsufficientPointsError
 from catseye.calibration.core.estimation import Estimate, estimate
 from catseye.calibration.core.fit_statistics import FitStatistics
-from catseye.calibration.core.gain import gain
+from catseye.calibration.core.gain import Gain
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget, Contributor, combined_white_mm, effects
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
@@ -88,7 +88,8 @@ class Identification:
         if self.budget is None:
             return {}
         model = self.model
-        moved, geometry = gain(model, self.parameters), model.geometry(self.parameters)
+        moved = Gain.at(model, self.parameters).matrix
+        geometry = model.geometry(self.parameters)
         return {one: moved @ effects(one, geometry) for one in self.budget.repeating}
 
     @property

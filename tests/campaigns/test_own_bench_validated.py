@@ -1,7 +1,7 @@
 """The emulated bench measured, identified and validated by its tracker, seed by seed, without sockets.
 
-What is left on the path is as large as expected: the probabilities of all seeds are uniform. The arm, its maps between
-the nodes, its scatter and its error motions are the simulator's; nothing of the program's own output is the truth.
+What is left on the path is as large as expected: the probabilities of all seeds are uniform. The arm with
+what it does between nodes, its scatter and its error motions are the simulator's, not the program's.
 
 `CATSEYE_VALIDATED_SEEDS` sets how many [40].
 """

@@ -68,10 +68,10 @@ def fit_statements(result: Result) -> list[Statement]:
     if result.fit.null_directions:
         named = "; ".join(", ".join(names) for names in result.fit.null_directions)
         statements.append(Statement(Sign.BAD, f"Not observable, and therefore without numbers: {named}."))
-    return [*statements, *_nodes_only(result)]
+    return statements
 
 
-def _nodes_only(result: Result) -> list[Statement]:
+def nodes_only_statements(result: Result) -> list[Statement]:
     """Return that nothing was measured between the nodes of a joint, and what is assumed of it."""
     measured = result.residuals
     if measured is None or result.theta1_map is None or result.theta2_map is None:

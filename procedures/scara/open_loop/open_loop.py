@@ -29,7 +29,7 @@ class OpenLoopParams(BaseModel):
     off_node: int | None = Field(
         None,
         ge=0,
-        le=200,
+        le=50,
         description="commands between the nodes, which show what the maps cannot hold; by default 12, or fewer where "
         "J1 has few nodes",
     )
