@@ -310,14 +310,16 @@ class ResultsScreen(WorkScreen):
             self.action_part(1 if file.result.has_maps else 2)
 
     def _source_of(self, file: "ResultFile") -> list[str | Path]:
-        """Return words that name the distances of a result; none where they are not found."""
+        """Return words that name the distances of a result and its budget; none where they are not found."""
         names = [] if file.result is None else file.result.provenance.runs
+        part = None if file.result is None else file.result.budget
+        budget = [] if part is None or part.source == "run" else ["--budget", part.source]
         for root in (self.session.root, *(file.path.parent / name for name in _RUN_FOLDERS)):
             if names and all((root / name).is_dir() for name in names):
-                return [*names, "--runs", root]
+                return [*names, "--runs", root, *budget]
         points = [file.path.parent / name for name in names]
         if len(points) == 1 and points[0].is_file() and self.session.cell is not None:
-            return ["--points", points[0], "--cell", self.session.cell]
+            return ["--points", points[0], "--cell", self.session.cell, *budget]
         return []
 
     def _diagnosed(self, file: "ResultFile", done: Done) -> None:

@@ -272,3 +272,12 @@ async def test_runs_with_different_budgets_are_named(
     other = await measured_run(tmp_path, 1, configuration=configuration)
     identify(tmp_path / "run.json", [str(run.path), str(other.path)])
     assert f"{other.path.name} states another error budget than {run.path.name}" in capsys.readouterr().err
+
+
+async def test_monte_carlo_draws_the_same_from_a_table(tmp_path: Path, run: RunReader) -> None:
+    exported(tmp_path, run)
+    drawn = of_table(tmp_path, "points.csv", uncertainty="monte-carlo", draws=2000, model="conventional")
+    identify(
+        tmp_path / "run.json", [str(run.path)], uncertainty="monte-carlo", draws=2000, model="conventional"
+    )
+    assert max(differences(drawn, read_result(tmp_path / "run.json"))) < EQUAL

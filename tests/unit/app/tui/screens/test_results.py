@@ -243,6 +243,17 @@ async def test_a_changed_result_drops_its_diagnosis(bench: Path) -> None:
         assert "THE FILE IS GONE" in await look_again(app, pilot)
 
 
+async def test_a_diagnosis_stands_on_the_budget_of_its_result(bench: Path) -> None:
+    budget = {"format": "catseye-budget/1", "source": "none", "name": RUN, "contributor": []}
+    write_anew(bench / "error-map.json", {**error_map(), "budget": budget}, 900)
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        assert "No error budget was used" in await press(app, pilot, "enter", "6")
+        await press(app, pilot, "d")
+        runs = str(bench / "runs")
+        assert work_of(app).done == [("diagnose", RUN, "--runs", runs, "--budget", "none", "--json")]
+
+
 async def test_missing_inputs_of_a_diagnosis_or_validation_are_shown(bench: Path) -> None:
     app = open_app(bench)
     work_of(app).outcomes["export"] = failed(2, "it holds nothing to export: look at its timeline")
