@@ -142,8 +142,11 @@ def stacked(shared: Sequence[Shared], rows: int) -> Floats:
 
 def harmonics(angle: Floats, orders: int) -> Floats:
     """Return cosine and sine of 1…orders times the angle, in turn, shape (n, 2 · orders)."""
-    turns = angle[:, None] * np.arange(1, orders + 1)
-    return np.stack([np.cos(turns), np.sin(turns)], axis=2).reshape(angle.size, 2 * orders)
+    turns = np.empty((angle.size, orders), dtype=np.complex128)
+    turns[:, 0].real, turns[:, 0].imag = np.cos(angle), np.sin(angle)
+    for k in range(1, orders):
+        np.multiply(turns[:, k - 1], turns[:, 0], out=turns[:, k])
+    return turns.view(np.float64)
 
 
 def per_angle(columns: Floats, angle: Floats, orders: int) -> Floats:

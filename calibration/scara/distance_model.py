@@ -26,6 +26,21 @@ _MOST_PLACES = 100
 
 
 @dataclass(frozen=True)
+class Beams:
+    """Where beams run, and how their lengths answer to the arm.
+
+    Attributes:
+        length_mm: shape (n,).
+        unit: unit vectors from the reflector to the arm, shape (n, 2).
+        slopes: derivatives of the lengths by L1, L2, θ1 and θ2, shape (n, 4), mm/mm and mm/rad.
+    """
+
+    length_mm: Floats
+    unit: Floats
+    slopes: Floats
+
+
+@dataclass(frozen=True)
 class DistanceModel:
     """An arm seen through measured distances: a `catseye.calibration.core.model.Model`.
 
@@ -61,11 +76,23 @@ class DistanceModel:
         """Number of what each distance measures, shape (n,); maps distinguish directions of approach."""
         return self.points.repeats(bidirectional=self.layout.model == "error-map")
 
+    def beams(self, parameters: Floats) -> Beams:
+        """Return the beams at parameters of shape (p,), with what moves their ends."""
+        moved = self.design.local_jacobian(parameters)
+        # J1 moves the end of the arm at a right angle to where it stands.
+        places = parameters[self.layout.reflectors].reshape(-1, 2)[self.points.reflector]
+        beam = np.stack([moved[:, 1, 2], -moved[:, 0, 2]], axis=1) - places
+        length = np.hypot(beam[:, 0], beam[:, 1])
+        unit = beam / length[:, None]
+        return Beams(length, unit, np.einsum("ni,nij->nj", unit, moved))
+
     def geometry(self, parameters: Floats) -> Geometry:
         """Return how the distances answer to the arm at parameters of shape (p,)."""
-        length, unit = self.beam(parameters)
-        local = np.einsum("ni,nij->nj", unit, self.design.local_jacobian(parameters))
-        return seen_along(self.points, unit, length, local[:, 2:], self.layout)
+        return self.geometry_of(self.beams(parameters))
+
+    def geometry_of(self, beams: Beams) -> Geometry:
+        """Return how the distances answer to the arm."""
+        return seen_along(self.points, beams.unit, beams.length_mm, beams.slopes[:, 2:], self.layout)
 
     def white(self, parameters: Floats) -> tuple[White, ...]:
         """Return the errors that differ from reading to reading."""
@@ -94,17 +121,19 @@ class DistanceModel:
 
     def residuals(self, parameters: Floats) -> Floats:
         """Return predicted minus measured displacement, mm, shape (n,)."""
-        length = self.beam(parameters)[0] + self.design.added("length", parameters)
+        return self.residuals_of(self.beam(parameters)[0], parameters)
+
+    def residuals_of(self, length_mm: Floats, parameters: Floats) -> Floats:
+        """Return the residuals of beams of these lengths, mm, shape (n,)."""
         dead_path = parameters[self.layout.dead_path][self.points.dead_path]
-        return length - dead_path - self.points.displacement_mm
+        return length_mm + self.design.added("length", parameters) - dead_path - self.points.displacement_mm
 
     def jacobian(self, parameters: Floats) -> Floats:
         """Return the derivatives of the residuals, shape (n, layout.size), mm/mm and mm/rad."""
-        _, unit = self.beam(parameters)
-        rows = np.arange(len(self.points))
+        beams = self.beams(parameters)
+        rows, unit = np.arange(len(self.points)), beams.unit
         jacobian = np.zeros((len(self.points), self.layout.size))
-        local = np.einsum("ni,nij->nj", unit, self.design.local_jacobian(parameters))
-        jacobian[:, : self.layout.arm_size] = self.design.spread(local)
+        jacobian[:, : self.layout.arm_size] = self.design.spread(beams.slopes)
         for i, term in enumerate(self.layout.terms):
             if term.target == "length":
                 jacobian[:, self.layout.extension.start + i] = self.design.extra[:, i]

@@ -209,6 +209,14 @@ class Measurement(Section):
         return value
 
 
+class Plausibility(Section):
+    """[plausibility]: how far an identified arm may be from what was known of it before."""
+
+    deviation_mdeg: Positive = 1000.0
+    link_mm: Positive = 2.0
+    place_mm: Positive = 100.0
+
+
 @dataclass(frozen=True)
 class ScaraSections:
     """What open-loop tracking takes from a cell file; everything that it needs is there."""
@@ -219,6 +227,7 @@ class ScaraSections:
     reflectors: Sequence[Reflector]
     measurement: Measurement
     uncertainty: Uncertainty
+    plausibility: Plausibility
 
     @property
     def missing(self) -> list[str]:

@@ -135,6 +135,11 @@ readings = 10                           # spread over the dwell time
 take_up_deg = 1.0                       # overshoot at every reversal; larger than any backlash
 spread_limit_um = 5.0                   # readings that scatter more have not settled and are taken again
 
+[plausibility]                          # an identified arm beyond these is refused, with the likely mistake
+deviation_mdeg = 1000.0                 # of a joint's angle from its command
+link_mm = 2.0                           # of a link from its nominal length
+place_mm = 100.0                        # of a reflector from its rough place
+
 # The error budget: Table 2 of the SCARA paper (k = 1) with the laser of [air]. Each contributor says what shares its
 # error: nothing (reading), a pose, the angle of an axis, or the whole measurement (common). What is shared does not
 # average out. What the arm does (position, radial, between-nodes) counts in predictions as well.

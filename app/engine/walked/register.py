@@ -37,6 +37,7 @@ _NO_BODIES: Final = (
     "engine",
     "measurement",
     "uncertainty",
+    "plausibility",
     "workspace",
     "body",
 )

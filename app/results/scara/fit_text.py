@@ -63,8 +63,9 @@ def _range(joint: int, table: MapTable) -> str:
 
 
 def fit_statements(result: Result) -> list[Statement]:
-    """Return whether the model explains the distances, and what is not observable."""
-    statements = [fit_statement(result.fit, MODEL_TITLES[result.model])]
+    """Return whether the arm can be the one measured, whether it explains the distances, what is not observable."""
+    statements = _kept_statements(result)
+    statements.append(fit_statement(result.fit, MODEL_TITLES[result.model]))
     if result.fit.null_directions:
         named = "; ".join(", ".join(names) for names in result.fit.null_directions)
         statements.append(Statement(Sign.BAD, f"Not observable, and therefore without numbers: {named}."))
@@ -95,6 +96,17 @@ def nodes_only_statements(result: Result) -> list[Statement]:
             f"Nothing was measured between the nodes of {' and '.join(joints)}: what lies there {what}; open-loop "
             "measures it (off_node).",
         )
+    ]
+
+
+def _kept_statements(result: Result) -> list[Statement]:
+    """Return what speaks against an implausible arm, and why it was kept; nothing for any other."""
+    kept = result.implausible
+    if kept is None:
+        return []
+    return [
+        Statement(Sign.BAD, f"IMPLAUSIBLE: {'; '.join(kept.findings)}."),
+        Statement(Sign.BAD, f"It was kept all the same, for this reason: {kept.accepted}"),
     ]
 
 

@@ -15,6 +15,7 @@ from catseye.app.cell.model import Cell
 from catseye.app.cell.section import RECORD
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.budget_part import BudgetPart
+from catseye.app.results.scara.plausible import failures_explained, require_plausible
 from catseye.app.results.scara.points import point_columns, to_points
 from catseye.app.results.scara.result import Covariance, Result, TakenUpPart
 from catseye.app.results.scara.result_of import result_of
@@ -107,8 +108,13 @@ def identify_points(
 
     Raises:
         CalibrationError: the points cannot determine the model; the text names what is missing.
+        ImplausibleError: the arm cannot be the one that was measured.
     """
-    return problem_of_points(points, bench, model, budget).solve()
+    problem = problem_of_points(points, bench, model, budget)
+    with failures_explained(problem, bench.plausibility):
+        found = problem.solve()
+    require_plausible(problem, found, bench.plausibility)
+    return found
 
 
 def identified_result(

@@ -214,6 +214,13 @@ class ScanPart(ResultPart):
     histogram: list[int]
 
 
+class Implausible(ResultPart):
+    """What speaks against the arm, and the reason why it was kept all the same."""
+
+    accepted: str
+    findings: list[str]
+
+
 class Result(ResultPart):
     """A whole result file."""
 
@@ -238,6 +245,7 @@ class Result(ResultPart):
     uncertainty: UncertaintyPart | None = None
     budget: BudgetPart | None = None
     scan: ScanPart | None = None
+    implausible: Implausible | None = None
     provenance: Provenance
 
     @property

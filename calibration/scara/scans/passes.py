@@ -8,12 +8,11 @@ import numpy as np
 from catseye.calibration.core.blockwise.normal_sums import NormalSums
 from catseye.calibration.core.blockwise.residual_sums import ResidualSums
 from catseye.calibration.core.blockwise.sparse_rows import Slot, SparseRows
-from catseye.calibration.core.budget import stacked
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.arm import LOCAL, arm_design
-from catseye.calibration.scara.budget import Budget, combined_white_mm
-from catseye.calibration.scara.distance_model import DistanceModel
+from catseye.calibration.scara.budget import Budget, combined_white_mm, systematic_effects
+from catseye.calibration.scara.distance_model import Beams, DistanceModel
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.pointing import beam_turn_rad
 from catseye.calibration.scara.points import Points
@@ -87,10 +86,11 @@ class Passes:
         for block in blocks:
             model = self.model(block)
             weights = model.weights
-            rows = sparse_rows(model, parameters, weights)
+            beams = model.beams(parameters)
+            rows = sparse_rows(model, beams, parameters, weights)
             sums.add(rows, weights, block.dead_path)
             if self.repeating is not None and self.repeating.systematic:
-                effects = stacked(model.shared(parameters), weights.size)
+                effects = systematic_effects(self.repeating, model.geometry_of(beams))
                 sums.add_effects(rows, effects * weights[:, None])
         return sums
 
@@ -101,20 +101,17 @@ class Passes:
         return parameters
 
 
-def sparse_rows(model: DistanceModel, parameters: Floats, weights: Floats) -> SparseRows:
+def sparse_rows(model: DistanceModel, beams: Beams, parameters: Floats, weights: Floats) -> SparseRows:
     """Return a block's residuals and weighted derivatives.
 
     Args:
         model: the block's points and commands.
+        beams: at the parameters.
         parameters: where, shape (p,).
         weights: what each row is multiplied with, shape (n,); the residuals are not.
     """
     layout, design, points = model.layout, model.design, model.points
-    length, unit = model.beam(parameters)
-    residuals = length + design.added("length", parameters)
-    residuals -= parameters[layout.dead_path][points.dead_path] + points.displacement_mm
-    unit = unit * weights[:, None]
-    local = np.einsum("ni,nij->nj", unit, design.local_jacobian(parameters))
+    unit, local = beams.unit * weights[:, None], beams.slopes * weights[:, None]
     whole = np.zeros(len(points), dtype=np.int64)
     slots = [Slot(0, 1, whole, local[:, 0]), Slot(1, 1, whole, local[:, 1])]
     for k in range(4):
@@ -129,4 +126,4 @@ def sparse_rows(model: DistanceModel, parameters: Floats, weights: Floats) -> Sp
     for axis in range(2):
         slots.append(Slot(layout.reflectors.start, places, 2 * points.reflector + axis, -unit[:, axis]))
     slots.append(Slot(layout.dead_path.start, len(layout.dead_paths), points.dead_path, -weights))
-    return SparseRows(residuals, tuple(slots), layout.size)
+    return SparseRows(model.residuals_of(beams.length_mm, parameters), tuple(slots), layout.size)

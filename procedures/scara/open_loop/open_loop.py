@@ -5,6 +5,7 @@ from dataclasses import replace
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.errors import MostLeftOutError
 from catseye.procedures.kit.motion.bench_time import BenchTime
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
@@ -15,6 +16,9 @@ from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.open_loop.off_node import usual_count
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, Rules, plan_open_loop
 from catseye.procedures.scara.records import ClosureVisit, Distance, Overlap
+
+_MOST = 0.5
+"""A run that leaves out more than this share of its points has not measured."""
 
 
 class OpenLoopParams(BaseModel):
@@ -77,25 +81,36 @@ class OpenLoop(Procedure):
         Raises:
             BeamLostError: the beam stays away and the operator ends the run.
             WayBlockedError: the arm cannot be led to a point from where it stands.
+            CounterError: sign or scale of the counter are wrong.
+            MostLeftOutError: most points were left out.
         """
+        from catseye.procedures.scara.counter import CounterWatch
         from catseye.procedures.scara.open_loop.campaign import ReflectorCampaign
         from catseye.procedures.scara.open_loop.live_knowledge import Knowledge
 
         time = BenchTime(ctx, plan.duration_s)
         reflectors = tuple(part.reflector for part in plan.reflectors)
         knowledge = Knowledge(ctx, plan.bench, reflectors, plan.rules.stop_at_mdeg)
+        counter = CounterWatch(plan.bench)
         for text in plan.warnings:
             await ctx.warn(text)
         left_out: list[str] = []
+        visited = 0
         for part in plan.reflectors:
-            campaign = ReflectorCampaign(ctx, plan, part, knowledge, time)
+            campaign = ReflectorCampaign(ctx, plan, part, knowledge, counter, time)
             enough = await campaign.run()
             left_out += campaign.left_out
+            visited += len(part.visits)
             if enough:
                 await _report_enough(ctx, plan, time)
                 break
         if left_out:
             await ctx.warn(f"{len(left_out)} points were left out: {'; '.join(left_out)}")
+        if len(left_out) > _MOST * visited:
+            raise MostLeftOutError(
+                f"{len(left_out)} of {visited} points were left out, so this is no measurement: see why in the run "
+                "(catseye show), put it right and measure again"
+            )
 
 
 async def _report_enough(ctx: Context, plan: OpenLoopPlan, time: BenchTime) -> None:
