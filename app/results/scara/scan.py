@@ -75,10 +75,11 @@ def identify_scan_file(
     links = bench.link1_mm, bench.link2_mm
     with spooled_points(points, list(places), reading) as source:
         rough, counted = np.array(list(places.values())), stated(source.seen)
-        first = Problem(next(source.blocks()), model, *nodes, *links, rough, counted.budget, terms)
+        taken = replace(source, with_sigma=counted.counts_sigma)
+        first = Problem(next(taken.blocks()), model, *nodes, *links, rough, counted.budget, terms)
         with failures_explained(first, bench.plausibility):
             found = identify_scan(
-                replace(source, with_sigma=counted.counts_sigma),
+                taken,
                 model,
                 *nodes,
                 *links,
