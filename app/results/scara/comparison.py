@@ -240,8 +240,7 @@ def _remarks(first: Result, second: Result) -> list[str]:
         )
     if first.model != second.model:
         remarks.append("the conventional model counts as the map Δθ1 = 0, Δθ2 = θ20 everywhere")
-    budgets = [one.budget.budget for one in (first, second) if one.budget is not None]
-    if len(budgets) == 2 and budgets[0] != budgets[1]:
+    if first.budget is not None and second.budget is not None and not first.budget.same_as(second.budget):
         remarks.append("their uncertainties stand on different error budgets")
     if first.extension or second.extension:
         remarks.append("terms beyond the model are not compared")
