@@ -44,13 +44,6 @@ class BudgetPart(ResultPart):
     corrected_by: CorrectedBy | None = None
     contributor: list[ContributorEntry]
 
-    def same_as(self, other: "BudgetPart") -> bool:
-        """Return whether both state the same contributors; what distances have shown about it is their own affair."""
-        ours, theirs = (
-            [entry.model_dump(exclude={"spectrum"}) for entry in part.contributor] for part in (self, other)
-        )
-        return ours == theirs
-
     @property
     def budget(self) -> Budget | None:
         """Contributors that were counted: beside a white sigma_mm those that distances share; None for no budget."""
