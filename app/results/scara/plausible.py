@@ -1,21 +1,17 @@
 """The gate before a result: an arm that cannot be the one that was measured is not handed over."""
 
-import math
 from collections.abc import Iterator
 from contextlib import contextmanager
-
-import numpy as np
 
 from catseye.app.errors import CatseyeError
 from catseye.app.results.scara.implausible_text import finding_texts, implausible_text
 from catseye.app.results.scara.result import Implausible
 from catseye.calibration.core.errors import CalibrationError
-from catseye.calibration.scara.budget import systematic_effects
 from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.plausibility.bounds import Bounds
 from catseye.calibration.scara.plausibility.findings import Verdict
-from catseye.calibration.scara.plausibility.judgement import case_of, judge
+from catseye.calibration.scara.plausibility.judgement import judge
 
 
 class ImplausibleError(CatseyeError):
@@ -50,7 +46,7 @@ def require_plausible(
     Raises:
         ImplausibleError: it breaks a bound, a mistake explains the distances, or another arm fits as well.
     """
-    verdict = judge(case_of(problem, found), found, bounds, *_stated_mm(found))
+    verdict = judge(problem, found, bounds)
     if not verdict.implausible:
         return None
     if accepted is None:
@@ -69,16 +65,7 @@ def failures_explained(problem: Problem, bounds: Bounds) -> Iterator[None]:
     try:
         yield
     except CalibrationError:
-        verdict = judge(case_of(problem, None), None, bounds)
+        verdict = judge(problem, None, bounds)
         if verdict.mistakes:
             raise ImplausibleError(verdict) from None
         raise
-
-
-def _stated_mm(found: Identification) -> tuple[float, ...]:
-    """Return the root mean square of the stated errors of the distances, mm; nothing where none were stated."""
-    sigma = found.points.sigma_mm
-    if sigma is None:
-        return ()
-    shared = systematic_effects(found.budget, found.model.geometry(found.parameters))
-    return (math.sqrt(float(np.mean(sigma**2) + np.mean(np.sum(shared**2, axis=1)))),)

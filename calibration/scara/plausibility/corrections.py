@@ -10,7 +10,8 @@ import numpy as np
 
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.planar import forward
-from catseye.calibration.scara.plausibility.bounded_fit import BoundedFit, Case
+from catseye.calibration.scara.plausibility.bounded_fit import BoundedFit
+from catseye.calibration.scara.plausibility.case import Case
 from catseye.calibration.scara.plausibility.findings import (
     AngleSignReversed,
     AnglesInRadians,

@@ -7,8 +7,9 @@ from typing import Final
 import numpy as np
 
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.plausibility.bounded_fit import Case, fitted
+from catseye.calibration.scara.plausibility.bounded_fit import fitted
 from catseye.calibration.scara.plausibility.bounds import Bounds
+from catseye.calibration.scara.plausibility.case import Case
 from catseye.calibration.scara.plausibility.corrections import scale_of
 from catseye.calibration.scara.points import Points
 

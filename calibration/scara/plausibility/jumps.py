@@ -12,7 +12,8 @@ from typing import Final
 import numpy as np
 
 from catseye.calibration.core.types import Bools, Floats, Ints
-from catseye.calibration.scara.plausibility.bounded_fit import BoundedFit, Case
+from catseye.calibration.scara.plausibility.bounded_fit import BoundedFit
+from catseye.calibration.scara.plausibility.case import Case
 from catseye.calibration.scara.plausibility.corrections import Correction
 from catseye.calibration.scara.plausibility.findings import ReflectorMoved, ZeroLost
 from catseye.calibration.scara.points import FEWEST

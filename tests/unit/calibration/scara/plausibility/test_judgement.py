@@ -25,7 +25,7 @@ from catseye.calibration.scara.plausibility.findings import (
     Verdict,
     ZeroLost,
 )
-from catseye.calibration.scara.plausibility.judgement import case_of, judge
+from catseye.calibration.scara.plausibility.judgement import judge
 from tests.unit.calibration.scara.plausibility.tables import (
     LOST_AT,
     MISTAKES,
@@ -36,16 +36,14 @@ from tests.unit.calibration.scara.plausibility.tables import (
     table_2,
 )
 
-STATED_MM = 0.02
-
 
 def verdict(table: Table, budget: Budget | None = None, model: ModelName = "error-map") -> Verdict:
     problem = table.problem(budget, model)
     try:
         found = problem.solve()
     except CalibrationError:
-        return judge(case_of(problem, None), None, Bounds())
-    return judge(case_of(problem, found), found, Bounds(), STATED_MM)
+        return judge(problem, None)
+    return judge(problem, found)
 
 
 @pytest.mark.parametrize("number", range(len(SOUND_BENCHES)))
@@ -170,7 +168,7 @@ def test_two_angles_of_j2_do_not_let_the_start_decide(nodes_deg: tuple[float, fl
         found = problem.solve()
     except CalibrationError:
         return
-    judged = judge(case_of(problem, found), found, Bounds(), STATED_MM)
+    judged = judge(problem, found)
     assert judged.mistakes == ()
     assert judged.vague
     # What the start made of the arm is told apart from the other arm that fits as well.
@@ -181,8 +179,7 @@ def test_bounds_are_those_that_were_given() -> None:
     table = measured(17, Faults(rough_mm=0.0))
     problem = replace(table, rough_mm=table.rough_mm + np.array([30.0, 0.0])).problem(table_2())
     found = problem.solve()
-    case = case_of(problem, found)
-    assert not judge(case, found, Bounds(), STATED_MM).implausible
-    breaks = judge(case, found, Bounds(place_mm=20.0), STATED_MM).breaks
+    assert not judge(problem, found).implausible
+    breaks = judge(problem, found, Bounds(place_mm=20.0)).breaks
     assert {one.reflector for one in breaks if isinstance(one, PlaceOff)} == {"P1", "P2", "P3"}
     assert all(isinstance(one, PlaceOff) and one.off_mm == pytest.approx(30.0, abs=1.0) for one in breaks)
