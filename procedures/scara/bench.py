@@ -119,6 +119,7 @@ class ScaraBench(Bench):
         take_up_deg: overshoot that brings a joint to its target from the proper side.
         alignment: screws and tolerances of the beam's alignment.
         noise: what a distance is good for.
+        gear_orders: known periods of the gears of J1 and of J2 in a turn of the joint.
         plausibility: how far an identified arm may be from what was known before.
     """
 
@@ -133,6 +134,7 @@ class ScaraBench(Bench):
     take_up_deg: float
     alignment: Alignment = Alignment()
     noise: Noise = Noise()
+    gear_orders: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
     plausibility: Bounds = BOUNDS
 
     def chosen(self, names: Sequence[str]) -> tuple[Reflector, ...]:

@@ -56,6 +56,7 @@ def scara_bench(bench: Bench, sections: ScaraSections) -> ScaraBench:
         take_up_deg=measurement.take_up_deg,
         alignment=Alignment(**sections.alignment.model_dump()),
         noise=_noise(sections.uncertainty),
+        gear_orders=(tuple(robot.gear_orders.j1), tuple(robot.gear_orders.j2)),
         plausibility=_bounds(sections.plausibility),
     )
 

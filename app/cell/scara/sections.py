@@ -58,6 +58,16 @@ class Limits(Section):
     j4: Limit = Field(default=[-360.0, 360.0])
 
 
+Order = Annotated[int, Field(ge=1, le=2000)]
+
+
+class GearOrders(Section):
+    """[robot.gear_orders]: known periods, in a turn of the joint, of what its gear does between the nodes."""
+
+    j1: list[Order] = Field(default_factory=list)
+    j2: list[Order] = Field(default_factory=list)
+
+
 class ScaraRobot(Section):
     """Keys of [robot] about the arm: a SCARA's, and the ranges of any arm's axes."""
 
@@ -72,6 +82,7 @@ class ScaraRobot(Section):
     j3_speed_mm_s: Positive = 1100.0
     acceleration_deg_s2: Triple = Field(default=[2000.0, 4000.0, 15000.0])
     limits_deg: Limits = Limits()
+    gear_orders: GearOrders = GearOrders()
 
     @property
     def links_mm(self) -> tuple[float, float]:

@@ -16,6 +16,7 @@ from catseye.app.results.scara.identify import (
     identified_result,
     parse_extensions,
     problem_of_points,
+    with_gears,
     with_what_speaks_against,
 )
 from catseye.app.results.scara.material import with_reference_links
@@ -140,7 +141,8 @@ def identified_scan(
     """
     _require_streamable(points, method)
     loaded = load_cell(cell).cell
-    bench, terms = scara_bench_of(loaded), parse_extensions(method.extend)
+    bench = scara_bench_of(loaded)
+    terms = with_gears(parse_extensions(method.extend), bench, method.model)
     with _Bar("reading") as reading, _Bar("solving") as solving:
         result = identify_scan_file(
             points,

@@ -72,6 +72,33 @@ def fit_statements(result: Result) -> list[Statement]:
     return statements
 
 
+def nodes_only_statements(result: Result) -> list[Statement]:
+    """Return that nothing was measured between the nodes of a joint, and what is assumed of it."""
+    measured = result.residuals
+    if measured is None or result.theta1_map is None or result.theta2_map is None:
+        return []
+    joints = [
+        joint
+        for joint, angles, table in (
+            ("J1", measured.theta1_deg, result.theta1_map),
+            ("J2", measured.theta2_deg, result.theta2_map),
+        )
+        if set(angles) <= set(table.node_deg)
+    ]
+    if not joints:
+        return []
+    stated = [] if result.budget is None else result.budget.contributor
+    assumed = [f"{one.stated} of {str(one.axis).upper()}" for one in stated if one.kind == "between-nodes"]
+    what = f"is assumed ({', '.join(assumed)} rms, error budget)" if assumed else "is in no uncertainty"
+    return [
+        Statement(
+            Sign.ATTENTION,
+            f"Nothing was measured between the nodes of {' and '.join(joints)}: what lies there {what}; open-loop "
+            "measures it (off_node).",
+        )
+    ]
+
+
 def _kept_statements(result: Result) -> list[Statement]:
     """Return what speaks against an implausible arm, and why it was kept; nothing for any other."""
     kept = result.implausible

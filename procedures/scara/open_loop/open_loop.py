@@ -13,6 +13,7 @@ from catseye.procedures.scara import texts
 from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.before import ALIGNED, COUNTER, IDENTIFY, MEASURING, REFLECTORS, WARM
 from catseye.procedures.scara.bench import ScaraBench
+from catseye.procedures.scara.open_loop.off_node import usual_count
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, Rules, plan_open_loop
 from catseye.procedures.scara.records import ClosureVisit, Distance, Overlap
 
@@ -29,6 +30,13 @@ class OpenLoopParams(BaseModel):
     subdivide: bool = Field(True, description="split moves so that the beam is kept; false shows what breaks")
     take_up: bool = Field(True, description="approach each node from its side; false shows what that shifts")
     closures: int = Field(2, ge=0, le=20, description="visits to a reference pose for drift, each reflector")
+    off_node: int | None = Field(
+        None,
+        ge=0,
+        le=50,
+        description="commands between the nodes, which show what the maps cannot hold; by default 12, or fewer where "
+        "J1 has few nodes",
+    )
     drift_limit_um: float = Field(30.0, gt=0.0, le=1000.0, description="drift that is warned of beyond, µm")
     recovery_attempts: int = Field(
         3, ge=1, le=20, description="failures in a row to get a lost beam back before the operator is asked"
@@ -42,7 +50,7 @@ class OpenLoopParams(BaseModel):
 
 
 class OpenLoop(Procedure):
-    """Visits every node from both sides with the beam on each reflector in turn and records the distances."""
+    """Visits every node from both sides, and a few places between them, with the beam on each reflector in turn."""
 
     name = "open-loop"
     title = "Automated open-loop tracking measurement"
@@ -62,6 +70,7 @@ class OpenLoop(Procedure):
             take_up=params.take_up,
             reflectors=tuple(params.reflectors),
             closures=params.closures,
+            off_node=usual_count(bench.nodes1_deg) if params.off_node is None else params.off_node,
         )
         rules = Rules(params.recovery_attempts, params.drift_limit_um * 1e-3, params.stop_at_mdeg)
         return replace(plan, rules=rules)
