@@ -4,6 +4,7 @@ Each row is tried as the first after the event. What a step there takes off the 
 decomposition of the solved case, without solving it again.
 """
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -17,6 +18,9 @@ from catseye.calibration.scara.plausibility.case import Case
 from catseye.calibration.scara.plausibility.corrections import Correction
 from catseye.calibration.scara.plausibility.findings import ReflectorMoved, ZeroLost
 from catseye.calibration.scara.points import FEWEST
+
+_STILL_MM: Final = 0.02
+"""A reflector that seems to be moved by less stands where it stood."""
 
 _RIDGE: Final = 1e-9
 """Keeps steps apart from displacements that no distance distinguishes."""
@@ -141,8 +145,10 @@ def _zero_lost(found: BoundedFit, step: _Step) -> ZeroLost:
     return ZeroLost(name, segment, found.case.number(step.row), float(paths[before] - paths[-1]))
 
 
-def _moved(found: BoundedFit, step: _Step) -> ReflectorMoved:
-    names = found.case.points.reflector_names
-    before = found.places_mm[names.index(names[-1])]
-    by = found.places_mm[-1] - before
-    return ReflectorMoved(names[-1], found.case.number(step.row), (float(by[0]), float(by[1])))
+def _moved(found: BoundedFit, step: _Step) -> ReflectorMoved | ZeroLost:
+    points = found.case.points
+    before = found.places_mm[points.reflector_names.index(points.reflector_names[-1])]
+    x_mm, y_mm = (found.places_mm[-1] - before).tolist()
+    if math.hypot(x_mm, y_mm) < _STILL_MM and points.dead_paths[-1] in points.dead_paths[:-1]:
+        return _zero_lost(found, step)
+    return ReflectorMoved(points.reflector_names[-1], found.case.number(step.row), (x_mm, y_mm))
