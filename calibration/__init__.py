@@ -42,6 +42,8 @@ if TYPE_CHECKING:
     from catseye.calibration.scara.identification import identify as identify
     from catseye.calibration.scara.planar import forward as forward
     from catseye.calibration.scara.planar import inverse as inverse
+    from catseye.calibration.scara.plausibility.bounds import Bounds as Bounds
+    from catseye.calibration.scara.plausibility.judgement import judge as judge
     from catseye.calibration.scara.points import Commands as Commands
     from catseye.calibration.scara.points import Points as Points
     from catseye.calibration.scara.prediction import Prediction as Prediction
@@ -71,6 +73,8 @@ _HOMES = {
     "scara.extension": ("Term", "crosstalk", "j4_map", "periodic", "thermal_drift"),
     "scara.identification": ("Identification", "IdentifiedArm", "identify"),
     "scara.planar": ("forward", "inverse"),
+    "scara.plausibility.bounds": ("Bounds",),
+    "scara.plausibility.judgement": ("judge",),
     "scara.points": ("Commands", "Points"),
     "scara.prediction": ("Prediction", "predict"),
     "scara.scans.scan_identification": ("identify_scan",),

@@ -43,7 +43,13 @@ def scara_sections(cell: Cell, wanted_by: str) -> ScaraSections:
 def stated_scara_sections(cell: Cell) -> ScaraSections:
     """Return what open-loop tracking takes from a cell file; it says what is missing."""
     return ScaraSections(
-        cell.robot, cell.optics, cell.alignment, cell.reflector, cell.measurement, cell.uncertainty
+        cell.robot,
+        cell.optics,
+        cell.alignment,
+        cell.reflector,
+        cell.measurement,
+        cell.uncertainty,
+        cell.plausibility,
     )
 
 

@@ -5,7 +5,14 @@ from typing import Annotated, Any, Final, Literal, Self
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from catseye.app.cell.arm import Body, shipped_arm
-from catseye.app.cell.scara.sections import Alignment, Measurement, Optics, Reflector, ScaraRobot
+from catseye.app.cell.scara.sections import (
+    Alignment,
+    Measurement,
+    Optics,
+    Plausibility,
+    Reflector,
+    ScaraRobot,
+)
 from catseye.app.cell.scara.uncertainty import Uncertainty
 from catseye.app.cell.section import RECORD, Name, NotNegative, Positive, Range, Section
 from catseye.app.cell.workspace import Workspace
@@ -199,6 +206,7 @@ class Cell(Section):
     reflector: list[Reflector] = Field(default_factory=list)
     measurement: Measurement = Measurement()
     uncertainty: Uncertainty = Uncertainty()
+    plausibility: Plausibility = Plausibility()
     workspace: Workspace = Workspace()
     body: list[Body] = Field(default_factory=list)
 

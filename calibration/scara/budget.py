@@ -27,13 +27,15 @@ from catseye.calibration.core.budget import (
 )
 from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.between_nodes import between_nodes
 from catseye.calibration.scara.extension import Term, term_values
+from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.radial import axis_frame
 
-Kind = Literal["length", "scale", "position", "angle", "radial", "direction"]
-"""What is uncertain: the distance, its scale, the position of the J4 axis, a joint's angle, the place of a joint's
-axis, the direction of the beam."""
+Kind = Literal["length", "scale", "position", "angle", "between-nodes", "radial", "direction"]
+"""What is uncertain: the distance, its scale, the position of the J4 axis, a joint's angle, what lies between the
+nodes of its map, the place of a joint's axis, the direction of the beam."""
 
 Correlation = Literal["reading", "pose", "axis-angle", "common"]
 """What shares one and the same error: nothing, a pose, an angle of an axis, the whole measurement."""
@@ -45,9 +47,18 @@ _ALLOWED: dict[Kind, tuple[Correlation, ...]] = {
     "scale": ("reading", "common"),
     "position": ("reading", "pose", "common"),
     "angle": ("reading", "axis-angle", "common"),
+    "between-nodes": ("axis-angle",),
     "radial": ("axis-angle",),
     "direction": ("reading",),
 }
+
+_OF_ARM: dict[Kind, tuple[Correlation, ...]] = {
+    "position": ("reading", "pose"),
+    "angle": ("reading",),
+    "between-nodes": ("axis-angle",),
+    "radial": ("axis-angle",),
+}
+"""What moves the arm itself, again wherever it goes. An angle that errs the same way every time is in its map."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +68,8 @@ class Contributor:
     Attributes:
         name: what a reader calls it.
         kind: what is uncertain.
-        u: standard uncertainty: mm (length, position, radial), rad (angle, direction), a share (scale).
+        u: standard uncertainty: mm (length, position, radial), rad (angle, between-nodes, direction), a share
+            (scale).
         correlation: what shares the error.
         axis: whose angle repeats it (axis-angle), or whose angle is uncertain (angle).
         orders: harmonics 1…orders of the angle share an axis-angle error evenly.
@@ -90,9 +102,11 @@ class Contributor:
                 f"{self.name}: kind {self.kind} cannot be correlated per {self.correlation}; "
                 f"possible: {', '.join(_ALLOWED[self.kind])}"
             )
-        needed = self.kind in {"radial", "angle"} or self.correlation == "axis-angle"
+        needed = self.kind in {"radial", "angle", "between-nodes"} or self.correlation == "axis-angle"
         if needed and self.axis is None:
             raise ArgumentError(f"{self.name}: say which axis: j1, j2 or j4")
+        if self.kind == "between-nodes" and self.axis == "j4":
+            raise ArgumentError(f"{self.name}: J4 has no map, and so no nodes: say j1 or j2")
         if self.kind == "angle" and self.axis == "j4":
             raise ArgumentError(
                 f"{self.name}: the angle of J4 acts on the direction of the beam: kind direction"
@@ -115,24 +129,54 @@ class Budget:
         """Contributors that several distances have in common."""
         return tuple(one for one in self.contributors if one.correlation != "reading")
 
+    @property
+    def of_arm(self) -> "Budget":
+        """Contributors that move the arm itself, and not what measures it."""
+        return Budget(tuple(one for one in self.contributors if one.correlation in _OF_ARM.get(one.kind, ())))
+
+    @property
+    def repeating(self) -> tuple[Contributor, ...]:
+        """Errors that come again after the measurement, the same at the same angles."""
+        return tuple(
+            one
+            for one in self.contributors
+            if one.correlation in {"axis-angle", "common"} and one.kind != "between-nodes" and one.u > 0.0
+        )
+
+    @property
+    def away_from_nodes(self) -> "Budget":
+        """All but what lies between nodes."""
+        return Budget(tuple(one for one in self.contributors if one.kind != "between-nodes"))
+
 
 @dataclass(frozen=True)
 class Geometry:
-    """How distances answer to the arm.
+    """How rows answer to the arm: distances along beams, or coordinates along the axes of the base.
 
     Attributes:
         points: where the arm was sent, n rows.
-        unit: unit vectors from the reflector to the arm, shape (n, 2).
-        length_mm: lengths of the beam, shape (n,).
-        turn_mm: derivatives of the distance by θ1 and θ2, mm/rad, shape (n, 2).
-        terms: functions beyond the model that are identified with the arm.
+        unit: unit vectors from the reflector to the arm, or of the coordinate, shape (n, 2).
+        length_mm: lengths of the beam, shape (n,); zeros for coordinates.
+        turn_mm: derivatives of the row by θ1 and θ2, mm/rad, shape (n, 2).
+        theta4_rad: angle of the tool against link 2, rad, shape (n,).
+        layout: of the arm: nodes, and functions beyond the maps that are identified with it.
+        averaged: what lies between nodes averages out over the rows.
     """
 
     points: Points
     unit: Floats
     length_mm: Floats
     turn_mm: Floats
-    terms: tuple[Term, ...] = ()
+    theta4_rad: Floats
+    layout: Layout
+    averaged: bool = False
+
+
+def seen_along(points: Points, unit: Floats, length_mm: Floats, turn_mm: Floats, layout: Layout) -> Geometry:
+    """Return how distances answer to the arm; the tool carries the beam. Arguments as in Geometry."""
+    commands = points.commands
+    beam = np.arctan2(-unit[:, 1], -unit[:, 0]) - commands.theta1_rad - commands.theta2_rad
+    return Geometry(points, unit, length_mm, turn_mm, beam, layout)
 
 
 def white_mm(contributor: Contributor, geometry: Geometry) -> Floats:
@@ -165,11 +209,13 @@ def effects(contributor: Contributor, geometry: Geometry) -> Floats:
             return columns
         case "pose":
             return per_group(columns, geometry.points.commands.poses())
+        case _ if contributor.kind == "between-nodes":
+            return columns * _between_nodes(contributor.axis, geometry)
         case _:
             angle = _angle(contributor.axis, geometry)
             repeated = per_angle(columns, angle, contributor.orders)
             known = tuple(
-                term for term in geometry.terms if (term.target, term.source) == ("length", "theta4")
+                term for term in geometry.layout.terms if (term.target, term.source) == ("length", "theta4")
             )
             if contributor.axis != "j4" or not known:
                 return repeated
@@ -229,7 +275,7 @@ def _columns(contributor: Contributor, geometry: Geometry) -> Floats:
             return geometry.points.displacement_mm[:, None]
         case "position":
             return geometry.unit
-        case "angle":
+        case "angle" | "between-nodes":
             return geometry.turn_mm[:, [0 if contributor.axis == "j1" else 1]]
         case "direction":
             # A cosine error is of second order: L δ²/2 scatters by L u²/√2.
@@ -242,9 +288,16 @@ def _columns(contributor: Contributor, geometry: Geometry) -> Floats:
 
 
 def _angle(axis: Axis | None, geometry: Geometry) -> Floats:
-    commands, unit = geometry.points.commands, geometry.unit
+    commands = geometry.points.commands
     if axis == "j1":
         return commands.theta1_rad
-    if axis == "j2":
-        return commands.theta2_rad
-    return np.arctan2(-unit[:, 1], -unit[:, 0]) - commands.theta1_rad - commands.theta2_rad
+    return commands.theta2_rad if axis == "j2" else geometry.theta4_rad
+
+
+def _between_nodes(axis: Axis | None, geometry: Geometry) -> Floats:
+    commands, layout = geometry.points.commands, geometry.layout
+    if geometry.averaged:
+        return np.zeros((len(commands), 0))
+    if axis == "j1":
+        return between_nodes(layout.nodes1_rad, commands.theta1_rad, commands.direction1)
+    return between_nodes(layout.nodes2_rad, commands.theta2_rad, commands.direction2)

@@ -1,6 +1,6 @@
 """Distances that a model predicts, their residuals and derivatives (Eqs 5 and 10)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -9,15 +9,20 @@ from catseye.calibration.core.budget import Shared, White
 from catseye.calibration.core.model import Parameters
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.arm import ArmDesign, arm_design
+from catseye.calibration.scara.between_nodes import different_places
 from catseye.calibration.scara.budget import (
     Budget,
     Geometry,
     combined_white_mm,
+    seen_along,
     shared_errors,
     white_errors,
 )
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.points import Points
+
+_MOST_PLACES = 100
+"""Places between the nodes of a joint beyond which a measurement is a scan: a plan has a few on purpose."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +92,7 @@ class DistanceModel:
 
     def geometry_of(self, beams: Beams) -> Geometry:
         """Return how the distances answer to the arm."""
-        return Geometry(self.points, beams.unit, beams.length_mm, beams.slopes[:, 2:], self.layout.terms)
+        return seen_along(self.points, beams.unit, beams.length_mm, beams.slopes[:, 2:], self.layout)
 
     def white(self, parameters: Floats) -> tuple[White, ...]:
         """Return the errors that differ from reading to reading."""
@@ -102,7 +107,17 @@ class DistanceModel:
 
     def shared(self, parameters: Floats) -> tuple[Shared, ...]:
         """Return the errors that several distances have in common."""
-        return shared_errors(self.budget, self.geometry(parameters))
+        return shared_errors(self.budget, replace(self.geometry(parameters), averaged=self._stands_nowhere))
+
+    @cached_property
+    def _stands_nowhere(self) -> bool:
+        """Whether the commands of a joint stand between its nodes at so many places that these average out."""
+        commands = self.points.commands
+        joints = (
+            (self.layout.nodes1_rad, commands.theta1_rad, commands.direction1),
+            (self.layout.nodes2_rad, commands.theta2_rad, commands.direction2),
+        )
+        return any(different_places(*joint) > _MOST_PLACES for joint in joints)
 
     def residuals(self, parameters: Floats) -> Floats:
         """Return predicted minus measured displacement, mm, shape (n,)."""

@@ -1,6 +1,8 @@
 """From measured distances to the arm's parameters with their uncertainties."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -8,14 +10,18 @@ from catseye.calibration.core.arguments import require_finite, require_shape
 from catseye.calibration.core.errors import BudgetError, InsufficientPointsError
 from catseye.calibration.core.estimation import Estimate, estimate
 from catseye.calibration.core.fit_statistics import FitStatistics
+from catseye.calibration.core.gain import Gain
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import Budget, combined_white_mm
+from catseye.calibration.scara.budget import Budget, Contributor, combined_white_mm, effects
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.layout import Layout, ModelName
 from catseye.calibration.scara.planar import require_links
 from catseye.calibration.scara.pointing import beam_turn_rad
 from catseye.calibration.scara.points import Points, without_short_segments
+
+TakenUp = Mapping[Contributor, Floats]
+"""What contributors have moved estimates by: a column a source of unit variance, shape (p, m) each."""
 
 
 @dataclass(frozen=True)
@@ -26,11 +32,15 @@ class IdentifiedArm:
         layout: order of the parameters, no reflectors and no dead paths.
         parameters: estimates, mm and rad, shape (p,).
         covariance: of the estimates in the gauge of the layout, shape (p, p).
+        budget: what else makes a position uncertain; None for what the estimates alone do.
+        taken_up: what errors that come again have moved the estimates by.
     """
 
     layout: Layout
     parameters: Floats
     covariance: Floats
+    budget: Budget | None = None
+    taken_up: TakenUp = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -61,7 +71,26 @@ class Identification:
     def arm(self) -> IdentifiedArm:
         """Links and maps with their covariance, without reflectors and dead paths."""
         size = self.layout.arm_size
-        return IdentifiedArm(self.layout.of_arm(), self.parameters[:size], self.covariance[:size, :size])
+        return IdentifiedArm(
+            self.layout.of_arm(),
+            self.parameters[:size],
+            self.covariance[:size, :size],
+            self.budget,
+            {one: moved[:size] for one, moved in self.taken_up.items()},
+        )
+
+    @cached_property
+    def taken_up(self) -> TakenUp:
+        """What errors that come again have moved the estimates by.
+
+        What the estimates have taken up of an error is none where it comes again.
+        """
+        if self.budget is None:
+            return {}
+        model = self.model
+        moved = Gain.at(model, self.parameters).matrix
+        geometry = model.geometry(self.parameters)
+        return {one: moved @ effects(one, geometry) for one in self.budget.repeating}
 
     @property
     def model(self) -> DistanceModel:

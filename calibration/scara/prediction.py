@@ -1,5 +1,6 @@
 """Where an identified arm really goes, with uncertainty."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ from catseye.calibration.scara.arm import arm_design
 from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.planar import forward, require_links
 from catseye.calibration.scara.points import Commands
+from catseye.calibration.scara.prediction_errors import PredictionErrors, position_errors
 
 _MARGIN_RAD = 1e-9
 """A command on the outermost node may lie beyond it by rounding."""
@@ -21,14 +23,17 @@ class Prediction:
     Attributes:
         command_mm: where the nominal arm would stand, shape (n, 2).
         position_mm: where the identified arm stands, shape (n, 2).
-        covariance_mm2: of x and y, mm², shape (n, 2, 2).
+        covariance_mm2: of x and y of a single arrival, mm², shape (n, 2, 2); see
+            `catseye.calibration.scara.prediction_errors`.
         inside: rows within the identified range, shape (n,).
+        parts_mm2: what each contributor adds to the variance of x and y together, mm², shape (n,) each.
     """
 
     command_mm: Floats
     position_mm: Floats
     covariance_mm2: Floats
     inside: Bools
+    parts_mm2: Mapping[str, Floats]
 
     @property
     def u_mm(self) -> Floats:
@@ -58,8 +63,12 @@ def inside_range(arm: IdentifiedArm, commands: Commands) -> Bools:
     )
 
 
+_BLOCK = 4096
+"""Commands whose errors are worked out at a time: there are hundreds of sources."""
+
+
 def predict(arm: IdentifiedArm, commands: Commands, link1_mm: float, link2_mm: float) -> Prediction:
-    """Predict the positions of commands.
+    """Predict the positions of commands, and how far a single arrival may be from them.
 
     Args:
         commands: joint angles with their direction of approach, n rows.
@@ -73,32 +82,24 @@ def predict(arm: IdentifiedArm, commands: Commands, link1_mm: float, link2_mm: f
     inside = inside_range(arm, commands)
     position = np.full((len(commands), 2), np.nan)
     covariance = np.full((len(commands), 2, 2), np.nan)
-    if inside.any():
-        design = arm_design(arm.layout, commands.select(inside))
-        position[inside] = design.positions(arm.parameters)
-        local = design.local_jacobian(arm.parameters)
-        gradient = np.stack([design.spread(local[:, axis, :]) for axis in range(2)], axis=1)
-        covariance[inside] = (gradient @ arm.covariance) @ gradient.transpose(0, 2, 1)
+    parts: dict[str, Floats] = {}
+    rows = np.flatnonzero(inside)
+    for start in range(0, rows.size, _BLOCK):
+        block = rows[start : start + _BLOCK]
+        chosen = commands.select(block)
+        position[block] = arm_design(arm.layout, chosen).positions(arm.parameters)
+        errors = position_errors(arm, chosen)
+        covariance[block] = _covariances(errors)
+        for name, variance in errors.variances_mm2.items():
+            own = parts.setdefault(name, np.full(len(commands), np.nan))
+            own[block] = variance.reshape(-1, 2).sum(axis=1)
     command = forward(commands.theta1_rad, commands.theta2_rad, link1_mm, link2_mm)
-    return Prediction(command, position, covariance, inside)
+    return Prediction(command, position, covariance, inside, parts)
 
 
-def position_effects(arm: IdentifiedArm, commands: Commands) -> Floats:
-    """Return what independent unit errors behind the arm's parameters do to the positions.
-
-    Errors of neighbouring rows belong together; e eᵀ over any rows and axes is their covariance.
-
-    Args:
-        commands: n rows inside the identified range.
-
-    Returns:
-        Effects e on x and y, mm, shape (n, 2, k).
-
-    Raises:
-        MapRangeError: a command lies outside the nodes.
-    """
-    values, vectors = np.linalg.eigh(arm.covariance)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    design = arm_design(arm.layout, commands)
-    local = design.local_jacobian(arm.parameters)
-    return np.stack([design.spread(local[:, axis, :]) @ root for axis in range(2)], axis=1)
+def _covariances(errors: PredictionErrors) -> Floats:
+    """Return the covariance of x and y of each command, mm², shape (n, 2, 2)."""
+    effects = errors.effects_mm.reshape(-1, 2, errors.effects_mm.shape[1])
+    covariance = effects @ effects.transpose(0, 2, 1)
+    covariance[:, [0, 1], [0, 1]] += errors.white_mm2.reshape(-1, 2)
+    return np.asarray(covariance, dtype=np.float64)

@@ -41,6 +41,14 @@ class ReflectorNotFoundError(ProcedureError):
     """A search did not find a reflector, or not well enough to aim at it."""
 
 
+class CounterError(ProcedureError):
+    """The sign or the scale of the counter is wrong."""
+
+
+class MostLeftOutError(ProcedureError):
+    """A measurement left out most of its points."""
+
+
 class AlignmentError(ProcedureError):
     """The beam could not be aligned within the tolerance."""
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catseye.calibration.kinematics.bodies import Capsule
+from catseye.calibration.scara.plausibility.bounds import BOUNDS, Bounds
 from catseye.drivers.roles.pose import Range
 from catseye.procedures.kit.bench import Bench, Stand
 from catseye.procedures.kit.errors import PlanError
@@ -118,6 +119,8 @@ class ScaraBench(Bench):
         take_up_deg: overshoot that brings a joint to its target from the proper side.
         alignment: screws and tolerances of the beam's alignment.
         noise: what a distance is good for.
+        gear_orders: known periods of the gears of J1 and of J2 in a turn of the joint.
+        plausibility: how far an identified arm may be from what was known before.
     """
 
     link1_mm: float
@@ -131,6 +134,8 @@ class ScaraBench(Bench):
     take_up_deg: float
     alignment: Alignment = Alignment()
     noise: Noise = Noise()
+    gear_orders: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
+    plausibility: Bounds = BOUNDS
 
     def chosen(self, names: Sequence[str]) -> tuple[Reflector, ...]:
         """Return the reflectors of these names in their order; all when there are no names.

@@ -3,8 +3,9 @@
 import math
 from dataclasses import replace
 
-from catseye.app.cell.scara.sections import ScaraRobot, ScaraSections
+from catseye.app.cell.scara.sections import Plausibility, ScaraRobot, ScaraSections
 from catseye.app.cell.scara.uncertainty import Uncertainty
+from catseye.calibration.scara.plausibility.bounds import Bounds
 from catseye.procedures.kit.bench import Arm, Bench
 from catseye.procedures.scara.bench import Alignment, Noise, Optics, Reflector, ScaraBench
 
@@ -55,6 +56,8 @@ def scara_bench(bench: Bench, sections: ScaraSections) -> ScaraBench:
         take_up_deg=measurement.take_up_deg,
         alignment=Alignment(**sections.alignment.model_dump()),
         noise=_noise(sections.uncertainty),
+        gear_orders=(tuple(robot.gear_orders.j1), tuple(robot.gear_orders.j2)),
+        plausibility=_bounds(sections.plausibility),
     )
 
 
@@ -71,3 +74,7 @@ def _at_height(arm: Arm, j3_mm: float) -> Arm:
 def _noise(stated: Uncertainty) -> Noise:
     one, two, four = (1e-3 * stated.radial_um(axis) for axis in ("j1", "j2", "j4"))
     return Noise(stated.white_um * 1e-3, (one, two, four), stated.radial_orders)
+
+
+def _bounds(stated: Plausibility) -> Bounds:
+    return Bounds(math.radians(1e-3 * stated.deviation_mdeg), stated.link_mm, stated.place_mm)

@@ -58,6 +58,16 @@ class Limits(Section):
     j4: Limit = Field(default=[-360.0, 360.0])
 
 
+Order = Annotated[int, Field(ge=1, le=2000)]
+
+
+class GearOrders(Section):
+    """[robot.gear_orders]: known periods, in a turn of the joint, of what its gear does between the nodes."""
+
+    j1: list[Order] = Field(default_factory=list)
+    j2: list[Order] = Field(default_factory=list)
+
+
 class ScaraRobot(Section):
     """Keys of [robot] about the arm: a SCARA's, and the ranges of any arm's axes."""
 
@@ -72,6 +82,7 @@ class ScaraRobot(Section):
     j3_speed_mm_s: Positive = 1100.0
     acceleration_deg_s2: Triple = Field(default=[2000.0, 4000.0, 15000.0])
     limits_deg: Limits = Limits()
+    gear_orders: GearOrders = GearOrders()
 
     @property
     def links_mm(self) -> tuple[float, float]:
@@ -198,6 +209,14 @@ class Measurement(Section):
         return value
 
 
+class Plausibility(Section):
+    """[plausibility]: how far an identified arm may be from what was known of it before."""
+
+    deviation_mdeg: Positive = 1000.0
+    link_mm: Positive = 2.0
+    place_mm: Positive = 100.0
+
+
 @dataclass(frozen=True)
 class ScaraSections:
     """What open-loop tracking takes from a cell file; everything that it needs is there."""
@@ -208,6 +227,7 @@ class ScaraSections:
     reflectors: Sequence[Reflector]
     measurement: Measurement
     uncertainty: Uncertainty
+    plausibility: Plausibility
 
     @property
     def missing(self) -> list[str]:

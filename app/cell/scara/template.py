@@ -135,10 +135,16 @@ readings = 10                           # spread over the dwell time
 take_up_deg = 1.0                       # overshoot at every reversal; larger than any backlash
 spread_limit_um = 5.0                   # readings that scatter more have not settled and are taken again
 
+[plausibility]                          # an identified arm beyond these is refused, with the likely mistake
+deviation_mdeg = 1000.0                 # of a joint's angle from its command
+link_mm = 2.0                           # of a link from its nominal length
+place_mm = 100.0                        # of a reflector from its rough place
+
 # The error budget: Table 2 of the SCARA paper (k = 1) with the laser of [air]. Each contributor says what shares its
 # error: nothing (reading), a pose, the angle of an axis, or the whole measurement (common). What is shared does not
-# average out.
-# kind: length, position, radial: value_um; scale: value_ppm; angle of j1 or j2: value_mdeg; direction: value_mrad.
+# average out. What the arm does (position, radial, between-nodes) counts in predictions as well.
+# kind: length, position, radial: value_um; scale: value_ppm; angle of j1 or j2, between-nodes: value_mdeg;
+# direction: value_mrad.
 # value: standard uncertainty (distribution = "normal") or half width ("uniform", "triangular", "arcsine").
 [[uncertainty.contributor]]
 name = "wavelength"                     # any helium-neon laser's; else its certificate's, the paper's: 0.054
@@ -158,8 +164,8 @@ kind = "length"
 value_um = 0.09
 
 [[uncertainty.contributor]]
-name = "repeatability of the robot"     # differs from arrival to arrival
-kind = "length"
+name = "repeatability of the robot"     # differs from arrival to arrival, in x and in y
+kind = "position"
 value_um = 10.0
 
 [[uncertainty.contributor]]
@@ -192,4 +198,18 @@ value_mrad = 0.717
 name = "beam direction, J2"
 kind = "direction"
 value_mrad = 0.717
+
+[[uncertainty.contributor]]
+name = "between the nodes of J1"        # rms of what the map cannot hold, as the ripple of a gear: an assumption
+kind = "between-nodes"
+axis = "j1"
+value_mdeg = 2.0
+correlation = "axis-angle"
+
+[[uncertainty.contributor]]
+name = "between the nodes of J2"
+kind = "between-nodes"
+axis = "j2"
+value_mdeg = 2.0
+correlation = "axis-angle"
 """

@@ -16,6 +16,7 @@ _UNITS: dict[str, tuple[str, float]] = {
     "radial": ("value_um", 1e-3),
     "scale": ("value_ppm", 1e-6),
     "angle": ("value_mdeg", 1e-3 * math.pi / 180.0),
+    "between-nodes": ("value_mdeg", 1e-3 * math.pi / 180.0),
     "direction": ("value_mrad", 1e-3),
 }
 """Key that a kind's value stands under, and what makes mm, rad or a share of it."""
@@ -38,6 +39,9 @@ _TOTALS: dict[str, Any] = {
     "radial_orders": 5,
 }
 """Keys of the section before it was a list, with their defaults then."""
+
+_ROUGHNESS_MDEG = 2.0
+"""Rms of what a joint does between the nodes of its map: an assumption."""
 
 _TYPICAL_BEAM_MM = 743.3
 """Beam of the paper's example: from (100, 100) mm to the reflector at (650, -400) mm."""
@@ -104,7 +108,7 @@ def table_2(
     """Return Table 2 of the SCARA paper.
 
     The table states micrometres in one distance of 743 mm. Wavelength and its correction are a scale that all
-    distances share; the others are as they stand there.
+    distances share; the others are as they stand there. What lies between nodes is not in the table.
 
     Args:
         wavelength_ppm: of the laser; by default that of any helium-neon laser, whose wavelength is the default of
@@ -114,7 +118,7 @@ def table_2(
         ContributorEntry(name="wavelength", kind="scale", value_ppm=wavelength_ppm, correlation="common"),
         ContributorEntry(name="wavelength correction", kind="scale", value_ppm=0.256, correlation="common"),
         ContributorEntry(name="environmental change", kind="length", value_um=0.09),
-        ContributorEntry(name="repeatability of the robot", kind="length", value_um=repeatability_um),
+        ContributorEntry(name="repeatability of the robot", kind="position", value_um=repeatability_um),
         *(
             ContributorEntry(
                 name=f"radial error motion of {axis.upper()}",
@@ -128,6 +132,16 @@ def table_2(
         ),
         ContributorEntry(name="beam direction, J1", kind="direction", value_mrad=0.717),
         ContributorEntry(name="beam direction, J2", kind="direction", value_mrad=0.717),
+        *(
+            ContributorEntry(
+                name=f"between the nodes of {axis.upper()}",
+                kind="between-nodes",
+                value_mdeg=_ROUGHNESS_MDEG,
+                correlation="axis-angle",
+                axis=axis,
+            )
+            for axis in _AXES[:2]
+        ),
     ]
 
 
@@ -190,6 +204,9 @@ def _typical_um(one: Contributor) -> float:
         case "angle":
             # The arm's reach is about half of the beam of the example.
             return 1e3 * one.u * 0.5 * _TYPICAL_BEAM_MM
+        case "between-nodes":
+            # The distances are measured at nodes.
+            return 0.0
         case "direction":
             return 1e3 * _TYPICAL_BEAM_MM * one.u**2 / math.sqrt(2.0)
         case _:

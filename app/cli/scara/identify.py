@@ -54,6 +54,10 @@ def identify(
             metavar="TERMS", help="crosstalk, j4, thermal, periodic1:ORDER, periodic2:ORDER; may be repeated"
         ),
     ] = None,
+    accept_implausible: Annotated[
+        str | None,
+        typer.Option(metavar="TEXT", help="keep an implausible result; the reason stands in it"),
+    ] = None,
     workers: Workers = 1,
     dask: Dask = None,
     insecure_cluster: InsecureCluster = False,
@@ -66,22 +70,25 @@ def identify(
     Example: catseye identify --points points.csv --cell cell.toml -o result.json
     """
     from catseye.app.cli.scara.identifying import Method, MonteCarlo, identified, identified_scan
+    from catseye.app.cli.scara.refusal import refusal_as_json
     from catseye.app.results.scara.distances import load_distances
     from catseye.app.results.scara.scan import is_scan
     from catseye.app.store.unverified import taken_as_it_is
 
     require_output(output, points, cell)
     monte_carlo = MonteCarlo(draws, seed) if uncertainty == "monte-carlo" else None
-    method = Method(model, loss, reject, tuple(extend or ()), monte_carlo)
-    if points is not None and cell is not None and not run and is_scan(points):
-        result, _ = identified_scan(points, cell, method, budget, unverified=unverified)
-        _hand_over(result, output, as_json=as_json)
-        return
-    source = load_distances(run or [], points, cell, runs, unverified, budget)
-    for text in source.warnings:
-        warn(text)
-    with taken_as_it_is(*source.readers):
-        result = identified(source, method, partial(sharing, workers, dask, insecure=insecure_cluster))
+    method = Method(model, loss, reject, tuple(extend or ()), monte_carlo, accept_implausible)
+    with refusal_as_json(as_json=as_json):
+        if points is not None and cell is not None and not run and is_scan(points):
+            result, _ = identified_scan(points, cell, method, budget, unverified=unverified)
+        else:
+            source = load_distances(run or [], points, cell, runs, unverified, budget)
+            for text in source.warnings:
+                warn(text)
+            with taken_as_it_is(*source.readers):
+                result = identified(
+                    source, method, partial(sharing, workers, dask, insecure=insecure_cluster)
+                )
     _hand_over(result, output, as_json=as_json)
 
 

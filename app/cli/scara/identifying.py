@@ -16,9 +16,11 @@ from catseye.app.results.scara.identify import (
     identified_result,
     parse_extensions,
     problem_of_points,
+    with_gears,
     with_what_speaks_against,
 )
 from catseye.app.results.scara.material import with_reference_links
+from catseye.app.results.scara.plausible import failures_explained, require_plausible
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.robust import identify_robustly
 from catseye.app.results.scara.scan import SCAN_ROWS, identify_scan_file
@@ -59,6 +61,7 @@ class Method:
         reject: distances beyond so many robust standard deviations are left out; None for none.
         extend: terms beyond the model, as the command line names them.
         monte_carlo: how uncertainties are propagated; None for the Jacobian.
+        accept_implausible: why an implausible arm is kept; None refuses it.
 
     Raises:
         UsageError: a loss that no Monte Carlo can take its uncertainties from.
@@ -69,6 +72,7 @@ class Method:
     reject: float | None = None
     extend: tuple[str, ...] = ()
     monte_carlo: MonteCarlo | None = None
+    accept_implausible: str | None = None
 
     def __post_init__(self) -> None:
         if self.loss != "squares" and self.monte_carlo is not None:
@@ -89,12 +93,15 @@ def identified(
     """
     bench, terms = source.bench, parse_extensions(method.extend)
     problem = problem_of_points(source.points, bench, method.model, source.stated.budget, terms)
-    propagated = _propagated(*identify_robustly(problem, method.loss, method.reject), method, sharing)
+    with failures_explained(problem, bench.plausibility):
+        found, contributions = identify_robustly(problem, method.loss, method.reject)
+    implausible = require_plausible(problem, found, bench.plausibility, method.accept_implausible)
+    propagated = _propagated(found, contributions, method, sharing)
     result = identified_result(
         propagated.identified, bench, source.names, source.stated.part, are_simulated(source.readers)
     )
     result = with_what_speaks_against(with_reference_links(result, source.readers), source.unverified)
-    return result.model_copy(update={"uncertainty": propagated.part})
+    return result.model_copy(update={"uncertainty": propagated.part, "implausible": implausible})
 
 
 def _propagated(
@@ -134,7 +141,8 @@ def identified_scan(
     """
     _require_streamable(points, method)
     loaded = load_cell(cell).cell
-    bench, terms = scara_bench_of(loaded), parse_extensions(method.extend)
+    bench = scara_bench_of(loaded)
+    terms = with_gears(parse_extensions(method.extend), bench, method.model)
     with _Bar("reading") as reading, _Bar("solving") as solving:
         result = identify_scan_file(
             points,
@@ -144,6 +152,7 @@ def identified_scan(
             terms,
             lambda share: reading.update(share, 1.0, points.name),
             lambda done, expected: solving.update(done, expected, f"{done} of {expected} rows"),
+            method.accept_implausible,
         )
     return result, bench
 

@@ -37,6 +37,7 @@ _NO_BODIES: Final = (
     "engine",
     "measurement",
     "uncertainty",
+    "plausibility",
     "workspace",
     "body",
 )
@@ -52,6 +53,7 @@ _NO_GEOMETRY: Final = (
     "settings",
     "override_cap_percent",
     "override_cap_reason",
+    "gear_orders",
     *TIMES,
     "follow_speed_deg_s",
     "follow_acceleration_deg_s2",

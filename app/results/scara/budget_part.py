@@ -45,9 +45,16 @@ class BudgetPart(ResultPart):
     contributor: list[ContributorEntry]
 
     @property
-    def budget(self) -> Budget | None:
-        """Contributors that were counted: beside a white sigma_mm those that distances share; None for no budget."""
+    def everything(self) -> Budget | None:
+        """All contributors; None for no budget."""
         if self.source == "none":
             return None
-        everything = Budget(tuple(entry.contributor() for entry in self.contributor))
-        return Budget(everything.systematic) if self.sigma_mm == "white" else everything
+        return Budget(tuple(entry.contributor() for entry in self.contributor))
+
+    @property
+    def budget(self) -> Budget | None:
+        """Contributors that were counted: beside a white sigma_mm those that distances share; None for no budget."""
+        everything = self.everything
+        if everything is None or self.sigma_mm != "white":
+            return everything
+        return Budget(everything.systematic)

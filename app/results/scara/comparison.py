@@ -240,8 +240,13 @@ def _remarks(first: Result, second: Result) -> list[str]:
         )
     if first.model != second.model:
         remarks.append("the conventional model counts as the map Δθ1 = 0, Δθ2 = θ20 everywhere")
-    budgets = [one.budget.budget for one in (first, second) if one.budget is not None]
-    if len(budgets) == 2 and budgets[0] != budgets[1]:
+    # What the distances have shown of it is each measurement's own affair.
+    stated = [
+        [entry.model_dump(exclude={"spectrum"}) for entry in one.budget.contributor]
+        for one in (first, second)
+        if one.budget is not None
+    ]
+    if len(stated) == 2 and stated[0] != stated[1]:
         remarks.append("their uncertainties stand on different error budgets")
     if first.extension or second.extension:
         remarks.append("terms beyond the model are not compared")

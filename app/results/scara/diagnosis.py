@@ -8,11 +8,14 @@ import numpy as np
 from scipy import special
 
 from catseye.app.results.scara.distances import DistanceSource
-from catseye.app.results.scara.identify import problem_of_points
+from catseye.app.results.scara.identify import identify_points, problem_of_points
 from catseye.app.results.scara.result import term_unit
 from catseye.calibration.core.significance import SIGNIFICANCE
+from catseye.calibration.scara.budget import Budget
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
 from catseye.calibration.scara.diagnostics.nested_models import ComparedModel
+from catseye.procedures.kit.columns import Columns
+from catseye.procedures.scara.bench import ScaraBench
 
 
 @dataclass(frozen=True)
@@ -26,6 +29,16 @@ class Coefficient:
 
 
 def diagnose_distances(source: DistanceSource, progress: Callable[[str], None] = lambda _: None) -> Diagnosis:
+    """Diagnose the error map of distances; see `diagnose_points`."""
+    return diagnose_points(source.points, source.bench, source.stated.budget, progress)
+
+
+def diagnose_points(
+    points: Columns,
+    bench: ScaraBench,
+    budget: Budget | None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Diagnosis:
     """Diagnose the error map of distances.
 
     Args:
@@ -33,10 +46,10 @@ def diagnose_distances(source: DistanceSource, progress: Callable[[str], None] =
 
     Raises:
         CalibrationError: the distances cannot determine the error map.
+        ImplausibleError: the arm cannot be the one that was measured.
     """
-    return diagnose(
-        problem_of_points(source.points, source.bench, "error-map", source.stated.budget), progress
-    )
+    identify_points(points, bench, "error-map", budget)
+    return diagnose(problem_of_points(points, bench, "error-map", budget), progress)
 
 
 def coefficients(model: ComparedModel) -> list[Coefficient]:

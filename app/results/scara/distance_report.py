@@ -64,7 +64,7 @@ def _comparison(distances: DistanceValidation) -> Table:
             Column("rms_um", "rms", "µm", _UM),
             Column("max_um", "largest", "µm", _UM),
             Column("ratio", "ratio", format=fixed(2)),
-            Column("median_u_um", "u of prediction", "µm", _UM),
+            Column("median_u_um", "u of deviation", "µm", _UM),
         ),
         tuple(
             (
@@ -86,7 +86,7 @@ def distance_figure(distances: DistanceValidation) -> Figure:
     return Figure(
         "path-distances",
         "Deviations of distances along the validation path",
-        "Predicted minus measured distance; error bars: standard uncertainty of the prediction (k = 1). One dead "
+        "Predicted minus measured distance; error bars: its standard uncertainty (k = 1). One dead "
         "path is fitted for each segment and model.",
         (panels,),
         aspect=0.43,

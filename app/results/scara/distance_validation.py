@@ -13,6 +13,7 @@ from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.pointing import beam_turn_rad
 from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.prediction import inside_range
+from catseye.calibration.scara.prediction_errors import PredictionErrors, prediction_errors
 
 _FEWEST = 3
 """Distances of a segment: its dead path is fitted, so that one alone agrees with any model, and two with most."""
@@ -43,7 +44,7 @@ class ModelOnDistances:
         model: "conventional" or "error-map".
         deviation_mm: predicted minus measured distance, one dead path fitted for each segment, shape (n,); NaN where
             it is not compared.
-        u_mm: standard uncertainty of the prediction relative to its segment, shape (n,); NaN likewise.
+        u_mm: standard uncertainty of that deviation, shape (n,); NaN likewise.
         dead_paths_mm: fitted dead paths by reflector and segment.
     """
 
@@ -64,7 +65,7 @@ class ModelOnDistances:
 
     @property
     def median_u_um(self) -> float:
-        """Median of the prediction's standard uncertainties, µm."""
+        """Median of the standard uncertainties, µm."""
         return 1e3 * float(np.nanmedian(self.u_mm))
 
 
@@ -152,13 +153,17 @@ def _on_distances(path: DistancePath, identified: Identification, compared: Bool
     # Without weights the best dead path of a segment is the mean.
     dead_paths = _means(points, length_less_count[:, None])[:, 0]
     known = identified.layout.reflectors.stop
-    jacobian = model.jacobian(parameters)[:, :known]
-    relative = jacobian - _means(points, jacobian)[points.dead_path]
-    covariance = identified.covariance[:known, :known]
-    variance = np.einsum("ni,ni->n", relative @ covariance, relative)
+    errors = prediction_errors(
+        model.jacobian(parameters)[:, :known],
+        identified.covariance[:known, :known],
+        {one: moved[:known] for one, moved in identified.taken_up.items()},
+        identified.budget,
+        model.geometry(parameters),
+    )
+    variance = _relative_variance(points, errors)
     deviation, u = np.full(compared.size, np.nan), np.full(compared.size, np.nan)
     deviation[compared] = length_less_count - dead_paths[points.dead_path]
-    u[compared] = np.sqrt(np.maximum(variance, 0.0))
+    u[compared] = np.sqrt(variance)
     fitted = {key: float(value) for key, value in zip(points.dead_paths, dead_paths, strict=True)}
     return ModelOnDistances(identified.layout.model, deviation, u, fitted)
 
@@ -180,6 +185,15 @@ def _transferred(identified: Identification, points: Points) -> tuple[DistanceMo
         seen = replace(seen, theta4_rad=beam_turn_rad(seen, (links[0], links[1]), places))
     design = arm_design(layout, seen.commands, seen.theta4_rad, elapsed=None)
     return DistanceModel(layout, seen, design), parameters
+
+
+def _relative_variance(points: Points, errors: PredictionErrors) -> Floats:
+    """Return the variance of each row minus the mean of its segment, mm², shape (n,)."""
+    count = np.bincount(points.dead_path)[points.dead_path]
+    effects, white = errors.effects_mm, errors.white_mm2
+    shared = effects - _means(points, effects)[points.dead_path]
+    mean = _means(points, white[:, None])[points.dead_path, 0]
+    return np.asarray(np.sum(shared**2, axis=1) + white * (1.0 - 2.0 / count) + mean / count)
 
 
 def _means(points: Points, values: Floats) -> Floats:

@@ -7,9 +7,8 @@ from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.load import load_cell
 from catseye.app.errors import UsageError
 from catseye.app.protocol.banners import unverified_text
-from catseye.app.results.scara.distance_unit import require_millimetres
 from catseye.app.results.scara.identify import bench_of_runs, run_points
-from catseye.app.results.scara.points import read_points, to_points
+from catseye.app.results.scara.points import read_points
 from catseye.app.results.scara.stated_budget import (
     BudgetChoice,
     StatedBudget,
@@ -100,7 +99,6 @@ def _of_file(
     loaded = load_cell(cell)
     names = [reflector.name for reflector in loaded.cell.reflector]
     distances, bench = read_points(points, names), scara_bench_of(loaded.cell)
-    require_millimetres(points, to_points(distances, names), bench)
     seen = SeenTable(points)
     seen.see(distances)
     stated = budget_of_table(seen, loaded.cell.uncertainty, cell.name, budget, unverified=unverified)

@@ -63,12 +63,51 @@ def _range(joint: int, table: MapTable) -> str:
 
 
 def fit_statements(result: Result) -> list[Statement]:
-    """Return whether the model explains the distances, and what is not observable."""
-    statements = [fit_statement(result.fit, MODEL_TITLES[result.model])]
+    """Return whether the arm can be the one measured, whether it explains the distances, what is not observable."""
+    statements = _kept_statements(result)
+    statements.append(fit_statement(result.fit, MODEL_TITLES[result.model]))
     if result.fit.null_directions:
         named = "; ".join(", ".join(names) for names in result.fit.null_directions)
         statements.append(Statement(Sign.BAD, f"Not observable, and therefore without numbers: {named}."))
     return statements
+
+
+def nodes_only_statements(result: Result) -> list[Statement]:
+    """Return that nothing was measured between the nodes of a joint, and what is assumed of it."""
+    measured = result.residuals
+    if measured is None or result.theta1_map is None or result.theta2_map is None:
+        return []
+    joints = [
+        joint
+        for joint, angles, table in (
+            ("J1", measured.theta1_deg, result.theta1_map),
+            ("J2", measured.theta2_deg, result.theta2_map),
+        )
+        if set(angles) <= set(table.node_deg)
+    ]
+    if not joints:
+        return []
+    stated = [] if result.budget is None else result.budget.contributor
+    assumed = [f"{one.stated} of {str(one.axis).upper()}" for one in stated if one.kind == "between-nodes"]
+    what = f"is assumed ({', '.join(assumed)} rms, error budget)" if assumed else "is in no uncertainty"
+    return [
+        Statement(
+            Sign.ATTENTION,
+            f"Nothing was measured between the nodes of {' and '.join(joints)}: what lies there {what}; open-loop "
+            "measures it (off_node).",
+        )
+    ]
+
+
+def _kept_statements(result: Result) -> list[Statement]:
+    """Return what speaks against an implausible arm, and why it was kept; nothing for any other."""
+    kept = result.implausible
+    if kept is None:
+        return []
+    return [
+        Statement(Sign.BAD, f"IMPLAUSIBLE: {'; '.join(kept.findings)}."),
+        Statement(Sign.BAD, f"It was kept all the same, for this reason: {kept.accepted}"),
+    ]
 
 
 def left_out_statements(result: Result) -> list[Statement]:

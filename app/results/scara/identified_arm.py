@@ -9,8 +9,9 @@ from catseye.app.protocol.banners import unverified_text
 from catseye.app.results.scara.budget_text import budget_remarks
 from catseye.app.results.scara.result import Covariance, Result, term_unit
 from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.budget import Budget, Contributor
 from catseye.calibration.scara.extension import Term
-from catseye.calibration.scara.identification import IdentifiedArm
+from catseye.calibration.scara.identification import IdentifiedArm, TakenUp
 from catseye.calibration.scara.layout import Layout
 
 CATALOGUE_MM = (325.0, 225.0)
@@ -39,9 +40,29 @@ def arm_of(result: Result) -> IdentifiedArm:
     if values.size != layout.arm_size:
         raise UsageError(f"the result holds {values.size} parameters of an arm that has {layout.arm_size}")
     _require_one_robot(result)
+    budget = None if result.budget is None else result.budget.everything
     if result.covariance is None:
-        return IdentifiedArm(layout, values, np.diag(u**2))
-    return IdentifiedArm(layout, values, _covariance(result.covariance, layout))
+        return IdentifiedArm(layout, values, np.diag(u**2), budget)
+    covariance = _covariance(result.covariance, layout)
+    return IdentifiedArm(
+        layout, values, covariance, budget, _taken_up(result.covariance, budget, values.size)
+    )
+
+
+def _taken_up(part: Covariance, budget: Budget | None, size: int) -> TakenUp:
+    """Return what the parameters have taken up of contributors.
+
+    Raises:
+        UsageError: it belongs to another arm or budget.
+    """
+    if budget is None:
+        return {}
+    found: dict[Contributor, Floats] = {}
+    for one in part.taken_up or []:
+        if not 0 <= one.contributor < len(budget.contributors) or len(one.matrix) != size:
+            raise UsageError("the result's covariance does not belong to its error budget; identify again")
+        found[budget.contributors[one.contributor]] = np.array(one.matrix, dtype=np.float64)
+    return found
 
 
 def _require_one_robot(result: Result) -> None:
@@ -88,6 +109,11 @@ def arm_remarks(result: Result) -> list[str]:
         remarks.append(
             "the result holds no covariance: its standard uncertainties are taken as uncorrelated, which makes those "
             "of positions too large as a rule"
+        )
+    if result.budget is None:
+        remarks.append(
+            "the result holds no error budget: uncertainties of positions are those of its parameters alone, without "
+            "what lies between nodes, the arm's repeatability and its radial error motions"
         )
     targets = [term for term in result.extension or [] if term.source == "elapsed"]
     if targets:

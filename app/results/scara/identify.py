@@ -15,8 +15,9 @@ from catseye.app.cell.model import Cell
 from catseye.app.cell.section import RECORD
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.budget_part import BudgetPart
+from catseye.app.results.scara.plausible import failures_explained, require_plausible
 from catseye.app.results.scara.points import point_columns, to_points
-from catseye.app.results.scara.result import Result
+from catseye.app.results.scara.result import Covariance, Result, TakenUpPart
 from catseye.app.results.scara.result_of import result_of
 from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
@@ -82,12 +83,22 @@ def problem_of_points(
 
     Args:
         budget: contributors of the uncertainty; None for what the points state themselves.
+        terms: beyond the model and the gears that the cell file knows of.
     """
     places = {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}
     distances = to_points(points, places)
     nodes = np.deg2rad(bench.nodes1_deg), np.deg2rad(bench.nodes2_deg)
     rough = np.array([places[name] for name in distances.reflector_names])
-    return Problem(distances, model, *nodes, bench.link1_mm, bench.link2_mm, rough, budget, terms)
+    links, extended = (bench.link1_mm, bench.link2_mm), with_gears(terms, bench, model)
+    return Problem(distances, model, *nodes, *links, rough, budget, extended)
+
+
+def with_gears(terms: tuple[Term, ...], bench: ScaraBench, model: ModelName) -> tuple[Term, ...]:
+    """Return terms with the periods of the gears that the cell file knows; a model without maps has none of these."""
+    if model == "conventional":
+        return terms
+    first, second = bench.gear_orders
+    return tuple(dict.fromkeys((*periodic(1, first), *periodic(2, second), *terms)))
 
 
 def identify_points(
@@ -97,8 +108,13 @@ def identify_points(
 
     Raises:
         CalibrationError: the points cannot determine the model; the text names what is missing.
+        ImplausibleError: the arm cannot be the one that was measured.
     """
-    return problem_of_points(points, bench, model, budget).solve()
+    problem = problem_of_points(points, bench, model, budget)
+    with failures_explained(problem, bench.plausibility):
+        found = problem.solve()
+    require_plausible(problem, found, bench.plausibility)
+    return found
 
 
 def identified_result(
@@ -112,7 +128,24 @@ def identified_result(
     nominal, now = (bench.link1_mm, bench.link2_mm), datetime.now(UTC)
     created = now.isoformat(timespec="seconds")
     result = result_of(identified, nominal, sources, SOFTWARE, created, simulated)
-    return result.model_copy(update={"budget": budget})
+    covariance = _with_taken_up(result.covariance, identified, budget)
+    return result.model_copy(update={"budget": budget, "covariance": covariance})
+
+
+def _with_taken_up(
+    covariance: Covariance | None, identified: Identification, budget: BudgetPart
+) -> Covariance | None:
+    """Return a covariance with what positions need of the contributors that come again: J4 may stand anywhere."""
+    everything = budget.everything
+    if covariance is None or everything is None:
+        return covariance
+    found, motions = identified.arm.taken_up, everything.of_arm.repeating
+    parts = [
+        TakenUpPart(contributor=place, matrix=found[one].tolist())
+        for place, one in enumerate(everything.contributors)
+        if one in motions and one.axis != "j4" and one in found
+    ]
+    return covariance.model_copy(update={"taken_up": parts})
 
 
 def with_what_speaks_against(result: Result, texts: Iterable[str]) -> Result:

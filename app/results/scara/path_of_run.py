@@ -17,6 +17,7 @@ from catseye.app.results.scara.identify import (
 from catseye.app.results.scara.material import with_reference_links
 from catseye.app.results.scara.mirrored import mirrored_text
 from catseye.app.results.scara.path_rows import distance_path, holds_distances, path_measurement
+from catseye.app.results.scara.plausible import ImplausibleError
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.stated_budget import budget_of_runs
 from catseye.app.results.scara.validation import PathValidation, validate_on_path
@@ -61,7 +62,7 @@ def compare_path(reader: RunReader, root: Path) -> PathComparison:
             identify_points(run_points([measured]), bench, model, stated.budget) for model in MODELS
         ]
         found = _compared(reader, identified, bench)
-    except (CalibrationError, UsageError) as error:
+    except (CalibrationError, ImplausibleError, UsageError) as error:
         return PathComparison(
             [f"the path cannot be compared with the models of {measured.path.name}: {error}"]
         )

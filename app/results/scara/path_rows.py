@@ -116,6 +116,7 @@ def _mean(passes: Sequence[Sequence[Mapping[str, Any]]], take_up_deg: float) -> 
         measured_mm=measured.mean(axis=0),
         u_mm=_column(first, "u_mm") / np.sqrt(len(passes)),
         established=established_rows(commands, float(np.deg2rad(take_up_deg))),
+        arrivals=len(passes),
     )
 
 

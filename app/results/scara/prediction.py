@@ -44,6 +44,13 @@ class PredictedPath:
     prediction: Prediction
     warnings: tuple[str, ...]
 
+    def parts_um(self) -> dict[str, float]:
+        """Return the median of what each contributor alone makes of the 2-D uncertainty, µm."""
+        return {
+            name: 1e3 * float(np.sqrt(np.median(variance[self.prediction.inside])))
+            for name, variance in self.prediction.parts_mm2.items()
+        }
+
     def figures(self) -> dict[str, float]:
         """Return counts of rows and 2-D sizes of errors and uncertainties, µm, by the names of the JSON output."""
         inside = self.prediction.inside
@@ -122,6 +129,7 @@ def prediction_report(path: PredictedPath) -> Report:
         Line("error of the arm, largest", "µm", figures["max_um"], _UM),
         Line("its standard uncertainty, 2-D median", "µm", figures["median_u_um"], _UM),
         Line("its standard uncertainty, 2-D largest", "µm", figures["max_u_um"], _UM),
+        *(Line(f"median from {name}", "µm", part_um, _UM) for name, part_um in path.parts_um().items()),
     )
     warnings = [Statement(Sign.ATTENTION, f"{text}.") for text in path.warnings]
     table = summary_table("predicted minus command", lines)

@@ -147,11 +147,24 @@ def term_unit(term: Term) -> float:
     return 1e3 * math.degrees(1.0) if term.angular else 1e3
 
 
+class TakenUpPart(ResultPart):
+    """What the parameters have taken up of a contributor that comes again where the arm goes later.
+
+    Attributes:
+        contributor: its place in the result's budget.
+        matrix: what its sources of unit variance have moved the parameters by, mm and rad, a row a parameter.
+    """
+
+    contributor: int
+    matrix: list[list[Finite]]
+
+
 class Covariance(ResultPart):
     """Covariance of the arm's parameters, mm and rad."""
 
     names: list[str]
     matrix: list[list[Finite]]
+    taken_up: list[TakenUpPart] | None = None
 
 
 class Residuals(_Columns):
@@ -201,6 +214,13 @@ class ScanPart(ResultPart):
     histogram: list[int]
 
 
+class Implausible(ResultPart):
+    """What speaks against the arm, and the reason why it was kept all the same."""
+
+    accepted: str
+    findings: list[str]
+
+
 class Result(ResultPart):
     """A whole result file."""
 
@@ -225,6 +245,7 @@ class Result(ResultPart):
     uncertainty: UncertaintyPart | None = None
     budget: BudgetPart | None = None
     scan: ScanPart | None = None
+    implausible: Implausible | None = None
     provenance: Provenance
 
     @property

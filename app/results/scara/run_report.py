@@ -12,6 +12,7 @@ from catseye.app.results.model import Report
 from catseye.app.results.origin import origin_now
 from catseye.app.results.runs.records import Sources
 from catseye.app.results.scara.arm_report import arm_report
+from catseye.app.results.scara.diagnosis import diagnose_points
 from catseye.app.results.scara.findings import Findings
 from catseye.app.results.scara.identify import (
     MODELS,
@@ -21,12 +22,12 @@ from catseye.app.results.scara.identify import (
     cell_of_run,
     identified_result,
     identify_points,
-    problem_of_points,
     run_points,
 )
 from catseye.app.results.scara.material import with_reference_links
 from catseye.app.results.scara.measurement import measurement_of
 from catseye.app.results.scara.path_of_run import compare_path
+from catseye.app.results.scara.plausible import ImplausibleError
 from catseye.app.results.scara.result import Result, read_result
 from catseye.app.results.scara.stated_budget import budget_of_runs
 from catseye.app.results.scara.truth_tables import TruthTables
@@ -34,7 +35,7 @@ from catseye.app.results.scara.uncertainty import by_jacobian
 from catseye.app.results.scara.validation import PathValidation
 from catseye.app.store.reader import RunReader
 from catseye.calibration.core.errors import CalibrationError
-from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
 from catseye.procedures.scara.records import Distance, PathPosition
 
 
@@ -113,7 +114,7 @@ def _identified(reader: RunReader, root: Path) -> tuple[list[Result], list[str]]
     for model in MODELS:
         try:
             one = identify_points(points, bench, model, stated.budget)
-        except CalibrationError as error:
+        except (CalibrationError, ImplausibleError) as error:
             notes.append(f"the {model} model could not be identified: {error}")
             continue
         result = with_reference_links(
@@ -129,8 +130,8 @@ def _diagnosed(reader: RunReader, root: Path) -> Diagnosis | None:
         return None
     bench, budget = bench_of_runs([reader], root), budget_of_runs([reader]).budget
     try:
-        return diagnose(problem_of_points(run_points([reader]), bench, "error-map", budget))
-    except CalibrationError:
+        return diagnose_points(run_points([reader]), bench, budget)
+    except (CalibrationError, ImplausibleError):
         return None
 
 

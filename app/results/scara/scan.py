@@ -7,13 +7,14 @@ from pathlib import Path
 import numpy as np
 
 from catseye.app.files.parquet_columns import parquet_rows
-from catseye.app.results.scara.distance_unit import require_millimetres
 from catseye.app.results.scara.identify import identified_result, with_what_speaks_against
+from catseye.app.results.scara.plausible import failures_explained, require_plausible
 from catseye.app.results.scara.result import Result, ScanPart, ScanSegments
 from catseye.app.results.scara.spooled_points import spooled_points
 from catseye.app.results.scara.stated_budget import StatedBudget
 from catseye.app.results.scara.table_budget import SeenTable
 from catseye.calibration.core.blockwise.residual_sums import ResidualSums
+from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.layout import ModelName
 from catseye.calibration.scara.scans.scan_identification import identify_scan
@@ -53,6 +54,7 @@ def identify_scan_file(
     terms: tuple[Term, ...] = (),
     reading: Callable[[float], None] | None = None,
     solving: Callable[[int, int], None] | None = None,
+    accept_implausible: str | None = None,
 ) -> Result:
     """Identify an arm from a points file, block by block.
 
@@ -61,31 +63,39 @@ def identify_scan_file(
         stated: returns the error budget that counts for what the file shows.
         reading: is called with the share of the file that is read.
         solving: is called with the rows done and the rows expected of all passes.
+        accept_implausible: why an implausible arm is kept; None refuses it.
 
     Raises:
         UsageError: the file is wrong; names file and line.
         CalibrationError: the points cannot determine the model; the text names what is missing.
+        ImplausibleError: the arm cannot be the one that was measured.
     """
     places = {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in bench.reflectors}
     nodes = np.deg2rad(bench.nodes1_deg), np.deg2rad(bench.nodes2_deg)
     links = bench.link1_mm, bench.link2_mm
     with spooled_points(points, list(places), reading) as source:
-        require_millimetres(points, next(source.blocks()), bench)
-        counted = stated(source.seen)
-        found = identify_scan(
-            replace(source, with_sigma=counted.counts_sigma),
-            model,
-            *nodes,
-            *links,
-            np.array(list(places.values())),
-            counted.budget,
-            terms,
-            solving,
-        )
+        rough, counted = np.array(list(places.values())), stated(source.seen)
+        taken = replace(source, with_sigma=counted.counts_sigma)
+        first = Problem(next(taken.blocks()), model, *nodes, *links, rough, counted.budget, terms)
+        with failures_explained(first, bench.plausibility):
+            found = identify_scan(
+                taken,
+                model,
+                *nodes,
+                *links,
+                rough,
+                counted.budget,
+                terms,
+                solving,
+            )
     identified = found.identified
+    sample = replace(first, points=identified.points)
+    implausible = require_plausible(sample, identified, bench.plausibility, accept_implausible)
     part = _scan_part(found.residuals, identified.layout.dead_paths, len(identified.points))
     result = identified_result(identified, bench, [points.name], counted.part)
-    return with_what_speaks_against(result, counted.unverified).model_copy(update={"scan": part})
+    return with_what_speaks_against(result, counted.unverified).model_copy(
+        update={"scan": part, "implausible": implausible}
+    )
 
 
 def _scan_part(residuals: ResidualSums, dead_paths: tuple[tuple[str, int], ...], n_sample: int) -> ScanPart:

@@ -123,7 +123,7 @@ def _read(file: Path, text: str) -> tuple[TableBudget, _Seal]:
             "or leave the budget with --budget cell or none and without its comment line"
         )
     try:
-        return TableBudget.model_validate(document), _Seal(document)
+        return TableBudget.model_validate_json(text), _Seal(document)
     except ValidationError as error:
         fault = error.errors()[0]
         place = ".".join(str(part) for part in fault["loc"]) or "document"

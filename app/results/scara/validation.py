@@ -11,7 +11,8 @@ from catseye.calibration.scara.agreement import Agreement, agreement
 from catseye.calibration.scara.comparison import Comparison, compare
 from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.points import Commands
-from catseye.calibration.scara.prediction import Prediction, position_effects, predict
+from catseye.calibration.scara.prediction import Prediction, predict
+from catseye.calibration.scara.prediction_errors import position_errors
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class PathMeasurement:
         u_mm: standard uncertainty of each measured coordinate, shape (n,); NaN where the instrument states none.
         established: rows whose joints have moved at least the take-up angle since their last reversal, shape (n,);
             before that no direction of approach holds, and no bidirectional map says where the arm stands.
+        arrivals: passes that each measured position is the mean of.
     """
 
     commands: Commands
@@ -34,6 +36,7 @@ class PathMeasurement:
     measured_mm: Floats
     u_mm: Floats
     established: Bools
+    arrivals: int = 1
 
 
 FEWEST_ROWS = 4
@@ -151,6 +154,6 @@ def _on_path(
     path: PathMeasurement, arm: IdentifiedArm, title: str, prediction: Prediction, compared: Bools
 ) -> ModelOnPath:
     comparison = compare(path.command_mm, prediction.position_mm, path.measured_mm, compared)
-    effects = position_effects(arm, path.commands.select(compared))
-    judged = agreement(comparison, effects, path.u_mm)
+    errors = position_errors(arm, path.commands.select(compared), path.arrivals)
+    judged = agreement(comparison, errors, path.u_mm)
     return ModelOnPath(arm.layout.model, title, prediction, comparison, judged)

@@ -42,6 +42,7 @@ def path_section(
                 "Ratio: 2D rms over that of the first model. u of prediction: median of the 2D standard uncertainty."
             ),
             _agreement(validation.models),
+            expected_table(validation.models),
             *(agreement_statement(model) for model in validation.models),
             Paragraph(_AGREEMENT_NOTE),
             Bullets("", _gap_texts(left_out, axis)) if left_out else None,
@@ -57,11 +58,11 @@ def path_section(
 _AGREEMENT_NOTE = (
     "Distances cannot fix the rotation about J1, and the instrument has a frame of its own: the measurement was "
     "turned about the J1 axis (counter-clockwise) and shifted onto each model by least squares. Expected: "
-    "√(trace W / n), with W = P V P; V is the covariance of measured minus predicted coordinates (prediction and "
-    "instrument), P takes off what a rotation and a shift absorb. Share explained: trace W over the sum of squared "
-    "differences. p: probability of differences this large if the stated uncertainties are all there is (χ² with the "
-    "effective degrees of freedom of W). The arm's own repeatability is part of what is measured; where the "
-    "instrument's uncertainty does not include it, it belongs to what is not explained."
+    "√(trace W / n), with W = P V P; V is the covariance of measured minus predicted coordinates (identified "
+    "parameters, what lies between the nodes, repeatability and radial error motions of the arm, instrument), P "
+    "takes off what a rotation and a shift absorb. Share explained: trace W over the sum of squared differences. p: "
+    "probability of differences this large if the stated uncertainties are all there is (a sum of χ² in the "
+    "sizes of the eigenvalues of W)."
 )
 
 
@@ -160,6 +161,23 @@ def _judged(model: ModelOnPath) -> tuple[Cell, ...]:
         judged.share,
         judged.within,
         judged.probability,
+    )
+
+
+def expected_table(models: Sequence[ModelOnPath]) -> Table:
+    """Return what the expected differences are made of, contributor by contributor."""
+    names = list(dict.fromkeys(name for model in models for name in model.agreement.parts_um))
+    return Table(
+        "expected",
+        "Expected 2D rms, by contributor",
+        (
+            Column("contributor", "contributor"),
+            *(
+                Column(f"model_{number}", model_title(model), "µm", _UM)
+                for number, model in enumerate(models)
+            ),
+        ),
+        tuple((name, *(model.agreement.parts_um.get(name) for model in models)) for name in names),
     )
 
 

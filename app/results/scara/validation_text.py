@@ -55,7 +55,9 @@ def agreement_text(model: ModelOnPath) -> str:
     """Return whether what a model leaves on a path agrees with its uncertainties."""
     judged, left_um = model.agreement, model.comparison.rms_2d_um
     whose = (
-        "prediction and instrument" if judged.instrument else "the prediction (the instrument states none)"
+        "prediction, arm and instrument"
+        if judged.instrument
+        else "prediction and arm (the instrument states none)"
     )
     figures = f"{left_um:.1f} µm (2D rms) are left, {judged.expected_um:.1f} µm are expected"
     if judged.expected_um <= 0.0:
@@ -67,8 +69,8 @@ def agreement_text(model: ModelOnPath) -> str:
         )
     return (
         f"{model_title(model)}: the uncertainties of {whose} explain {100.0 * judged.share:.0f} % of the variance "
-        f"that is left: {figures} ({probability_text(judged.probability)}). The rest: what the model does not know, "
-        f"repeatability and drift of the arm{'' if judged.instrument else ', scatter of the instrument'}."
+        f"that is left: {figures} ({probability_text(judged.probability)}). The rest: what neither model nor error "
+        f"budget knows{'' if judged.instrument else ', scatter of the instrument'}."
     )
 
 

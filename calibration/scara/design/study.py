@@ -12,7 +12,13 @@ from catseye.calibration.core.errors import BudgetError
 from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.arm import ArmDesign, arm_design
-from catseye.calibration.scara.budget import Budget, Geometry, combined_white_mm, systematic_effects
+from catseye.calibration.scara.budget import (
+    Budget,
+    Geometry,
+    combined_white_mm,
+    seen_along,
+    systematic_effects,
+)
 from catseye.calibration.scara.design.sight import Sight
 from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.layout import Layout
@@ -104,7 +110,7 @@ class Study:
         nothing = np.zeros(len(self.commands), dtype=np.int64)
         points = Points(self.commands, nothing, nothing, length, None, ("",), (("", 0),))
         local = np.einsum("ni,nij->nj", unit, self._local)
-        return Geometry(points, unit, length, local[:, 2:])
+        return seen_along(points, unit, length, local[:, 2:], self.layout)
 
     def require_determined(self, sights: Sequence[Sight]) -> None:
         """Refuse a layout that leaves parameters undetermined.

@@ -49,6 +49,11 @@ class Passes:
                 "which repeats no pose; state it per reading"
             )
 
+    @property
+    def repeating(self) -> Budget | None:
+        """Contributors without what lies between nodes: over a scan, which stands nowhere, it averages out."""
+        return None if self.budget is None else self.budget.away_from_nodes
+
     def start(self, few: Points) -> Floats:
         """Return starting values from rows of each segment, shape (p,)."""
         return self.model(few, weighted=False).start(*self.nominal_mm, self.rough_mm)
@@ -63,7 +68,7 @@ class Passes:
         if any(term.source == "theta4" for term in self.layout.terms):
             block = replace(block, theta4_rad=beam_turn_rad(block, self.nominal_mm, self.rough_mm))
         design = arm_design(self.layout, block.commands, block.theta4_rad, elapsed)
-        model = DistanceModel(self.layout, block, design, self.budget)
+        model = DistanceModel(self.layout, block, design, self.repeating)
         if not weighted or block.sigma_mm is not None or self.budget is None or not self.budget.white:
             return model
         known = self._nominal_parameters() if self.estimate is None else self.estimate
@@ -84,8 +89,8 @@ class Passes:
             beams = model.beams(parameters)
             rows = sparse_rows(model, beams, parameters, weights)
             sums.add(rows, weights, block.dead_path)
-            if self.budget is not None and self.budget.systematic:
-                effects = systematic_effects(self.budget, model.geometry_of(beams))
+            if self.repeating is not None and self.repeating.systematic:
+                effects = systematic_effects(self.repeating, model.geometry_of(beams))
                 sums.add_effects(rows, effects * weights[:, None])
         return sums
 

@@ -1,6 +1,6 @@
 """A distance that has settled, or the operator's word about it."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.procedures.kit.bench import Timing
@@ -16,7 +16,18 @@ _TRIES = 3
 """Each further try settles twice as long as the one before."""
 
 
-async def settled_measurement(ctx: Context, timing: Timing, where: str) -> Measurement | None:
+@dataclass(frozen=True)
+class Unsettled:
+    """A point that the operator leaves out.
+
+    Attributes:
+        measured: the last of its readings, which scatter too much.
+    """
+
+    measured: Measurement
+
+
+async def settled_measurement(ctx: Context, timing: Timing, where: str) -> Measurement | Unsettled:
     """Measure at standstill; readings that scatter too much are taken again, then the operator is asked.
 
     A laser that is not ready suspends the run. Its count is lost meanwhile, so the measurement is not ok then.
@@ -25,7 +36,7 @@ async def settled_measurement(ctx: Context, timing: Timing, where: str) -> Measu
         where: what is measured, unique in the run; part of the question's id.
 
     Returns:
-        The measurement, whose count need not be valid; None when the operator leaves the point out.
+        The measurement, whose count need not be valid.
     """
     question = 0
     while True:
@@ -43,7 +54,7 @@ async def settled_measurement(ctx: Context, timing: Timing, where: str) -> Measu
             return measured
         if answer == "skip":
             await ctx.event("unsettled", where=where, spread_mm=measured.spread_mm, answer=answer)
-            return None
+            return Unsettled(measured)
 
 
 async def _tried(ctx: Context, timing: Timing) -> Measurement:

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.calibration.scara.alignment import OffsetFit, fit_offset
 from catseye.drivers.roles.pose import Pose
-from catseye.procedures.kit.beam.settled import settled_measurement
+from catseye.procedures.kit.beam.settled import Unsettled, settled_measurement
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import (
     AlignmentError,
@@ -262,7 +262,7 @@ class _Rounds(ScrewRounds):
                 await self._ctx.move(self._at(centre_deg + share * half_deg))
                 name = f"{where}/{number}/{position}"
                 measured = await settled_measurement(self._ctx, plan.bench.timing, name)
-                if measured is None:
+                if isinstance(measured, Unsettled):
                     continue
                 self._ctx.show(signal_live(measured.beam.signal, plan.bench.optics.signal_min))
                 if not measured.beam.count_valid:

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.procedures.kit.beam.loss import Cause, cause_of
-from catseye.procedures.kit.beam.settled import beam_when_ready, settled_measurement
+from catseye.procedures.kit.beam.settled import Unsettled, beam_when_ready, settled_measurement
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import ArmMovedError, NoBeamError
 from catseye.procedures.scara.beam.beam_scan import beam_mm, find_return, look_around_deg, window_deg
@@ -157,8 +157,8 @@ class Follower:
         self.counting = True
         return None
 
-    async def measure(self, visit: Visit, where: str) -> Measurement | Loss | None:
-        """Measure where the arm stands; None when the operator leaves it out.
+    async def measure(self, visit: Visit, where: str) -> Measurement | Loss | Unsettled:
+        """Measure where the arm stands.
 
         Args:
             visit: at whose node the arm stands.
@@ -230,13 +230,13 @@ class Follower:
             return None
         return Loss(cause_of(status, self._bench.arm.override_percent))
 
-    async def _measured(self, where: str) -> Measurement | Loss | None:
+    async def _measured(self, where: str) -> Measurement | Loss | Unsettled:
         try:
             measured = await settled_measurement(self._ctx, self._bench.timing, where)
         except NoBeamError:
             return Loss()
-        if measured is None:
-            return None
+        if isinstance(measured, Unsettled):
+            return measured
         if not measured.beam.count_valid:
             return Loss(cause_of(measured.beam, self._bench.arm.override_percent))
         if self._left is None or not is_at(measured.reported, self._left):

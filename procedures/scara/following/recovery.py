@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, LossLog
+from catseye.procedures.kit.beam.settled import Unsettled
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.records import row_of
 from catseye.procedures.scara.beam.diagnosis import MOVED_BY_HAND, NOT_SUBDIVIDED, Loss
@@ -49,9 +50,11 @@ class LeftOut:
 
     Attributes:
         reason: why.
+        unsettled: readings that scattered too much; None where there are none.
     """
 
     reason: str
+    unsettled: Measurement | None = None
 
 
 class Recovery:
@@ -111,8 +114,8 @@ class Recovery:
             result = await self._attempt(visit, way, step_id)
             if isinstance(result, Measurement):
                 return self._kept(visit, result)
-            if result is None:
-                return LeftOut("the operator left it out: its readings did not settle")
+            if isinstance(result, Unsettled):
+                return LeftOut("the operator left it out: its readings did not settle", result.measured)
             cause = await self.report(result, visit)
             match await beam.decide(cause, where, kept=way == "tracked"):
                 case "skip":
@@ -155,7 +158,7 @@ class Recovery:
             await self.report(Loss(MOVED_BY_HAND), visit)
         return "back" if back else "point"
 
-    async def _attempt(self, visit: Visit, way: Way, step_id: str) -> Measurement | Loss | None:
+    async def _attempt(self, visit: Visit, way: Way, step_id: str) -> Measurement | Loss | Unsettled:
         """Reach a point and measure it once."""
         loss: Loss | None = None
         if way == "driven":
@@ -184,7 +187,7 @@ class Recovery:
         if (loss := await self._begun_at(old.visit)) is not None:
             return loss
         measured = await follower.measure(old.visit, f"{step_id}/overlap")
-        if measured is None:
+        if isinstance(measured, Unsettled):
             return Loss(Cause("interrupted", "the readings at the last good pose did not settle"))
         if isinstance(measured, Loss):
             return measured

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, LossLog, cause_of
-from catseye.procedures.kit.beam.settled import beam_when_ready, settled_measurement
+from catseye.procedures.kit.beam.settled import Unsettled, beam_when_ready, settled_measurement
 from catseye.procedures.kit.context import Context, Measurement
 from catseye.procedures.kit.errors import NoBeamError
 from catseye.procedures.scara.beam.beam_scan import find_return, half_window_deg
@@ -105,10 +105,12 @@ class Rounds:
         except NoBeamError:
             await self._lose(where, _GONE)
             return None
-        if measured is not None and (cause := self._fault(measured.beam)) is not None:
+        if isinstance(measured, Unsettled):
+            return None
+        if (cause := self._fault(measured.beam)) is not None:
             await self._lose(where, cause)
             return None
-        if measured is not None and self._left is not None and not is_at(measured.reported, self._left):
+        if self._left is not None and not is_at(measured.reported, self._left):
             await self._lose(where, MOVED_BY_HAND)
             return None
         return measured

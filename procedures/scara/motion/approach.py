@@ -12,7 +12,7 @@ from catseye.procedures.scara.bench import ScaraBench
 
 @dataclass(frozen=True)
 class Command:
-    """A node to measure.
+    """A node to measure, or a place between nodes.
 
     Attributes:
         index: place in the sequence, from 0.
@@ -31,12 +31,12 @@ class Command:
 
 @dataclass(frozen=True)
 class Waypoint:
-    """A stop on the way: a node to measure, or a take-up position.
+    """A stop on the way: a command to measure, or a take-up position.
 
     Attributes:
         theta1_deg: J1 command.
         theta2_deg: J2 command.
-        command: the node that is measured here; None at a take-up position.
+        command: what is measured here; None at a take-up position.
     """
 
     theta1_deg: float

@@ -4,6 +4,7 @@ import math
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 
+from catseye.procedures.kit.beam.settled import Unsettled
 from catseye.procedures.kit.context import Context, Measurement, Prompt
 from catseye.procedures.kit.errors import BeamLostError
 from catseye.procedures.kit.live import Live
@@ -12,6 +13,7 @@ from catseye.procedures.kit.records import Row, row_of
 from catseye.procedures.kit.stored import integer, number_of
 from catseye.procedures.kit.tasks import PlaceReflector
 from catseye.procedures.scara.beam.diagnosis import Loss
+from catseye.procedures.scara.counter import CounterWatch
 from catseye.procedures.scara.following.follower import Follower
 from catseye.procedures.scara.following.recovery import LeftOut, Recovery
 from catseye.procedures.scara.motion.point_row import distance_of, title_of
@@ -47,13 +49,20 @@ class ReflectorCampaign:
     Args:
         part: this reflector's part of it.
         knowledge: takes the points in.
+        counter: looks at the first counts, of points that did not settle, too.
 
     Attributes:
         left_out: titles of the points that were not measured, with the reason.
     """
 
     def __init__(
-        self, ctx: Context, plan: OpenLoopPlan, part: ReflectorPlan, knowledge: Knowledge, time: BenchTime
+        self,
+        ctx: Context,
+        plan: OpenLoopPlan,
+        part: ReflectorPlan,
+        knowledge: Knowledge,
+        counter: CounterWatch,
+        time: BenchTime,
     ) -> None:
         self.left_out: list[str] = []
         self._ctx = ctx
@@ -62,6 +71,7 @@ class ReflectorCampaign:
         self._part = part
         self._name = part.reflector.name
         self._knowledge = knowledge
+        self._counter = counter
         self._time = time
         self._follower = Follower(ctx, plan.bench, part.reflector)
         self._recovery = Recovery(
@@ -78,6 +88,7 @@ class ReflectorCampaign:
         Raises:
             BeamLostError: the beam stays away and the operator ends the run.
             WayBlockedError: the arm cannot be led to a point.
+            CounterError: sign or scale of the counter are wrong.
         """
         visits, closures = self._part.visits, {closure.after: closure for closure in self._part.closures}
         for place, visit in enumerate(visits):
@@ -99,6 +110,7 @@ class ReflectorCampaign:
         if result["measured"]:
             found = _Distance(segment, number_of(result, "displacement_mm"))
             self._distances[place] = found
+            self._counted(visit, segment, found.displacement_mm)
             await self._knowledge.take(
                 self._name, visit.command, segment, found.displacement_mm, fresh=bool(fresh)
             )
@@ -135,9 +147,16 @@ class ReflectorCampaign:
             await self._ctx.event(
                 "point-left-out", reflector=self._name, point=visit.command.index, reason=measured.reason
             )
+            if measured.unsettled is not None:
+                # In a wrong unit readings seem never to settle.
+                self._counted(visit, segment, measured.unsettled.displacement_mm)
             return {"measured": False, "segment": segment, "reason": measured.reason}
         self._ctx.record(distance_of(self._name, segment, visit.command, self._follower.sent, measured))
         return {"measured": True, "segment": segment, "displacement_mm": measured.displacement_mm}
+
+    def _counted(self, visit: Visit, segment: int, displacement_mm: float) -> None:
+        command = visit.command
+        self._counter.take(self._name, segment, command.theta1_deg, command.theta2_deg, displacement_mm)
 
     async def _closed(self, planned: Closure) -> Row:
         """Drive to the reference pose, measure there, and drive back."""
@@ -187,9 +206,9 @@ class ReflectorCampaign:
         return {"measured": False, "segment": self._follower.segment, "reason": reason}
 
     async def _drifted(
-        self, closure: Closure, reference: Visit, known: _Reference, measured: Measurement | None
+        self, closure: Closure, reference: Visit, known: _Reference, measured: Measurement | Unsettled
     ) -> Row:
-        if measured is None:
+        if isinstance(measured, Unsettled):
             return await self._no_closure("its readings did not settle")
         segment = self._follower.segment
         drift_um = (measured.displacement_mm - known.displacement_mm) * 1e3

@@ -38,6 +38,7 @@ class Knowledge:
         self._stop_at_mdeg = stop_at_mdeg
         self._outside: dict[str, deque[bool]] = {}
         self._warned: set[str] = set()
+        self._nodes1_deg, self._nodes2_deg = bench.nodes1_deg, bench.nodes2_deg
         noise = bench.noise
         self._map = LiveMap(
             np.deg2rad(bench.nodes1_deg),
@@ -52,7 +53,12 @@ class Knowledge:
     async def take(
         self, reflector: str, command: Command, segment: int, displacement_mm: float, *, fresh: bool
     ) -> None:
-        """Take a point in and show what it says beyond all points before; a stored one is not shown."""
+        """Take a point in and show what it says beyond all points before; a stored one is not shown.
+
+        Points between the nodes are left out: what lies there is not in the maps, and its size is not known yet.
+        """
+        if command.theta1_deg not in self._nodes1_deg or command.theta2_deg not in self._nodes2_deg:
+            return
         found = self._map.add(
             math.radians(command.theta1_deg),
             math.radians(command.theta2_deg),

@@ -7,13 +7,13 @@ from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.approach import (
     Command,
     Waypoint,
-    bidirectional_sequence,
     require_joint_limits,
     with_take_up,
 )
 from catseye.procedures.scara.motion.tracking import plan_track
 from catseye.procedures.scara.motion.visits import Visit, break_warnings, plan_visits, require_clear_visits
 from catseye.procedures.scara.open_loop.closures import Closure, plan_closures
+from catseye.procedures.scara.open_loop.off_node import measuring_sequence
 
 _FEWEST_SEEN = 0.5
 """A reflector that fewer than this share of the commands see stands in the wrong place."""
@@ -95,6 +95,7 @@ def plan_open_loop(
     take_up: bool = True,
     reflectors: tuple[str, ...] = (),
     closures: int = 0,
+    off_node: int = 0,
 ) -> OpenLoopPlan:
     """Plan the paper's measurement for every reflector.
 
@@ -105,12 +106,13 @@ def plan_open_loop(
         reflectors: names of the reflectors to measure; all of the cell when empty.
         closures: trips to a reference pose for each reflector; none without subdivision and take-up, which they
             would undo.
+        off_node: commands between the nodes.
 
     Raises:
         PlanLimitError: a joint, take-up included, or J4 leaves its limits.
         PlanError: a reflector is hidden from too many points, stands in the arm's way, or is unknown.
     """
-    commands = bidirectional_sequence(bench.nodes1_deg, bench.nodes2_deg)
+    commands = measuring_sequence(bench.nodes1_deg, bench.nodes2_deg, off_node)
     stops = (
         with_take_up(commands, bench.take_up_deg)
         if take_up

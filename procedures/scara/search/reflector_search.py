@@ -68,12 +68,19 @@ class ReflectorSearch(Procedure):
 
         Raises:
             ReflectorNotFoundError: too few sightings, or an aim that would not hold over the plan.
+            CounterError: sign or scale of the counter are wrong.
         """
+        from catseye.procedures.scara.search.counter_check import check_counter
         from catseye.procedures.scara.search.finding import look_further, solve
 
-        looks = SightingRun(ctx, plan)
+        looks, checked = SightingRun(ctx, plan), False
         for number, pose in enumerate(plan.poses):
             await looks.look(pose)
+            done = pose.reflector not in [other.reflector for other in plan.poses[number + 1 :]]
+            if done and not checked:
+                checked = await check_counter(ctx, plan, looks)
             ctx.progress((number + 1) * POSE_S, len(plan.poses) * POSE_S, f"search {pose.reflector.name}")
         reported = await look_further(ctx, plan, looks)
+        if not checked:
+            await check_counter(ctx, plan, looks)
         await ctx.step("solve", "Eq. 2 for all reflectors", lambda: solve(ctx, plan, looks, reported))

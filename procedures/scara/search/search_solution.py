@@ -18,7 +18,7 @@ from catseye.procedures.scara.search.sighting import Sighting
 
 FEWEST_SIGHTINGS = 3
 
-_COVERAGE = 2.0
+COVERAGE = 2.0
 """Twice the standard uncertainty of the aim has to leave room for the plan's own miss."""
 
 _OUTLIER_SHARE = 0.5
@@ -64,7 +64,7 @@ class Assessment:
 
     def holds(self, index: int) -> bool:
         """Return whether the aim at a reflector is good enough for the whole plan."""
-        return bool(self.aim_mm) and _COVERAGE * self.aim_mm[index] <= self.room_mm
+        return bool(self.aim_mm) and COVERAGE * self.aim_mm[index] <= self.room_mm
 
 
 def assess(plan: SearchPlan, sightings: Sequence[Sighting]) -> Assessment:
@@ -79,7 +79,7 @@ def assess(plan: SearchPlan, sightings: Sequence[Sighting]) -> Assessment:
         except CalibrationError as error:
             return Assessment(tuple(kept), tuple(left_out), None, str(error), room_mm=room_mm)
         outlier = find_outlier(
-            _table(plan, kept),
+            sightings_table(plan.reflectors, kept),
             found,
             plan.bench.link1_mm,
             plan.bench.link2_mm,
@@ -147,12 +147,15 @@ def _solved(plan: SearchPlan, sightings: Sequence[Sighting]) -> SearchResult:
     bench = plan.bench
     rough = np.array([reflector.xy_mm for reflector in plan.reflectors])
     start = math.radians(plan.bench.optics.theta40_deg)
-    return locate_reflectors(_table(plan, sightings), bench.link1_mm, bench.link2_mm, rough, start)
+    return locate_reflectors(
+        sightings_table(plan.reflectors, sightings), bench.link1_mm, bench.link2_mm, rough, start
+    )
 
 
-def _table(plan: SearchPlan, sightings: Sequence[Sighting]) -> Sightings:
+def sightings_table(reflectors: Sequence[Reflector], sightings: Sequence[Sighting]) -> Sightings:
+    """Return sightings of reflectors as columns."""
     rows = np.deg2rad([[s.pose.theta1_deg, s.pose.theta2_deg, s.j4_deg] for s in sightings]).reshape(-1, 3)
-    index = np.array([plan.reflectors.index(s.pose.reflector) for s in sightings], dtype=np.int64)
+    index = np.array([reflectors.index(s.pose.reflector) for s in sightings], dtype=np.int64)
     return Sightings(rows[:, 0], rows[:, 1], rows[:, 2], index)
 
 

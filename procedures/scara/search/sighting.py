@@ -62,6 +62,13 @@ class SightingRun:
         self._arrival = Arrival(ctx, plan.bench)
         self._visits: list[str] = []
         self._losses = LossLog(ctx)
+        self._last: SearchPose | None = None
+
+    @property
+    def just_seen(self) -> Sighting | None:
+        """What was seen from the pose looked from last; None when nothing was."""
+        last = self.sightings[-1] if self.sightings else None
+        return last if last is not None and last.pose is self._last else None
 
     async def look(self, pose: SearchPose, said: "Announcement | None" = None) -> None:
         """Look from a pose, in a step of its own.
@@ -71,6 +78,7 @@ class SightingRun:
         """
         name, number = pose.reflector.name, self.looked.total()
         self.looked[name] += 1
+        self._last = pose
         if not self._visits or self._visits[-1] != name:
             self._visits.append(name)
         visit = self._visits.count(name)

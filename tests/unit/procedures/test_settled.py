@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import pytest
 
 from catseye.drivers.roles.interferometer import BeamStatus
-from catseye.procedures.kit.beam.settled import settled_measurement
+from catseye.procedures.kit.beam.settled import Unsettled, settled_measurement
 from catseye.procedures.kit.bench import Timing
 from catseye.procedures.kit.context import Measurement
 from tests.unit.procedures.benches import IdealContext
@@ -46,7 +46,7 @@ async def bench() -> ShakingContext:
 async def test_readings_that_scatter_are_taken_again_after_longer_settling(bench: ShakingContext) -> None:
     bench.spreads_mm = [0.02, 0.006, 0.004]
     measured = await settled_measurement(bench, TIMING, "P1/0000")
-    assert measured is not None
+    assert isinstance(measured, Measurement)
     assert (measured.spread_mm, measured.beam.count_valid) == (0.004, True)
     assert [wait[0] for wait in bench.waits] == [0.5, 1.0, 2.0]
     assert [(live.value, live.high, live.accepted) for live in bench.shown] == [
@@ -63,7 +63,7 @@ async def test_the_operator_decides_about_a_point_that_never_settles(
     bench.spreads_mm = [0.03] * 3
     bench.answers = {"unsettled/P1/0000/1": answer}
     measured = await settled_measurement(bench, TIMING, "P1/0000")
-    assert (None if measured is None else measured.spread_mm) == spread_mm
+    assert (None if isinstance(measured, Unsettled) else measured.spread_mm) == spread_mm
     (prompt,) = bench.prompts
     assert "30.0 µm" in prompt.text
     # Nobody has to be there, and the run drives on after each of the answers.
@@ -74,7 +74,7 @@ async def test_the_operator_decides_about_a_point_that_never_settles(
 async def test_measuring_again_asks_again_under_another_name(bench: ShakingContext) -> None:
     bench.spreads_mm = [0.03] * 6
     bench.answers = {"unsettled/x/1": "again", "unsettled/x/2": "skip"}
-    assert await settled_measurement(bench, TIMING, "x") is None
+    assert isinstance(await settled_measurement(bench, TIMING, "x"), Unsettled)
     assert bench.measurements == 6
 
 
@@ -82,7 +82,7 @@ async def test_a_lost_beam_is_no_matter_of_settling(bench: ShakingContext) -> No
     bench.spreads_mm = [0.03]
     bench.lost = True
     measured = await settled_measurement(bench, TIMING, "x")
-    assert measured is not None
+    assert isinstance(measured, Measurement)
     assert not measured.beam.count_valid
     assert bench.measurements == 1
 
@@ -90,7 +90,7 @@ async def test_a_lost_beam_is_no_matter_of_settling(bench: ShakingContext) -> No
 async def test_an_unready_laser_suspends_and_invalidates_the_count(bench: ShakingContext) -> None:
     bench.unready = 3
     measured = await settled_measurement(bench, TIMING, "x")
-    assert measured is not None
+    assert isinstance(measured, Measurement)
     assert (measured.beam.laser_ready, measured.beam.count_valid) == (False, False)
     assert ["laser is not ready" in reason for reason in bench.suspensions] == [True]
     assert bench.unready == 0

@@ -194,7 +194,7 @@ def test_machines_read_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[st
     predict(stored(tmp_path, bare()), text_file(tmp_path, text), output, "right", "1,1", as_json=True)
     found = json.loads(capsys.readouterr().out)
     assert (found["rows"], found["predicted"], found["output"]) == (3, 2, str(output))
-    assert len(found["warnings"]) == 3
+    assert len(found["warnings"]) == 4
     x, y = place(45.020, 60.005, 325.1, 224.9)
     x0, y0 = place(45.0, 60.0, *NOMINAL)
     x2, y2 = place(45.5 + 1e-3 * (-10.0 + 20.0 * 45.5 / 90.0), 60.005, 325.1, 224.9)

@@ -137,7 +137,7 @@ def test_noise_as_stated_agrees(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert model["probability"] > 0.01
     assert 0.5 < model["share_explained"] < 2.0
     assert model["within_2u"] > 0.85
-    assert "agrees with the uncertainties of prediction and instrument" in found["verdict"][0]
+    assert "agrees with the uncertainties of prediction, arm and instrument" in found["verdict"][0]
 
 
 def test_a_limit_that_is_exceeded_rejects(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -92,7 +92,8 @@ def test_a_contributors_remainder_lacks_the_maps_orders(kind: Kind) -> None:
     series = np.column_stack(
         [np.ones(angle.size), *(f(k * angle) for k in range(1, 7) for f in (np.cos, np.sin))]
     )
-    whole = effects(contributor, replace(geometry, terms=()))
+    without = replace(geometry, layout=replace(geometry.layout, terms=()))
+    whole = effects(contributor, without)
     rest = effects(contributor, geometry)
     before, after = coefficients(series, whole), coefficients(series, rest)
     held = [3, 4, 7, 8]

@@ -1,0 +1,74 @@
+"""Is an identified arm the one that was measured? Bounds, undone mistakes and other starts answer."""
+
+import math
+from typing import Final
+
+import numpy as np
+
+from catseye.calibration.scara.budget import systematic_effects
+from catseye.calibration.scara.diagnostics.problem import Problem
+from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.plausibility.bounded_fit import fitted, offsets
+from catseye.calibration.scara.plausibility.bounds import BOUNDS, Bounds
+from catseye.calibration.scara.plausibility.case import MOST_ROWS, Case
+from catseye.calibration.scara.plausibility.explanations import mistakes_of
+from catseye.calibration.scara.plausibility.findings import Joint, VagueLink, Verdict
+from catseye.calibration.scara.plausibility.other_solutions import other_solution, other_solutions
+from catseye.calibration.scara.points import without_short_segments
+
+_FAR_BEYOND: Final = 2.0
+"""Residuals beyond so many times what was stated lead to corrections being tried; none need explain them."""
+
+_UNSTATED_MM: Final = 0.05
+"""Stands for what was stated where nothing was."""
+
+
+def judge(problem: Problem, found: Identification | None, bounds: Bounds = BOUNDS) -> Verdict:
+    """Judge an identified arm, or distances from which none could be identified.
+
+    Args:
+        problem: the distances, and what was known before.
+        found: what was identified; None where that failed.
+    """
+    case = _case(problem, found)
+    off = () if found is None else offsets(found.layout, found.parameters, case, bounds)
+    breaks = tuple(one for one in off if one.share > 1.0)
+    asis = fitted(case.thinned(MOST_ROWS), bounds)
+    rms_mm = None if asis is None else asis.rms_mm
+    beyond = asis is None or asis.strain(bounds) > 1.0
+    if asis is None or beyond or asis.rms_mm > _FAR_BEYOND * _stated_mm(found):
+        mistakes = mistakes_of(case, asis, bounds, broken=beyond or bool(breaks))
+        if mistakes or found is None:
+            return Verdict(breaks, mistakes, rms_mm=rms_mm)
+    elif found is None:
+        return Verdict(rms_mm=rms_mm)
+    elif breaks:
+        # What is known of the arm makes another one of it, and the distances do not mind.
+        other = other_solution(asis, 1e-3 * found.fit.rms_um)
+        return Verdict(breaks, others=(other,), vague=_vague(found, bounds), rms_mm=rms_mm)
+    return Verdict(breaks, (), tuple(other_solutions(case, found, bounds)), _vague(found, bounds), rms_mm)
+
+
+def _case(problem: Problem, found: Identification | None) -> Case:
+    """Return the distances that an identification used, all of them where it failed, with what was known before."""
+    points = without_short_segments(problem.points)[0] if found is None else found.points
+    places = problem.reflectors_mm[[problem.points.reflector_names.index(n) for n in points.reflector_names]]
+    nodes = problem.nodes1_rad, problem.nodes2_rad
+    return Case(points, nodes, (problem.link1_mm, problem.link2_mm), places).of_points(points)
+
+
+def _stated_mm(found: Identification | None) -> float:
+    """Return the root mean square of the errors that were stated for the distances."""
+    if found is None or found.points.sigma_mm is None:
+        return _UNSTATED_MM
+    shared = systematic_effects(found.budget, found.model.geometry(found.parameters))
+    return math.sqrt(float(np.mean(found.points.sigma_mm**2) + np.mean(np.sum(shared**2, axis=1))))
+
+
+def _vague(found: Identification, bounds: Bounds) -> tuple[VagueLink, ...]:
+    """Return the links that the distances leave open by more than their bound."""
+    links: tuple[Joint, ...] = (1, 2)
+    u_mm = found.standard_uncertainty[:2].tolist()
+    return tuple(
+        VagueLink(link, u, bounds.link_mm) for link, u in zip(links, u_mm, strict=True) if u > bounds.link_mm
+    )

@@ -1,0 +1,79 @@
+"""The counter while it is measured with: its sign and scale show in the first distances."""
+
+from typing import Final
+
+import numpy as np
+
+from catseye.calibration.scara.plausibility.counter import CounterScale, counter_scale
+from catseye.calibration.scara.plausibility.units import unit_of
+from catseye.calibration.scara.points import Commands, Points
+from catseye.procedures.kit.errors import CounterError
+from catseye.procedures.scara.bench import ScaraBench
+
+_LOOKED_AT: Final = 20
+"""Distances of a run whose counts are compared with the arm's geometry."""
+
+
+class CounterWatch:
+    """Compares the first counts of a run with the way of the arm.
+
+    Args:
+        bench: nominal links, and the reflectors as they are aimed at.
+        u_place_mm: standard uncertainty of the coordinates of their places.
+    """
+
+    def __init__(self, bench: ScaraBench, u_place_mm: float = 20.0) -> None:
+        self._u_place_mm = u_place_mm
+        self._bench = bench
+        self._names = tuple(reflector.name for reflector in bench.reflectors)
+        self._rows: list[tuple[float, float, int, int, float]] = []
+
+    def take(
+        self, reflector: str, segment: int, theta1_deg: float, theta2_deg: float, displacement_mm: float
+    ) -> None:
+        """Take a count in.
+
+        Raises:
+            CounterError: the counts so far cannot be those of a counter in mm that rises with the beam.
+        """
+        if len(self._rows) >= _LOOKED_AT:
+            return
+        row = theta1_deg, theta2_deg, self._names.index(reflector), segment, displacement_mm
+        self._rows.append(row)
+        bench = self._bench
+        places = np.array([one.xy_mm for one in bench.reflectors])
+        scale = counter_scale(self._points(), (bench.link1_mm, bench.link2_mm), places, self._u_place_mm)
+        if scale is not None and scale.wrong:
+            raise CounterError(_text(scale, len(self._rows)))
+
+    def _points(self) -> Points:
+        one, two, reflector, segment, displacement = zip(*self._rows, strict=True)
+        keys = list(dict.fromkeys(zip(reflector, segment, strict=True)))
+        number = [keys.index(key) for key in zip(reflector, segment, strict=True)]
+        state = np.ones(len(number), dtype=np.int64)
+        return Points(
+            Commands(np.deg2rad(one), np.deg2rad(two), state, state),
+            np.array(reflector, dtype=np.int64),
+            np.array(number, dtype=np.int64),
+            np.array(displacement, dtype=np.float64),
+            None,
+            self._names,
+            tuple((self._names[place], segment) for place, segment in keys),
+        )
+
+
+def _text(scale: CounterScale, count: int) -> str:
+    mm = scale.mm_per_unit
+    unit = unit_of(abs(mm))
+    if unit is not None:
+        fault = f"counts in {unit}, and " if mm < 0.0 else f"counts in {unit} instead of mm"
+    elif abs(abs(mm) - 1.0) > 0.02:
+        fault = f"counts {1.0 / abs(mm):.4g} where the beam changes by 1 mm" + (", and " if mm < 0.0 else "")
+    else:
+        fault = ""
+    if mm < 0.0:
+        fault += "falls where the beam grows longer: its sign is reversed"
+    return (
+        f"the counter {fault} (from {count} distances and the way of the arm): correct sign and scale in the "
+        "settings or the profile of [interferometer], and begin anew; nothing that was counted so can be used"
+    )

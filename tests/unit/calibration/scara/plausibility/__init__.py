@@ -1,0 +1,1 @@
+"""The gate before a result: mistakes that it names, and sound measurements that it lets pass."""
