@@ -57,7 +57,7 @@ class CommandPool:
     def covariance(self, kept: Bools) -> Floats:
         """Return the covariance of all parameters from the commands kept, shape (p, p)."""
         rows = self.rows[kept].reshape(-1, self.rows.shape[2])
-        return covariances(rows.T @ rows + np.diag(self.prior), None)
+        return covariances(rows.T @ rows + np.diag(self.prior))
 
     def value(self, kept: Bools, criterion: Criterion) -> float:
         """Return the criterion of the commands kept."""
@@ -75,9 +75,9 @@ def choose_commands(pool: CommandPool, count: int, criterion: Criterion) -> Bool
         Flags of the commands kept, shape (n,). More than count where fewer would leave a parameter undetermined.
 
     Raises:
-        ArgumentError: fewer than one command is asked for.
+        ArgumentError: the count is negative or not whole.
     """
-    require_count(count, "count")
+    require_count(count, "count", 0)
     kept = np.ones(len(pool.rows), dtype=np.bool_)
     while kept.sum() > count:
         worst = _least_useful(pool, kept, criterion)

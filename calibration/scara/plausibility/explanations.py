@@ -49,7 +49,7 @@ def mistakes_of(case: Case, bounds: Bounds) -> tuple[Mistake, ...]:
     """Return the simplest mistakes that explain distances, each alone."""
     some = _explanations(case.thinned(MOST_ROWS), corrections(case), bounds)
     many = case.thinned(MANY_ROWS)
-    good = [*some, *_explanations(many, jumps(many, _near(many, bounds)), bounds)]
+    good = [*some, *_explanations(many, jumps(many, _near(many, bounds), bounds), bounds)]
     if not good:
         return ()
     best = min(one.rms_mm for one in good)

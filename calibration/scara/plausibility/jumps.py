@@ -13,7 +13,8 @@ from typing import Final
 import numpy as np
 
 from catseye.calibration.core.types import Bools, Floats, Ints
-from catseye.calibration.scara.plausibility.bounded_fit import BoundedFit
+from catseye.calibration.scara.plausibility.bounded_fit import BoundedFit, fitted
+from catseye.calibration.scara.plausibility.bounds import Bounds
 from catseye.calibration.scara.plausibility.case import Case
 from catseye.calibration.scara.plausibility.corrections import Correction
 from catseye.calibration.scara.plausibility.findings import ReflectorMoved, ZeroLost
@@ -41,7 +42,7 @@ class _Step:
     later: Bools
 
 
-def jumps(case: Case, fits: Sequence[BoundedFit]) -> Iterator[Correction]:
+def jumps(case: Case, fits: Sequence[BoundedFit], bounds: Bounds) -> Iterator[Correction]:
     """Return a case with the likeliest lost zero undone, and with the likeliest moved reflector.
 
     Args:
@@ -50,7 +51,7 @@ def jumps(case: Case, fits: Sequence[BoundedFit]) -> Iterator[Correction]:
     points = case.points
     zeros = [_likeliest(fit, points.dead_path, 1) for fit in fits]
     moves = [_likeliest(fit, points.reflector, 3) for fit in fits]
-    for zero in _different(zeros):
+    for zero in _different([_refined(case, zero, bounds) for zero in zeros if zero is not None]):
         yield Correction(_with_zero(case, zero), 2, partial(_zero_lost, step=zero))
     for moved in _different(moves):
         yield Correction(_with_place(case, moved), 4, partial(_moved, step=moved))
@@ -58,6 +59,23 @@ def jumps(case: Case, fits: Sequence[BoundedFit]) -> Iterator[Correction]:
 
 def _different(steps: Sequence[_Step | None]) -> Iterable[_Step]:
     return {step.row: step for step in steps if step is not None}.values()
+
+
+def _refined(case: Case, step: _Step, bounds: Bounds) -> _Step:
+    """Return a lost zero with the row after which the new dead path, once it is known, fits better than the old."""
+    fit = fitted(_with_zero(case, step), bounds)
+    if fit is None:
+        return step
+    path = case.points.dead_path[step.row]
+    rows = np.flatnonzero(case.points.dead_path == path)
+    paths = fit.parameters[fit.layout.dead_path]
+    beyond = fit.residuals_mm[rows] + np.where(step.later[rows], paths[-1], paths[path])
+    old, new = ((case.weights[rows] * (beyond - length)) ** 2 for length in (paths[path], paths[-1]))
+    cost = np.concatenate([[0.0], np.cumsum(old)])[:-1] + _from_here(new)
+    best = int(np.argmin(cost[FEWEST : rows.size - FEWEST + 1])) + FEWEST
+    later = np.zeros_like(step.later)
+    later[rows[best:]] = True
+    return _Step(step.gain, int(rows[best]), later)
 
 
 def _likeliest(fit: BoundedFit, group: Ints, columns: int) -> _Step | None:
