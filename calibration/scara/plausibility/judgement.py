@@ -35,13 +35,12 @@ def judge(problem: Problem, found: Identification | None, bounds: Bounds = BOUND
     breaks = tuple(one for one in off if one.share > 1.0)
     asis = fitted(case.thinned(MOST_ROWS), bounds)
     left_mm = _left_mm(asis, found)
-    if asis is None or asis.strain(bounds) > 1.0 or left_mm > _FAR_BEYOND * _stated_mm(problem, found):
+    sound = asis is not None and asis.strain(bounds) <= 1.0
+    if found is None or not sound or left_mm > _FAR_BEYOND * _stated_mm(problem, found):
         mistakes = mistakes_of(case, bounds)
         if mistakes or found is None:
             return Verdict(breaks, mistakes, rms_mm=left_mm)
-    elif found is None:
-        return Verdict(rms_mm=left_mm)
-    elif breaks:
+    elif asis is not None and breaks:
         # What is known of the arm makes another one of it, and the distances do not mind.
         other = other_solution(asis, 1e-3 * found.fit.rms_um)
         return Verdict(breaks, others=(other,), vague=_vague(found, bounds), rms_mm=left_mm)
