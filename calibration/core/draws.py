@@ -56,7 +56,9 @@ def chunked(problem: BatchedProblem, errors: RowErrors, draws: int, seed: int) -
 
 def solve_chunk(chunk: Chunk) -> Solved:
     """Draw and estimate a chunk."""
-    rng = np.random.default_rng(np.random.SeedSequence(chunk.seed, spawn_key=(chunk.number,)))
+    seed = np.random.SeedSequence(chunk.seed, spawn_key=(chunk.number,))
+    # A fifth faster than the default generator at what takes a third of a draw's time: normal numbers.
+    rng = np.random.Generator(np.random.SFC64(seed))
     most = max(1, _BATCH_NUMBERS // chunk.problem.predicted_mm.size)
     batches = [min(most, chunk.draws - first) for first in range(0, chunk.draws, most)]
     return joined([solve_draws(chunk.problem, chunk.errors.draw(rng, draws)) for draws in batches])

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from catseye.calibration.core.arguments import require_finite, require_shape
 from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Floats
 
@@ -61,6 +62,7 @@ def drift_rate(time_s: Floats, length_mm: Floats) -> DriftRate | None:
         time_s: times of the visits, s, shape (n,).
         length_mm: distances that share a zero, mm, shape (n,).
     """
+    _require_visits(time_s, length_mm)
     if time_s.size < _FEWEST or np.ptp(time_s) <= 0.0:
         return None
     from_mean = time_s - time_s.mean()
@@ -85,6 +87,7 @@ def settling(time_s: Floats, length_mm: Floats) -> Settling | None:
     # Whoever only lists procedures imports this module too.
     from scipy import special
 
+    _require_visits(time_s, length_mm)
     if time_s.size < _FEWEST + 2 or np.ptp(time_s) <= 0.0:
         return None
     span = float(np.ptp(time_s))
@@ -103,6 +106,12 @@ def settling(time_s: Floats, length_mm: Floats) -> Settling | None:
     tau = float(trials[best])
     # The amplitude belongs to the first visit; time 0 may lie before it.
     return Settling(tau, float(amplitudes[best]) * math.exp(float(time_s.min()) / tau))
+
+
+def _require_visits(time_s: Floats, length_mm: Floats) -> None:
+    require_shape(length_mm, time_s.shape, "length_mm")
+    require_finite(time_s, "time_s")
+    require_finite(length_mm, "length_mm")
 
 
 def _exponentials(since_s: Floats, length_mm: Floats, time_constants_s: Floats) -> tuple[Floats, Floats]:

@@ -41,6 +41,8 @@ class Capsule:
             raise KinematicsError(
                 f"body {self.name}: its radius is {self.radius_mm:g} mm: state zero or more"
             )
+        if not all(map(math.isfinite, (*self.start_mm, *self.end_mm))):
+            raise KinematicsError(f"body {self.name}: an end is not finite: state x, y and z in mm")
 
 
 @dataclass(frozen=True)
@@ -73,6 +75,10 @@ class Table:
 
     name: str
     z_mm: float
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.z_mm):
+            raise KinematicsError(f"{self.name}: its height is not finite: state it in mm")
 
 
 @dataclass(frozen=True)

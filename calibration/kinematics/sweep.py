@@ -80,8 +80,11 @@ def first_contact(
             there at most.
 
     Raises:
-        KinematicsError: a target is not finite: nothing would be too near then.
+        KinematicsError: a target is not finite, or the clearance negative or no number: nothing would be too near
+            then.
     """
+    if not clearance_mm >= 0.0:
+        raise KinematicsError(f"clearance_mm is {clearance_mm:g}: state zero or more")
     if not np.isfinite(way).all():
         raise KinematicsError("a target of the way is not finite: plan the way anew")
     if not gaps.pairs:

@@ -19,18 +19,22 @@ class BatchedDistances:
 
     Attributes:
         model: the distances, their commands and the order of the parameters.
-        command_rad: θ1 and θ2 commands of the states, shape (2, m, 1).
-        to_states: parameters to L1, L2, θ1 and θ2 of the states, shape (4 m, p).
-        from_states: its transpose.
+        command_rad: commands of the k distinct angles of both joints, shape (k, 1).
+        to_angles: parameters to what is added to these, shape (k, p).
+        angle: angles of θ1 and of θ2 of each state, shape (m,) each.
+        to_links: parameters to L1 and L2 of the states, shape (2 m, p).
+        from_states: derivatives by L1, L2, θ1 and θ2 of the states to those by the parameters, shape (p, 4 m).
         to_rows: parameters to minus reflector x, y and to what is added to the lengths, shape (3 n, p).
         from_rows: its transpose.
         state: state of each distance, shape (n,).
-        gather: sums distances over their state, shape (m, n).
+        gather: sums x and y of distances over their state, shape (2 m, 2 n).
     """
 
     model: DistanceModel
     command_rad: Floats
-    to_states: sparse.csr_array
+    to_angles: sparse.csr_array
+    angle: tuple[Ints, Ints]
+    to_links: sparse.csr_array
     from_states: sparse.csr_array
     to_rows: sparse.csr_array
     from_rows: sparse.csr_array
@@ -42,16 +46,25 @@ class BatchedDistances:
         """Prepare a plan."""
         first, state = _distinct_states(model)
         to_states, to_rows = _arm_matrix(model, first), _row_matrix(model)
-        rows, commands = np.arange(state.size), model.design.commands
+        commands = model.design.commands
+        turns = np.concatenate([commands.theta1_rad[first], commands.theta2_rad[first]])[:, None]
+        # Few angles make many states: each is worked out once.
+        angles, angle = np.unique(
+            np.hstack([turns, to_states[2 * first.size :]]), axis=0, return_inverse=True
+        )
+        gather = sparse.csr_array((np.ones(state.size), (state, np.arange(state.size))))
+        theta1, theta2 = np.split(np.ravel(angle), 2)
         return cls(
             model=model,
-            command_rad=np.stack([commands.theta1_rad, commands.theta2_rad])[:, first, None],
-            to_states=to_states,
-            from_states=to_states.T.tocsr(),
+            command_rad=angles[:, :1],
+            to_angles=sparse.csr_array(angles[:, 1:]),
+            angle=(theta1, theta2),
+            to_links=sparse.csr_array(to_states[: 2 * first.size]),
+            from_states=sparse.csr_array(to_states.T),
             to_rows=to_rows,
             from_rows=to_rows.T.tocsr(),
             state=state,
-            gather=sparse.csr_array((np.ones(rows.size), (state, rows)), shape=(first.size, rows.size)),
+            gather=sparse.csr_array(sparse.block_diag([gather, gather])),
         )
 
     @property
@@ -75,11 +88,11 @@ class BatchedDistances:
             The exact JᵀV⁻¹r, shape (p, b).
         """
         draws = values.shape[1]
-        link1, link2, theta1, theta2 = (self.to_states @ values).reshape(4, -1, draws)
-        theta1 += self.command_rad[0]
-        both = theta1 + theta2
-        both += self.command_rad[1]
-        cos1, sin1, cos12, sin12 = np.cos(theta1), np.sin(theta1), np.cos(both), np.sin(both)
+        link1, link2 = (self.to_links @ values).reshape(2, -1, draws)
+        angles = self.to_angles @ values + self.command_rad
+        cos, sin = np.cos(angles), np.sin(angles)
+        (cos1, cos2), (sin1, sin2) = ([each[own] for own in self.angle] for each in (cos, sin))
+        cos12, sin12 = cos1 * cos2 - sin1 * sin2, sin1 * cos2 + cos1 * sin2
         x2, y2 = link2 * cos12, link2 * sin12
         x, y = link1 * cos1 + x2, link1 * sin1 + y2
         # Overwritten step by step: beam and residual, then the pull of each distance on its ends.
@@ -96,7 +109,7 @@ class BatchedDistances:
         np.divide(residual, length, out=length)
         beam_x *= length
         beam_y *= length
-        force_x, force_y = self.gather @ beam_x, self.gather @ beam_y
+        force_x, force_y = (self.gather @ rows[:2].reshape(-1, draws)).reshape(2, -1, draws)
         on_states = np.stack(
             [
                 cos1 * force_x + sin1 * force_y,
@@ -120,7 +133,7 @@ def _distinct_states(model: DistanceModel) -> tuple[Ints, Ints]:
     return first, np.ravel(state)
 
 
-def _arm_matrix(model: DistanceModel, rows: Ints) -> sparse.csr_array:
+def _arm_matrix(model: DistanceModel, rows: Ints) -> Floats:
     """Return how L1, L2, θ1 and θ2 of the states follow from all parameters."""
     blocks = []
     for quantity in range(4):
@@ -128,7 +141,7 @@ def _arm_matrix(model: DistanceModel, rows: Ints) -> sparse.csr_array:
         local[:, quantity] = 1.0
         blocks.append(model.design.spread(local)[rows])
     arm = np.vstack(blocks)
-    return sparse.csr_array(np.hstack([arm, np.zeros((arm.shape[0], model.layout.size - arm.shape[1]))]))
+    return np.hstack([arm, np.zeros((arm.shape[0], model.layout.size - arm.shape[1]))])
 
 
 def _row_matrix(model: DistanceModel) -> sparse.csr_array:

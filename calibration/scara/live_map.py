@@ -114,6 +114,7 @@ class LiveMap:
         """
         require_positive(white_mm, "white_mm")
         require_links(link1_mm, link2_mm)
+        require_finite(list(reflectors_mm.values()), "reflectors_mm")
         self._layout = Layout("error-map", nodes1_rad, nodes2_rad, tuple(reflectors_mm), ())
         self._white_mm = white_mm
         self._radial = radial

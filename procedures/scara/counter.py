@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from catseye.calibration.scara.plausibility.counter import CounterScale, counter_scale
+from catseye.calibration.scara.plausibility.counter import SCALE_BOUND, CounterScale, counter_scale
 from catseye.calibration.scara.plausibility.units import unit_of
 from catseye.calibration.scara.points import Commands, Points
 from catseye.procedures.kit.errors import CounterError
@@ -63,17 +63,15 @@ class CounterWatch:
 
 
 def _text(scale: CounterScale, count: int) -> str:
-    mm = scale.mm_per_unit
-    unit = unit_of(abs(mm))
-    if unit is not None:
-        fault = f"counts in {unit}, and " if mm < 0.0 else f"counts in {unit} instead of mm"
-    elif abs(abs(mm) - 1.0) > 0.02:
-        fault = f"counts {1.0 / abs(mm):.4g} where the beam changes by 1 mm" + (", and " if mm < 0.0 else "")
-    else:
-        fault = ""
-    if mm < 0.0:
-        fault += "falls where the beam grows longer: its sign is reversed"
+    factor = abs(scale.mm_per_unit)
+    faults = []
+    if abs(factor - 1.0) > SCALE_BOUND:
+        unit = unit_of(factor)
+        like = "" if unit is None else f" (like numbers in {unit})"
+        faults.append(f"gives {1.0 / factor:.4g} mm where the beam changes by 1 mm{like}")
+    if scale.mm_per_unit < 0.0:
+        faults.append("falls where the beam grows longer: its sign is reversed")
     return (
-        f"the counter {fault} (from {count} distances and the way of the arm): correct sign and scale in the "
-        "settings or the profile of [interferometer], and begin anew; nothing that was counted so can be used"
+        f"the counter {' and '.join(faults)} (from {count} distances and the way of the arm): correct sign, unit and "
+        "scale in the profile or the settings of [interferometer], and begin anew; nothing counted so far can be used"
     )

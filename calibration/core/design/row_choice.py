@@ -75,9 +75,9 @@ def choose_commands(pool: CommandPool, count: int, criterion: Criterion) -> Bool
         Flags of the commands kept, shape (n,). More than count where fewer would leave a parameter undetermined.
 
     Raises:
-        ArgumentError: fewer than one command is asked for.
+        ArgumentError: the count is negative or not whole.
     """
-    require_count(count, "count")
+    require_count(count, "count", 0)
     kept = np.ones(len(pool.rows), dtype=np.bool_)
     while kept.sum() > count:
         worst = _least_useful(pool, kept, criterion)

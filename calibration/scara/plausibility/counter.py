@@ -19,7 +19,7 @@ _BOUNDS: Final = Bounds(deviation_rad=math.radians(0.5), link_mm=1.0)
 _SIGMA_MM: Final = 0.3
 """What deviations of single angles do to a distance."""
 
-_SCALE_BOUND: Final = 0.02
+SCALE_BOUND: Final = 0.02
 """Links and places of an arm let a sound counter seem off by less."""
 
 _COVERAGE: Final = 4.0
@@ -43,7 +43,7 @@ class CounterScale:
     @property
     def wrong(self) -> bool:
         """It is beyond doubt that the count is not in mm, or falls where it should rise."""
-        return abs(self.mm_per_unit - 1.0) > _SCALE_BOUND + _COVERAGE * self.u
+        return abs(self.mm_per_unit - 1.0) > SCALE_BOUND + _COVERAGE * self.u
 
 
 def counter_scale(

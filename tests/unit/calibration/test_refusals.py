@@ -47,9 +47,11 @@ from catseye.calibration.core.budget import standard_draws
 from catseye.calibration.core.coverage import effective_dof, fewest_draws, numerical_tolerance
 from catseye.calibration.core.design.information import Information
 from catseye.calibration.core.errors import CalibrationError
-from catseye.calibration.kinematics.bodies import Box, Capsule
+from catseye.calibration.core.settling import drift_rate, settling
+from catseye.calibration.kinematics.bodies import Box, Capsule, Gaps, Scene, Table
 from catseye.calibration.kinematics.chain import Chain, Joint
 from catseye.calibration.kinematics.errors import KinematicsError
+from catseye.calibration.kinematics.sweep import first_contact
 from catseye.calibration.scara.alignment import fit_offset, fit_pitch
 from catseye.calibration.scara.design.candidates import Floor, grid
 from catseye.calibration.scara.design.refinement import refine
@@ -314,6 +316,12 @@ CASES: dict[str, tuple[Callable[[], object], str]] = {
         lambda: BidirectionalMap(ANGLES, ANGLES, ANGLES).deviation(ANGLES, 0 * UP),
         "entry 1 of direction is 0",
     ),
+    "drift of a distance": (lambda: drift_rate(ANGLES, ANGLES[:2]), "length_mm: 3 numbers are needed, not 2"),
+    "settling": (lambda: settling(ANGLES, np.full(3, NAN)), "entry 1 of length_mm is nan"),
+    "place of a live map": (
+        lambda: live(reflectors_mm={"P1": (NAN, 0.0)}),
+        "entry 1 of reflectors_mm is nan",
+    ),
     "white of a live map": (lambda: live(white_mm=-0.01), "white_mm is -0.01"),
     "link of a live map": (lambda: live(link1_mm=0.0), "link1_mm is 0"),
     "direction of a live row": (lambda: live().add(0.0, 0.0, 0, 1, "P1", 0, 1.0), "direction1 is 0"),
@@ -358,12 +366,24 @@ def joint(**changes: Any) -> Joint:
     return Joint(**(given | {"d_mm": 0.0, "sign": 1.0, "low": -170.0, "high": 170.0} | changes))
 
 
+SCENE = Scene(Chain((joint(),)), ())
+
 BODIES: dict[str, tuple[Callable[[], object], str]] = {
     "kind": (lambda: joint(kind="rotary"), "joint J1: kind 'rotary' is unknown.*revolute, prismatic"),
     "sign": (lambda: joint(sign=2.0), "joint J1: its sign is 2: use 1 or -1"),
     "range": (lambda: joint(low=1.0, high=NAN), "joint J1: its range"),
     "frame": (lambda: Chain((joint(),)).frame_of("J5"), "frame 'J5' is unknown: use one of base, J1"),
     "radius": (lambda: Capsule("quill", 0, (0.0,) * 3, (1.0,) * 3, -5.0), "body quill: its radius is -5 mm"),
+    "end of a body": (
+        lambda: Capsule("quill", 0, (0.0, NAN, 0.0), (1.0,) * 3, 5.0),
+        "body quill: an end is not",
+    ),
+    "height of a table": (lambda: Table("table", NAN), "table: its height is not finite"),
+    "clearance": (lambda: first_contact(Gaps(SCENE), np.zeros((1, 1)), NAN), "clearance_mm is nan"),
+    "target": (
+        lambda: first_contact(Gaps(SCENE), np.full((1, 1), NAN), 1.0),
+        "a target of the way is not finite",
+    ),
     "box": (lambda: Box("door", (0.0,) * 3, (-1.0,) * 3), "box door: its smallest corner"),
 }
 

@@ -53,13 +53,13 @@ class SkippingContext(MiscountingContext):
 
 FACTORS = {
     "its sign is reversed": -1.0,
-    "counts in m ": 1e-3,
-    "counts in inches ": 1.0 / 25.4,
-    "counts in µm ": 1e3,
-    "counts in counts of λ/4 ": 1.0 / 158.2e-6,
-    "counts 1.05 where": 1.05,
-    "counts 0.95 where": 0.95,
-    "counts in m, and falls": -1e-3,
+    r"like numbers in m\)": 1e-3,
+    "like numbers in inches": 1.0 / 25.4,
+    "like numbers in µm": 1e3,
+    "like numbers in counts of λ/4": 1.0 / 158.2e-6,
+    "gives 1.05 mm where": 1.05,
+    "gives 0.95": 0.95,
+    r"\(like numbers in m\) and falls": -1e-3,
 }
 
 

@@ -138,7 +138,7 @@ def test_misfit_that_nothing_explains_is_not_refused() -> None:
     assert found.rms_mm == pytest.approx(0.3, rel=0.1)
 
 
-@pytest.mark.parametrize("angle_deg", range(0, 360, 45))
+@pytest.mark.parametrize("angle_deg", range(0, 360, 90))
 def test_places_600_mm_off_do_not_silently_decide(angle_deg: int) -> None:
     table = measured(16)
     step = 600.0 * np.array([np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))])
