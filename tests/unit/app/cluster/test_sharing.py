@@ -12,6 +12,7 @@ from catseye.app.cluster.errors import WorkerLostError
 from catseye.app.cluster.share import InThisProcess, Share, map_quick
 from catseye.app.cluster.sharing import cores, sharing
 from catseye.app.errors import ConfigError
+from catseye.app.results.scara.uncertainty import by_monte_carlo
 from catseye.calibration.core.errors import UnidentifiableError
 from tests.unit.app.cluster.work import (
     drawn,
@@ -22,6 +23,7 @@ from tests.unit.app.cluster.work import (
     large,
     process_and_threads,
 )
+from tests.unit.calibration.scara.samples import identified
 
 A = TypeVar("A")
 B = TypeVar("B")
@@ -156,3 +158,14 @@ def test_quick_work_stays_here_until_others_pay(item_s: float, handed_over: int)
 
 def test_one_worker_hands_nothing_over() -> None:
     assert map_quick(InThisProcess(), abs, [-1, 2]) == [1, 2]
+
+
+def test_draws_that_are_handed_over_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    one, found = identified(model="conventional"), []
+    for workers in (1, 2):
+        with sharing(workers, None) as share:
+            # As if processes began at once: all draws but the first ones are theirs.
+            monkeypatch.setattr(type(share), "begins_after_s", 0.0)
+            found.append(by_monte_carlo(one, 2000, 7, share))
+    assert found[0].part == found[1].part
+    assert np.array_equal(found[0].identified.covariance, found[1].identified.covariance)

@@ -212,7 +212,7 @@ def test_effective_dof_of_the_end_gauge_of_gum_h1() -> None:
     assert round(32.0 * float(coverage_factor(0.99, math.floor(dof)))) == 93
 
 
-def test_correlated_means_of_gum_h2_keep_the_dof_of_their_sample() -> None:
+def test_correlated_means_of_gum_h2_keep_their_samples_dof() -> None:
     """Impedance from five simultaneous readings of voltage, current and phase; published: u, and n − 1 = 4."""
     v, i, phi = np.array(
         [
@@ -237,7 +237,7 @@ def test_correlated_means_of_gum_h2_keep_the_dof_of_their_sample() -> None:
         assert effective_dof(parts, np.full(3, 4.0), between) == pytest.approx(4.0, rel=1e-12)
 
 
-def test_intercept_and_slope_of_gum_h3_keep_the_dof_of_their_fit() -> None:
+def test_the_line_of_gum_h3_keeps_its_fits_dof() -> None:
     """Correction of a thermometer at 30 °C from a line through eleven readings; published: 4.1 m°C, 9."""
     t = np.array([21.521, 22.012, 22.512, 23.003, 23.507, 23.999, 24.513, 25.002, 25.503, 26.010, 26.511])
     b = np.array([-171, -169, -166, -159, -164, -165, -156, -157, -159, -161, -160]) * 1e-3

@@ -12,9 +12,10 @@ import pytest
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.results.scara.identified_arm import arm_of
-from catseye.app.results.scara.result import Result, read_result, result_text, write_result
+from catseye.app.results.scara.result import Fit, Result, read_result, result_text, write_result
 from catseye.app.results.scara.result_of import result_of
 from catseye.calibration.scara.identification import IdentifiedArm
+from tests.unit.app.results.scara import sample
 from tests.unit.calibration.scara.paper import (
     MDEG,
     NODES1_DEG,
@@ -205,3 +206,24 @@ def test_a_disk_that_refuses_leaves_the_old_file(tmp_path: Path, monkeypatch: py
         write_atomically(path, "new")
     assert path.read_text(encoding="utf-8") == "old"
     assert [p.name for p in tmp_path.iterdir()] == ["r.txt"]
+
+
+ROBUST = {"loss": "huber", "sigma_um": 12.0, "half": 2.69, "counted_little": 3}
+
+
+@pytest.mark.parametrize(
+    ("factor", "changes", "ratio", "row_mm2"),
+    [
+        (4.0, {"chi2_reduced": 4.0}, 4.0, None),
+        (1.44e-4, {}, 1.0, 1.44e-4),
+        (2.25, {"robust": ROBUST}, 2.25, None),
+        (1.44e-4, {"robust": ROBUST}, 1.0, 1.44e-4),
+    ],
+)
+def test_a_variance_factor_of_earlier_files_is_read(
+    factor: float, changes: dict[str, object], ratio: float, row_mm2: float | None
+) -> None:
+    # 12 µm of scatter: 1.44e-4 mm² where no uncertainty was stated.
+    earlier = sample.fit(chi2=None).model_dump(exclude={"variance_ratio", "row_variance_mm2"})
+    found = Fit.model_validate(earlier | {"sigma0_um": 12.0, "variance_factor": factor} | changes)
+    assert (found.variance_ratio, found.row_variance_mm2) == (ratio, row_mm2)
