@@ -197,5 +197,5 @@ def _reciprocal(curvature: Floats) -> Floats:
 
 def _solve_alone(problem: BatchedProblem, noise_mm: Floats) -> Floats:
     model = problem.rows.with_measured(problem.predicted_mm + noise_mm)
-    basis = model.parameters.basis
-    return minimise(model.residuals, model.jacobian, problem.nominal, basis, model.weights).parameters
+    basis, whitening = model.parameters.basis, problem.gain.whitening
+    return minimise(model.residuals, model.jacobian, problem.nominal, basis, whitening).parameters

@@ -60,12 +60,15 @@ class Shared:
     Attributes:
         effects_mm: what independent sources of unit variance do to the rows, shape (n, m).
         dof: degrees of freedom of the standard uncertainty.
+        part: number of the part of the error that each source belongs to, shape (m,), where the rows are to say how
+            large each part is; None where the error is as large as stated.
     """
 
     name: str
     effects_mm: Floats
     distribution: Distribution = "normal"
     dof: float = math.inf
+    part: Ints | None = None
 
     def draw(self, rng: np.random.Generator, draws: int) -> Floats:
         """Return the sources, shape (draws, m)."""
@@ -149,19 +152,25 @@ def harmonics(angle: Floats, orders: int) -> Floats:
     return turns.view(np.float64)
 
 
-def per_angle(columns: Floats, angle: Floats, orders: int) -> Floats:
-    """Give each harmonic of an angle a source of its own for each column; the harmonics share the size evenly.
+def per_angle(columns: Floats, angle: Floats, spectrum: Sequence[float]) -> Floats:
+    """Give each harmonic of an angle a source of its own for each column.
 
     Args:
         columns: what a unit error does to each row, shape (n, k).
         angle: that the error repeats with, rad, shape (n,).
-        orders: harmonics 1…orders.
+        spectrum: share of each harmonic from the first on in the variance.
 
     Returns:
-        Effects, shape (n, k · 2 · orders).
+        Effects, shape (n, k · 2 · orders); `harmonic_of_source` says which harmonic each belongs to.
     """
-    spread = columns[:, :, None] * harmonics(angle, orders)[:, None, :] / math.sqrt(orders)
+    sizes = np.repeat(np.sqrt(spectrum), 2)
+    spread = columns[:, :, None] * (harmonics(angle, len(spectrum)) * sizes)[:, None, :]
     return np.asarray(spread.reshape(angle.size, -1), dtype=np.float64)
+
+
+def harmonic_of_source(columns: int, orders: int) -> Ints:
+    """Return the place of each source's harmonic in the spectrum, shape (columns · 2 · orders,)."""
+    return np.tile(np.repeat(np.arange(orders), 2), columns)
 
 
 def per_group(columns: Floats, group: Ints) -> Floats:

@@ -1,18 +1,17 @@
 """Cross-validation: what the other rows predict of a group of rows.
 
-No fold is solved again. With H the projection on the model's columns, the residuals of a fold that did not take
-part in the fit are (I − H_gg)⁺ times its residuals in the fit; where a direction of the fold determines parameters
-that no other row depends on, the pseudo-inverse is the fit of these from the fold's own data.
+No fold is solved again. With Q and the pulls Q r of a fit (`Projection`), what the others predict of a fold minus
+what was measured is Q_gg⁺ times its pulls, model and shared errors together; where a direction of the fold determines
+parameters that no other row depends on, the pseudo-inverse is the fit of these from the fold's own data.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import special
 
 from catseye.calibration.core.projection import Projection
-from catseye.calibration.core.significance import SIGNIFICANCE, adjusted
-from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.core.significance import SIGNIFICANCE, adjusted, f_test
+from catseye.calibration.core.types import Bools, Floats, Ints
 
 _OWN = 1e-9
 """1 − σ² of a direction that the fold alone determines, σ a singular value of its part of the basis."""
@@ -119,7 +118,7 @@ def predicted_residuals(projection: Projection, folds: Folds) -> Floats:
     for i in range(len(folds.names)):
         left_out, rows = _LeftOut.of(projection, folds, i), folds.rows(i)
         if left_out.identified:
-            predicted[rows] = left_out.predict(projection.residuals[rows]) / projection.weights[rows]
+            predicted[rows] = left_out.predict(projection.pulls[rows]) / projection.weights[rows]
     return predicted
 
 
@@ -132,11 +131,11 @@ def _pooled(values_um: list[float], folds: list[Fold]) -> float:
 
 @dataclass(frozen=True)
 class _LeftOut:
-    """Algebra of one fold: singular vectors of its part of the basis.
+    """Algebra of one fold: singular vectors of its part of the reach.
 
     Attributes:
         vectors: left singular vectors, shape (rows, k).
-        shares: σ², how far the fold determines its own fitted values along them, shape (k,).
+        shares: σ², how far the fold is taken along them, shape (k,).
         identified: what others share is determined without the fold.
     """
 
@@ -146,55 +145,55 @@ class _LeftOut:
 
     @classmethod
     def of(cls, projection: Projection, folds: Folds, fold: int) -> "_LeftOut":
-        own = projection.orthonormal[folds.rows(fold)]
+        own = projection.reach[folds.rows(fold)]
         vectors, values, _ = np.linalg.svd(own, full_matrices=False)
         shares = np.minimum(values**2, 1.0)
         alone = int(np.sum(1.0 - shares < _OWN))
         return cls(vectors, shares, alone == int(folds.own[fold]))
 
     @property
+    def _alone(self) -> Bools:
+        return 1.0 - self.shares < _OWN
+
+    @property
     def _grown(self) -> Floats:
-        """Eigenvalues of (I − H_gg)⁺ less one along the vectors; −1 where the fold fits its own parameters."""
-        alone = 1.0 - self.shares < _OWN
+        """Eigenvalues of Q_gg⁺ less one along the vectors; −1 where the fold fits its own parameters."""
+        alone = self._alone
         return np.where(alone, -1.0, self.shares / np.where(alone, 1.0, 1.0 - self.shares))
 
-    def predict(self, columns: Floats) -> Floats:
-        """Return (I − H_gg)⁺ times columns, shape (rows,) or (rows, m)."""
-        along = self.vectors.T @ columns
-        return np.asarray(columns + self.vectors @ (along.T * self._grown).T, dtype=np.float64)
+    @property
+    def rank(self) -> int:
+        """Directions that the others predict."""
+        return int(self.vectors.shape[0]) - int(self._alone.sum())
 
-    def expected(self, effects: Floats) -> tuple[float, float]:
-        """Return mean and effective degrees of freedom of the predictions' sum of squares (Satterthwaite).
+    def predict(self, pulls: Floats) -> Floats:
+        """Return Q_gg⁺ times pulls of shape (rows,)."""
+        along = self.vectors.T @ pulls
+        return np.asarray(pulls + self.vectors @ (along * self._grown), dtype=np.float64)
 
-        Args:
-            effects: what the predictions owe to unit contributors, shape (rows, m).
-        """
-        rows, grown = self.vectors.shape[0], self._grown
-        plain = rows - grown.size
-        mean = plain + float(np.sum(1.0 + grown)) + float(np.sum(effects**2))
-        inner = effects.T @ effects
-        square = plain + float(np.sum((1.0 + grown) ** 2))
-        square += 2.0 * float(np.sum(effects * self.predict(effects))) + float(np.sum(inner**2))
-        return mean, mean**2 / square
+    def expected(self) -> float:
+        """Return the mean of the predictions' sum of squares, for errors as stated."""
+        return float(self.vectors.shape[0] + self._grown.sum())
 
 
 def _fold(projection: Projection, folds: Folds, fold: int) -> Fold:
     left_out, rows, name = _LeftOut.of(projection, folds, fold), folds.rows(fold), folds.names[fold]
-    weights, residuals = projection.weights[rows], projection.residuals[rows]
-    in_sample_um = 1e3 * float(np.sqrt(np.mean((residuals / weights) ** 2)))
-    if not left_out.identified or projection.square <= 0.0:
+    weights, pulls = projection.weights[rows], projection.pulls[rows]
+    in_sample_um = 1e3 * float(np.sqrt(np.mean((pulls / weights) ** 2)))
+    rest_dof = projection.dof - left_out.rank
+    if not left_out.identified or projection.square <= 0.0 or left_out.rank < 1 or rest_dof < 1:
         return Fold(name, int(rows.size), in_sample_um, float("nan"), float("nan"), left_out.identified, 1.0)
-    predicted = left_out.predict(residuals)
-    mean, dof = left_out.expected(left_out.predict(projection.effects[rows]))
-    scatter = projection.square / projection.expected.mean
-    ratio = float(predicted @ predicted) / mean / scatter
+    predicted = left_out.predict(pulls)
+    gain = float(predicted @ pulls)
+    # What a fit without the fold leaves of the others is the whole sum of squares less that of the predictions.
+    test = f_test(gain, left_out.rank, max(projection.square - gain, 0.0), rest_dof)
     unit_um = 1e3 / float(np.sqrt(np.mean(weights**2)))
     return Fold(
         name=name,
         rows=int(rows.size),
         in_sample_um=in_sample_um,
         predicted_um=1e3 * float(np.sqrt(np.mean((predicted / weights) ** 2))),
-        expected_um=unit_um * float(np.sqrt(scatter * mean / rows.size)),
+        expected_um=unit_um * float(np.sqrt(test.scale * left_out.expected() / rows.size)),
         identified=True,
-        probability=adjusted(float(special.fdtrc(dof, projection.expected.dof, ratio)), len(folds.names)),
+        probability=adjusted(test.probability, len(folds.names)),
     )

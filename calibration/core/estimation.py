@@ -1,16 +1,16 @@
 """From rows to parameters with their covariance."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from catseye.calibration.core.budget import stacked
 from catseye.calibration.core.fit_statistics import FitStatistics, fit_statistics
-from catseye.calibration.core.lack_of_fit import WeightedFit
+from catseye.calibration.core.lack_of_fit import WhitenedFit
 from catseye.calibration.core.least_squares import Solution, minimise
-from catseye.calibration.core.model import Model
+from catseye.calibration.core.model import Model, whitening_at
 from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.types import Floats
+from catseye.calibration.core.whitening import Whitening
 
 
 @dataclass(frozen=True)
@@ -31,9 +31,10 @@ class Estimate:
 
 
 def estimate(model: Model, start: Floats) -> Estimate:
-    """Estimate the parameters by weighted least squares.
+    """Estimate the parameters by generalised least squares: white and shared errors both give the weights (ADR 25).
 
-    White errors give the weights; errors that rows share are carried through to the covariance (ADR 3).
+    What shared errors do to the rows depends on the parameters. It is taken where white errors alone put them, and
+    once more at the estimate that follows: a third time would change nothing.
 
     Args:
         start: starting values, shape (p,); they fulfil the gauge.
@@ -42,34 +43,37 @@ def estimate(model: Model, start: Floats) -> Estimate:
         UnidentifiableError: null directions beyond the gauge; the parameters are named.
         ConvergenceError: the iteration does not settle.
     """
-    parameters, weights = model.parameters, model.weights
-    solution = minimise(
-        model.residuals, model.jacobian, start, parameters.basis, weights, parameters.unsettled
-    )
+    parameters = model.parameters
+    whitening = Whitening.of(model.weights)
+    solution = _solved(model, start, whitening)
     if not solution.factor.regular.all():
-        require_identifiable(parameters, solution.jacobian * weights[:, None])
-    return _judged(model, solution)
+        require_identifiable(parameters, whitening.rows(solution.jacobian))
+    if model.shared(solution.parameters):
+        for _ in range(2):
+            solution = _solved(model, solution.parameters, whitening_at(model, solution.parameters))
+        whitening = whitening_at(model, solution.parameters)
+        solution = replace(solution, free=whitening.rows(solution.jacobian) @ parameters.basis)
+    return _judged(model, solution, whitening)
 
 
-def _judged(model: Model, solution: Solution) -> Estimate:
+def _solved(model: Model, start: Floats, whitening: Whitening) -> Solution:
+    parameters = model.parameters
+    return minimise(model.residuals, model.jacobian, start, parameters.basis, whitening, parameters.unsettled)
+
+
+def _judged(model: Model, solution: Solution, whitening: Whitening) -> Estimate:
     """Attach statistics and covariance to a solution."""
-    weights, basis = model.weights, model.parameters.basis
-    white = solution.factor.covariance_on(basis)
-    jacobian = solution.jacobian * weights[:, None]
-    effects = stacked(model.shared(solution.parameters), weights.size) * weights[:, None]
-    # How shared errors shift the estimate, and what of them stays in the residuals.
-    shifts = white @ (jacobian.T @ effects)
+    basis = model.parameters.basis
     fit = fit_statistics(
-        WeightedFit(
-            weights=weights,
+        WhitenedFit(
+            whitening=whitening,
             stated=model.stated,
             repeats=model.repeats,
-            residuals=solution.residuals * weights,
-            jacobian=jacobian,
-            effects=effects - jacobian @ shifts,
+            residuals_mm=solution.residuals,
+            jacobian=solution.jacobian,
             free=basis.shape[1],
             iterations=solution.iterations,
         )
     )
-    covariance = np.asarray(fit.unit_weight_variance * (white + shifts @ shifts.T), dtype=np.float64)
-    return Estimate(solution.parameters, covariance, solution.residuals, fit)
+    covariance = fit.unit_weight_variance * solution.factor.covariance_on(basis)
+    return Estimate(solution.parameters, np.asarray(covariance), solution.residuals, fit)

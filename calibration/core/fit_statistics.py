@@ -4,9 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.core.lack_of_fit import LackOfFit, WeightedFit, lack_of_fit
-from catseye.calibration.core.significance import SIGNIFICANCE, Expected, smaller_product
-from catseye.calibration.core.types import Floats
+from catseye.calibration.core.lack_of_fit import LackOfFit, WhitenedFit, lack_of_fit
+from catseye.calibration.core.significance import SIGNIFICANCE, chi2_probability
 
 
 @dataclass(frozen=True)
@@ -35,9 +34,8 @@ class FitStatistics:
         n_parameters: free parameters, the gauge's constraint taken off.
         dof: degrees of freedom.
         rms_um: rms of the residuals, µm.
-        sigma0_um: standard deviation of a row estimated from the fit, µm.
-        chi2_reduced: χ² / dof for the stated white uncertainties; None when none were stated.
-        chi2_expected: its expectation, shared errors included.
+        sigma0_um: white standard deviation of a row estimated from the fit, µm.
+        chi2_reduced: χ² / dof for the stated uncertainties, shared errors included; None when none were stated.
         chi2_probability: of a χ² this large; None when no uncertainties were stated.
         lack_of_fit: test against repeats; None when too few rows are repeated.
         variance_ratio: what stated variances were multiplied with; 1 where none were stated.
@@ -52,7 +50,6 @@ class FitStatistics:
     rms_um: float
     sigma0_um: float
     chi2_reduced: float | None
-    chi2_expected: float
     chi2_probability: float | None
     lack_of_fit: LackOfFit | None
     variance_ratio: float
@@ -76,10 +73,9 @@ class FitSums:
     Attributes:
         n_points: rows used.
         free: number of free parameters.
-        square: sum of the squares of the weighted residuals.
+        square: sum of the squares of the whitened residuals.
         square_mm2: sum of the squares of the residuals, mm².
         weight: sum of the squares of the weights, 1/mm².
-        inner: products of the weighted effects that the fit leaves over, EᵀE or EEᵀ.
         stated: the weights come from stated uncertainties.
         iterations: steps of the solver.
     """
@@ -89,21 +85,19 @@ class FitSums:
     square: float
     square_mm2: float
     weight: float
-    inner: Floats
     stated: bool
     iterations: int
 
 
-def fit_statistics(fit: WeightedFit) -> FitStatistics:
-    """Return χ², scatter in µm and lack of fit of weighted residuals."""
-    weights = fit.weights
+def fit_statistics(fit: WhitenedFit) -> FitStatistics:
+    """Return χ², scatter in µm and lack of fit."""
+    residuals, weights = fit.residuals_mm, fit.whitening.weights
     sums = FitSums(
-        n_points=weights.size,
+        n_points=residuals.size,
         free=fit.free,
-        square=float(fit.residuals @ fit.residuals),
-        square_mm2=float(np.sum((fit.residuals / weights) ** 2)),
-        weight=float(np.sum(weights**2)),
-        inner=smaller_product(fit.effects),
+        square=fit.square,
+        square_mm2=float(residuals @ residuals),
+        weight=float(weights @ weights),
         stated=fit.stated,
         iterations=fit.iterations,
     )
@@ -113,10 +107,9 @@ def fit_statistics(fit: WeightedFit) -> FitStatistics:
 def summed_statistics(sums: FitSums, lack: LackOfFit | None) -> FitStatistics:
     """Judge a fit by its sums and, where rows are repeated, by its lack of fit."""
     dof = sums.n_points - sums.free
-    expected = Expected.of_products(dof, sums.inner)
-    probability = expected.probability(sums.square) if sums.stated else None
+    probability = chi2_probability(sums.square, dof) if sums.stated else None
     variance = sums.square / dof
-    factor = _unit_weight_variance(variance, expected.mean / dof, probability, lack)
+    factor = _unit_weight_variance(variance, probability, lack)
     return FitStatistics(
         n_points=sums.n_points,
         n_parameters=sums.free,
@@ -124,7 +117,6 @@ def summed_statistics(sums: FitSums, lack: LackOfFit | None) -> FitStatistics:
         rms_um=1e3 * float(np.sqrt(sums.square_mm2 / sums.n_points)),
         sigma0_um=1e3 * float(np.sqrt(variance / (sums.weight / sums.n_points))),
         chi2_reduced=variance if sums.stated else None,
-        chi2_expected=expected.mean / dof,
         chi2_probability=probability,
         lack_of_fit=lack,
         variance_ratio=factor if sums.stated else 1.0,
@@ -133,19 +125,13 @@ def summed_statistics(sums: FitSums, lack: LackOfFit | None) -> FitStatistics:
     )
 
 
-def _unit_weight_variance(
-    variance: float, expected: float, probability: float | None, lack: LackOfFit | None
-) -> float:
+def _unit_weight_variance(variance: float, probability: float | None, lack: LackOfFit | None) -> float:
     """Return the factor that keeps the stated uncertainties honest.
 
     Stated uncertainties stand unless the χ² test rejects them; without any, the fit's own scatter is taken. A
     lack of fit that nothing stated explains is common to the repeats and does not average out.
     """
-    factor = 1.0
-    if probability is None:
-        factor = variance
-    elif probability < SIGNIFICANCE:
-        factor = variance / expected
-    if lack is not None and lack.significant and not lack.explained:
+    factor = variance if probability is None or probability < SIGNIFICANCE else 1.0
+    if lack is not None and lack.significant:
         factor = max(factor, lack.excess)
     return factor

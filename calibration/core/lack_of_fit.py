@@ -1,13 +1,15 @@
 """F-test of a fit against the scatter of rows that repeat each other."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy import linalg, special
 
 from catseye.calibration.core.centred_sums import group_sums
-from catseye.calibration.core.significance import Expected, Judged
+from catseye.calibration.core.significance import Judged
 from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.core.whitening import Whitening
 
 _EXACT_MM = 1e-9
 """Scatter below this is rounding, not measurement."""
@@ -17,117 +19,100 @@ _RANK_SQUARED = 1e-12
 
 
 @dataclass(frozen=True)
-class WeightedFit:
-    """A fit in units of the stated white uncertainties (of 1 mm when none are stated).
+class WhitenedFit:
+    """A fit, and what makes its rows independent.
 
     Attributes:
-        weights: reciprocal white standard uncertainties, 1/mm, shape (n,).
-        stated: the weights are stated uncertainties.
+        whitening: of the rows; in units of 1 mm when no uncertainty is stated.
+        stated: the whitening comes from stated uncertainties.
         repeats: number of what each row measures, equal for repeats, shape (n,).
-        residuals: weighted residuals, shape (n,).
-        jacobian: weighted Jacobian, shape (n, p).
-        effects: weighted effects of shared errors that the fit leaves over, shape (n, m).
+        residuals_mm: predicted minus measured, shape (n,).
+        jacobian: derivatives of the residuals, shape (n, p).
         free: number of free parameters.
         iterations: steps of the solver.
     """
 
-    weights: Floats
+    whitening: Whitening
     stated: bool
     repeats: Ints
-    residuals: Floats
+    residuals_mm: Floats
     jacobian: Floats
-    effects: Floats
     free: int
     iterations: int
+
+    @cached_property
+    def square(self) -> float:
+        """Sum of squares of the whitened residuals."""
+        whitened = self.whitening.rows(self.residuals_mm)
+        return float(whitened @ whitened)
 
 
 @dataclass(frozen=True)
 class LackOfFit(Judged):
-    """F-test of a model against the scatter of repeats.
+    """F-test of a model against the scatter of repeats, both seen through the stated errors.
 
     The alternative gives each group of repeats a level of its own and keeps what the model says of differences within
-    a group. What it explains beyond the model is systematic: the model lacks it.
+    a group. What it explains beyond the model and the stated errors is systematic: the model lacks it.
 
     Attributes:
-        systematic_um: standard deviation of the systematic part of a row, µm.
+        systematic_um: standard deviation of the systematic part of a row that nothing stated explains, µm.
         pure_um: standard deviation of the pure scatter, µm.
-        ratio: F, mean square of the lack over the mean square of the scatter.
-        expected_ratio: F expected of the stated shared errors; 1 when none are stated.
-        probability: of a ratio this large when the model is complete and errors are white.
-        probability_stated: of a ratio this large when the stated shared errors act too.
-        excess: mean square of the lack over what is expected of the stated errors.
+        ratio: F, mean square of the lack over the mean square of the scatter; about 1 when nothing lacks.
+        probability: of a ratio this large when model and stated errors are complete.
+        excess: mean square of the lack, in units of what is stated.
     """
 
     systematic_um: float
     pure_um: float
     ratio: float
-    expected_ratio: float
     probability: float
-    probability_stated: float
     excess: float
 
 
-def lack_of_fit(fit: WeightedFit) -> LackOfFit | None:
+def lack_of_fit(fit: WhitenedFit) -> LackOfFit | None:
     """Test a fit against repeats.
 
     Returns:
         None when fewer than 10 degrees of freedom remain for the scatter, or when the fit is exact.
     """
-    within, groups, further = _within_groups(fit)
-    pure, pure_effects, rank = within[:, 0], within[:, 1:], groups + further
-    dof_pure, dof_model = fit.repeats.size - rank, rank - fit.free
+    pure, groups, further = _within_groups(fit)
+    rank, rows, weights = groups + further, fit.repeats.size, fit.whitening.weights
+    dof_pure, dof_model = rows - rank, rank - fit.free
     if dof_pure < 10 or dof_model < 1:
         return None
     pure_square = float(pure @ pure) / dof_pure
-    if pure_square <= (_EXACT_MM * float(np.mean(fit.weights))) ** 2:
+    if pure_square <= (_EXACT_MM * float(np.mean(weights))) ** 2:
         return None
-    whole = Expected.of(fit.repeats.size - fit.free, fit.effects)
-    scatter = Expected.of(dof_pure, pure_effects)
-    inner = fit.effects.T @ fit.effects - pure_effects.T @ pure_effects
-    lack = whole.minus(scatter, dof_model, inner)
-    lack_square = max(float(fit.residuals @ fit.residuals - pure @ pure), 0.0) / dof_model
-    return _judged(fit, lack_square, pure_square, (dof_model, dof_pure), lack, scatter, groups)
-
-
-def _judged(
-    fit: WeightedFit,
-    lack_square: float,
-    pure_square: float,
-    dofs: tuple[int, int],
-    lack: Expected,
-    scatter: Expected,
-    groups: int,
-) -> LackOfFit:
-    dof_model, dof_pure = dofs
+    lack_square = max(fit.square - float(pure @ pure), 0.0) / dof_model
     ratio = lack_square / pure_square
-    expected_ratio = (lack.mean / dof_model) / (scatter.mean / dof_pure)
-    unit_um = 1e3 / float(np.sqrt(np.mean(fit.weights**2)))
-    systematic = max(lack_square - pure_square, 0.0) * groups / fit.repeats.size
+    unit_um = 1e3 / float(np.sqrt(np.mean(weights**2)))
+    systematic = max(lack_square - pure_square, 0.0) * groups / rows
     return LackOfFit(
         systematic_um=unit_um * float(np.sqrt(systematic)),
         pure_um=unit_um * float(np.sqrt(pure_square)),
         ratio=ratio,
-        expected_ratio=expected_ratio,
         probability=float(special.fdtrc(dof_model, dof_pure, ratio)),
-        probability_stated=float(special.fdtrc(lack.dof, scatter.dof, ratio / expected_ratio)),
-        excess=lack_square * dof_model / lack.mean,
+        excess=lack_square,
     )
 
 
-def _within_groups(fit: WeightedFit) -> tuple[Floats, int, int]:
+def _within_groups(fit: WhitenedFit) -> tuple[Floats, int, int]:
     """Return what neither the groups' own levels nor the model explain, and the rank of each.
 
+    Errors that repeats share stand in the levels of their groups; what is left of the others within a group is
+    whitened there.
+
     Returns:
-        Residuals in the first column, effects in the others, shape (n, 1 + m); the number of groups; the
-        rank that the model adds to theirs.
+        Whitened residuals, shape (n,); the number of groups; the rank that the model adds to theirs.
     """
-    group, weights = fit.repeats, fit.weights
-    stacked = np.column_stack([fit.jacobian, fit.residuals, fit.effects])
+    group, weights, effects = fit.repeats, fit.whitening.weights, fit.whitening.effects
+    weighted = np.column_stack([fit.jacobian, fit.residuals_mm]) * weights[:, None]
+    stacked = np.column_stack([effects, weighted])
     within = stacked - weights[:, None] * _levels(stacked * weights[:, None], weights**2, group)[group]
-    n_parameters = fit.jacobian.shape[1]
-    scale = np.linalg.norm(fit.jacobian, axis=0)
-    model = within[:, :n_parameters] / np.where(scale > 0.0, scale, 1.0)
-    rest = within[:, n_parameters:]
+    sources = effects.shape[1]
+    left = Whitening(weights, within[:, :sources]).again(within[:, sources:])
+    scale = np.linalg.norm(weighted[:, :-1], axis=0)
+    model, rest = left[:, :-1] / np.where(scale > 0.0, scale, 1.0), left[:, -1]
     values, vectors = linalg.eigh(model.T @ model)
     known = values > _RANK_SQUARED * values[-1]
     directions = vectors[:, known] / np.sqrt(values[known])

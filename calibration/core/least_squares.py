@@ -1,4 +1,4 @@
-"""Weighted non-linear least squares: Gauss-Newton steps, damped after Levenberg and Marquardt when they fail.
+"""Whitened non-linear least squares: Gauss-Newton steps, damped after Levenberg and Marquardt when they fail.
 
 Steps come from the normal equations in scaled columns, which the iteration corrects; rank and covariance come
 from QR and singular values of the Jacobian itself, where squaring would hide a null direction.
@@ -13,6 +13,7 @@ from scipy import linalg
 
 from catseye.calibration.core.errors import ConvergenceError
 from catseye.calibration.core.types import Bools, Floats
+from catseye.calibration.core.whitening import Whitening
 
 RANK_TOLERANCE = 1e-10
 """Singular values of the scaled Jacobian below this share of the largest count as zero."""
@@ -25,7 +26,7 @@ MAX_ITERATIONS = 50
 
 @dataclass(frozen=True)
 class Factor:
-    """Singular values of a scaled, weighted Jacobian on a basis of free steps.
+    """Singular values of a scaled, whitened Jacobian on a basis of free steps.
 
     Attributes:
         singular_values: of the scaled columns, descending, shape (free,).
@@ -59,7 +60,7 @@ class Factor:
 
 
 def factorise(jacobian: Floats) -> Factor:
-    """Decompose a weighted Jacobian of shape (n, free)."""
+    """Decompose a whitened Jacobian of shape (n, free)."""
     scale = _column_norms(jacobian)
     triangle = linalg.qr(jacobian / scale, mode="r", overwrite_a=True, check_finite=False)[0]
     _, values, right = linalg.svd(triangle[: jacobian.shape[1]], check_finite=False)
@@ -74,9 +75,9 @@ class Solution:
 
     Attributes:
         parameters: estimate, shape (p,).
-        residuals: unweighted residuals there, shape (n,).
-        jacobian: unweighted Jacobian there, shape (n, p).
-        free: weighted Jacobian there on the free directions, shape (n, free).
+        residuals: residuals there, mm, shape (n,).
+        jacobian: Jacobian there, shape (n, p).
+        free: whitened Jacobian there on the free directions, shape (n, free).
         iterations: steps taken.
     """
 
@@ -88,7 +89,7 @@ class Solution:
 
     @cached_property
     def factor(self) -> Factor:
-        """Decomposition of the weighted Jacobian on the free directions; it takes as long as two steps."""
+        """Decomposition of the whitened Jacobian on the free directions; it takes as long as two steps."""
         return factorise(self.free)
 
 
@@ -97,17 +98,17 @@ def minimise(
     jacobian: Callable[[Floats], Floats],
     start: Floats,
     basis: Floats,
-    weights: Floats,
+    whitening: Whitening,
     unsettled: str = "check the starting values",
 ) -> Solution:
-    """Minimise the sum of squares of weights × residuals.
+    """Minimise the sum of squares of the whitened residuals.
 
     Args:
-        residuals: residuals at parameters of shape (p,), shape (n,).
+        residuals: residuals at parameters of shape (p,), mm, shape (n,).
         jacobian: their derivatives, shape (n, p).
         start: starting values, shape (p,); they fulfil the gauge.
         basis: steps that keep the gauge, shape (p, free).
-        weights: reciprocal standard uncertainties, shape (n,).
+        whitening: of the residuals.
         unsettled: advice for an iteration that does not settle.
 
     Raises:
@@ -115,13 +116,13 @@ def minimise(
     """
     parameters, current, change = start, residuals(start), np.inf
     for iteration in range(1, MAX_ITERATIONS + 1):
-        weighted = jacobian(parameters) * weights[:, None]
-        gradient = weighted.T @ (current * weights)
-        equations = NormalEquations.of(basis.T @ (weighted.T @ weighted) @ basis, gradient, basis)
-        parameters, current, change = _improve(residuals, parameters, current, weights, equations)
+        slopes = whitening.rows(jacobian(parameters))
+        gradient = slopes.T @ whitening.rows(current)
+        equations = NormalEquations.of(basis.T @ (slopes.T @ slopes) @ basis, gradient, basis)
+        parameters, current, change = _improve(residuals, parameters, current, whitening, equations)
         if change < STEP_TOLERANCE:
             final = jacobian(parameters)
-            return Solution(parameters, current, final, (final * weights[:, None]) @ basis, iteration)
+            return Solution(parameters, current, final, whitening.rows(final) @ basis, iteration)
     raise ConvergenceError(
         f"no convergence after {MAX_ITERATIONS} iterations (last change {change:.3g} mm rms): {unsettled}"
     )
@@ -164,18 +165,18 @@ def _improve(
     residuals: Callable[[Floats], Floats],
     parameters: Floats,
     current: Floats,
-    weights: Floats,
+    whitening: Whitening,
     equations: NormalEquations,
 ) -> tuple[Floats, Floats, float]:
     """Return better parameters, their residuals and the rms change of the residuals."""
-    cost = _cost(current, weights)
+    cost = _cost(current, whitening)
     damping = 0.0
     for _ in range(30):
         step = equations.step(damping)
         if step is not None:
             trial = residuals(parameters + step)
             change = float(np.sqrt(np.mean((trial - current) ** 2)))
-            if _cost(trial, weights) < cost:
+            if _cost(trial, whitening) < cost:
                 return parameters + step, trial, change
             if change < STEP_TOLERANCE:
                 # At the minimum rounding decides whether the cost still falls.
@@ -186,9 +187,9 @@ def _improve(
     )
 
 
-def _cost(residuals: Floats, weights: Floats) -> float:
-    weighted = residuals * weights
-    cost = float(weighted @ weighted)
+def _cost(residuals: Floats, whitening: Whitening) -> float:
+    whitened = whitening.rows(residuals)
+    cost = float(whitened @ whitened)
     return cost if np.isfinite(cost) else np.inf
 
 

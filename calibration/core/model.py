@@ -6,6 +6,7 @@ from typing import Protocol
 
 from catseye.calibration.core.budget import Shared, White
 from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.core.whitening import Whitening
 
 
 def not_separable(directions: list[list[str]]) -> str:
@@ -70,3 +71,8 @@ class Model(Protocol):
     def shared(self, values: Floats) -> tuple[Shared, ...]:
         """Return the errors that rows have in common."""
         ...
+
+
+def whitening_at(model: Model, values: Floats) -> Whitening:
+    """Return what makes the rows independent, with the shared errors at values of shape (p,)."""
+    return Whitening.of(model.weights, model.shared(values))

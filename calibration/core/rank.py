@@ -49,12 +49,11 @@ def require_identifiable(parameters: Parameters, jacobian: Floats, tolerance: fl
         raise UnidentifiableError(parameters.undetermined(directions), directions)
 
 
-def known_variances(information: Floats, effects: Floats, basis: Floats) -> tuple[Floats, Bools]:
+def known_variances(information: Floats, basis: Floats) -> tuple[Floats, Bools]:
     """Return the variances of parameters in the gauge and flags of those that are not determined, shape (p,) each.
 
     Args:
-        information: of the parameters, JᵀWJ, shape (p, p).
-        effects: of sources that rows share, JᵀWE, shape (p, m).
+        information: of the parameters, JᵀV⁻¹J, shape (p, p).
         basis: steps that keep the gauge, shape (p, free).
     """
     reduced = basis.T @ information @ basis
@@ -64,8 +63,7 @@ def known_variances(information: Floats, effects: Floats, basis: Floats) -> tupl
     regular = values > _RANK * values[-1]
     directions = basis @ (scale[:, None] * vectors)
     half = directions[:, regular] / np.sqrt(values[regular])
-    shifts = half @ (half.T @ effects)
-    variance = np.sum(half**2, axis=1) + np.sum(shifts**2, axis=1)
+    variance = np.sum(half**2, axis=1)
     norms = np.sqrt(np.diag(information))
     touched = norms > 0.0
     share = np.abs(directions[:, ~regular]) * np.where(touched, norms, norms.max())[:, None]

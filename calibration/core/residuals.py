@@ -18,14 +18,14 @@ _DETERMINED = 1e-10
 class StudentisedResiduals:
     """Residuals in their own standard deviations; NaN where a row determines a parameter alone.
 
+    A row is judged by what the others predict of it, shared errors included.
+
     Attributes:
-        leverage: share that a row has in its own fitted value, shape (n,); they add up to the free parameters.
-        internal: residual over its standard deviation s √(1 − h), s from all residuals, shape (n,).
-        external: the same with s from the other residuals; Student's t with dof − 1, shape (n,).
+        leverage: share that a row has in the model's answer to it, shape (n,).
+        internal: over its standard deviation, the scatter from all residuals, shape (n,).
+        external: the same with the scatter from the other residuals; Student's t with dof − 1, shape (n,).
         cook: Cook's distance: how far the estimate moves without the row, in its own confidence region.
-        normalised: residual over its stated standard uncertainty, shared errors included, shape (n,); None when no
-            uncertainty is stated. Shared errors make neighbours alike and `external` too large where their effect is
-            large; this one takes them into account.
+        normalised: over its stated standard uncertainty, shape (n,); None when no uncertainty is stated.
     """
 
     leverage: Floats
@@ -41,21 +41,20 @@ def studentised(projection: Projection, stated: bool) -> StudentisedResiduals:
     Args:
         projection: the fit, on the space that its model cannot reach.
     """
-    free = projection.orthonormal.shape[1]
-    leverage = np.einsum("ij,ij->i", projection.orthonormal, projection.orthonormal)
-    own = np.where(1.0 - leverage > _DETERMINED, 1.0 - leverage, np.nan)
+    model = projection.whitening.again(projection.orthonormal)
+    leverage = np.einsum("ij,ij->i", model, model)
+    own = _own(projection)
     scatter = projection.square / projection.dof
-    internal = projection.residuals / np.sqrt(own * scatter) if scatter > 0.0 else 0.0 * own
+    internal = projection.pulls / np.sqrt(own * scatter) if scatter > 0.0 else 0.0 * own
     others = np.maximum(projection.dof - internal**2, 0.0) / max(projection.dof - 1, 1)
     with np.errstate(divide="ignore"):
         external = internal / np.sqrt(others)
-    common = np.einsum("ij,ij->i", projection.effects, projection.effects)
     return StudentisedResiduals(
         leverage=leverage,
         internal=internal,
         external=external,
-        cook=internal**2 * leverage / (own * free),
-        normalised=projection.residuals / np.sqrt(own + common) if stated else None,
+        cook=internal**2 * leverage / (own * model.shape[1]),
+        normalised=projection.pulls / np.sqrt(own) if stated else None,
     )
 
 
@@ -64,7 +63,10 @@ def robustly_studentised(projection: Projection) -> Floats:
 
     The scale is 1.4826 times the median modulus of the studentised residuals, which outliers hardly move.
     """
-    own = 1.0 - np.einsum("ij,ij->i", projection.orthonormal, projection.orthonormal)
-    raw = projection.residuals / np.sqrt(np.where(own > _DETERMINED, own, np.nan))
+    raw = projection.pulls / np.sqrt(_own(projection))
     scale = float(np.nanmedian(np.abs(raw))) / NORMAL_MAD
     return raw / max(scale, 1e-9 * float(np.mean(projection.weights)))
+
+
+def _own(projection: Projection) -> Floats:
+    return np.where(projection.own > _DETERMINED, projection.own, np.nan)

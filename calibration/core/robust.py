@@ -6,20 +6,22 @@ protect against wrong rows, not against a wrong command of high leverage.
 
 import math
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 from scipy import linalg
 
-from catseye.calibration.core.budget import RowErrors, White
+from catseye.calibration.core.budget import RowErrors, White, stacked
 from catseye.calibration.core.contributions import Contributions
 from catseye.calibration.core.errors import ConvergenceError
 from catseye.calibration.core.estimation import Estimate
 from catseye.calibration.core.fit_statistics import FitStatistics, RobustLoss
 from catseye.calibration.core.least_squares import minimise
-from catseye.calibration.core.model import Model
+from catseye.calibration.core.model import Model, whitening_at
 from catseye.calibration.core.residuals import NORMAL_MAD
 from catseye.calibration.core.types import Floats
+from catseye.calibration.core.whitening import Whitening
 
 Loss = Literal["huber", "soft-l1"]
 
@@ -56,9 +58,10 @@ def robust_estimate(
 ) -> RobustEstimate:
     """Estimate again with a robust loss.
 
-    The scale is 1.4826 times the median modulus of the residuals, widened by √(n / dof). The covariance is the
-    sandwich of Huber's M-estimators: it follows from the scatter that the rows show, not from the stated white
-    uncertainties; the stated shared errors are added to it.
+    The loss judges what is a row's own: its residual less what the stated shared errors explain of it. The scale is
+    1.4826 times the median modulus of that, widened for what the fit takes up. The covariance is the sandwich of
+    Huber's M-estimators: its white part follows from the scatter that the rows show, not from the stated white
+    uncertainties; shared errors are taken as stated.
 
     Args:
         first: estimate of least squares, from where the iteration starts.
@@ -67,30 +70,49 @@ def robust_estimate(
     Raises:
         ConvergenceError: the weights do not settle.
     """
-    weights, parameters = model.weights, model.parameters
+    parameters, stated = model.parameters, whitening_at(model, first.values)
     values, residuals = first.values, first.residuals_mm
-    scale = _scale(residuals, weights, first.fit.dof)
+    taken = first.fit.n_parameters + float(np.sum(stated.reach**2))
+    own = stated.again(stated.rows(residuals))
+    scale = _scale(own, stated.weights, taken)
     for round_number in range(1, _ROUNDS + 1):
-        share = loss_weight(residuals * weights / scale, loss)
+        share = loss_weight(own / scale, loss)
+        whitening = _reweighted(stated, np.sqrt(share) / scale)
         solution = minimise(
-            model.residuals,
-            model.jacobian,
-            values,
-            parameters.basis,
-            weights * np.sqrt(share),
-            parameters.unsettled,
+            model.residuals, model.jacobian, values, parameters.basis, whitening, parameters.unsettled
         )
         change = float(np.sqrt(np.mean((solution.residuals - residuals) ** 2)))
         values, residuals = solution.parameters, solution.residuals
+        own = whitening.again(whitening.rows(residuals)) * scale / np.sqrt(share)
         if change < _SETTLED_MM and round_number > 1:
             found = replace(first, values=values, residuals_mm=residuals)
-            return _judged(model, found, loss, (scale, round_number), scatter)
+            return _judged(model, found, loss, _Settled(own, scale, round_number), scatter)
         if round_number < _SCALE_ROUNDS:
-            scale = _scale(residuals, weights, first.fit.dof)
+            scale = _scale(own, stated.weights, taken)
     raise ConvergenceError(
         f"the weights of the {loss} loss do not settle: look at the residuals of least squares first "
         "(catseye diagnose)"
     )
+
+
+@dataclass(frozen=True)
+class _Settled:
+    """Where the weights settled.
+
+    Attributes:
+        own: weighted residuals less what shared errors explain, shape (n,).
+        scale: their robust standard deviation.
+        rounds: that it took.
+    """
+
+    own: Floats
+    scale: float
+    rounds: int
+
+
+def _reweighted(whitening: Whitening, factor: Floats) -> Whitening:
+    """Return the whitening of rows whose weights are multiplied with factors of shape (n,)."""
+    return Whitening(whitening.weights * factor, whitening.effects * factor[:, None])
 
 
 def loss_weight(standardised: Floats, loss: Loss) -> Floats:
@@ -109,18 +131,17 @@ def _influence_slope(standardised: Floats, loss: Loss) -> Floats:
     return np.asarray((1.0 + relative**2) ** -1.5, dtype=np.float64)
 
 
-def _scale(residuals_mm: Floats, weights: Floats, dof: int) -> float:
-    median = float(np.median(np.abs(residuals_mm * weights)))
-    widened = median / NORMAL_MAD * float(np.sqrt(residuals_mm.size / dof))
+def _scale(own: Floats, weights: Floats, taken: float) -> float:
+    """Return the robust standard deviation of weighted residuals of which a fit took so many degrees of freedom."""
+    median = float(np.median(np.abs(own)))
+    widened = median / NORMAL_MAD * math.sqrt(own.size / max(own.size - taken, 1.0))
     return max(widened, _EXACT_MM * float(np.mean(weights)))
 
 
-def _judged(
-    model: Model, found: Estimate, loss: Loss, settled: tuple[float, int], scatter: str
-) -> RobustEstimate:
-    """Attach covariance and statistics; `settled` are the scale and the rounds that it took."""
-    (scale, rounds), weights = settled, model.weights
-    standardised = found.residuals_mm * weights / scale
+def _judged(model: Model, found: Estimate, loss: Loss, settled: _Settled, scatter: str) -> RobustEstimate:
+    """Attach covariance and statistics."""
+    scale, weights = settled.scale, model.weights
+    standardised = settled.own / scale
     share = loss_weight(standardised, loss)
     parts = _sandwich(
         model, found, scale, standardised * share, _influence_slope(standardised, loss), scatter
@@ -128,7 +149,7 @@ def _judged(
     sigma_um = 1e3 * scale / float(np.sqrt(np.mean(weights**2)))
     counted = RobustLoss(loss, sigma_um, _half(loss), int(np.sum(share < 0.5)))
     fit = replace(
-        _statistics(found.fit, found.residuals_mm, scale, rounds), sigma0_um=sigma_um, robust=counted
+        _statistics(found.fit, found.residuals_mm, scale, settled.rounds), sigma0_um=sigma_um, robust=counted
     )
     return RobustEstimate(replace(found, covariance=parts.covariance, fit=fit), scale, share, parts)
 
@@ -156,10 +177,10 @@ def _statistics(fit: FitStatistics, residuals_mm: Floats, scale: float, rounds: 
 def _sandwich(
     model: Model, found: Estimate, scale: float, influence: Floats, slope: Floats, scatter: str
 ) -> Contributions:
-    """Return A⁻¹ B A⁻¹ with A from the influence's slope and B from its square, shifts by shared errors beside it.
+    """Return A⁻¹ B A⁻¹ with A from the influence's slope and B from its square, shared errors as further unknowns.
 
-    The scatter that the rows show stands for all white contributors; each stated shared error shifts the estimate by
-    what the loss lets it.
+    The scatter that the rows show stands for all white contributors. A shared error is an unknown of unit variance,
+    known beforehand to that: A has 1 added for it, and so has B.
 
     Args:
         scale: robust standard deviation of a weighted row.
@@ -167,17 +188,18 @@ def _sandwich(
         slope: derivative of the influence by the standardised residual, shape (n,).
         scatter: name of what stands for the stated white contributors.
     """
-    basis, weights = model.parameters.basis, model.weights
+    basis, weights, shared = model.parameters.basis, model.weights / scale, model.shared(found.values)
     jacobian = (model.jacobian(found.values) * weights[:, None]) @ basis
-    size = np.linalg.norm(jacobian, axis=0)
-    jacobian = jacobian / size
-    bread = linalg.inv(jacobian.T @ (jacobian * slope[:, None]))
-    moved = (basis / size) @ bread @ jacobian.T
-    widened = math.sqrt(influence.size / (influence.size - basis.shape[1]))
-    columns = [moved * (widened * scale * influence)]
-    shared = model.shared(found.values)
-    columns += [(moved * (slope * weights)) @ one.effects_mm for one in shared]
-    white = White(scatter, scale / weights, dof=found.fit.dof)
+    size, free = np.linalg.norm(jacobian, axis=0), basis.shape[1]
+    unknowns = np.hstack([jacobian / size, stacked(shared, weights.size) * weights[:, None]])
+    known = np.diag(np.arange(unknowns.shape[1]) >= free).astype(np.float64)
+    bread = linalg.inv(unknowns.T @ (unknowns * slope[:, None]) + known)
+    moved = (basis / size) @ bread[:free]
+    widened = math.sqrt(influence.size / (influence.size - free))
+    ends = free + np.cumsum([0, *(one.effects_mm.shape[1] for one in shared)])
+    columns = [(moved @ unknowns.T) * (widened * influence)]
+    columns += [moved[:, first:last] for first, last in pairwise(ends.tolist())]
+    white = White(scatter, 1.0 / weights, dof=found.fit.dof)
     # A product with its own transpose is symmetric to the last digit.
     squares = np.stack([one @ one.T for one in columns])
     return Contributions(RowErrors((white,), shared, factor=1.0, factor_dof=math.inf), squares)

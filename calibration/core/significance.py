@@ -1,11 +1,9 @@
-"""Sums of squares: what they are expected to be, F-tests of nested models, information criteria."""
+"""Sums of squares of independent errors: tests of nested models, information criteria."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
-
-from catseye.calibration.core.types import Floats
 
 SIGNIFICANCE = 0.01
 """A test rejects when its probability is below this."""
@@ -14,116 +12,61 @@ _TINY = 1e-300
 """Keeps a ratio finite where nothing is left over."""
 
 
-@dataclass(frozen=True)
-class Expected:
-    """A sum of squares of white and systematic errors: its mean and its effective degrees of freedom.
-
-    Attributes:
-        mean: expected sum of squares, in squares of the white uncertainty.
-        dof: degrees of freedom of the χ² distribution of the same mean and spread.
-    """
-
-    mean: float
-    dof: float
-
-    @classmethod
-    def of(cls, dof: int, effects: Floats) -> "Expected":
-        """Return the expectation for `dof` white errors and projected effects of shape (n, m) (Satterthwaite)."""
-        return cls.of_products(dof, smaller_product(effects))
-
-    @classmethod
-    def of_products(cls, dof: int, inner: Floats) -> "Expected":
-        """Return the same from the effects' products, EᵀE or EEᵀ."""
-        mean = dof + float(np.trace(inner))
-        return cls(mean, mean**2 / (dof + 2.0 * float(np.trace(inner)) + float(np.sum(inner**2))))
-
-    def minus(self, part: "Expected", dof: int, inner: Floats) -> "Expected":
-        """Return the expectation of the difference of two nested sums of squares."""
-        mean = self.mean - part.mean
-        spread = dof + 2.0 * float(np.trace(inner)) + float(np.sum(inner**2))
-        return Expected(mean, mean**2 / spread)
-
-    def probability(self, square: float) -> float:
-        """Return the probability of a sum of squares this large."""
-        # Whoever only lists procedures imports this module too.
-        from scipy import special
-
-        return float(special.chdtrc(self.dof, square * self.dof / self.mean))
-
-
-def smaller_product(effects: Floats) -> Floats:
-    """Return EᵀE or EEᵀ: both have the same trace and the same sum of squares."""
-    return effects.T @ effects if effects.shape[0] > effects.shape[1] else effects @ effects.T
-
-
 class Judged:
-    """What a test says at the level of significance; base of dataclasses with its probabilities.
+    """What a test says at the level of significance; base of dataclasses with its probability.
 
     Attributes:
-        probability: of what was seen, or more, for white errors.
-        probability_stated: the same with the stated shared errors.
+        probability: of what was seen, or more, when there is nothing but the stated errors.
     """
 
     probability: float
-    probability_stated: float
 
     @property
     def significant(self) -> bool:
-        """White errors alone do not look like this."""
+        """The stated errors alone do not look like this."""
         return self.probability < SIGNIFICANCE
-
-    @property
-    def explained(self) -> bool:
-        """The stated shared errors account for it."""
-        return self.probability_stated >= SIGNIFICANCE
 
 
 @dataclass(frozen=True)
 class FTest:
-    """An F-test of nested models, for white errors and with the stated systematic contributors.
+    """An F-test of nested models on whitened rows.
 
     Attributes:
         ratio: F.
-        probability: of a ratio this large, white errors.
-        probability_stated: of a ratio this large, stated contributors.
-        scale: sum of squares that is left over its expectation.
-        explained_um: standard deviation of a row that the larger model explains, µm.
+        probability: of a ratio this large when the larger model explains nothing.
+        scale: mean square that is left.
+        explained: root of the sum of squares that the larger model explains beyond scatter.
     """
 
     ratio: float
     probability: float
-    probability_stated: float
     scale: float
-    explained_um: float
+    explained: float
 
 
-def f_test(
-    gain: float, gain_expected: Expected, rank: int, rest: float, rest_expected: Expected, rest_dof: int
-) -> FTest:
+def f_test(gain: float, rank: int, rest: float, rest_dof: int) -> FTest:
     """Test a gain of a larger model against what is left.
 
     Args:
         gain: sum of squares that it explains.
-        gain_expected: expectation of the gain for the stated uncertainties.
+        rank: degrees of freedom that it takes.
         rest: sum of squares that it leaves.
-        rest_expected: its expectation for the stated uncertainties.
         rest_dof: degrees of freedom that it leaves.
     """
+    # Whoever only lists procedures imports this module too.
     from scipy import special
 
     left = max(rest / rest_dof, _TINY)
     ratio = gain / rank / left
-    scale = max(rest, _TINY) / rest_expected.mean
-    # Below zero, where the expectation is a difference of large effects, F has no distribution.
-    stated = max(gain / gain_expected.mean / scale, 0.0)
     size = max(gain - rank * left, 0.0)
-    return FTest(
-        ratio,
-        float(special.fdtrc(rank, rest_dof, ratio)),
-        float(special.fdtrc(gain_expected.dof, rest_expected.dof, stated)),
-        scale,
-        float(np.sqrt(size)),
-    )
+    return FTest(ratio, float(special.fdtrc(rank, rest_dof, ratio)), left, float(np.sqrt(size)))
+
+
+def chi2_probability(square: float, dof: int) -> float:
+    """Return the probability of a sum of squares this large, of so many independent errors of unit variance."""
+    from scipy import special
+
+    return float(special.chdtrc(dof, square))
 
 
 def adjusted(probability: float, tests: int) -> float:

@@ -20,6 +20,7 @@ from catseye.calibration.core.budget import (
     Distribution,
     Shared,
     White,
+    harmonic_of_source,
     harmonics,
     per_angle,
     per_group,
@@ -72,8 +73,10 @@ class Contributor:
             (scale).
         correlation: what shares the error.
         axis: whose angle repeats it (axis-angle), or whose angle is uncertain (angle).
-        orders: harmonics 1…orders of the angle share an axis-angle error evenly.
+        orders: harmonics 1…orders of the angle share an axis-angle error evenly, as far as is known beforehand.
         dof: degrees of freedom of u.
+        spectrum: variance of each part over what is stated for it, as distances have shown it: of each harmonic, or
+            of all that lies between nodes; empty as long as none have been asked.
     """
 
     name: str
@@ -84,6 +87,7 @@ class Contributor:
     distribution: Distribution = "normal"
     orders: int = 5
     dof: float = math.inf
+    spectrum: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         require_one_of(Kind, self.kind, f"{self.name}: kind")
@@ -92,6 +96,8 @@ class Contributor:
         require_not_negative(self.u, f"{self.name}: u")
         require_count(self.orders, f"{self.name}: orders")
         require_positive(self.dof, f"{self.name}: dof", infinite=True)
+        for ratio in self.spectrum:
+            require_not_negative(ratio, f"{self.name}: spectrum")
         if self.axis is not None:
             require_one_of(Axis, self.axis, f"{self.name}: axis")
         self._require_combination()
@@ -105,12 +111,29 @@ class Contributor:
         needed = self.kind in {"radial", "angle", "between-nodes"} or self.correlation == "axis-angle"
         if needed and self.axis is None:
             raise ArgumentError(f"{self.name}: say which axis: j1, j2 or j4")
+        if len(self.spectrum) not in {0, self.parts}:
+            raise ArgumentError(
+                f"{self.name}: a spectrum of {len(self.spectrum)} values instead of {self.parts}; an axis-angle "
+                "error has one for each of its orders, a ripple between nodes a single one, any other error none"
+            )
         if self.kind == "between-nodes" and self.axis == "j4":
             raise ArgumentError(f"{self.name}: J4 has no map, and so no nodes: say j1 or j2")
         if self.kind == "angle" and self.axis == "j4":
             raise ArgumentError(
                 f"{self.name}: the angle of J4 acts on the direction of the beam: kind direction"
             )
+
+    @property
+    def parts(self) -> int:
+        """How many parts it has whose sizes distances can show."""
+        if self.correlation != "axis-angle":
+            return 0
+        return 1 if self.kind == "between-nodes" else self.orders
+
+    @property
+    def shares(self) -> tuple[float, ...]:
+        """Share of each harmonic in u²; they add up to 1 as long as no distances have been asked."""
+        return tuple(ratio / self.orders for ratio in self.spectrum or (1.0,) * self.orders)
 
 
 @dataclass(frozen=True)
@@ -210,10 +233,11 @@ def effects(contributor: Contributor, geometry: Geometry) -> Floats:
         case "pose":
             return per_group(columns, geometry.points.commands.poses())
         case _ if contributor.kind == "between-nodes":
-            return columns * _between_nodes(contributor.axis, geometry)
+            shown = math.sqrt(contributor.spectrum[0]) if contributor.spectrum else 1.0
+            return shown * columns * _between_nodes(contributor.axis, geometry)
         case _:
             angle = _angle(contributor.axis, geometry)
-            repeated = per_angle(columns, angle, contributor.orders)
+            repeated = per_angle(columns, angle, contributor.shares)
             known = tuple(
                 term for term in geometry.layout.terms if (term.target, term.source) == ("length", "theta4")
             )
@@ -233,7 +257,7 @@ def _described(contributor: Contributor, known: tuple[Term, ...]) -> Floats:
     angle = 2.0 * np.pi * np.arange(values) / values
     # The beam's angle against link 2 is θ4 itself, and the unit vectors point the other way.
     beam = np.ones((values, 1)) if contributor.kind == "length" else -harmonics(angle, 1)
-    sources = per_angle(contributor.u * beam, angle, contributor.orders)
+    sources = per_angle(contributor.u * beam, angle, contributor.shares)
     return np.asarray(2.0 / values * term_values(known, {"theta4": angle}, values).T @ sources)
 
 
@@ -258,7 +282,18 @@ def white_errors(budget: Budget, geometry: Geometry, share: Floats) -> tuple[Whi
 def shared_errors(budget: Budget | None, geometry: Geometry) -> tuple[Shared, ...]:
     """Return the systematic contributors as errors that distances have in common."""
     systematic = () if budget is None else budget.systematic
-    return tuple(Shared(one.name, effects(one, geometry), one.distribution, one.dof) for one in systematic)
+    return tuple(_shared(one, effects(one, geometry)) for one in systematic)
+
+
+def _shared(contributor: Contributor, effects_mm: Floats) -> Shared:
+    sources, part = effects_mm.shape[1], None
+    if contributor.parts and sources and not contributor.spectrum and contributor.u > 0.0:
+        orders = contributor.orders
+        harmonic = contributor.kind != "between-nodes"
+        part = (
+            harmonic_of_source(sources // (2 * orders), orders) if harmonic else np.zeros(sources, np.int64)
+        )
+    return Shared(contributor.name, effects_mm, contributor.distribution, contributor.dof, part)
 
 
 def systematic_effects(budget: Budget | None, geometry: Geometry) -> Floats:

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from catseye.calibration.core.amplitudes import Compressed, variance_ratios
 from catseye.calibration.core.arguments import require_finite, require_shape
 from catseye.calibration.core.errors import BudgetError, InsufficientPointsError
 from catseye.calibration.core.estimation import Estimate, estimate
@@ -160,6 +161,12 @@ def identify(
         start = estimate(distances, start).values
         distances = _weighted(distances, start, budget)
     found = estimate(distances, start)
+    if budget is not None and model == "error-map":
+        # The conventional model's own misfit would pass for radial error motions.
+        learnt = with_spectra(budget, distances, found.values)
+        if learnt != budget:
+            budget, distances = learnt, replace(distances, budget=learnt)
+            found = estimate(distances, found.values)
     return Identification(
         layout,
         found.values,
@@ -169,6 +176,21 @@ def identify(
         found.fit,
         rejected,
         budget,
+    )
+
+
+def with_spectra(budget: Budget, distances: DistanceModel, values: Floats) -> Budget:
+    """Return a budget with what distances say about the harmonics of its axis-angle contributors.
+
+    Args:
+        values: an estimate, shape (p,).
+    """
+    compressed = Compressed.of(distances, values)
+    ratios = variance_ratios(compressed)
+    asked = () if distances.budget is None else distances.budget.systematic
+    spectra = {one: tuple(ratios[compressed.contributor == k].tolist()) for k, one in enumerate(asked)}
+    return Budget(
+        tuple(replace(one, spectrum=spectra.get(one) or one.spectrum) for one in budget.contributors)
     )
 
 

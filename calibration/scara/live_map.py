@@ -1,9 +1,8 @@
 """What the distances measured so far say about the maps, kept up to date while measuring.
 
 Information is summed row by row. The dead path of a segment is eliminated by taking its rows from their mean, which
-is updated with every row. Two estimates come from the same sums: predictions take the radial error motions as
-unknowns with a known spread, the best that can be done with them; standard uncertainties are those of the
-identification, which leaves them out of its weights and carries them through (ADR 0003).
+is updated with every row. The radial error motions are unknowns with a known spread beside the parameters:
+predictions and standard uncertainties are those of the identification's generalised least squares.
 """
 
 import math
@@ -18,6 +17,7 @@ from catseye.calibration.core.centred_sums import CentredSums
 from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.rank import known_variances
 from catseye.calibration.core.types import Bools, Floats
+from catseye.calibration.core.whitening import through_sources
 from catseye.calibration.scara.arm import arm_design
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.planar import require_links
@@ -184,7 +184,7 @@ class LiveMap:
         if self._moved_mm() > _NEAR_MM:
             self._relinearise()
         layout, basis = self._layout, self._layout.gauge_basis()
-        variance, loose = known_variances(*self._information(), basis)
+        variance, loose = known_variances(self._information(), basis)
         reasons = []
         u: list[float | None] = []
         for name, part in (("θ1", layout.map1), ("θ2", layout.map2)):
@@ -200,12 +200,13 @@ class LiveMap:
         radial = 0 if self._radial is None else 12 * self._radial.orders
         return self._layout.size + radial
 
-    def _information(self) -> tuple[Floats, Floats]:
-        """Return information of the parameters, and how the radial error motions act on them."""
-        size, scale = self._layout.size, self._white_mm**-2
-        touched = self._touched()
-        information = self._sums.matrix[:size, :size] * scale
-        return information * np.outer(touched, touched), self._sums.matrix[:size, size:-1] * scale
+    def _information(self) -> Floats:
+        """Return what the distances say of the parameters, shape (p, p)."""
+        size, sums = self._layout.size, self._sums.matrix[:-1, :-1] * self._white_mm**-2
+        touched = self._touched()[:, None]
+        return through_sources(
+            sums[:size, :size] * (touched * touched.T), sums[:size, size:] * touched, sums[size:, size:]
+        )
 
     def _touched(self) -> Bools:
         """Return which parameters move any distance, shape (p,).

@@ -8,6 +8,7 @@ from catseye.calibration.core.arguments import require_below, require_finite, re
 from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
 from catseye.calibration.core.least_squares import minimise
 from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.core.whitening import Whitening
 from catseye.calibration.scara.planar import forward, require_links, wrap_rad
 from catseye.calibration.scara.pointing import beam_direction
 
@@ -164,7 +165,7 @@ def locate_reflectors(
         return matrix
 
     start = np.append(np.ravel(rough_mm), theta40_rad)
-    solution = minimise(residuals, jacobian, start, np.eye(start.size), np.ones(rows.size))
+    solution = minimise(residuals, jacobian, start, np.eye(start.size), Whitening.of(np.ones(rows.size)))
     if not solution.factor.regular.all():
         raise UnidentifiableError(
             "the search poses do not separate the reflector's place from the beam's zero direction: "

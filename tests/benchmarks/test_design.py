@@ -35,7 +35,7 @@ def problem(folder: Path) -> Problem:
 def exactly(places: Places, count: int) -> Places:
     """Return the first so many allowed places."""
     pool = places.pool
-    first = Pool(pool.matrix[:count], None, pool.compatible[:count, :count])
+    first = Pool(pool.brought[:count], pool.compatible[:count, :count], systematic=False)
     return replace(places, allowed=places.allowed[:count], pool=first)
 
 

@@ -18,6 +18,7 @@ from catseye.app.results.scara.uncertainty import by_monte_carlo
 from catseye.calibration.core.draws import joined, solve_chunk
 from catseye.calibration.core.least_squares import minimise
 from catseye.calibration.core.types import Floats
+from catseye.calibration.core.whitening import Whitening
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.points import Commands
@@ -78,7 +79,7 @@ def test_ten_thousand_draws_take_three_seconds_and_match_the_jacobian() -> None:
 
     def own_loop() -> object:
         return [
-            minimise(model.residuals, model.jacobian, one.parameters, basis, weights).parameters
+            minimise(model.residuals, model.jacobian, one.parameters, basis, Whitening.of(weights)).parameters
             for model in models
         ]
 

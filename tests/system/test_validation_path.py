@@ -94,7 +94,7 @@ def known_arm(model: ModelName, arm: list[float], nodes: tuple[list[float], list
     first, second = (np.deg2rad(one) for one in nodes)
     layout = Layout(model, first, second, tuple(PLACES), ())
     parameters: Floats = np.array([*arm, *np.ravel(list(PLACES.values()))])
-    fit = FitStatistics(0, 0, 0, 0.0, 0.0, None, 0.0, None, None, 1.0, None, 0)
+    fit = FitStatistics(0, 0, 0, 0.0, 0.0, None, None, None, 1.0, None, 0)
     size = parameters.size
     # Nothing was fitted, so no points belong to it; the comparison looks at neither.
     return Identification(layout, parameters, np.zeros((size, size)), None, np.zeros(0), fit, [])  # type: ignore[arg-type]  # see above

@@ -61,6 +61,7 @@ class ContributorEntry(Section):
     axis: Literal["j1", "j2", "j4"] | None = None
     orders: Annotated[int, Field(ge=1, le=20)] = 5
     degrees_of_freedom: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] | None = None
+    spectrum: tuple[NotNegative, ...] = Field(default=(), exclude_if=lambda spectrum: not spectrum)
 
     @model_validator(mode="after")
     def _sound(self) -> Self:
@@ -92,6 +93,7 @@ class ContributorEntry(Section):
             distribution=self.distribution,
             orders=self.orders,
             dof=math.inf if self.degrees_of_freedom is None else self.degrees_of_freedom,
+            spectrum=self.spectrum,
         )
 
 

@@ -1,6 +1,6 @@
 """The error budget as a document: what a points table carries along, and what a result says that it stands on."""
 
-from typing import Final, Literal
+from typing import Final, Literal, Self
 
 from catseye.app.cell.scara.uncertainty import ContributorEntry
 from catseye.app.results.uncertainty_part import ResultPart
@@ -43,6 +43,19 @@ class BudgetPart(ResultPart):
     sigma_mm: SigmaRole = "absent"
     corrected_by: CorrectedBy | None = None
     contributor: list[ContributorEntry]
+
+    def learnt(self, used: Budget | None) -> Self:
+        """Return it with the spectra that an identification has found; `used` is the budget that it returned."""
+        if used is None:
+            return self
+        found = iter(used.systematic)
+        entries = [
+            entry
+            if entry.correlation == "reading"
+            else entry.model_copy(update={"spectrum": next(found).spectrum})
+            for entry in self.contributor
+        ]
+        return self.model_copy(update={"contributor": entries})
 
     @property
     def everything(self) -> Budget | None:

@@ -1,7 +1,10 @@
 """What there is to say about the error budget that a result stands on."""
 
+import math
+
+from catseye.app.cell.scara.uncertainty import ContributorEntry
 from catseye.app.results.model import Sign, Statement
-from catseye.app.results.numbers import counted
+from catseye.app.results.numbers import counted, fixed, number
 from catseye.app.results.scara.budget_part import BudgetPart
 
 
@@ -17,10 +20,20 @@ def budget_statements(part: BudgetPart) -> list[Statement]:
                 "The column sigma_mm is what differs from distance to distance; the budget adds what several "
                 "distances share."
             )
+    texts += [_learnt_text(entry) for entry in part.contributor if entry.spectrum]
     return [
         *(Statement(Sign.NEUTRAL, text) for text in texts),
         *(Statement(Sign.ATTENTION, f"{text[0].upper()}{text[1:]}.") for text in budget_remarks(part)),
     ]
+
+
+def _learnt_text(entry: ContributorEntry) -> str:
+    """Return how large the distances show an error that is stated by its size."""
+    times = math.sqrt(sum(entry.spectrum) / len(entry.spectrum))
+    listed = ", ".join(number(math.sqrt(ratio), fixed(1)) for ratio in entry.spectrum)
+    orders = f" (orders 1 to {len(entry.spectrum)}: {listed})" if len(entry.spectrum) > 1 else ""
+    size = f"{number(times, fixed(1))} times the stated {entry.stated}"
+    return f"{entry.name}: the distances let expect {size}{orders}."
 
 
 def budget_remarks(part: BudgetPart) -> list[str]:

@@ -49,7 +49,6 @@ class DiagnosedFit(Document):
     n_parameters: int
     rms_um: Stated
     chi2_reduced: Stated
-    chi2_expected: Stated
     rejected: list[str]
 
 
@@ -80,9 +79,7 @@ class ModelPart(Document):
     explained_um: Stated
     f_ratio: Stated
     probability: float
-    probability_stated: float
     significant: bool
-    explained_by_stated: bool
     terms: list[ModelTerm]
 
 
@@ -146,7 +143,6 @@ class PatternPart(Document):
     explained_um: Stated
     f_ratio: Stated
     probability: float
-    probability_stated: float
 
 
 class HarmonicPart(Document):
@@ -158,7 +154,6 @@ class HarmonicPart(Document):
     u: float
     explained_um: float
     false_alarm_probability: float
-    false_alarm_probability_stated: float
 
 
 class HarmonicsPart(Document):
@@ -267,7 +262,6 @@ def _fit(diagnosis: Diagnosis) -> DiagnosedFit:
         n_parameters=fit.n_parameters,
         rms_um=fit.rms_um,
         chi2_reduced=fit.chi2_reduced,
-        chi2_expected=fit.chi2_expected,
         rejected=diagnosis.identified.rejected,
     )
 
@@ -284,9 +278,7 @@ def _model(model: ComparedModel) -> ModelPart:
         explained_um=model.explained_um,
         f_ratio=model.ratio,
         probability=model.probability,
-        probability_stated=model.probability_stated,
         significant=model.significant,
-        explained_by_stated=model.significant and model.explained,
         terms=[
             ModelTerm(
                 name=term.name, unit="mdeg" if term.unit == "mdeg" else "um", value=term.value, u=term.u
@@ -333,7 +325,6 @@ def _pattern(pattern: AnglePattern) -> PatternPart:
         explained_um=pattern.explained_um,
         f_ratio=pattern.ratio,
         probability=pattern.probability,
-        probability_stated=pattern.probability_stated,
     )
 
 
@@ -357,7 +348,6 @@ def _harmonic(harmonic: Harmonic, factor: float) -> HarmonicPart:
         u=factor * harmonic.u,
         explained_um=harmonic.explained_um,
         false_alarm_probability=harmonic.probability,
-        false_alarm_probability_stated=harmonic.probability_stated,
     )
 
 

@@ -22,8 +22,6 @@ from catseye.calibration.scara.diagnostics.nested_models import (
 )
 from catseye.calibration.scara.diagnostics.node_spacing import Grid, NodeSpacing
 
-_EXPLAINED = "as much as the stated uncertainties account for"
-
 
 def findings(diagnosis: Diagnosis) -> list[Statement]:
     """Return what the diagnosis says, the fit first."""
@@ -46,9 +44,9 @@ def _fit(diagnosis: Diagnosis) -> Statement:
         return Statement(Sign.NEUTRAL, f"{text}; no uncertainty is stated that this could be compared with.")
     agrees = fit.chi2_probability >= SIGNIFICANCE
     words = "agrees with" if agrees else "exceeds"
-    expected = f"χ²/dof = {fit.chi2_reduced:.2f}, expected {fit.chi2_expected:.2f}"
+    figures = f"χ²/dof = {fit.chi2_reduced:.2f}"
     return Statement(
-        Sign.GOOD if agrees else Sign.BAD, f"{text}; that {words} the stated uncertainties ({expected})."
+        Sign.GOOD if agrees else Sign.BAD, f"{text}; that {words} the stated uncertainties ({figures})."
     )
 
 
@@ -57,7 +55,7 @@ def _models(models: Sequence[ComparedModel]) -> Statement:
     parts = [_error_map(error_map)]
     extensions = [model for model in models if model.name not in {CONVENTIONAL, ERROR_MAP, TOGETHER}]
     parts += [_extension(extension) for extension in extensions]
-    beyond = any(extension.significant and not extension.explained for extension in extensions)
+    beyond = any(extension.significant for extension in extensions)
     return Statement(Sign.BAD if beyond else Sign.GOOD, "; ".join(parts) + ".")
 
 
@@ -72,8 +70,7 @@ def _extension(model: ComparedModel) -> str:
         return f"{model.name} cannot be told from these distances"
     if not model.significant:
         return f"no {model.name} ({_clearest(model)})"
-    text = f"{model.name} adds {model.explained_um:.1f} µm, significant"
-    return f"{text}, {_EXPLAINED}" if model.explained else text
+    return f"{model.name} adds {model.explained_um:.1f} µm, significant"
 
 
 def _clearest(model: ComparedModel) -> str:
@@ -154,15 +151,8 @@ def _patterns(diagnosis: Diagnosis) -> list[Statement]:
     found = [pattern for pattern in diagnosis.patterns if pattern.significant]
     if not found:
         return [Statement(Sign.GOOD, "No pattern of the residuals along θ1, θ2 or θ4.")]
-    parts = [
-        f"{one.explained_um:.1f} µm along θ{one.joint}" + (" (stated)" if one.explained else "")
-        for one in found
-    ]
-    stated = all(one.explained for one in found)
-    text = "Residuals follow the joints' angles: " + ", ".join(parts)
-    if stated:
-        text += f", {_EXPLAINED}"
-    return [Statement(Sign.NEUTRAL if stated else Sign.BAD, text + ".")]
+    parts = ", ".join(f"{one.explained_um:.1f} µm along θ{one.joint}" for one in found)
+    return [Statement(Sign.BAD, f"Residuals follow the joints' angles: {parts}.")]
 
 
 def _harmonics(series: HarmonicSeries) -> Statement:
@@ -182,9 +172,7 @@ def _harmonics(series: HarmonicSeries) -> Statement:
     ranked = sorted(found, key=lambda one: -one.explained_um)
     listed = ", ".join(harmonic_text(one) for one in ranked[:4])
     more = f" and {len(found) - 4} more" if len(found) > 4 else ""
-    stated = all(one.explained for one in found)
-    tail = f", {_EXPLAINED}" if stated else ""
-    return Statement(Sign.NEUTRAL if stated else Sign.BAD, f"Harmonics, {what}: {listed}{more}{tail}.")
+    return Statement(Sign.BAD, f"Harmonics, {what}: {listed}{more}.")
 
 
 def harmonic_text(harmonic: Harmonic) -> str:

@@ -57,8 +57,7 @@ def _models(models: Sequence[ComparedModel]) -> Table:
             Column("bic", "BIC", format=_CRITERION),
             Column("explained_um", "adds", "µm", _UM),
             Column("f_ratio", "F", format=fixed(2)),
-            Column("probability", "p, white errors", format=PROBABILITY),
-            Column("probability_stated", "p, as stated", format=PROBABILITY),
+            Column("probability", "p", format=PROBABILITY),
             Column("verdict", "verdict"),
         ),
         tuple(_model(model) for model in models),
@@ -67,24 +66,21 @@ def _models(models: Sequence[ComparedModel]) -> Table:
 
 def _model(model: ComparedModel) -> tuple[Cell, ...]:
     if model.refused:
-        return (model.name, *[None] * 8, _NOT_IDENTIFIABLE)
+        return (model.name, *[None] * 7, _NOT_IDENTIFIABLE)
     row = (model.name, model.n_parameters, model.rms_um, model.aicc, model.bic)
     if model.base is None:
-        return (*row, *[None] * 4, "")
+        return (*row, *[None] * 3, "")
     return (
         *row,
         model.explained_um,
         model.ratio,
         model.probability,
-        model.probability_stated,
         _judged(model),
     )
 
 
 def _judged(model: ComparedModel) -> str:
-    if not model.significant:
-        return "not significant"
-    return "significant, as stated" if model.explained else "significant"
+    return "significant" if model.significant else "not significant"
 
 
 def _coefficients(models: Sequence[ComparedModel]) -> Table | None:

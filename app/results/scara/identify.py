@@ -128,6 +128,7 @@ def identified_result(
     nominal, now = (bench.link1_mm, bench.link2_mm), datetime.now(UTC)
     created = now.isoformat(timespec="seconds")
     result = result_of(identified, nominal, sources, SOFTWARE, created, simulated)
+    budget = budget.learnt(identified.budget)
     covariance = _with_taken_up(result.covariance, identified, budget)
     return result.model_copy(update={"budget": budget, "covariance": covariance})
 

@@ -54,11 +54,10 @@ class Reference:
 def reference(fit: Fit) -> Reference:
     """Return what the residuals of a fit are compared with.
 
-    χ² / dof counts in squares of the stated white uncertainty; what it is expected to be shows how far systematic
-    contributors widen that.
+    χ² / dof counts in squares of the stated uncertainty; systematic contributors are taken off before.
     """
     scatter_um = fit.sigma0_um if fit.lack_of_fit is None else fit.lack_of_fit.pure_um
     if not fit.chi2_reduced:
         return Reference(fit.sigma0_um, False, scatter_um)
-    expected = fit.sigma0_um * float(np.sqrt(fit.chi2_expected / fit.chi2_reduced))
+    expected = fit.sigma0_um / float(np.sqrt(fit.chi2_reduced))
     return Reference(expected, True, scatter_um)

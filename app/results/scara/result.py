@@ -74,11 +74,14 @@ class LackOfFitPart(ResultPart):
     systematic_um: float
     pure_um: float
     ratio: float
-    expected_ratio: float
     probability: float
-    probability_stated: float
     significant: bool
-    explained: bool
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_older_versions(cls, data: object) -> object:
+        """Results of version 0.x judged white errors, and noted beside it what stated errors explain."""
+        return {**data, "significant": False} if isinstance(data, dict) and data.get("explained") else data
 
 
 class RobustPart(ResultPart):
@@ -102,7 +105,6 @@ class Fit(ResultPart):
     rejected: list[str]
     null_directions: list[list[str]]
     chi2_reduced: float | None = None
-    chi2_expected: float = 1.0
     chi2_probability: float | None = None
     variance_ratio: float = 1.0
     row_variance_mm2: float | None = None

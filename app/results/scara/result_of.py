@@ -136,7 +136,6 @@ def _fit(fit: FitStatistics, rejected: list[str]) -> Fit:
         rejected=rejected,
         null_directions=[],
         chi2_reduced=fit.chi2_reduced,
-        chi2_expected=fit.chi2_expected,
         chi2_probability=fit.chi2_probability,
         variance_ratio=fit.variance_ratio,
         row_variance_mm2=fit.row_variance_mm2,

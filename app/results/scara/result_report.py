@@ -204,7 +204,6 @@ def _statistics(models: Sequence[Result]) -> Table:
 def _fit_column(model: Result) -> dict[str, Quantity]:
     fit, expected = model.fit, reference(model.fit)
     micrometres = fixed(2)
-    known = fit.chi2_reduced is not None
     rows: dict[str, tuple[float | None, Format]] = {
         "distances": (fit.n_points, COUNT),
         "free parameters": (fit.n_parameters, COUNT),
@@ -213,7 +212,6 @@ def _fit_column(model: Result) -> dict[str, Quantity]:
         "σ of a distance, from the fit / µm": (fit.sigma0_um, micrometres),
         "σ of a distance, stated / µm": (expected.sigma_um if expected.stated else None, micrometres),
         "χ² / dof": (fit.chi2_reduced, THREE_DIGITS),
-        "χ² / dof expected of what was stated": (fit.chi2_expected if known else None, THREE_DIGITS),
         "probability of a larger χ²": (fit.chi2_probability, PROBABILITY),
         **_lack_rows(fit.lack_of_fit),
         "uncertainties widened by": (
@@ -226,17 +224,14 @@ def _fit_column(model: Result) -> dict[str, Quantity]:
 
 
 def _lack_rows(lack: LackOfFitPart | None) -> dict[str, tuple[float | None, Format]]:
-    values: tuple[float | None, ...] = (None,) * 6
+    values: tuple[float | None, ...] = (None,) * 4
     if lack is not None:
-        values = (lack.pure_um, lack.systematic_um, lack.ratio, lack.expected_ratio)
-        values += (lack.probability, lack.probability_stated)
+        values = (lack.pure_um, lack.systematic_um, lack.ratio, lack.probability)
     rows = (
         ("pure scatter of repeats / µm", fixed(2)),
-        ("systematic part / µm", fixed(2)),
+        ("systematic part beyond what is stated / µm", fixed(2)),
         ("lack of fit, F", THREE_DIGITS),
-        ("F expected of what was stated", THREE_DIGITS),
-        ("probability of a larger F, white errors", PROBABILITY),
-        ("probability of a larger F, as stated", PROBABILITY),
+        ("probability of a larger F", PROBABILITY),
     )
     return {name: (value, form) for (name, form), value in zip(rows, values, strict=True)}
 

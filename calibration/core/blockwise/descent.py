@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
 from catseye.calibration.core.blockwise.normal_sums import NormalSums
 from catseye.calibration.core.errors import ConvergenceError
 from catseye.calibration.core.gauge import Gauge
@@ -49,18 +47,16 @@ def descend(sums_at: Callable[[Floats], NormalSums], start: Floats, gauge: Gauge
         ConvergenceError: no convergence within the iteration limit.
     """
     parameters, sums, damping = start, sums_at(start), 0.0
-    matrix = sums.matrix()
-    equations = NormalEquations.of(gauge.reduced(matrix), sums.gradient, gauge.basis)
+    equations = NormalEquations.of(gauge.reduced(sums.matrix()), sums.gradient, gauge.basis)
     for passes in range(1, MAX_ITERATIONS + 1):
         step, damping = _definite_step(equations, damping)
-        # The rms change of the residuals that is expected of the step: √(sᵀHs / Σw).
-        change_mm = float(np.sqrt(max(float(step @ matrix @ step), 0.0) / sums.weight))
+        change_mm = sums.change_mm(step)
         if change_mm < STEP_TOLERANCE and damping <= _LARGEST_DAMPING:
             return Minimum(parameters + step, sums, passes)
         trial = sums_at(parameters + step)
         if trial.cost <= sums.cost * (1.0 + _ROUNDING):
-            parameters, sums, damping, matrix = parameters + step, trial, 0.0, trial.matrix()
-            equations = NormalEquations.of(gauge.reduced(matrix), sums.gradient, gauge.basis)
+            parameters, sums, damping = parameters + step, trial, 0.0
+            equations = NormalEquations.of(gauge.reduced(sums.matrix()), sums.gradient, gauge.basis)
         else:
             damping = max(10.0 * damping, 1e-9)
     raise ConvergenceError(

@@ -11,6 +11,7 @@ from catseye.calibration.core.gauge import Gauge
 from catseye.calibration.core.model import Parameters
 from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.core.whitening import through_sources
 
 SQUARED_RANK_TOLERANCE = 3e-6
 """Singular values below this share of the largest count as zero here.
@@ -27,8 +28,8 @@ class NormalSums:
     Attributes:
         size: number of parameters p.
         residuals: the residuals themselves, summed up.
-        gradient: JᵀWr, shape (p,).
-        cost: rᵀWr.
+        white_gradient: JᵀWr, shape (p,).
+        white_cost: rᵀWr.
         weight: trace of W, 1/mm².
         effect_gradient: JᵀWE of the effects of m shared sources, shape (p, m).
         effect_matrix: EᵀWE, shape (m, m).
@@ -37,17 +38,17 @@ class NormalSums:
 
     size: int
     residuals: ResidualSums
-    gradient: Floats = field(init=False)
+    white_gradient: Floats = field(init=False)
     effect_gradient: Floats = field(init=False)
     effect_matrix: Floats = field(default_factory=lambda: np.zeros((0, 0)))
     effect_residuals: Floats = field(default_factory=lambda: np.zeros(0))
-    cost: float = 0.0
+    white_cost: float = 0.0
     weight: float = 0.0
     _products: dict[tuple[int, int], Floats] = field(default_factory=dict)
     _columns: list[slice] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.gradient = np.zeros(self.size)
+        self.white_gradient = np.zeros(self.size)
         self.effect_gradient = np.zeros((self.size, 0))
 
     def add(self, block: SparseRows, weights: Floats, group: Ints) -> None:
@@ -59,22 +60,24 @@ class NormalSums:
             group: number of each row's group, shape (n,).
         """
         weighted = block.residuals * weights
-        self.cost += float(weighted @ weighted)
+        self.white_cost += float(weighted @ weighted)
         self.weight += float(weights @ weights)
         self.residuals = self.residuals.plus(block.residuals, group)
         self._columns = [slice(slot.start, slot.start + slot.span) for slot in block.slots]
         for slot, columns in zip(block.slots, self._columns, strict=True):
-            self.gradient[columns] += np.bincount(slot.column, slot.value * weighted, slot.span)
+            self.white_gradient[columns] += np.bincount(slot.column, slot.value * weighted, slot.span)
         for i, first in enumerate(block.slots):
             for j in range(i, len(block.slots)):
                 self._add_product((i, j), first, block.slots[j])
 
-    def add_effects(self, block: SparseRows, effects: Floats) -> None:
+    def add_effects(self, block: SparseRows, weights: Floats, effects: Floats) -> None:
         """Take in what shared sources do to a block, weighted, shape (n, m)."""
         gradient, matrix = np.asarray(block.matrix().T @ effects), effects.T @ effects
+        residual = effects.T @ (block.residuals * weights)
         if self.effect_matrix.size:
             gradient, matrix = gradient + self.effect_gradient, matrix + self.effect_matrix
-        self.effect_gradient, self.effect_matrix = gradient, matrix
+            residual += self.effect_residuals
+        self.effect_gradient, self.effect_matrix, self.effect_residuals = gradient, matrix, residual
 
     def _add_product(self, pair: tuple[int, int], first: Slot, second: Slot) -> None:
         """Sum the products of two entries by the pair of columns that they belong to."""
@@ -85,7 +88,31 @@ class NormalSums:
         else:
             self._products[pair] = product.astype(np.float64)
 
+    @property
+    def gradient(self) -> Floats:
+        """JᵀV⁻¹r, V the covariance of white and shared errors, shape (p,)."""
+        return np.asarray(self.white_gradient - self.effect_gradient @ self._sources, dtype=np.float64)
+
+    @property
+    def cost(self) -> float:
+        """rᵀV⁻¹r."""
+        return float(self.white_cost - self.effect_residuals @ self._sources)
+
+    @property
+    def _sources(self) -> Floats:
+        """What the residuals say of the sources, shape (m,)."""
+        inner = self.effect_matrix + np.eye(self.effect_residuals.size)
+        return np.asarray(np.linalg.solve(inner, self.effect_residuals), dtype=np.float64)
+
     def matrix(self) -> Floats:
+        """Return JᵀV⁻¹J, shape (p, p)."""
+        return through_sources(self.white_matrix(), self.effect_gradient, self.effect_matrix)
+
+    def change_mm(self, step: Floats) -> float:
+        """Return the rms change of the residuals that is expected of a step of shape (p,): √(sᵀJᵀWJs / Σw)."""
+        return float(np.sqrt(max(float(step @ self.white_matrix() @ step), 0.0) / self.weight))
+
+    def white_matrix(self) -> Floats:
         """Return JᵀWJ, shape (p, p)."""
         upper = np.zeros((self.size, self.size))
         for (i, j), product in self._products.items():
@@ -95,11 +122,11 @@ class NormalSums:
         return np.asarray(upper + upper.T, dtype=np.float64)
 
 
-def white_covariance(matrix: Floats, parameters: Parameters, gauge: Gauge) -> Floats:
-    """Return the covariance for unit weights, shape (p, p).
+def covariance_of(matrix: Floats, parameters: Parameters, gauge: Gauge) -> Floats:
+    """Return the covariance that a normal matrix gives, shape (p, p).
 
     Args:
-        matrix: normal matrix JᵀWJ, shape (p, p).
+        matrix: JᵀV⁻¹J, shape (p, p).
 
     Raises:
         UnidentifiableError: directions that the normal matrix does not separate from null directions.

@@ -84,7 +84,7 @@ class Criterion:
         """Return minus the derivative of the value by the information, shape (f, f).
 
         Args:
-            covariance: white covariance, the inverse of the information, shape (f, f).
+            covariance: the inverse of the information, shape (f, f).
         """
         match self.name:
             case "A":
@@ -100,11 +100,8 @@ class Criterion:
                 return np.outer(worst, worst)
 
 
-def covariances(matrix: Floats, effects: Floats | None) -> Floats:
+def covariances(matrix: Floats) -> Floats:
     """Return the covariances of information of shape (..., f, f).
-
-    Args:
-        effects: of shared errors, shape (..., f, m); None leaves them out.
 
     Returns:
         Covariances, shape (..., f, f); where the information is singular, variances of at least SINGULAR.
@@ -116,11 +113,7 @@ def covariances(matrix: Floats, effects: Floats | None) -> Floats:
     scaled = np.linalg.inv(matrix * both + _TINY * identity)
     inflation = np.abs(np.diagonal(scaled, axis1=-2, axis2=-1)).max(axis=-1)
     undetermined = (inflation > _LARGEST_INFLATION)[..., None, None]
-    white = np.where(undetermined, SINGULAR * identity, both * scaled)
-    if effects is None:
-        return np.asarray(white, dtype=np.float64)
-    shifts = white @ effects
-    return np.asarray(white + shifts @ np.swapaxes(shifts, -1, -2), dtype=np.float64)
+    return np.asarray(np.where(undetermined, SINGULAR * identity, both * scaled), dtype=np.float64)
 
 
 def pareto_front(costs: Floats) -> Bools:

@@ -31,31 +31,33 @@ class Pool:
     """Candidates of a design, and which of them go together.
 
     Attributes:
-        matrix: information that each brings, shape (m, f, f).
-        effects: of shared errors, shape (m, f, e); None leaves them out of the criterion.
+        brought: information that each brings, stacked, m candidates.
         compatible: pairs that may be chosen together, shape (m, m).
+        systematic: shared errors count.
     """
 
-    matrix: Floats
-    effects: Floats | None
+    brought: Information
     compatible: Bools
+    systematic: bool
 
     @classmethod
     def of(cls, brought: list[Information], compatible: Bools, *, systematic: bool) -> "Pool":
         """Return the pool of what each candidate brings, at least one."""
         require_count(len(brought), "candidates")
         require_shape(compatible, (len(brought), len(brought)), "compatible")
-        effects = np.stack([one.effects for one in brought]) if systematic else None
-        return cls(np.stack([one.matrix for one in brought]), effects, compatible)
+        return cls(Information.stacked(brought), compatible, systematic)
 
     def __len__(self) -> int:
         """Return the number of candidates."""
-        return int(self.matrix.shape[0])
+        return int(self.compatible.shape[0])
+
+    def covariances(self, information: Information) -> Floats:
+        """Return the covariances of information, shape (..., f, f)."""
+        return covariances(information.counted(systematic=self.systematic))
 
     def value(self, chosen: Ints, criterion: Criterion) -> float:
         """Return the criterion of a choice."""
-        effects = None if self.effects is None else self.effects[chosen].sum(axis=0)
-        return float(criterion.value(covariances(self.matrix[chosen].sum(axis=0), effects)))
+        return float(criterion.value(self.covariances(self.brought[chosen].total())))
 
 
 @dataclass(frozen=True)
@@ -130,15 +132,13 @@ def _best_addition(
     """
     possible = np.asarray(np.all(pool.compatible[others], axis=0), dtype=np.bool_).reshape(len(pool))
     possible[others] = False
-    matrix = pool.matrix[others].sum(axis=0)
-    effects = None if pool.effects is None else pool.effects[others].sum(axis=0)
-    order, bounds = _by_bound(pool, matrix, np.flatnonzero(possible), present, criterion)
+    rest = pool.brought[others].total()
+    order, bounds = _by_bound(pool, rest, np.flatnonzero(possible), present, criterion)
     for first in range(0, order.size, _BATCH):
         if bounds[first] >= value - _LEAST_GAIN * abs(value):
             break
         batch = order[first : first + _BATCH]
-        own = None if effects is None or pool.effects is None else effects + pool.effects[batch]
-        reached = criterion.value(covariances(matrix + pool.matrix[batch], own))
+        reached = criterion.value(pool.covariances(rest + pool.brought[batch]))
         best = int(np.argmin(reached))
         if reached[best] < value - _LEAST_GAIN * abs(value) or (present < 0 and np.isinf(value)):
             present, value = int(batch[best]), float(reached[best])
@@ -146,18 +146,18 @@ def _best_addition(
 
 
 def _by_bound(
-    pool: Pool, matrix: Floats, possible: Ints, present: int, criterion: Criterion
+    pool: Pool, rest: Information, possible: Ints, present: int, criterion: Criterion
 ) -> tuple[Ints, Floats]:
     """Return candidates in the order of what they could reach at best, and that bound, shape (k,) each.
 
-    Shared errors are not convex in the information, and a singular choice has no tangent: then nothing is
-    bounded.
+    A singular choice has no tangent, and what sources take of the information is not linear in the candidates: then
+    nothing is bounded.
     """
-    here = covariances(matrix + pool.matrix[present], None) if present >= 0 else None
+    here = pool.covariances(rest + pool.brought[present]) if present >= 0 else None
     value = np.inf if here is None else float(criterion.value(here))
-    if pool.effects is not None or here is None or np.isinf(value):
+    if pool.systematic or here is None or np.isinf(value):
         return possible, np.full(possible.size, -np.inf)
-    gain = pool.matrix.reshape(len(pool), -1) @ criterion.slope(here).ravel()
+    gain = pool.brought.matrix.reshape(len(pool), -1) @ criterion.slope(here).ravel()
     bounds = value - (gain[possible] - gain[present])
     order = np.argsort(bounds, kind="stable")
     return possible[order], bounds[order]

@@ -57,7 +57,7 @@ class CommandPool:
     def covariance(self, kept: Bools) -> Floats:
         """Return the covariance of all parameters from the commands kept, shape (p, p)."""
         rows = self.rows[kept].reshape(-1, self.rows.shape[2])
-        return covariances(rows.T @ rows + np.diag(self.prior), None)
+        return covariances(rows.T @ rows + np.diag(self.prior))
 
     def value(self, kept: Bools, criterion: Criterion) -> float:
         """Return the criterion of the commands kept."""

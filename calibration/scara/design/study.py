@@ -140,11 +140,7 @@ class Study:
             information: of a layout; regular.
             systematic: with what does not average out.
         """
-        white = np.linalg.inv(information.matrix)
-        if not systematic:
-            return np.asarray(white, dtype=np.float64)
-        shifts = white @ information.effects
-        return np.asarray(white + shifts @ shifts.T, dtype=np.float64)
+        return np.asarray(np.linalg.inv(information.counted(systematic=systematic)), dtype=np.float64)
 
     def arm(self, covariance: Floats) -> IdentifiedArm:
         """Return the nominal arm with a covariance in the free directions, as if it had been identified."""

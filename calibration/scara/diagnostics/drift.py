@@ -121,25 +121,22 @@ def _drift(projection: DistanceProjection, member: Bools, tests: int) -> _Candid
 def _jump(projection: DistanceProjection, member: Bools, places: int) -> _Candidate | None:
     """Return the likeliest step of a segment.
 
-    All places are looked at in one pass: sums over the rows after the step give its coefficient, what the model
-    leaves of it, and what the stated contributors do to it.
+    All places are looked at in one pass: sums over the rows after the step give its coefficient and what model and
+    stated contributors leave of it.
     """
     rows = np.flatnonzero(member)
     weights = projection.weights[rows]
-    along = _after(weights * projection.residuals[rows])
-    shadow = _after(weights[:, None] * projection.orthonormal[rows])
-    common = _after(weights[:, None] * projection.effects[rows])
+    along = _after(weights * projection.pulls[rows])
+    shadow = _after(weights[:, None] * projection.reach[rows])
     whole = _after(weights**2)
     left = whole - np.einsum("ij,ij->i", shadow, shadow)
     seen = left > _LEFT * whole
     if not seen.any():
         return None
-    spread = left + np.einsum("ij,ij->i", common, common)
-    place = int(np.argmax(np.where(seen, along**2 / np.where(seen, spread, 1.0), 0.0)))
+    place = int(np.argmax(np.where(seen, along**2 / np.where(seen, left, 1.0), 0.0)))
     # What the step itself takes off the sum of squares is no scatter.
     rest = max(projection.square - along[place] ** 2 / left[place], 0.0)
-    scale = rest / projection.expected.mean
-    u = float(np.sqrt(scale * spread[place]) / left[place])
+    u = float(np.sqrt(rest / (projection.dof - 1) / left[place]))
     step = np.zeros(member.size)
     step[rows[place + 1 :]] = 1.0
     size = -float(along[place] / left[place])
@@ -156,7 +153,7 @@ def _change(
 ) -> Change:
     size, u = estimate_mm
     name, segment = projection.points.dead_paths[int(projection.points.dead_path[rows[0]])]
-    once = 2.0 * float(special.stdtr(projection.expected.dof, -abs(size) / u)) if u > 0.0 else 1.0
+    once = 2.0 * float(special.stdtr(projection.dof - 1, -abs(size) / u)) if u > 0.0 else 1.0
     return Change(
         kind=kind,
         reflector=name,

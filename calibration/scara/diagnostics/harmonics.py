@@ -37,8 +37,7 @@ class Harmonic(Judged):
         amplitude: rad for a joint, mm for the distance.
         u: standard uncertainty of each of both parts, along the wave found.
         explained_um: standard deviation of a distance that it would explain, µm.
-        probability: that chance alone gives an order this clear among all that were looked at; white errors.
-        probability_stated: the same with the stated systematic contributors.
+        probability: that chance alone gives an order this clear among all that were looked at.
     """
 
     target: Target
@@ -49,7 +48,6 @@ class Harmonic(Judged):
     u: float
     explained_um: float
     probability: float
-    probability_stated: float
 
 
 @dataclass(frozen=True)
@@ -87,11 +85,7 @@ def harmonic_series(
 
 
 def _corrected(one: Harmonic, tests: int) -> Harmonic:
-    return replace(
-        one,
-        probability=adjusted(one.probability, tests),
-        probability_stated=adjusted(one.probability_stated, tests),
-    )
+    return replace(one, probability=adjusted(one.probability, tests))
 
 
 def _series(
@@ -129,7 +123,6 @@ def _harmonic(
         u=float(np.sqrt(along @ found.covariance @ along)),
         explained_um=found.explained_um,
         probability=found.probability,
-        probability_stated=found.probability_stated,
     )
 
 

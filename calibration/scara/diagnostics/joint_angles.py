@@ -25,8 +25,7 @@ class AnglePattern(Judged):
         count: distances of each level.
         explained_um: standard deviation of a distance that levels of their own would explain, µm.
         ratio: F; None when the model absorbs a level of its own for each angle.
-        probability: of a ratio this large, white errors.
-        probability_stated: of a ratio this large, stated contributors included.
+        probability: of a ratio this large when there is nothing but the stated errors.
     """
 
     joint: int
@@ -36,7 +35,6 @@ class AnglePattern(Judged):
     explained_um: float
     ratio: float | None
     probability: float
-    probability_stated: float
 
 
 def angle_patterns(
@@ -59,7 +57,7 @@ def _pattern(projection: DistanceProjection, joint: int, angle_rad: Floats) -> A
     count = np.bincount(level)
     member = np.zeros((angle_rad.size, count.size))
     member[np.arange(angle_rad.size), level] = 1.0
-    residual_um = 1e3 * projection.residuals / projection.weights
+    residual_um = 1e3 * projection.pulls / projection.weights
     found = addition(projection, member)
     return AnglePattern(
         joint=joint,
@@ -69,7 +67,6 @@ def _pattern(projection: DistanceProjection, joint: int, angle_rad: Floats) -> A
         explained_um=0.0 if found is None else found.explained_um,
         ratio=None if found is None else found.ratio,
         probability=1.0 if found is None else found.probability,
-        probability_stated=1.0 if found is None else found.probability_stated,
     )
 
 

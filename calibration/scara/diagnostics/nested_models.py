@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from catseye.calibration.core.errors import CalibrationError
-from catseye.calibration.core.projection import Projection
+from catseye.calibration.core.projection import Projection, explained_um
 from catseye.calibration.core.significance import Judged, adjusted, aicc, bic, f_test
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.diagnostics.problem import Problem
@@ -44,8 +44,7 @@ class ComparedModel(Judged):
         bic: information criterion.
         explained_um: standard deviation of a distance that it explains beyond its base, µm; scatter taken off.
         ratio: F.
-        probability: of a ratio this large when it adds nothing: white errors; corrected for the extensions tried.
-        probability_stated: the same when the stated systematic contributors act.
+        probability: of a ratio this large when it adds nothing, corrected for the extensions tried.
         terms: what it has beyond the maps.
         coefficients: of the terms, rad or mm, shape (k,).
         u: their standard uncertainties, shape (k,).
@@ -61,14 +60,13 @@ class ComparedModel(Judged):
     explained_um: float
     ratio: float
     probability: float
-    probability_stated: float
     terms: tuple[Term, ...]
     coefficients: Floats
     u: Floats
 
     @property
     def significant(self) -> bool:
-        """White errors alone do not look like this."""
+        """The stated errors alone do not look like this."""
         return not self.refused and super().significant
 
 
@@ -134,7 +132,6 @@ def _refused(extension: Extension, text: str) -> ComparedModel:
         explained_um=0.0,
         ratio=np.nan,
         probability=1.0,
-        probability_stated=1.0,
         terms=extension.terms,
         coefficients=nothing,
         u=nothing,
@@ -145,7 +142,7 @@ def _compared(name: str, base: tuple[str, _Fitted] | None, fitted: _Fitted, test
     identified, projection = fitted.identified, fitted.projection
     extension = identified.layout.extension
     size = (projection.square, len(identified.points), identified.fit.n_parameters)
-    explained_um, ratio, white, stated = (0.0, np.nan, 1.0, 1.0) if base is None else _gain(base[1], fitted)
+    gained_um, ratio, probability = (0.0, np.nan, 1.0) if base is None else _gain(base[1], fitted)
     return ComparedModel(
         name,
         None if base is None else base[0],
@@ -154,23 +151,18 @@ def _compared(name: str, base: tuple[str, _Fitted] | None, fitted: _Fitted, test
         rms_um=identified.fit.rms_um,
         aicc=aicc(*size),
         bic=bic(*size),
-        explained_um=explained_um,
+        explained_um=gained_um,
         ratio=ratio,
-        probability=adjusted(white, tests),
-        probability_stated=adjusted(stated, tests),
+        probability=adjusted(probability, tests),
         terms=identified.layout.terms,
         coefficients=identified.parameters[extension],
         u=identified.standard_uncertainty[extension],
     )
 
 
-def _gain(base: _Fitted, larger: _Fitted) -> tuple[float, float, float, float]:
-    """Return what a larger model explains, µm, F and both probabilities."""
+def _gain(base: _Fitted, larger: _Fitted) -> tuple[float, float, float]:
+    """Return what a larger model explains, µm, F and its probability."""
     one, other = base.projection, larger.projection
-    rank = one.dof - other.dof
-    inner = one.effects.T @ one.effects - other.effects.T @ other.effects
-    expected = one.expected.minus(other.expected, rank, inner)
     gain = max(one.square - other.square, 0.0)
-    test = f_test(gain, expected, rank, other.square, other.expected, other.dof)
-    size_um = one.unit_um * test.explained_um / float(np.sqrt(one.residuals.size))
-    return size_um, test.ratio, test.probability, test.probability_stated
+    test = f_test(gain, one.dof - other.dof, other.square, other.dof)
+    return explained_um(one, test), test.ratio, test.probability

@@ -32,9 +32,7 @@ def projection_of(identified: Identification) -> DistanceProjection:
     """Return an identification as a projection."""
     model, values = identified.model, identified.parameters
     found = project(model, values, identified.residuals_mm)
-    return DistanceProjection(
-        found.weights, found.orthonormal, found.residuals, found.effects, model.geometry(values)
-    )
+    return DistanceProjection(found.whitening, found.orthonormal, found.residuals, model.geometry(values))
 
 
 def angles_rad(

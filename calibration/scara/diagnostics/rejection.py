@@ -114,7 +114,7 @@ def reject(problem: Problem, limit: float, most: float = MOST_REJECTED) -> Clean
 
 def _of_row(projection: DistanceProjection, row: int, i: int, studentised: float, leans: bool) -> Rejected:
     points, commands = projection.points, projection.points.commands
-    own = 1.0 - float(projection.orthonormal[i] @ projection.orthonormal[i]) if leans else 1.0
+    own = float(projection.own[i]) if leans else 1.0
     name, segment = points.dead_paths[int(points.dead_path[i])]
     return Rejected(
         row=row + 1,
@@ -124,7 +124,7 @@ def _of_row(projection: DistanceProjection, row: int, i: int, studentised: float
         theta2_deg=round(float(np.rad2deg(commands.theta2_rad[i])), 6),
         direction1=int(commands.direction1[i]),
         direction2=int(commands.direction2[i]),
-        residual_um=1e3 * float(projection.residuals[i] / projection.weights[i]) / own,
+        residual_um=1e3 * float(projection.pulls[i] / projection.weights[i]) / own,
         studentised=studentised,
     )
 

@@ -15,6 +15,7 @@ import numpy as np
 from catseye.calibration.core.errors import ConvergenceError
 from catseye.calibration.core.least_squares import Solution, minimise
 from catseye.calibration.core.types import Floats
+from catseye.calibration.core.whitening import Whitening
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
 from catseye.calibration.scara.layout import Layout, ModelName
 from catseye.calibration.scara.plausibility.bounds import Bounds
@@ -89,7 +90,7 @@ def fitted(case: Case, bounds: Bounds, start_mm: Floats | None = None) -> Bounde
             rows.jacobian,
             start,
             np.eye(start.size)[:, : start.size - (case.free != "scale")],
-            np.concatenate([case.weights, 1.0 / _spread(layout, bounds, case.free)]),
+            Whitening.of(np.concatenate([case.weights, 1.0 / _spread(layout, bounds, case.free)])),
         )
     except ConvergenceError:
         return None

@@ -36,7 +36,7 @@ def judge(problem: Problem, found: Identification | None, bounds: Bounds = BOUND
     asis = fitted(case.thinned(MOST_ROWS), bounds)
     rms_mm = None if asis is None else asis.rms_mm
     beyond = asis is None or asis.strain(bounds) > 1.0
-    if asis is None or beyond or asis.rms_mm > _FAR_BEYOND * _stated_mm(found):
+    if asis is None or beyond or asis.rms_mm > _FAR_BEYOND * _stated_mm(problem, found):
         mistakes = mistakes_of(case, asis, bounds, broken=beyond or bool(breaks))
         if mistakes or found is None:
             return Verdict(breaks, mistakes, rms_mm=rms_mm)
@@ -57,11 +57,11 @@ def _case(problem: Problem, found: Identification | None) -> Case:
     return Case(points, nodes, (problem.link1_mm, problem.link2_mm), places).of_points(points)
 
 
-def _stated_mm(found: Identification | None) -> float:
-    """Return the root mean square of the errors that were stated for the distances."""
+def _stated_mm(problem: Problem, found: Identification | None) -> float:
+    """Return the root mean square of the errors that were stated for the distances, whatever they have shown."""
     if found is None or found.points.sigma_mm is None:
         return _UNSTATED_MM
-    shared = systematic_effects(found.budget, found.model.geometry(found.parameters))
+    shared = systematic_effects(problem.budget, found.model.geometry(found.parameters))
     return math.sqrt(float(np.mean(found.points.sigma_mm**2) + np.mean(np.sum(shared**2, axis=1))))
 
 

@@ -29,7 +29,7 @@ class Passes:
         nominal_mm: nominal links, mm.
         rough_mm: rough places of the reflectors, mm, shape (reflectors, 2).
         budget: contributors; None for what the points state alone.
-        estimate: where the white contributors are taken, shape (p,); None for the nominal arm.
+        estimate: where the contributors are taken, shape (p,); None for the nominal arm.
     """
 
     used: UsedRows
@@ -71,8 +71,7 @@ class Passes:
         model = DistanceModel(self.layout, block, design, self.repeating)
         if not weighted or block.sigma_mm is not None or self.budget is None or not self.budget.white:
             return model
-        known = self._nominal_parameters() if self.estimate is None else self.estimate
-        sigma = combined_white_mm(self.budget, model.geometry(known))
+        sigma = combined_white_mm(self.budget, model.geometry(self._known))
         if not sigma.all():
             raise CalibrationError(
                 "the white contributors leave some distances without an uncertainty: add one of kind length"
@@ -90,9 +89,14 @@ class Passes:
             rows = sparse_rows(model, beams, parameters, weights)
             sums.add(rows, weights, block.dead_path)
             if self.repeating is not None and self.repeating.systematic:
-                effects = systematic_effects(self.repeating, model.geometry_of(beams))
-                sums.add_effects(rows, effects * weights[:, None])
+                # Taken at the same parameters in each pass, for the sum of squares to be one and the same.
+                effects = systematic_effects(self.repeating, model.geometry(self._known))
+                sums.add_effects(rows, weights, effects * weights[:, None])
         return sums
+
+    @property
+    def _known(self) -> Floats:
+        return self._nominal_parameters() if self.estimate is None else self.estimate
 
     def _nominal_parameters(self) -> Floats:
         parameters = np.zeros(self.layout.size)

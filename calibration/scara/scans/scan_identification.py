@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from catseye.calibration.core.blockwise.descent import Minimum, descend
-from catseye.calibration.core.blockwise.normal_sums import white_covariance
+from catseye.calibration.core.blockwise.normal_sums import covariance_of
 from catseye.calibration.core.blockwise.residual_sums import ResidualSums
 from catseye.calibration.core.errors import CalibrationError, InsufficientPointsError
 from catseye.calibration.core.fit_statistics import FitSums, summed_statistics
@@ -15,7 +15,7 @@ from catseye.calibration.scara.budget import Budget
 from catseye.calibration.scara.error_map import interpolate
 from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.extension import Term
-from catseye.calibration.scara.identification import Identification, require_nominal
+from catseye.calibration.scara.identification import Identification, require_nominal, with_spectra
 from catseye.calibration.scara.layout import UNSETTLED, Layout, ModelName
 from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.scans.passes import Passes
@@ -98,9 +98,12 @@ def identify_scan(
     _require_size(layout)
     _require_rows(used.rows, layout.gauge.free, model)
     passes = Passes(used, layout, (link1_mm, link2_mm), rough, budget)
-    few = used.few()
-    first = _minimum_of_sample(passes, few)
-    passes = replace(passes, estimate=first.parameters)
+    few, even = used.few()
+    passes, first = _settled(passes, few)
+    if budget is not None and model == "error-map":
+        # As identify does, from the same rows.
+        learnt = with_spectra(budget, passes.model(few.rows(even)), first.parameters)
+        passes, first = _settled(replace(passes, budget=learnt), few)
     half_width_mm = max(_HISTOGRAM_RMS * first.sums.residuals.rms_mm, _FINEST_MM)
     counter = _Counter(used.rows, progress)
     minimum = descend(
@@ -149,12 +152,19 @@ def _minimum_of_sample(passes: Passes, few: Points) -> Minimum:
     )
 
 
+def _settled(passes: Passes, few: Points) -> tuple[Passes, Minimum]:
+    """Return passes that take the contributors at the minimum of a sample, and that minimum."""
+    first = _minimum_of_sample(passes, few)
+    for _ in range(0 if passes.budget is None else 2):
+        passes = replace(passes, estimate=first.parameters)
+        first = _minimum_of_sample(passes, few)
+    return passes, first
+
+
 def _judged(passes: Passes, minimum: Minimum, few: Points) -> ScanIdentification:
     """Attach covariance, statistics and a sample of the residuals to a minimum."""
     sums, layout = minimum.sums, passes.layout
-    white = white_covariance(sums.matrix(), layout.parameters(), layout.gauge)
-    # How the systematic contributors shift the estimate, and what of them stays in the residuals.
-    shifts = white @ sums.effect_gradient
+    covariance = covariance_of(sums.matrix(), layout.parameters(), layout.gauge)
     sample = passes.model(few.rows(np.arange(0, len(few), -(-len(few) // _SAMPLE))))
     fit = summed_statistics(
         FitSums(
@@ -163,7 +173,6 @@ def _judged(passes: Passes, minimum: Minimum, few: Points) -> ScanIdentification
             square=sums.cost,
             square_mm2=float(sums.residuals.square_mm2.sum()),
             weight=sums.weight,
-            inner=sums.effect_matrix - sums.effect_gradient.T @ shifts,
             stated=sample.points.sigma_mm is not None,
             iterations=minimum.passes,
         ),
@@ -172,7 +181,7 @@ def _judged(passes: Passes, minimum: Minimum, few: Points) -> ScanIdentification
     identified = Identification(
         layout,
         minimum.parameters,
-        fit.unit_weight_variance * (white + shifts @ shifts.T),
+        fit.unit_weight_variance * covariance,
         sample.points,
         sample.residuals(minimum.parameters),
         fit,

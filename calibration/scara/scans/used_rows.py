@@ -5,12 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from catseye.calibration.core.amplitudes import even_step
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.scara.points import Points, concatenated, short_segments
 from catseye.calibration.scara.scans.source import PointSource
-
-_FEW = 40_000
-"""So many rows, evenly spread, give starting values that one full pass improves to the end."""
 
 
 @dataclass(frozen=True)
@@ -67,15 +65,20 @@ class UsedRows:
             return np.zeros(len(block))
         return (block.time_s - begin) / span - 0.5
 
-    def few(self) -> Points:
-        """Return evenly spread rows, with some of each segment."""
-        every, first, chosen = -(-self.rows // _FEW), 0, []
+    def few(self) -> tuple[Points, Ints]:
+        """Return evenly spread rows with some of each segment, and the numbers of those that are evenly spread.
+
+        So many rows give starting values that one full pass improves to the end.
+        """
+        every, first, chosen, even, count = even_step(self.rows), 0, [], [], 0
         for block in self.blocks():
             rows = np.arange(-first % every, len(block), every)
             beginnings = np.unique(block.dead_path, return_index=True)[1]
-            chosen.append(block.rows(np.union1d(rows, beginnings)))
-            first += len(block)
-        return concatenated(chosen)
+            kept = np.union1d(rows, beginnings)
+            chosen.append(block.rows(kept))
+            even.append(count + np.flatnonzero(np.isin(kept, rows)))
+            first, count = first + len(block), count + kept.size
+        return concatenated(chosen), np.concatenate(even)
 
 
 def used_rows(source: PointSource, check: Callable[[Points, int], None]) -> UsedRows:

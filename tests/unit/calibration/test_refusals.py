@@ -143,7 +143,7 @@ def rules(**changes: Any) -> Rules:
 
 
 def pool(count: int) -> Pool:
-    brought = [Information(np.eye(2), np.zeros((2, 0)))] * count
+    brought = [Information(np.eye(2), np.zeros((2, 0)), np.zeros((0, 0)))] * count
     return Pool.of(brought, np.ones((count, count), dtype=np.bool_), systematic=False)
 
 

@@ -38,8 +38,7 @@ class CommandChoice:
     def shown(self, name: CriterionName, *, systematic: bool) -> float:
         """Return the uncertainty that a criterion stands for; infinite where it is not determined."""
         criterion = self.layout.problem.with_criterion(name)
-        effects = self.information.effects if systematic else None
-        value = float(criterion.value(covariances(self.information.matrix, effects)))
+        value = float(criterion.value(covariances(self.information.counted(systematic=systematic))))
         return criterion.shown(value) if np.isfinite(value) else np.inf
 
 
@@ -62,7 +61,7 @@ def choose_for_time(layout: Layout, limit_s: float) -> CommandChoice:
     Raises:
         UsageError: even the fewest commands that determine the arm take longer.
     """
-    fewest, most = choose(layout, 0), len(layout.problem.sequence)
+    fewest, most = choose(layout, 1), len(layout.problem.sequence)
     if not fewest.cost.duration_s <= limit_s:
         raise UsageError(
             f"{limit_s / 60.0:g} min do not suffice: the {int(fewest.kept.sum())} commands that determine the arm at "

@@ -166,8 +166,8 @@ def _compromise(task: tuple[Layout, float]) -> list[Compromise]:
     for repeats in _FRONT_REPEATS:
         information = choice.information.times(repeats)
         white, total = (
-            float(problem.criterion.value(covariances(information.matrix, effects)))
-            for effects in (None, information.effects)
+            float(problem.criterion.value(covariances(information.counted(systematic=systematic))))
+            for systematic in (False, True)
         )
         rows.append(
             Compromise(
@@ -252,34 +252,16 @@ def exchanged_values(design: Design) -> tuple[int, Floats]:
     """
     problem, pool = design.problem, design.places.pool
     brought = [problem.study.rows(sight).information() for sight in design.layout.sights]
-    rests = [
-        _sum([information for i, information in enumerate(brought) if i != k], pool)
-        for k in range(len(brought))
-    ]
-    values = [_value(problem, *rest) for rest in rests]
+    rests = [_sum([one for i, one in enumerate(brought) if i != k], pool) for k in range(len(brought))]
+    values = [float(problem.criterion.value(pool.covariances(rest))) for rest in rests]
     least = int(np.argmin(values))
-    matrix, effects = rests[least]
-    all_effects = None if pool.effects is None or effects is None else effects + pool.effects
-    reached = problem.criterion.value(covariances(matrix + pool.matrix, all_effects))
+    reached = problem.criterion.value(pool.covariances(rests[least] + pool.brought))
     shown = [problem.criterion.shown(float(one)) if np.isfinite(one) else np.inf for one in reached]
     return least, np.array(shown)
 
 
-def _sum(brought: list[Information], pool: Pool) -> tuple[Floats, Floats | None]:
-    matrix = (
-        np.sum([information.matrix for information in brought], axis=0)
-        if brought
-        else np.zeros(pool.matrix.shape[1:])
-    )
-    if pool.effects is None:
-        return matrix, None
-    effects = (
-        np.sum([information.effects for information in brought], axis=0)
-        if brought
-        else np.zeros(pool.effects.shape[1:])
-    )
-    return matrix, effects
-
-
-def _value(problem: Problem, matrix: Floats, effects: Floats | None) -> float:
-    return float(problem.criterion.value(covariances(matrix, effects)))
+def _sum(brought: list[Information], pool: Pool) -> Information:
+    if brought:
+        return Information.stacked(brought).total()
+    free, sources = pool.brought.effects.shape[1:]
+    return Information.none(free, sources)

@@ -51,7 +51,7 @@ class Layout:
 
     def covariance(self, *, systematic: bool) -> Floats:
         """Return the covariance in the study's free directions, shape (f, f)."""
-        return covariances(self.information.matrix, self.information.effects if systematic else None)
+        return covariances(self.information.counted(systematic=systematic))
 
     def shown(self, name: CriterionName, *, systematic: bool) -> float:
         """Return the uncertainty that a criterion stands for; infinite where it is not determined."""
@@ -237,8 +237,8 @@ class _Valued:
             total = None if total is None or one is None else total + one
         if total is None:
             return float("inf")
-        effects = total.effects if self._problem.systematic else None
-        return float(self._problem.criterion.value(covariances(total.matrix, effects)))
+        counted = total.counted(systematic=self._problem.systematic)
+        return float(self._problem.criterion.value(covariances(counted)))
 
     def _brought(self, place: Floats) -> Information | None:
         key = tuple(float(value) for value in place)

@@ -112,7 +112,6 @@ def test_growing_links_are_a_finding_with_their_size(
     assert list(models)[:5] == ["conventional", "error map", "J1–J2 crosstalk", "J4 map", "thermal drift"]
     thermal = models["thermal drift"]
     assert thermal["significant"]
-    assert not thermal["explained_by_stated"]
     growth = thermal["terms"][0]
     assert (growth["name"], growth["unit"]) == ("ΔL1 t", "um")
     assert abs(growth["value"] - 50.0) < 4.0 * growth["u"] < 20.0

@@ -89,7 +89,6 @@ def error_map() -> dict[str, Any]:
             "rejected": ["row 12 (reflector P1) 140 µm off"],
             "null_directions": [],
             "chi2_reduced": 1.1,
-            "chi2_expected": 1.0,
             "chi2_probability": 0.3,
         },
         "nominal": {"link1_mm": 325.0, "link2_mm": 225.0},
@@ -157,9 +156,7 @@ DIAGNOSIS: Final = DiagnosisDocument(
         DiagnosisFinding(kind="good", text="The error map leaves 12.3 µm rms in 40 distances."),
         DiagnosisFinding(kind="bad", text="2 distances stand out: the farthest is row 7."),
     ],
-    fit=DiagnosedFit(
-        n_points=40, n_parameters=20, rms_um=12.3, chi2_reduced=1.1, chi2_expected=1.0, rejected=[]
-    ),
+    fit=DiagnosedFit(n_points=40, n_parameters=20, rms_um=12.3, chi2_reduced=1.1, rejected=[]),
     models=[],
     outliers=Outliers(
         limit=3.9,

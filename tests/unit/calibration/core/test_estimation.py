@@ -16,6 +16,7 @@ from catseye.calibration.core.model import Model, Parameters
 from catseye.calibration.core.projection import addition, project
 from catseye.calibration.core.robust import robust_estimate
 from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.core.whitening import Whitening
 
 PLACES = np.repeat(np.arange(12.0), 2)
 TRUE = np.array([3.0, -0.5])
@@ -82,6 +83,20 @@ def solved(model: Model, size: int = 2) -> Estimate:
     return estimate(model, np.zeros(size))
 
 
+def covariance_of(model: Line) -> Floats:
+    """Return the rows' whole covariance, mm²."""
+    effects = np.zeros((PLACES.size, 0)) if model.effects is None else model.effects
+    return np.asarray(np.diag(SIGMA**2) + effects @ effects.T, dtype=np.float64)
+
+
+def fitted(columns: Floats, measured: Floats, covariance: Floats) -> Floats:
+    """Return what generalised least squares finds by dense linear algebra."""
+    inverse = np.linalg.inv(covariance)
+    return np.asarray(
+        np.linalg.solve(columns.T @ inverse @ columns, columns.T @ inverse @ measured), dtype=np.float64
+    )
+
+
 def test_covariance_and_degrees_of_freedom_are_those_of_gtc() -> None:
     model = line()
     found = solved(model)
@@ -94,8 +109,8 @@ def test_covariance_and_degrees_of_freedom_are_those_of_gtc() -> None:
             model.measured, SIGMA, model.effects, [GTC.ureal(0.0, 1.0) for _ in SIGMA], strict=True
         )
     ]
-    weighted = model.columns / SIGMA[:, None]
-    gain = np.linalg.solve(weighted.T @ weighted, weighted.T) / SIGMA
+    inverse = np.linalg.inv(covariance_of(model))
+    gain = np.linalg.solve(model.columns.T @ inverse @ model.columns, model.columns.T @ inverse)
     values = [sum(g * row for g, row in zip(line_of, rows, strict=True)) for line_of in gain]
     assert found.values == pytest.approx([one.x for one in values])
     expected = [[GTC.get_covariance(a, b) for b in values] for a in values]
@@ -131,7 +146,7 @@ def test_an_unsettled_iteration_gives_the_models_advice() -> None:
             lambda x: -1e20 * np.exp(-x)[:, None],
             np.zeros(1),
             np.eye(1),
-            np.ones(1),
+            Whitening.of(np.ones(1)),
             "look at the clock",
         )
 
@@ -146,34 +161,42 @@ def test_repeats_test_the_lack_of_fit() -> None:
     assert lacking.significant
 
 
-def test_added_function_has_the_coefficient_of_a_full_fit() -> None:
-    model = line(shared=False)
+@pytest.mark.parametrize("shared", [False, True])
+def test_added_function_has_the_coefficient_of_a_full_fit(shared: bool) -> None:
+    model = line(shared=shared)
     found = solved(model)
     column = PLACES[:, None] ** 2
     more = addition(project(model, found.values, found.residuals_mm), column)
     assert more is not None
-    whole = np.column_stack([model.columns, column]) / SIGMA[:, None]
-    expected = np.linalg.lstsq(whole, model.measured / SIGMA, rcond=None)[0]
+    whole = np.column_stack([model.columns, column])
+    expected = fitted(whole, model.measured, covariance_of(model))
     assert more.coefficients[0] == pytest.approx(expected[2])
 
 
-def test_left_out_groups_are_predicted_as_by_refitting() -> None:
-    model = line(shared=False)
+@pytest.mark.parametrize("shared", [False, True])
+def test_left_out_groups_are_predicted_as_by_refitting(shared: bool) -> None:
+    model = line(shared=shared)
     found = solved(model)
     groups = (PLACES // 3).astype(np.int64)
     folds = Folds("group", ("a", "b", "c", "d"), groups, np.zeros(4, dtype=np.int64))
     predicted = predicted_residuals(project(model, found.values, found.residuals_mm), folds)
-    kept = groups != 2
-    rest = np.linalg.lstsq(
-        model.columns[kept] / SIGMA[kept, None], model.measured[kept] / SIGMA[kept], rcond=None
-    )
-    assert predicted[~kept] == pytest.approx((model.columns @ rest[0] - model.measured)[~kept])
+    kept, covariance = groups != 2, covariance_of(model)
+    within, across = covariance[np.ix_(kept, kept)], covariance[np.ix_(~kept, kept)]
+    rest = fitted(model.columns[kept], model.measured[kept], within)
+    left = model.columns @ rest - model.measured
+    # What the others' residuals say of the errors that both share is part of the prediction.
+    expected = left[~kept] - across @ np.linalg.solve(within, left[kept])
+    assert predicted[~kept] == pytest.approx(expected)
 
 
-def test_single_wrong_rows_hardly_move_a_robust_estimate() -> None:
-    model = line(shared=False)
+@pytest.mark.parametrize("shared", [False, True])
+def test_single_wrong_rows_hardly_move_a_robust_estimate(shared: bool) -> None:
+    model = line(shared=shared)
     wrong = replace(model, measured=model.measured + np.where(np.arange(PLACES.size) == 20, 5.0, 0.0))
     found = robust_estimate(wrong, solved(wrong), "huber")
     assert found.weights[20] < 0.01
-    assert np.abs(found.estimate.values - TRUE).max() < 0.03
-    assert np.abs(solved(wrong).values - TRUE).max() > 0.05
+    sound = np.arange(PLACES.size) != 20
+    covariance = covariance_of(model)[np.ix_(sound, sound)]
+    without = fitted(model.columns[sound], model.measured[sound], covariance)
+    assert np.abs(found.estimate.values - without).max() < 0.02
+    assert np.abs(solved(wrong).values - without).max() > 0.05

@@ -51,8 +51,12 @@ def identified(
     return identify(chosen, model, *nodes, 325.0, 225.0, places, budget, terms)
 
 
-def radial_motions(budget: RadialBudget) -> Budget:
-    """Return radial error motions of J1, J2 and J4 as contributors."""
+def radial_motions(budget: RadialBudget, *, learnt: bool = False) -> Budget:
+    """Return radial error motions of J1, J2 and J4 as contributors.
+
+    Args:
+        learnt: distances have shown that their harmonics are even, so that nobody asks again.
+    """
     stated: tuple[tuple[Axis, float], ...] = (
         ("j1", budget.j1_mm),
         ("j2", budget.j2_mm),
@@ -60,7 +64,15 @@ def radial_motions(budget: RadialBudget) -> Budget:
     )
     return Budget(
         tuple(
-            Contributor(axis.upper(), "radial", u, "axis-angle", axis, orders=budget.orders)
+            Contributor(
+                axis.upper(),
+                "radial",
+                u,
+                "axis-angle",
+                axis,
+                orders=budget.orders,
+                spectrum=(1.0,) * budget.orders if learnt else (),
+            )
             for axis, u in stated
         )
     )

@@ -1,12 +1,14 @@
 """The covariance taken apart: sums, closed forms, and identifications with one contributor at a time."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget, Contributor
+from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.points import Commands
 from catseye.calibration.scara.prediction import predict
 from catseye.calibration.scara.uncertainty import contributions
@@ -45,14 +47,30 @@ def test_parts_sum_to_a_covariance_that_was_widened(model: str) -> None:
 
 
 @pytest.mark.parametrize("contributor", CONTRIBUTORS[2:], ids=lambda one: one.name)
-def test_a_part_is_the_covariance_its_contributor_adds(
-    contributor: Contributor,
-) -> None:
+def test_a_part_is_what_the_contributors_errors_do_to_estimates(contributor: Contributor) -> None:
+    """The estimate is moved by each source in turn; the budget's weights stay as they are."""
     points = noisy_points(sigma_mm=0.0156)
-    without, with_it = identified(points), identified(points, budget=Budget((contributor,)))
-    added = with_it.covariance / with_it.fit.variance_ratio - without.covariance / without.fit.variance_ratio
-    part = contributions(with_it).covariances[1] / with_it.fit.variance_ratio
-    assert np.abs(part - added).max() < 1e-9 * float(np.abs(with_it.covariance).max())
+    one = identified(points, budget=Budget((contributor,)))
+    assert one.budget is not None
+    part = contributions(one).covariances[1] / one.fit.variance_ratio
+    moved = np.zeros_like(part)
+    for effect in one.model.shared(one.parameters)[0].effects_mm.T:
+        shift = estimates_beside(one, 0.1 * effect) / 0.2
+        moved += np.outer(shift, shift)
+    u = one.standard_uncertainty
+    assert np.abs((part - moved) / np.outer(u, u)).max() < 1e-4
+
+
+def estimates_beside(one: Identification, effect_mm: Floats) -> Floats:
+    """Return the difference of the estimates with an error added to the distances and taken off."""
+    first, second = (
+        identified(
+            replace(one.points, displacement_mm=one.points.displacement_mm + sign * effect_mm),
+            budget=one.budget,
+        ).parameters
+        for sign in (1.0, -1.0)
+    )
+    return first - second
 
 
 def test_a_common_scale_scales_the_arm_and_turns_nothing() -> None:

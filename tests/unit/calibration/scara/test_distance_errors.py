@@ -74,7 +74,7 @@ def test_the_direction_of_the_beam_makes_cosine_errors() -> None:
 
 
 def test_radial_motions_are_shared_by_distances_at_one_angle() -> None:
-    radial = Contributor("radial J1", "radial", 0.010, "axis-angle", "j1", orders=3)
+    radial = Contributor("radial J1", "radial", 0.010, "axis-angle", "j1", orders=3, spectrum=(1.0,) * 3)
     one = with_budget(Contributor("white", "length", 1e-6), radial)
     errors = drawn(one)
     commands = one.points.commands

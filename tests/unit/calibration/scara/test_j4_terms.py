@@ -76,9 +76,8 @@ def test_coefficients_and_links_lie_within_their_uncertainties() -> None:
 
 def test_the_first_order_still_makes_the_second_link_uncertain() -> None:
     """It lengthens beams as a longer L2 does, and no map can distinguish the two."""
-    with_map, without = identified(Motion.drawn(1), 1), identified(Motion.drawn(1), 1, ())
+    with_map = identified(Motion.drawn(1), 1)
     assert with_map.standard_uncertainty[1] > 4.0 * WHITE_MM / math.sqrt(1056.0)
-    assert with_map.standard_uncertainty[1] < without.standard_uncertainty[1]
 
 
 @pytest.mark.parametrize("kind", ["radial", "length"])

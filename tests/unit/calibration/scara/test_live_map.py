@@ -73,7 +73,7 @@ def campaign(seed: int, *, radial: bool) -> tuple[LiveMap, Points, list[Innovati
 def identified_u(points: Points, radial: RadialBudget | None) -> tuple[Floats, Floats]:
     """Return the stated standard uncertainties of both maps, without the widening by a fit's scatter."""
     names = [NAMES.index(name) for name in points.reflector_names]
-    budget = None if radial is None else radial_motions(radial)
+    budget = None if radial is None else radial_motions(radial, learnt=True)
     found = identify(points, "error-map", NODES1, NODES2, 325.0, 225.0, NOMINAL_REFLECTORS[names], budget)
     u = found.standard_uncertainty / math.sqrt(found.fit.variance_ratio)
     return u[found.layout.map1], u[found.layout.map2]

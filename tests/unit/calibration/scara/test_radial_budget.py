@@ -34,10 +34,15 @@ WHITE_MM = 0.010
 SEEDS = 40
 
 
-def harmonics(rng: np.random.Generator, rms_mm: float, orders: int) -> list[tuple[float, float]]:
-    """Draw cosine and sine amplitudes that give the stated rms displacement."""
-    size = rms_mm / math.sqrt(orders)
-    return [(float(rng.normal(0.0, size)), float(rng.normal(0.0, size))) for _ in range(orders)]
+def harmonics(
+    rng: np.random.Generator, rms_mm: float, orders: int, only: int | None = None
+) -> list[tuple[float, float]]:
+    """Draw cosine and sine amplitudes that give the stated rms displacement, all of it in one order if asked."""
+    if only is not None:
+        sizes = [rms_mm if order == only else 0.0 for order in range(1, orders + 1)]
+    else:
+        sizes = [rms_mm / math.sqrt(orders)] * orders
+    return [(float(rng.normal(0.0, size)), float(rng.normal(0.0, size))) for size in sizes]
 
 
 def wave(terms: list[tuple[float, float]], angle: float) -> float:
@@ -48,11 +53,16 @@ def wave(terms: list[tuple[float, float]], angle: float) -> float:
 
 
 def radial_errors(
-    rng: np.random.Generator, truth: Truth, budget: RadialBudget, reflectors: int, every: int = 1
+    rng: np.random.Generator,
+    truth: Truth,
+    budget: RadialBudget,
+    reflectors: int,
+    every: int = 1,
+    only: int | None = None,
 ) -> Floats:
     """Return what displaced axes add to each distance (to each nth): J1 in the world, J2 on link 1, J4 on link 2."""
     one_terms, two_terms, beam_terms = (
-        [harmonics(rng, rms, budget.orders) for _ in "xy"]
+        [harmonics(rng, rms, budget.orders, only) for _ in "xy"]
         for rms in (budget.j1_mm, budget.j2_mm, budget.j4_mm)
     )
     # The commands stand on nodes: J1 and J2 displace in few ways.
@@ -157,50 +167,50 @@ def test_errors_are_larger_than_white_noise_lets_expect() -> None:
     assert rms([white_only(*trial) for trial in trials()[1]]) > 1.5
 
 
-def test_lack_of_fit_is_seen_and_explained_by_the_budget() -> None:
+def test_the_budget_leaves_no_lack_of_fit() -> None:
     lacks = [one.fit.lack_of_fit for one, _ in trials()[0]]
-    assert all(lack is not None and lack.significant for lack in lacks)
     # At a level of 1 % a false alarm may happen once in 40 draws.
-    assert sum(lack is not None and not lack.explained for lack in lacks) <= 2
+    assert sum(lack is None or lack.significant for lack in lacks) <= 2
     assert sum(one.fit.variance_ratio != 1.0 for one, _ in trials()[0]) <= 3
 
 
-def test_lack_of_fit_stays_unexplained_without_a_budget() -> None:
+def test_without_a_budget_the_fit_lacks_something() -> None:
     for one, _ in trials()[1]:
         lack = one.fit.lack_of_fit
         assert lack is not None
         assert lack.significant
-        assert not lack.explained
         assert one.fit.variance_ratio > 1.5
 
 
-def test_the_expected_chi_square_is_what_is_observed_on_average() -> None:
-    fits = [one.fit for one, _ in trials()[0]]
-    observed = float(np.mean([fit.chi2_reduced for fit in fits if fit.chi2_reduced is not None]))
-    expected = float(np.mean([fit.chi2_expected for fit in fits]))
-    assert observed == pytest.approx(expected, rel=0.05)
-    assert expected > 1.3
-    ratio = [lack.ratio for fit in fits if (lack := fit.lack_of_fit) is not None]
-    stated = [lack.expected_ratio for fit in fits if (lack := fit.lack_of_fit) is not None]
-    assert float(np.mean(ratio)) == pytest.approx(float(np.mean(stated)), rel=0.1)
+def test_chi_square_is_one_a_degree_of_freedom() -> None:
+    observed = [one.fit.chi2_reduced for one, _ in trials()[0] if one.fit.chi2_reduced is not None]
+    # Forty values, each known to √(2 / 1008); what the amplitudes have taken up lies below that.
+    assert float(np.mean(observed)) == pytest.approx(1.0, abs=0.03)
 
 
-def test_a_budget_does_not_move_the_estimate() -> None:
+def test_weights_from_the_budget_halve_errors_of_map_1() -> None:
+    """ADR 25: the same data, weighted by white errors alone and by the whole budget."""
+    errors = [
+        [e * one.standard_uncertainty[: e.size] for one, e in found] for found in (trials()[0], trials()[1])
+    ]
+    whole, white = (float(np.sqrt(np.mean([each[2:24] ** 2 for each in one]))) for one in errors)
+    assert whole < 0.5 * white
+
+
+def test_a_budget_without_its_errors_hardly_moves_the_estimate() -> None:
     truth = random_truth(3)
     points = paper_points(
         truth, noise_mm=np.random.default_rng(3).normal(0.0, WHITE_MM, 1056), sigma_mm=WHITE_MM
     )
     plain, budgeted = solve(points, None), solve(points, BUDGET)
-    assert budgeted.parameters == pytest.approx(plain.parameters, abs=1e-12)
-    # Links and maps lose certainty, never gain it.
-    assert np.all(budgeted.standard_uncertainty >= plain.standard_uncertainty)
+    moved = (budgeted.parameters - plain.parameters) / budgeted.standard_uncertainty
+    assert np.abs(moved).max() < 2.0
 
 
 def test_a_budget_of_nothing_changes_nothing() -> None:
     points = replace(paper_points(random_truth(4)), sigma_mm=np.full(1056, WHITE_MM))
     none = solve(points, RadialBudget(0.0, 0.0, 0.0))
     assert none.covariance == pytest.approx(solve(points, None).covariance, rel=1e-12, abs=1e-18)
-    assert none.fit.chi2_expected == 1.0
 
 
 def test_shared_contributors_alone_are_refused() -> None:
@@ -213,4 +223,4 @@ def test_shared_contributors_alone_are_refused() -> None:
         asked.solve()
     nothing = replace(asked, budget=Budget((replace(shared, u=0.0), zero))).solve()
     stated = replace(asked, points=replace(points, sigma_mm=np.full(len(points), 0.01))).solve()
-    assert nothing.standard_uncertainty[0] < 0.5 * stated.standard_uncertainty[0]
+    assert nothing.standard_uncertainty[0] < stated.standard_uncertainty[0]

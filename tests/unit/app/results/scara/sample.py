@@ -91,9 +91,7 @@ LACK = LackOfFitPart(
     systematic_um=21.34,
     pure_um=9.87,
     ratio=17.82,
-    expected_ratio=1.0,
     probability=1e-9,
-    probability_stated=1e-9,
     significant=True,
     explained=False,
 )

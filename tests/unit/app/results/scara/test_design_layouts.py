@@ -44,11 +44,12 @@ def every_three(*, systematic: bool) -> tuple[Problem, Places, Floats]:
     for three in combinations(range(len(xy)), 3):
         if min(np.hypot(*(xy[i] - xy[j])) for i, j in combinations(three, 2)) < 100.0:
             continue
-        covariance: Floats = np.linalg.inv(np.sum([brought[k].matrix for k in three], axis=0))
+        matrix: Floats = np.sum([brought[k].matrix for k in three], axis=0)
         if systematic:
-            shifts = covariance @ np.sum([brought[k].effects for k in three], axis=0)
-            covariance = covariance + shifts @ shifts.T
-        covariances.append(covariance)
+            effects = np.sum([brought[k].effects for k in three], axis=0)
+            sources = np.sum([brought[k].sources for k in three], axis=0)
+            matrix = matrix - effects @ np.linalg.inv(np.eye(len(sources)) + sources) @ effects.T
+        covariances.append(np.linalg.inv(matrix))
     return problem, places, np.array(covariances)
 
 

@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import linalg
 
 from catseye.calibration.core.types import Floats
 
@@ -73,9 +74,19 @@ class DenseArm:
             first += len(block)
         return whole
 
-    def covariance(self, blocks: list[Floats], places: Floats, sigma_mm: float) -> Floats:
-        """Return the covariance of the arm's parameters in the gauge of the program."""
+    def covariance(
+        self, blocks: list[Floats], places: Floats, sigma_mm: float, effects_mm: Floats | None = None
+    ) -> Floats:
+        """Return the covariance of the arm's parameters in the gauge of the program.
+
+        Args:
+            effects_mm: what shared sources do to the distances, mm, shape (n, m).
+        """
         jacobian = self.jacobian(blocks)
+        if effects_mm is not None:
+            effects = effects_mm / sigma_mm
+            inverse_root = linalg.inv(linalg.sqrtm(np.eye(len(effects)) + effects @ effects.T)).real
+            jacobian = inverse_root @ jacobian
         size, arm = jacobian.shape[1], self.arm_size
         norms = np.linalg.norm(jacobian, axis=0)
         inverse = np.linalg.pinv(jacobian / norms, rcond=1e-9) / norms[:, None]

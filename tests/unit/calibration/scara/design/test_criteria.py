@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from catseye.calibration.core.design.criteria import CriterionName, covariances
+from catseye.calibration.core.design.information import Rows
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.design.criterion import Criterion
 
@@ -37,8 +38,8 @@ def test_slope_is_minus_the_derivative_by_the_information(name: CriterionName) -
     criterion, at = Criterion(name, 3, GRADIENT), matrix(1)
     change = matrix(2)
     step = 1e-6
-    values = [float(criterion.value(covariances(at + sign * step * change, None))) for sign in (1.0, -1.0)]
-    slope = float(np.sum(criterion.slope(covariances(at, None)) * change))
+    values = [float(criterion.value(covariances(at + sign * step * change))) for sign in (1.0, -1.0)]
+    slope = float(np.sum(criterion.slope(covariances(at)) * change))
     assert (values[0] - values[1]) / (2.0 * step) == pytest.approx(-slope, rel=1e-5)
 
 
@@ -46,8 +47,8 @@ def test_slope_is_minus_the_derivative_by_the_information(name: CriterionName) -
 def test_the_tangent_never_exceeds_the_criterion(name: CriterionName, one: int, two: int) -> None:
     criterion = Criterion(name, 3, GRADIENT)
     here, there = matrix(one), matrix(two)
-    covariance = covariances(here, None)
-    value, reached = (float(criterion.value(covariances(at, None))) for at in (here, there))
+    covariance = covariances(here)
+    value, reached = (float(criterion.value(covariances(at))) for at in (here, there))
     bound = value - float(np.sum(criterion.slope(covariance) * (there - here)))
     assert bound <= reached + 1e-7 * (abs(value) + abs(reached) + abs(bound))
 
@@ -55,12 +56,17 @@ def test_the_tangent_never_exceeds_the_criterion(name: CriterionName, one: int, 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_direction_without_information_is_infinite(name: CriterionName) -> None:
     singular = np.diag([1e9, 1e9, 0.0])
-    assert np.isinf(Criterion(name, 3, GRADIENT).value(covariances(singular, None)))
+    assert np.isinf(Criterion(name, 3, GRADIENT).value(covariances(singular)))
 
 
-def test_systematic_effects_add_their_shifts() -> None:
-    information = np.diag([4.0, 9.0]) * 1e6
-    effects = np.array([[2e3], [3e3]])
-    found = covariances(information, effects)
-    shift = np.array([[0.5e-3], [1e-3 / 3.0]])
-    assert np.allclose(found, np.diag([0.25e-6, 1e-6 / 9.0]) + shift @ shift.T, rtol=1e-9, atol=0.0)
+def test_shared_sources_count_as_in_the_dense_covariance() -> None:
+    """What one set of rows says, its nuisance eliminated, against the covariance of all rows."""
+    rng = np.random.default_rng(3)
+    rows = Rows(rng.normal(size=(20, 3)), rng.normal(size=(20, 2)), rng.normal(size=(20, 4)))
+    inverse = np.linalg.inv(np.eye(20) + rows.effects @ rows.effects.T)
+    columns = np.hstack([rows.wanted, rows.nuisance])
+    expected = np.linalg.inv(columns.T @ inverse @ columns)[:3, :3]
+    found = covariances(rows.information().counted(systematic=True))
+    assert found == pytest.approx(expected, rel=1e-6)
+    white = np.linalg.inv(columns.T @ columns)[:3, :3]
+    assert covariances(rows.information().counted(systematic=False)) == pytest.approx(white, rel=1e-6)

@@ -70,17 +70,15 @@ def shared_by_poses(seed: int) -> Problem:
 
 
 def test_normalised_residuals_account_for_errors_shared_by_poses() -> None:
-    squares, chi2 = [], []
+    squares = []
     for seed in range(8):
         identified = shared_by_poses(seed).solve()
         found = studentised(projection_of(identified), stated=True)
         assert found.normalised is not None
-        assert identified.fit.chi2_reduced is not None
+        assert identified.fit.rms_um > 10.0
         squares.append(float(np.mean(found.normalised**2)))
-        chi2.append(identified.fit.chi2_reduced)
     # About 130 of the 176 poses' errors are left in each draw: 0.12 of one draw, 0.04 of the mean of eight.
     assert float(np.mean(squares)) == pytest.approx(1.0, abs=0.13)
-    assert min(chi2) > 3.0
 
 
 def test_a_distance_that_alone_determines_a_parameter_is_not_judged() -> None:

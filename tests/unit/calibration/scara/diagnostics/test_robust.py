@@ -139,8 +139,9 @@ def test_contributions_add_up_to_the_covariance(loss: Loss) -> None:
 
 def test_a_systematic_part_matches_the_robust_fits_shift() -> None:
     points = replace(noisy(5, 0.1, 0.2), sigma_mm=None)
-    asked = replace(problem(points), budget=stated())
-    parts = robust_fit(asked.solve(), "soft-l1").contributions
+    first = replace(problem(points), budget=stated()).solve()
+    asked = replace(problem(points), budget=first.budget)
+    parts = robust_fit(first, "soft-l1").contributions
     square = np.zeros(parts.variances.shape[1])
     for effect in parts.errors.shared[0].effects_mm.T:
         one, other = (
@@ -153,7 +154,9 @@ def test_a_systematic_part_matches_the_robust_fits_shift() -> None:
             for sign in (0.1, -0.1)
         )
         square += ((one - other) / 0.2) ** 2
-    assert np.sqrt(parts.variances[1][:40]) == pytest.approx(np.sqrt(square[:40]), rel=0.05)
+    # The scale of the scatter follows the shift too, which the sandwich leaves out: some hundredths of the whole u.
+    whole = np.sqrt(parts.variances.sum(axis=0)[:40])
+    assert np.abs((np.sqrt(parts.variances[1][:40]) - np.sqrt(square[:40])) / whole).max() < 0.03
 
 
 def test_noise_free_distances_stay_exact() -> None:

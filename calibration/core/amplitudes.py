@@ -1,0 +1,185 @@
+"""How large shared errors are: variances of their components, estimated from the rows with the stated ones as prior.
+
+A budget says how large an error is on the whole, not how it is spread over its harmonics; a generalised least squares
+that trusts a wrong spectrum is not honest. The variance of each component (a contributor's harmonic) is therefore
+estimated by restricted maximum likelihood, on a logarithmic scale relative to what is stated, with a prior in which
+all components, those of one contributor, and each alone may differ from it. How far they may is itself averaged over
+a few scales, weighted by their evidence (Laplace's approximation). What is returned is the mean variance of each
+component: it exceeds the likeliest one by what the rows leave open, so that the uncertainties stay honest.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import linalg, optimize
+
+from catseye.calibration.core.budget import Shared
+from catseye.calibration.core.model import Model, whitening_at
+from catseye.calibration.core.residuals import NORMAL_MAD
+from catseye.calibration.core.types import Floats, Ints
+
+_SPREADS = (0.15, 0.5, 1.0, 2.0)
+"""How far variances may differ from the stated ones, e-folds: scales of the prior."""
+
+_TOGETHER, _OF_CONTRIBUTOR = 1.5, 0.7
+"""How far all components, and those of one contributor, differ together, in units of what each does alone."""
+
+_FLATTEST = 0.3
+"""Curvatures of the posterior below this, in units of the prior's, are rounding of Laplace's approximation."""
+
+_LARGEST = 100.0
+"""An error ten times as large as stated is another error: rows that ask for more do not fit, and the test of the fit
+says so."""
+
+_MOST_ROWS = 40_000
+"""So many rows, evenly spread, say how large the components are; further ones cost time."""
+
+_STEEPEST = math.log(1e4)
+"""Logarithm of a ratio beyond which the likelihood is level: no digits are left there, and none are needed."""
+
+_FAR = 4.0
+"""Residuals beyond so many robust standard deviations count as if they were that: single wrong rows say nothing of a
+contributor."""
+
+_WIDEST = 5.0
+"""Variance of a logarithm beyond which the mean of a variance is no longer raised."""
+
+
+def even_step(rows: int) -> int:
+    """Return which of so many rows are asked: each first of so many."""
+    return -(-rows // _MOST_ROWS)
+
+
+@dataclass(frozen=True)
+class Compressed:
+    """Rows reduced to what they say of shared sources, the parameters eliminated.
+
+    Attributes:
+        matrix: FᵀPF of the weighted effects F of m sources, P the projection off the model's columns, shape (m, m).
+        vector: FᵀPr of the weighted residuals, shape (m,).
+        component: number of each source's component, -1 where its variance is as stated, shape (m,).
+        contributor: number of each component's contributor, shape (k,).
+    """
+
+    matrix: Floats
+    vector: Floats
+    component: Ints
+    contributor: Ints
+
+    @classmethod
+    def of(cls, model: Model, values: Floats) -> "Compressed":
+        """Reduce a model's rows, or evenly spread ones of very many, at parameters of shape (p,)."""
+        whitening, every = whitening_at(model, values), slice(None, None, even_step(model.weights.size))
+        weights, effects = whitening.weights[every], whitening.effects[every]
+        jacobian = (model.jacobian(values)[every] * weights[:, None]) @ model.parameters.basis
+        scaled = jacobian / np.linalg.norm(jacobian, axis=0)
+        basis = linalg.qr(scaled, mode="economic", check_finite=False)[0]
+        left = effects - basis @ (basis.T @ effects)
+        weighted = model.residuals(values)[every] * weights
+        residuals = _winsorised(weighted - basis @ (basis.T @ weighted))
+        return cls(left.T @ left, left.T @ residuals, *_numbered(model.shared(values)))
+
+    @cached_property
+    def members(self) -> Floats:
+        """Flags of the sources of each component, shape (k, m)."""
+        same = np.arange(self.contributor.size)[:, None] == self.component
+        return np.asarray(same, dtype=np.float64)
+
+    def variances(self, logarithms: Floats) -> Floats:
+        """Return the sources' variances relative to the stated ones, shape (m,)."""
+        ratios = np.exp(np.minimum(logarithms, _STEEPEST))[self.component]
+        return np.asarray(np.where(self.component >= 0, ratios, 1.0), dtype=np.float64)
+
+
+def _winsorised(weighted: Floats) -> Floats:
+    limit = _FAR * float(np.median(np.abs(weighted))) / NORMAL_MAD
+    return np.asarray(np.clip(weighted, -limit, limit), dtype=np.float64)
+
+
+def _numbered(shared: Sequence[Shared]) -> tuple[Ints, Ints]:
+    """Return the number of each source's component, and of each component's contributor."""
+    component, contributor = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+    count = 0
+    for number, one in enumerate(shared):
+        if one.part is None:
+            component.append(np.full(one.effects_mm.shape[1], -1))
+            continue
+        parts = int(one.part.max()) + 1
+        component.append(count + one.part)
+        contributor.append(np.full(parts, number))
+        count += parts
+    return np.concatenate(component), np.concatenate(contributor)
+
+
+def variance_ratios(rows: Compressed) -> Floats:
+    """Return the components' mean variances relative to the stated ones, shape (k,)."""
+    if not rows.contributor.size:
+        return np.zeros(0)
+    fits = [_fitted(rows, spread) for spread in _SPREADS]
+    evidence = np.array([one.evidence for one in fits])
+    share = np.exp(evidence - evidence.max())
+    mean = sum(s * one.mean for s, one in zip(share / share.sum(), fits, strict=True))
+    return np.asarray(np.minimum(mean, _LARGEST))
+
+
+@dataclass(frozen=True)
+class _Fitted:
+    """Mean variances at one scale of the prior, shape (k,), and the logarithm of its evidence."""
+
+    mean: Floats
+    evidence: float
+
+
+def _fitted(rows: Compressed, spread: float) -> _Fitted:
+    prior = _prior(rows.contributor, spread)
+    # Rows that say nothing leave the mean variance as it is stated.
+    centre = -_raised(np.diag(prior))
+    root = linalg.cholesky(prior, lower=True)
+
+    def posterior(z: Floats) -> tuple[float, Floats, Floats]:
+        value, slope, second = restricted_likelihood(rows, centre + root @ z)
+        return value + 0.5 * float(z @ z), root.T @ slope + z, root.T @ second @ root + np.eye(z.size)
+
+    def objective(z: Floats) -> tuple[float, Floats]:
+        return posterior(z)[:2]
+
+    def curvature(z: Floats) -> Floats:
+        return posterior(z)[2]
+
+    start = np.zeros(rows.contributor.size)
+    found = optimize.minimize(objective, start, (), "trust-exact", jac=True, hess=curvature)
+    values, vectors = linalg.eigh(curvature(found.x))
+    steep = np.maximum(values, _FLATTEST)
+    spreads = np.sum((root @ (vectors / np.sqrt(steep))) ** 2, axis=1)
+    mean = np.exp(centre + root @ found.x + _raised(spreads))
+    return _Fitted(mean, -float(found.fun) - 0.5 * float(np.sum(np.log(steep))))
+
+
+def _raised(variance: Floats) -> Floats:
+    """Return by how much the logarithm of a mean exceeds the mean of logarithms of a variance."""
+    return np.asarray(0.5 * np.minimum(variance, _WIDEST), dtype=np.float64)
+
+
+def _prior(contributor: Ints, spread: float) -> Floats:
+    same = contributor[:, None] == contributor
+    return np.asarray(spread**2 * (_TOGETHER**2 + _OF_CONTRIBUTOR**2 * same + np.eye(contributor.size)))
+
+
+def restricted_likelihood(rows: Compressed, logarithms: Floats) -> tuple[float, Floats, Floats]:
+    """Return minus the restricted log likelihood of logarithms of variances, its gradient and its Hessian."""
+    half = np.sqrt(rows.variances(logarithms))
+    factor = linalg.cho_factor(np.eye(half.size) + half[:, None] * rows.matrix * half, lower=True)
+    seen = half * rows.vector
+    known = linalg.cho_solve(factor, seen)
+    value = float(np.sum(np.log(np.diag(factor[0]))) - 0.5 * seen @ known)
+    # FᵀQF and FᵀQr, Q the inverse covariance off the model's columns, times the roots of the variances.
+    inner = np.eye(half.size) - linalg.cho_solve(factor, np.eye(half.size))
+    members = rows.members
+    slope = 0.5 * members @ (np.diag(inner) - known**2)
+    pairs = members @ (np.outer(known, known) * inner - 0.5 * inner**2) @ members.T
+    grows = (logarithms < _STEEPEST).astype(np.float64)
+    slope *= grows
+    return value, slope, pairs * np.outer(grows, grows) + np.diag(slope)

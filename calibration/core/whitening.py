@@ -1,0 +1,88 @@
+"""Rows whose errors have parts in common, made independent: generalised least squares as ordinary least squares.
+
+In units of their white standard uncertainties the rows' errors have the covariance V = I + F Fᵀ, with F the weighted
+effects of sources of unit variance. V differs from I in few directions, so its roots cost a matrix of sources by
+sources (Woodbury). The symmetric root V^(-1/2) changes the rows as little as any root can: a whitened row is still
+that row.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import linalg
+
+from catseye.calibration.core.budget import Shared, stacked
+from catseye.calibration.core.types import Floats
+
+
+@dataclass(frozen=True)
+class Whitening:
+    """What turns rows in mm into rows whose errors are independent and of unit variance.
+
+    Attributes:
+        weights: reciprocal white standard uncertainties, 1/mm, shape (n,).
+        effects: weighted effects F of m shared sources, shape (n, m).
+    """
+
+    weights: Floats
+    effects: Floats
+
+    @classmethod
+    def of(cls, weights: Floats, shared: Sequence[Shared] = ()) -> "Whitening":
+        """Prepare rows; weights are those of their white errors, 1/mm, shape (n,)."""
+        return cls(weights, stacked(shared, weights.size) * weights[:, None])
+
+    @cached_property
+    def _spectrum(self) -> tuple[Floats, Floats]:
+        """Return √(1 + eigenvalues of FᵀF), shape (m,), and the eigenvectors, shape (m, m)."""
+        values, vectors = linalg.eigh(self.effects.T @ self.effects, check_finite=False)
+        return np.sqrt(1.0 + np.maximum(values, 0.0)), vectors
+
+    @cached_property
+    def _core(self) -> Floats:
+        """Return K with V^(-1/2) = I − F K Fᵀ, shape (m, m)."""
+        root, vectors = self._spectrum
+        return np.asarray((vectors / (root * (root + 1.0))) @ vectors.T, dtype=np.float64)
+
+    @cached_property
+    def reach(self) -> Floats:
+        """A with V⁻¹ = I − A Aᵀ: what the shared sources take of a row, shape (n, m)."""
+        root, vectors = self._spectrum
+        return np.asarray(self.effects @ (vectors / root), dtype=np.float64)
+
+    def rows(self, columns_mm: Floats) -> Floats:
+        """Return whitened columns, V^(-1/2) W times columns of shape (n,) or (n, k)."""
+        return self.again((columns_mm.T * self.weights).T)
+
+    def again(self, weighted: Floats) -> Floats:
+        """Return V^(-1/2) times weighted columns of shape (n,) or (n, k); twice it is V⁻¹."""
+        if not self.effects.shape[1]:
+            return weighted
+        along = self._core @ (self.effects.T @ weighted)
+        return np.asarray(weighted - self.effects @ along, dtype=np.float64)
+
+    def forces(self, residuals_mm: Floats) -> Floats:
+        """Return the inverse of the rows' covariance times columns in mm, shape (n, k)."""
+        weights = self.weights[:, None]
+        weighted = residuals_mm * weights
+        if self.effects.shape[1]:
+            weighted -= self.reach @ (self.reach.T @ weighted)
+        weighted *= weights
+        return np.asarray(weighted, dtype=np.float64)
+
+
+def through_sources(matrix: Floats, effects: Floats, sources: Floats) -> Floats:
+    """Return JᵀV⁻¹J from sums over weighted rows, V = I + F Fᵀ; columns of J may be residuals too.
+
+    Args:
+        matrix: JᵀJ, shape (..., p, p).
+        effects: JᵀF, shape (..., p, m).
+        sources: FᵀF, shape (..., m, m).
+    """
+    if not effects.shape[-1]:
+        return matrix
+    known = np.linalg.solve(sources + np.eye(sources.shape[-1]), np.swapaxes(effects, -1, -2))
+    taken = effects @ known
+    return np.asarray(matrix - 0.5 * (taken + np.swapaxes(taken, -1, -2)), dtype=np.float64)

@@ -1,0 +1,72 @@
+"""Variances of components against the dense likelihood of contrasts, and against truths drawn here."""
+
+import numpy as np
+import pytest
+from scipy import linalg, stats
+
+from catseye.calibration.core.amplitudes import Compressed, restricted_likelihood, variance_ratios
+from catseye.calibration.core.types import Floats
+
+RNG = np.random.default_rng(11)
+ROWS, FREE = 120, 6
+JACOBIAN = RNG.normal(size=(ROWS, FREE))
+COMPONENT = np.array([0, 0, 1, 1, 1, 2, -1, -1], dtype=np.int64)
+CONTRIBUTOR = np.array([0, 0, 1], dtype=np.int64)
+EFFECTS = RNG.normal(size=(ROWS, COMPONENT.size))
+
+
+def compressed(residuals: Floats, jacobian: Floats = JACOBIAN, effects: Floats = EFFECTS) -> Compressed:
+    off = np.eye(len(jacobian)) - jacobian @ np.linalg.pinv(jacobian)
+    return Compressed(effects.T @ off @ effects, effects.T @ off @ residuals, COMPONENT, CONTRIBUTOR)
+
+
+def dense(residuals: Floats, logarithms: Floats) -> float:
+    """Return minus the log likelihood of the contrasts that the model does not touch."""
+    contrasts = linalg.null_space(JACOBIAN.T)
+    ratios = np.append(np.exp(logarithms), 1.0)[COMPONENT]
+    covariance = contrasts.T @ (np.eye(ROWS) + (EFFECTS * ratios) @ EFFECTS.T) @ contrasts
+    return -float(stats.multivariate_normal(cov=covariance).logpdf(contrasts.T @ residuals))
+
+
+def test_the_likelihood_is_that_of_the_contrasts() -> None:
+    residuals = RNG.normal(size=ROWS)
+    one, other = np.array([0.3, -0.4, 0.9]), np.array([-1.0, 0.2, 0.1])
+    rows = compressed(residuals)
+    found = restricted_likelihood(rows, one)[0] - restricted_likelihood(rows, other)[0]
+    assert found == pytest.approx(dense(residuals, one) - dense(residuals, other), rel=1e-9)
+
+
+def test_slope_and_curvature_are_those_of_differences() -> None:
+    rows, at, step = compressed(RNG.normal(size=ROWS)), np.array([0.3, -0.4, 0.9]), 1e-5
+    _, slope, curvature = restricted_likelihood(rows, at)
+    for k, along in enumerate(np.eye(3) * step):
+        ahead, behind = restricted_likelihood(rows, at + along), restricted_likelihood(rows, at - along)
+        assert slope[k] == pytest.approx((ahead[0] - behind[0]) / (2 * step), rel=1e-6, abs=1e-8)
+        assert curvature[k] == pytest.approx((ahead[1] - behind[1]) / (2 * step), rel=1e-5, abs=1e-7)
+
+
+@pytest.mark.parametrize("truth", [(1.0, 1.0, 1.0), (9.0, 9.0, 9.0), (25.0, 25.0, 0.2)])
+def test_variances_follow_the_rows(truth: tuple[float, float, float]) -> None:
+    """Twelve sources a component and 600 rows say how large it is to about 40 %, 0.4 e-folds."""
+    rng = np.random.default_rng(2)
+    component = np.repeat([0, 1, 2], 12).astype(np.int64)
+    jacobian, effects = rng.normal(size=(600, FREE)), rng.normal(size=(600, 36))
+    found = []
+    for _ in range(20):
+        sources = rng.normal(size=36) * np.sqrt(np.array(truth)[component])
+        residuals = effects @ sources + rng.normal(size=600)
+        off = residuals - jacobian @ (np.linalg.pinv(jacobian) @ residuals)
+        left = effects - jacobian @ (np.linalg.pinv(jacobian) @ effects)
+        rows = Compressed(left.T @ left, left.T @ off, component, CONTRIBUTOR)
+        found.append(np.log(variance_ratios(rows)) - np.log(truth))
+    assert np.abs(np.mean(found, axis=0)).max() < 0.4
+
+
+def test_rows_that_say_nothing_leave_the_stated_size() -> None:
+    silent = Compressed(np.zeros((8, 8)), np.zeros(8), COMPONENT, CONTRIBUTOR)
+    assert variance_ratios(silent) == pytest.approx(np.ones(3), rel=1e-6)
+
+
+def test_nothing_to_estimate_gives_nothing() -> None:
+    none = np.full(8, -1, dtype=np.int64)
+    assert variance_ratios(Compressed(np.eye(8), np.ones(8), none, none[:0])).size == 0
