@@ -30,7 +30,11 @@ _CHUNK_BYTES = 1_000_000
 def is_scan(points: Path) -> bool:
     """Return whether a points file is streamed, which has more than SCAN_ROWS rows or lines.
 
-    A file that cannot be read is none; whoever reads it then says why.
+    A CSV file that cannot be read is none; whoever reads it then says why.
+
+    Raises:
+        UsageError: a Parquet file cannot be read.
+        ConfigError: Parquet needs a package that is not installed.
     """
     if points.suffix == ".parquet":
         return parquet_rows(points) > SCAN_ROWS

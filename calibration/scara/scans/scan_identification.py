@@ -99,11 +99,11 @@ def identify_scan(
     _require_rows(used.rows, layout.gauge.free, model)
     passes = Passes(used, layout, (link1_mm, link2_mm), rough, budget)
     few, even = used.few()
-    passes, first = _settled(passes, few)
+    passes, first = _settled(passes, few, passes.start(few))
     if budget is not None and model == "error-map":
         # As identify does, from the same rows.
         learnt = with_spectra(budget, passes.model(few.rows(even)), first.parameters)
-        passes, first = _settled(replace(passes, budget=learnt), few)
+        passes, first = _settled(replace(passes, budget=learnt), few, first.parameters)
     half_width_mm = max(_HISTOGRAM_RMS * first.sums.residuals.rms_mm, _FINEST_MM)
     counter = _Counter(used.rows, progress)
     minimum = descend(
@@ -142,22 +142,19 @@ class _Counter:
             self.progress(self.done, expected)
 
 
-def _minimum_of_sample(passes: Passes, few: Points) -> Minimum:
+def _minimum_of_sample(passes: Passes, few: Points, start: Floats) -> Minimum:
     """Return the solution of an even sample: where the descent over all rows starts."""
     return descend(
-        lambda parameters: passes.sums(parameters, [few], 1.0),
-        passes.start(few),
-        passes.layout.gauge,
-        UNSETTLED,
+        lambda parameters: passes.sums(parameters, [few], 1.0), start, passes.layout.gauge, UNSETTLED
     )
 
 
-def _settled(passes: Passes, few: Points) -> tuple[Passes, Minimum]:
+def _settled(passes: Passes, few: Points, start: Floats) -> tuple[Passes, Minimum]:
     """Return passes that take the contributors at the minimum of a sample, and that minimum."""
-    first = _minimum_of_sample(passes, few)
+    first = _minimum_of_sample(passes, few, start)
     for _ in range(0 if passes.budget is None else 2):
         passes = replace(passes, estimate=first.parameters)
-        first = _minimum_of_sample(passes, few)
+        first = _minimum_of_sample(passes, few, first.parameters)
     return passes, first
 
 
