@@ -82,9 +82,12 @@ class Compressed:
         """Reduce a model's rows, or evenly spread ones of very many, at parameters of shape (p,)."""
         whitening, every = whitening_at(model, values), slice(None, None, even_step(model.weights.size))
         weights, effects = whitening.weights[every], whitening.effects[every]
-        jacobian = (model.jacobian(values)[every] * weights[:, None]) @ model.parameters.basis
-        scaled = jacobian / np.linalg.norm(jacobian, axis=0)
-        basis = linalg.qr(scaled, mode="economic", check_finite=False)[0]
+        jacobian = model.jacobian(values)[every] * weights[:, None]
+        # In the order of Fortran, for LAPACK to work in place: there may be a hundred megabytes of it.
+        columns = (model.parameters.basis.T @ jacobian.T).T
+        del jacobian
+        columns /= np.linalg.norm(columns, axis=0)
+        basis = linalg.qr(columns, mode="economic", overwrite_a=True, check_finite=False)[0]
         left = effects - basis @ (basis.T @ effects)
         weighted = model.residuals(values)[every] * weights
         residuals = _winsorised(weighted - basis @ (basis.T @ weighted))
