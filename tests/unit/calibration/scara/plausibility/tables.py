@@ -79,8 +79,8 @@ def table_2() -> Budget:
 LOST_AT = 352 + 171
 """Row at which the count of P2 begins anew where its zero is lost."""
 
-_BREAKS = np.setdiff1d(np.arange(20, 332), np.arange(LOST_AT - 352 - 5, LOST_AT - 352 + 6))
-"""Where the beam may break in a series: what is left of a segment after a lost zero has to carry a dead path."""
+_BREAKS = np.setdiff1d(np.arange(20, 332, 4), np.arange(LOST_AT - 352 - 5, LOST_AT - 352 + 6))
+"""Where the beam may break in a series: every segment, and what a lost zero leaves of one, carries a dead path."""
 
 
 @dataclass(frozen=True)
