@@ -19,13 +19,19 @@ from scipy import linalg, optimize
 from catseye.calibration.core.budget import Shared
 from catseye.calibration.core.model import Model, whitening_at
 from catseye.calibration.core.residuals import NORMAL_MAD
-from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.core.types import Bools, Floats, Ints
 
 _SPREADS = (0.15, 0.5, 1.0, 2.0)
 """How far variances may differ from the stated ones, e-folds: scales of the prior."""
 
 _TOGETHER, _OF_CONTRIBUTOR = 1.5, 0.7
 """How far all components, and those of one contributor, differ together, in units of what each does alone."""
+
+_ASSUMED = 2.5
+"""How far a variance may differ from one that is merely assumed, e-folds."""
+
+_TRIED = 37
+"""Sizes at which such a variance is tried."""
 
 _FLATTEST = 0.3
 """Curvatures of the posterior below this, in units of the prior's, are rounding of Laplace's approximation."""
@@ -62,12 +68,14 @@ class Compressed:
         vector: FᵀPr of the weighted residuals, shape (m,).
         component: number of each source's component, -1 where its variance is as stated, shape (m,).
         contributor: number of each component's contributor, shape (k,).
+        assumed: components whose size nobody knows beforehand, shape (k,).
     """
 
     matrix: Floats
     vector: Floats
     component: Ints
     contributor: Ints
+    assumed: Bools
 
     @classmethod
     def of(cls, model: Model, values: Floats) -> "Compressed":
@@ -102,8 +110,8 @@ def _winsorised(weighted: Floats) -> Floats:
     return np.asarray(np.clip(weighted, -limit, limit), dtype=np.float64)
 
 
-def _numbered(shared: Sequence[Shared]) -> tuple[Ints, Ints]:
-    """Return the number of each source's component, and of each component's contributor."""
+def _numbered(shared: Sequence[Shared]) -> tuple[Ints, Ints, Bools]:
+    """Return the number of each source's component, of each component's contributor, and whether it is assumed."""
     component, contributor = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
     count = 0
     for number, one in enumerate(shared):
@@ -114,7 +122,12 @@ def _numbered(shared: Sequence[Shared]) -> tuple[Ints, Ints]:
         component.append(count + one.part)
         contributor.append(np.full(parts, number))
         count += parts
-    return np.concatenate(component), np.concatenate(contributor)
+    numbers = np.concatenate(contributor)
+    return (
+        np.concatenate(component),
+        numbers,
+        np.array([one.assumed for one in shared], dtype=np.bool_)[numbers],
+    )
 
 
 def variance_ratios(rows: Compressed) -> Floats:
@@ -137,9 +150,9 @@ class _Fitted:
 
 
 def _fitted(rows: Compressed, spread: float) -> _Fitted:
-    prior = _prior(rows.contributor, spread)
+    prior = _prior(rows, spread)
     # Rows that say nothing leave the mean variance as it is stated.
-    centre = -_raised(np.diag(prior))
+    centre = np.where(rows.assumed, -0.5 * _ASSUMED**2, -_raised(np.diag(prior)))
     root = linalg.cholesky(prior, lower=True)
 
     def posterior(z: Floats) -> tuple[float, Floats, Floats]:
@@ -158,7 +171,24 @@ def _fitted(rows: Compressed, spread: float) -> _Fitted:
     steep = np.maximum(values, _FLATTEST)
     spreads = np.sum((root @ (vectors / np.sqrt(steep))) ** 2, axis=1)
     mean = np.exp(centre + root @ found.x + _raised(spreads))
+    for place in np.flatnonzero(rows.assumed):
+        mean[place] = _mean_of_assumed(rows, centre + root @ found.x, int(place), float(centre[place]))
     return _Fitted(mean, -float(found.fun) - 0.5 * float(np.sum(np.log(steep))))
+
+
+def _mean_of_assumed(rows: Compressed, logarithms: Floats, place: int, centre: float) -> float:
+    """Return the mean variance of a component with a wide prior, the others held: its logarithm is not normal.
+
+    What rows allow ends on the side of large variances, while small ones are all alike to them.
+    """
+    tried = centre + _ASSUMED * np.linspace(-3.0, 6.0, _TRIED)
+    values = np.empty(_TRIED)
+    for i, logarithm in enumerate(tried):
+        at = logarithms.copy()
+        at[place] = logarithm
+        values[i] = restricted_likelihood(rows, at)[0] + 0.5 * ((logarithm - centre) / _ASSUMED) ** 2
+    weights = np.exp(values.min() - values)
+    return float(weights @ np.exp(tried) / weights.sum())
 
 
 def _raised(variance: Floats) -> Floats:
@@ -166,9 +196,10 @@ def _raised(variance: Floats) -> Floats:
     return np.asarray(0.5 * np.minimum(variance, _WIDEST), dtype=np.float64)
 
 
-def _prior(contributor: Ints, spread: float) -> Floats:
-    same = contributor[:, None] == contributor
-    return np.asarray(spread**2 * (_TOGETHER**2 + _OF_CONTRIBUTOR**2 * same + np.eye(contributor.size)))
+def _prior(rows: Compressed, spread: float) -> Floats:
+    same, stated = rows.contributor[:, None] == rows.contributor, ~rows.assumed
+    prior = spread**2 * (_TOGETHER**2 + _OF_CONTRIBUTOR**2 * same + np.eye(stated.size))
+    return np.asarray(prior * np.outer(stated, stated) + np.diag(_ASSUMED**2 * rows.assumed))
 
 
 def restricted_likelihood(rows: Compressed, logarithms: Floats) -> tuple[float, Floats, Floats]:

@@ -62,6 +62,7 @@ class Shared:
         dof: degrees of freedom of the standard uncertainty.
         part: number of the part of the error that each source belongs to, shape (m,), where the rows are to say how
             large each part is; None where the error is as large as stated.
+        assumed: nobody knows its size beforehand: the rows may find any, and it says nothing of other errors.
     """
 
     name: str
@@ -69,6 +70,7 @@ class Shared:
     distribution: Distribution = "normal"
     dof: float = math.inf
     part: Ints | None = None
+    assumed: bool = False
 
     def draw(self, rng: np.random.Generator, draws: int) -> Floats:
         """Return the sources, shape (draws, m)."""

@@ -293,7 +293,8 @@ def _shared(contributor: Contributor, effects_mm: Floats) -> Shared:
         part = (
             harmonic_of_source(sources // (2 * orders), orders) if harmonic else np.zeros(sources, np.int64)
         )
-    return Shared(contributor.name, effects_mm, contributor.distribution, contributor.dof, part)
+    assumed = contributor.kind == "between-nodes"
+    return Shared(contributor.name, effects_mm, contributor.distribution, contributor.dof, part, assumed)
 
 
 def systematic_effects(budget: Budget | None, geometry: Geometry) -> Floats:

@@ -64,7 +64,8 @@ class Method:
         accept_implausible: why an implausible arm is kept; None refuses it.
 
     Raises:
-        UsageError: a loss that no Monte Carlo can take its uncertainties from.
+        UsageError: a loss that no Monte Carlo can take its uncertainties from, or no reason to accept what is
+            implausible.
     """
 
     model: ModelName
@@ -75,6 +76,8 @@ class Method:
     accept_implausible: str | None = None
 
     def __post_init__(self) -> None:
+        if self.accept_implausible is not None and not self.accept_implausible.strip():
+            raise UsageError("--accept-implausible needs a reason: say why the result is kept")
         if self.loss != "squares" and self.monte_carlo is not None:
             raise UsageError(
                 f"--loss {self.loss} takes its uncertainties from the scatter of the distances; Monte Carlo draws "

@@ -39,6 +39,7 @@ def predict(
     note_statements(report)
     if as_json:
         facts = {"output": str(output), "model": predicted.model, **predicted.figures()}
+        facts["median_u_parts_um"] = predicted.parts_um()
         write_json({**facts, "warnings": list(predicted.warnings)})
     else:
         write_tables(report)

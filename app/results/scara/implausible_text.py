@@ -91,8 +91,8 @@ def _jump_text(mistake: ZeroLost | ReflectorMoved) -> str:
     match mistake:
         case ZeroLost(reflector, segment, row, jump_mm):
             return (
-                f"the count of {reflector}, segment {segment}, jumps by {jump_mm:+.3f} mm at distance {row + 1}: the "
-                "zero was lost there; give the rows from there on a segment number of their own"
+                f"the count of {reflector}, segment {segment}, jumps by {jump_mm:+.3f} mm before distance {row + 1}: "
+                "the zero was lost; give the rows from there on a segment number of their own"
             )
         case ReflectorMoved(reflector, row, (x_mm, y_mm)):
             return (

@@ -39,6 +39,7 @@ class ModelOnPathPart(Document):
     Attributes:
         max_line: line of the measured file where it leaves most.
         ratio: of its 2-D rms to that of the first model.
+        expected_parts_um: what each contributor alone makes of the expected 2-D rms.
         share_explained: of the mean square that the stated uncertainties explain.
         within_2u: share of the rows.
     """
@@ -54,6 +55,7 @@ class ModelOnPathPart(Document):
     ratio: float
     median_u_um: float
     expected_um: float
+    expected_parts_um: dict[str, float]
     share_explained: Stated
     within_2u: Stated
     probability: float
@@ -191,6 +193,7 @@ def _model(model: ModelOnPath, validation: "FileValidation") -> ModelOnPathPart:
         ratio=comparison.rms_2d_um / first_um if first_um > 0.0 else 1.0,
         median_u_um=model.median_u_um,
         expected_um=judged.expected_um,
+        expected_parts_um=dict(judged.parts_um),
         share_explained=judged.share,
         within_2u=judged.within,
         probability=judged.probability,

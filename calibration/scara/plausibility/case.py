@@ -14,6 +14,9 @@ Free = Literal["scale", "links"]
 MOST_ROWS: Final = 1500
 """More distances say no more about a mistake."""
 
+MANY_ROWS: Final = 20_000
+"""A jump has to leave some distances on either side of it."""
+
 FEW_ROWS: Final = 500
 """More distances say no more about a wrong guess or another solution."""
 

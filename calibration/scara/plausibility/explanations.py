@@ -1,11 +1,12 @@
 """Which mistakes explain distances: each is undone, and what the distances then leave is compared."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from typing import Final
 
 from catseye.calibration.scara.plausibility.bounded_fit import BoundedFit, fitted
 from catseye.calibration.scara.plausibility.bounds import Bounds
-from catseye.calibration.scara.plausibility.case import FEW_ROWS, MOST_ROWS, Case
+from catseye.calibration.scara.plausibility.case import FEW_ROWS, MANY_ROWS, MOST_ROWS, Case
 from catseye.calibration.scara.plausibility.corrections import Correction, corrections
 from catseye.calibration.scara.plausibility.findings import Mistake
 from catseye.calibration.scara.plausibility.jumps import jumps
@@ -44,20 +45,11 @@ class _Explanation:
     strain: float
 
 
-def mistakes_of(case: Case, asis: BoundedFit | None, bounds: Bounds, *, broken: bool) -> tuple[Mistake, ...]:
-    """Return the simplest mistakes that explain the distances, each alone.
-
-    Args:
-        asis: the distances as they are, solved.
-        broken: a bound is broken as they are, or they have no solution.
-    """
-    enough = _FINE_MM if broken else 0.0
-    if asis is not None:
-        enough = max(enough, _MUCH_BETTER * asis.rms_mm)
-    few = case.thinned(MOST_ROWS)
-    near = [fit for fit in (asis, fitted(few.distrusted, bounds)) if fit is not None]
-    tried = [*corrections(case), *jumps(few, near)]
-    good = [one for one in (_explained(each, bounds, enough) for each in tried) if one is not None]
+def mistakes_of(case: Case, bounds: Bounds) -> tuple[Mistake, ...]:
+    """Return the simplest mistakes that explain distances, each alone."""
+    some = _explanations(case.thinned(MOST_ROWS), corrections(case), bounds)
+    many = case.thinned(MANY_ROWS)
+    good = [*some, *_explanations(many, jumps(many, _near(many, bounds), bounds), bounds)]
     if not good:
         return ()
     best = min(one.rms_mm for one in good)
@@ -68,9 +60,25 @@ def mistakes_of(case: Case, asis: BoundedFit | None, bounds: Bounds, *, broken: 
     return tuple(one.mistake for one in simple if one.strain <= _EQUAL * least + _LITTLE_STRAIN)
 
 
+def _near(case: Case, bounds: Bounds) -> list[BoundedFit]:
+    """Return the arm that distances make, and one that stays near what was known of it."""
+    return [fit for fit in (fitted(case, bounds), fitted(case.distrusted, bounds)) if fit is not None]
+
+
+def _explanations(case: Case, tried: Iterable[Correction], bounds: Bounds) -> Iterator[_Explanation]:
+    """Solve corrected cases; yield those that leave little of what the distances leave as they are."""
+    asis = fitted(case, bounds)
+    broken = asis is None or asis.strain(bounds) > 1.0
+    enough = max(_FINE_MM if broken else 0.0, 0.0 if asis is None else _MUCH_BETTER * asis.rms_mm)
+    for one in tried:
+        thinned = replace(one, case=one.case.thinned(len(case.points)))
+        if (explanation := _explained(thinned, bounds, enough)) is not None:
+            yield explanation
+
+
 def _explained(tried: Correction, bounds: Bounds, enough_mm: float) -> _Explanation | None:
     """Solve a corrected case; first without maps, which tells most wrong guesses."""
-    case = tried.case.thinned(MOST_ROWS)
+    case = tried.case
     if len(case.points) < FEWEST:
         return None
     coarse = fitted(case.thinned(FEW_ROWS).without_maps, bounds)

@@ -193,14 +193,14 @@ class Verdict:
         mistakes: each alone explains the distances; none where nothing that was tried does.
         others: solutions that the distances do not distinguish from it.
         vague: links that the distances do not determine well enough to be judged.
-        rms_mm: residuals of an error map fitted to the distances as they are; None where that has no solution.
+        rms_mm: residuals that an error map leaves of the distances as they are; infinite where it has no solution.
     """
 
     breaks: tuple[Offset, ...] = ()
     mistakes: tuple[Mistake, ...] = ()
     others: tuple[OtherSolution, ...] = ()
     vague: tuple[VagueLink, ...] = ()
-    rms_mm: float | None = None
+    rms_mm: float = math.inf
 
     @property
     def implausible(self) -> bool:

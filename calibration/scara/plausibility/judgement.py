@@ -8,7 +8,7 @@ import numpy as np
 from catseye.calibration.scara.budget import systematic_effects
 from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.identification import Identification
-from catseye.calibration.scara.plausibility.bounded_fit import fitted, offsets
+from catseye.calibration.scara.plausibility.bounded_fit import BoundedFit, fitted, offsets
 from catseye.calibration.scara.plausibility.bounds import BOUNDS, Bounds
 from catseye.calibration.scara.plausibility.case import MOST_ROWS, Case
 from catseye.calibration.scara.plausibility.explanations import mistakes_of
@@ -34,19 +34,24 @@ def judge(problem: Problem, found: Identification | None, bounds: Bounds = BOUND
     off = () if found is None else offsets(found.layout, found.parameters, case, bounds)
     breaks = tuple(one for one in off if one.share > 1.0)
     asis = fitted(case.thinned(MOST_ROWS), bounds)
-    rms_mm = None if asis is None else asis.rms_mm
-    beyond = asis is None or asis.strain(bounds) > 1.0
-    if asis is None or beyond or asis.rms_mm > _FAR_BEYOND * _stated_mm(problem, found):
-        mistakes = mistakes_of(case, asis, bounds, broken=beyond or bool(breaks))
+    left_mm = _left_mm(asis, found)
+    sound = asis is not None and asis.strain(bounds) <= 1.0
+    if found is None or not sound or left_mm > _FAR_BEYOND * _stated_mm(problem, found):
+        mistakes = mistakes_of(case, bounds)
         if mistakes or found is None:
-            return Verdict(breaks, mistakes, rms_mm=rms_mm)
-    elif found is None:
-        return Verdict(rms_mm=rms_mm)
-    elif breaks:
+            return Verdict(breaks, mistakes, rms_mm=left_mm)
+    elif asis is not None and breaks:
         # What is known of the arm makes another one of it, and the distances do not mind.
         other = other_solution(asis, 1e-3 * found.fit.rms_um)
-        return Verdict(breaks, others=(other,), vague=_vague(found, bounds), rms_mm=rms_mm)
-    return Verdict(breaks, (), tuple(other_solutions(case, found, bounds)), _vague(found, bounds), rms_mm)
+        return Verdict(breaks, others=(other,), vague=_vague(found, bounds), rms_mm=left_mm)
+    return Verdict(breaks, (), tuple(other_solutions(case, found, bounds)), _vague(found, bounds), left_mm)
+
+
+def _left_mm(asis: BoundedFit | None, found: Identification | None) -> float:
+    """Return the residuals that an error map leaves, rms: of some of the distances, or of all if these are larger."""
+    # A mere offset leaves the maps of a sound arm, too.
+    whole_mm = 0.0 if found is None or found.layout.model != "error-map" else 1e-3 * found.fit.rms_um
+    return math.inf if asis is None else max(asis.rms_mm, whole_mm)
 
 
 def _case(problem: Problem, found: Identification | None) -> Case:

@@ -4,6 +4,7 @@ Each row is tried as the first after the event. What a step there takes off the 
 decomposition of the solved case, without solving it again.
 """
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -12,11 +13,15 @@ from typing import Final
 import numpy as np
 
 from catseye.calibration.core.types import Bools, Floats, Ints
-from catseye.calibration.scara.plausibility.bounded_fit import BoundedFit
+from catseye.calibration.scara.plausibility.bounded_fit import BoundedFit, fitted
+from catseye.calibration.scara.plausibility.bounds import Bounds
 from catseye.calibration.scara.plausibility.case import Case
 from catseye.calibration.scara.plausibility.corrections import Correction
 from catseye.calibration.scara.plausibility.findings import ReflectorMoved, ZeroLost
 from catseye.calibration.scara.points import FEWEST
+
+_STILL_MM: Final = 0.02
+"""A reflector that seems to be moved by less stands where it stood."""
 
 _RIDGE: Final = 1e-9
 """Keeps steps apart from displacements that no distance distinguishes."""
@@ -37,7 +42,7 @@ class _Step:
     later: Bools
 
 
-def jumps(case: Case, fits: Sequence[BoundedFit]) -> Iterator[Correction]:
+def jumps(case: Case, fits: Sequence[BoundedFit], bounds: Bounds) -> Iterator[Correction]:
     """Return a case with the likeliest lost zero undone, and with the likeliest moved reflector.
 
     Args:
@@ -46,7 +51,7 @@ def jumps(case: Case, fits: Sequence[BoundedFit]) -> Iterator[Correction]:
     points = case.points
     zeros = [_likeliest(fit, points.dead_path, 1) for fit in fits]
     moves = [_likeliest(fit, points.reflector, 3) for fit in fits]
-    for zero in _different(zeros):
+    for zero in _different([_refined(case, zero, bounds) for zero in zeros if zero is not None]):
         yield Correction(_with_zero(case, zero), 2, partial(_zero_lost, step=zero))
     for moved in _different(moves):
         yield Correction(_with_place(case, moved), 4, partial(_moved, step=moved))
@@ -54,6 +59,23 @@ def jumps(case: Case, fits: Sequence[BoundedFit]) -> Iterator[Correction]:
 
 def _different(steps: Sequence[_Step | None]) -> Iterable[_Step]:
     return {step.row: step for step in steps if step is not None}.values()
+
+
+def _refined(case: Case, step: _Step, bounds: Bounds) -> _Step:
+    """Return a lost zero with the row after which the new dead path, once it is known, fits better than the old."""
+    fit = fitted(_with_zero(case, step), bounds)
+    if fit is None:
+        return step
+    path = case.points.dead_path[step.row]
+    rows = np.flatnonzero(case.points.dead_path == path)
+    paths = fit.parameters[fit.layout.dead_path]
+    beyond = fit.residuals_mm[rows] + np.where(step.later[rows], paths[-1], paths[path])
+    old, new = ((case.weights[rows] * (beyond - length)) ** 2 for length in (paths[path], paths[-1]))
+    cost = np.concatenate([[0.0], np.cumsum(old)])[:-1] + _from_here(new)
+    best = int(np.argmin(cost[FEWEST : rows.size - FEWEST + 1])) + FEWEST
+    later = np.zeros_like(step.later)
+    later[rows[best:]] = True
+    return _Step(step.gain, int(rows[best]), later)
 
 
 def _likeliest(fit: BoundedFit, group: Ints, columns: int) -> _Step | None:
@@ -141,8 +163,10 @@ def _zero_lost(found: BoundedFit, step: _Step) -> ZeroLost:
     return ZeroLost(name, segment, found.case.number(step.row), float(paths[before] - paths[-1]))
 
 
-def _moved(found: BoundedFit, step: _Step) -> ReflectorMoved:
-    names = found.case.points.reflector_names
-    before = found.places_mm[names.index(names[-1])]
-    by = found.places_mm[-1] - before
-    return ReflectorMoved(names[-1], found.case.number(step.row), (float(by[0]), float(by[1])))
+def _moved(found: BoundedFit, step: _Step) -> ReflectorMoved | ZeroLost:
+    points = found.case.points
+    before = found.places_mm[points.reflector_names.index(points.reflector_names[-1])]
+    x_mm, y_mm = (found.places_mm[-1] - before).tolist()
+    if math.hypot(x_mm, y_mm) < _STILL_MM and points.dead_paths[-1] in points.dead_paths[:-1]:
+        return _zero_lost(found, step)
+    return ReflectorMoved(points.reflector_names[-1], found.case.number(step.row), (x_mm, y_mm))

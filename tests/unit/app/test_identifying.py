@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from catseye.app.results.scara.identify import identify_points
+from catseye.app.results.scara.plausible import ImplausibleError
 from catseye.app.results.scara.points import COLUMNS, point_columns, with_sigma
 from catseye.app.results.scara.truth import compare_with_truth, gauge_turn_rad, turned_places
 from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
@@ -131,6 +132,13 @@ def test_a_direction_that_is_never_used_is_named() -> None:
     rows = [row for row in rows_of(random_truth(20)) if row["direction2"] == 1]
     with pytest.raises(UnidentifiableError, match=r"no point touches Δθ2\(0°, −\), Δθ2\(20°, −\)"):
         identified(rows)
+
+
+def test_rows_in_another_unit_are_refused() -> None:
+    rows = rows_of(random_truth(20))
+    inches = [{**row, "displacement_mm": float(str(row["displacement_mm"])) / 25.4} for row in rows]
+    with pytest.raises(ImplausibleError, match="seems to be in inches"):
+        identified(inches)
 
 
 def test_rows_outside_the_nodes_and_too_few_rows_are_refused() -> None:

@@ -14,7 +14,7 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cli.diagnose import diagnose
 from catseye.app.cli.scara.identify import identify
-from catseye.app.errors import exit_code_of
+from catseye.app.errors import UsageError, exit_code_of
 from catseye.app.exitcode import ExitCode
 from catseye.app.render.text import report_text
 from catseye.app.results.scara.identification_report import identification_report
@@ -82,7 +82,10 @@ TEXTS: dict[str, tuple[Callable[[Table], Table], str]] = {
     "shifted": (MISTAKES["rows shifted by one"], "displacement_mm stands one row below"),
     "names": (MISTAKES["names exchanged"], "the reflectors P1 and P2 have each other's name"),
     "mirrored": (MISTAKES["places mirrored"], "their y has the wrong sign"),
-    "zero": (MISTAKES["a zero lost inside a segment"], r"count of P2, segment 0, jumps .* at distance 524"),
+    "zero": (
+        MISTAKES["a zero lost inside a segment"],
+        r"count of P2, segment 0, jumps .* before distance 524",
+    ),
 }
 
 
@@ -121,6 +124,20 @@ def test_a_failure_without_a_mistake_cannot_be_accepted(tmp_path: Path) -> None:
     with pytest.raises(ImplausibleError, match="the sign of θ1"):
         run(MISTAKES["sign of θ1"](measured(24)), tmp_path, accept_implausible="no matter")
     assert not (tmp_path / "r.json").exists()
+
+
+def test_a_reason_that_says_nothing_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="needs a reason"):
+        run(measured(24), tmp_path, accept_implausible=" ")
+
+
+def test_misfit_alone_widens_and_warns(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = measured(29)
+    noise = np.random.default_rng(2).normal(0.0, 0.2, len(table.displacement))
+    result = read_result(run(replace(table, displacement=table.displacement + noise), tmp_path))
+    assert result.implausible is None
+    assert result.fit.variance_ratio > 4.0
+    assert "more than the stated" in " ".join(capsys.readouterr().err.split())
 
 
 def test_bounds_stand_in_the_cell_file(tmp_path: Path) -> None:

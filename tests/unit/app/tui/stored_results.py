@@ -197,6 +197,7 @@ def _on_path(model: str, title: str, rms_um: float) -> ModelOnPathPart:
         ratio=rms_um / 25.0,
         median_u_um=5.0,
         expected_um=10.0,
+        expected_parts_um={},
         share_explained=None,
         within_2u=None,
         probability=0.5,

@@ -12,12 +12,14 @@ ROWS, FREE = 120, 6
 JACOBIAN = RNG.normal(size=(ROWS, FREE))
 COMPONENT = np.array([0, 0, 1, 1, 1, 2, -1, -1], dtype=np.int64)
 CONTRIBUTOR = np.array([0, 0, 1], dtype=np.int64)
+STATED = np.zeros(3, dtype=np.bool_)
+ASSUMED = np.array([False, False, True])
 EFFECTS = RNG.normal(size=(ROWS, COMPONENT.size))
 
 
 def compressed(residuals: Floats, jacobian: Floats = JACOBIAN, effects: Floats = EFFECTS) -> Compressed:
     off = np.eye(len(jacobian)) - jacobian @ np.linalg.pinv(jacobian)
-    return Compressed(effects.T @ off @ effects, effects.T @ off @ residuals, COMPONENT, CONTRIBUTOR)
+    return Compressed(effects.T @ off @ effects, effects.T @ off @ residuals, COMPONENT, CONTRIBUTOR, STATED)
 
 
 def dense(residuals: Floats, logarithms: Floats) -> float:
@@ -57,16 +59,38 @@ def test_variances_follow_the_rows(truth: tuple[float, float, float]) -> None:
         residuals = effects @ sources + rng.normal(size=600)
         off = residuals - jacobian @ (np.linalg.pinv(jacobian) @ residuals)
         left = effects - jacobian @ (np.linalg.pinv(jacobian) @ effects)
-        rows = Compressed(left.T @ left, left.T @ off, component, CONTRIBUTOR)
+        rows = Compressed(left.T @ left, left.T @ off, component, CONTRIBUTOR, STATED)
         found.append(np.log(variance_ratios(rows)) - np.log(truth))
     assert np.abs(np.mean(found, axis=0)).max() < 0.4
 
 
 def test_rows_that_say_nothing_leave_the_stated_size() -> None:
-    silent = Compressed(np.zeros((8, 8)), np.zeros(8), COMPONENT, CONTRIBUTOR)
+    silent = Compressed(np.zeros((8, 8)), np.zeros(8), COMPONENT, CONTRIBUTOR, STATED)
     assert variance_ratios(silent) == pytest.approx(np.ones(3), rel=1e-6)
+
+
+def test_a_size_that_is_merely_assumed_is_left_too() -> None:
+    silent = Compressed(np.zeros((8, 8)), np.zeros(8), COMPONENT, CONTRIBUTOR, ASSUMED)
+    assert variance_ratios(silent) == pytest.approx(np.ones(3), rel=0.01)
+
+
+@pytest.mark.parametrize("truth", [0.01, 1.0, 50.0])
+def test_an_assumed_size_is_found_beside_stated_ones(truth: float) -> None:
+    rng = np.random.default_rng(3)
+    component = np.repeat([0, 1, 2], 12).astype(np.int64)
+    effects = rng.normal(size=(600, 36))
+    found = []
+    for _ in range(20):
+        sources = rng.normal(size=36) * np.sqrt(np.array([1.0, 1.0, truth])[component])
+        residuals = effects @ sources + rng.normal(size=600)
+        rows = Compressed(effects.T @ effects, effects.T @ residuals, component, CONTRIBUTOR, ASSUMED)
+        found.append(np.log(variance_ratios(rows)))
+    off = np.mean(found, axis=0) - np.log([1.0, 1.0, truth])
+    # A hundredth of the white noise's size in twelve sources is known to be small, and not how small.
+    assert off[:2] == pytest.approx(np.zeros(2), abs=0.25)
+    assert -0.3 < off[2] < (1.0 if truth < 0.1 else 0.5)
 
 
 def test_nothing_to_estimate_gives_nothing() -> None:
     none = np.full(8, -1, dtype=np.int64)
-    assert variance_ratios(Compressed(np.eye(8), np.ones(8), none, none[:0])).size == 0
+    assert variance_ratios(Compressed(np.eye(8), np.ones(8), none, none[:0], STATED[:0])).size == 0

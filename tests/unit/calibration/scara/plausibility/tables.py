@@ -76,6 +76,13 @@ def table_2() -> Budget:
     return Budget((Contributor("repeatability", "length", 0.010), *shared))
 
 
+LOST_AT = 352 + 171
+"""Row at which the count of P2 begins anew where its zero is lost."""
+
+_BREAKS = np.setdiff1d(np.arange(20, 332), np.arange(LOST_AT - 352 - 5, LOST_AT - 352 + 6))
+"""Where the beam may break in a series: what is left of a segment after a lost zero has to carry a dead path."""
+
+
 @dataclass(frozen=True)
 class Faults:
     """What is wrong with a bench that is sound.
@@ -129,7 +136,7 @@ def measured(seed: int, faults: Faults = SOUND) -> Table:
         beam = complex(*place) - axis
         turn = np.angle(beam) - both
         length = np.abs(beam - faults.radial * 0.010 * np.exp(1j * both) * _at(tool, turn))
-        begins = np.sort(rng.choice(np.arange(20, len(rows) - 20), faults.breaks, replace=False))
+        begins = np.sort(rng.choice(_BREAKS, faults.breaks, replace=False))
         segment = np.searchsorted(begins, np.arange(len(rows)), side="right")
         first = np.concatenate([[0], begins])[segment]
         displacement.append(length - length[first])
@@ -214,9 +221,6 @@ def _zero_lost(table: Table) -> Table:
     displacement[later] -= displacement[LOST_AT]
     return replace(table, displacement=displacement)
 
-
-LOST_AT = 352 + 171
-"""Row at which the count of P2 begins anew."""
 
 MISTAKES: dict[str, Callable[[Table], Table]] = {
     "sign of θ1": lambda table: _turned(table, -1.0, 1.0),

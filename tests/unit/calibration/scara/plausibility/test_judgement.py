@@ -130,6 +130,29 @@ def test_a_small_jump_without_a_broken_bound_is_named() -> None:
     assert mistake.jump_mm == pytest.approx(0.3, abs=0.02)
 
 
+def test_a_zero_lost_in_a_long_table_is_named() -> None:
+    one = measured(3, Faults(breaks=1))
+    times = 20
+    table = replace(
+        one,
+        theta_deg=np.tile(one.theta_deg, (times, 1)),
+        direction=np.tile(one.direction, (times, 1)),
+        reflector=np.tile(one.reflector, times),
+        segment=np.concatenate([one.segment + 2 * number for number in range(times)]),
+        displacement=np.tile(one.displacement, times),
+    )
+    row = 5000
+    later = (np.arange(times * 1056) >= row) & (table.reflector == table.reflector[row])
+    later &= table.segment == table.segment[row]
+    spoiled = replace(table, displacement=table.displacement - later * table.displacement[row])
+    assert not verdict(table, table_2()).implausible
+    (mistake,) = verdict(spoiled, table_2()).mistakes
+    assert isinstance(mistake, ZeroLost)
+    # Of more than 20 000 distances some are left out.
+    assert row <= mistake.row < row + 5
+    assert mistake.jump_mm == pytest.approx(-table.displacement[row], abs=0.1)
+
+
 def test_misfit_that_nothing_explains_is_not_refused() -> None:
     table = measured(15)
     noise = np.random.default_rng(1).normal(0.0, 0.3, len(table.displacement))
