@@ -26,7 +26,9 @@ def test_a_beam_blocked_now_and_then_spoils_no_point(tmp_path: Path) -> None:
     options = ("--speed", _SPEED, "--truth", str(truth))
     with emulated(tmp_path, *options, edit=NODES, module="tests.system.still_bench") as bench:
         blocks = random_blocks(seed=4, count=4, steps=_STEPS, lasting=1)
-        story = run_blocked(bench, blocks, _SPEED, "--search", "none", "--param", 'reflectors=["P2"]')
+        story = run_blocked(
+            bench, blocks, _SPEED, "--search", "none", "--param", 'reflectors=["P2"]', "--param", "off_node=0"
+        )
         arm: dict[str, Any] = bench.ask(op="truth")["truth"]
     assert story.code == 0, story.stderr
     record = stored(tmp_path)

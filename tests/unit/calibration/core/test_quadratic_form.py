@@ -46,7 +46,7 @@ def test_errors_of_one_size_have_a_chi_square(share: float) -> None:
     assert found.probability(square) == pytest.approx(float(stats.chi2.sf(ROWS * share, ROWS)), rel=1e-3)
 
 
-def test_a_few_large_sources_are_no_chi_square_of_few_degrees() -> None:
+def test_a_few_large_sources_are_no_chi_square() -> None:
     # One source beside 40 rows of white errors: the sum is at least what these leave.
     source = SumOfSquares.of(np.ones((ROWS, 1)), np.ones(ROWS), NONE)
     rng = np.random.default_rng(3)

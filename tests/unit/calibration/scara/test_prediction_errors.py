@@ -53,7 +53,7 @@ def assert_blocks(found: Floats, expected: dict[tuple[int, int], Floats]) -> Non
         np.testing.assert_allclose(found[2 * i : 2 * i + 2, 2 * j : 2 * j + 2], block, atol=1e-15)
 
 
-def test_an_arm_that_does_not_repeat_scatters_in_x_and_y() -> None:
+def test_an_arm_that_does_not_repeat_scatters() -> None:
     found = covariance(Contributor("repeatability", "position", 0.010))
     np.testing.assert_allclose(found, np.eye(8) * 1e-4, atol=1e-18)
 
@@ -76,13 +76,13 @@ def test_the_second_axis_moves_in_the_frame_of_link_1() -> None:
     assert_blocks(found, blocks)
 
 
-def test_the_axis_of_a_tool_at_rest_is_displaced_in_the_frame_of_link_2() -> None:
+def test_the_axis_of_a_resting_tool_moves_with_link_2() -> None:
     found = covariance(Contributor("J4", "radial", 0.010, "axis-angle", "j4"))
     frames = [rotation(one + two) for one, two in ANGLES]
     assert_blocks(found, {(i, j): 1e-4 * frames[i] @ frames[j].T for i in ROWS for j in ROWS})
 
 
-def test_what_lies_between_nodes_turns_the_whole_arm_or_link_2() -> None:
+def test_what_lies_between_nodes_turns_arm_or_link_2() -> None:
     u = math.radians(0.002)
     once = np.ones(1, dtype=np.int64)
     at_mid = Commands(np.deg2rad([-110.0]), np.deg2rad([90.0]), once, once)
