@@ -182,13 +182,27 @@ def _mean_of_assumed(rows: Compressed, logarithms: Floats, place: int, centre: f
     What rows allow ends on the side of large variances, while small ones are all alike to them.
     """
     tried = centre + _ASSUMED * np.linspace(-3.0, 6.0, _TRIED)
-    values = np.empty(_TRIED)
-    for i, logarithm in enumerate(tried):
-        at = logarithms.copy()
-        at[place] = logarithm
-        values[i] = restricted_likelihood(rows, at)[0] + 0.5 * ((logarithm - centre) / _ASSUMED) ** 2
+    size, pull = beside_others(rows, logarithms, place)
+    grown = np.exp(tried)[:, None] * size
+    likelihood = 0.5 * np.sum(np.log1p(grown) - np.exp(tried)[:, None] * pull**2 / (1.0 + grown), axis=1)
+    values = likelihood + 0.5 * ((tried - centre) / _ASSUMED) ** 2
     weights = np.exp(values.min() - values)
     return float(weights @ np.exp(tried) / weights.sum())
+
+
+def beside_others(rows: Compressed, logarithms: Floats, place: int) -> tuple[Floats, Floats]:
+    """Return what rows say of one component's sources beside all others, along its principal directions.
+
+    Returns:
+        Eigenvalues of FᵀQF and the parts of FᵀQr along its eigenvectors, Q without the component, shape (k,) each.
+    """
+    own = rows.component == place
+    half = np.where(own, 0.0, np.sqrt(rows.variances(logarithms)))
+    factor = linalg.cho_factor(np.eye(half.size) + half[:, None] * rows.matrix * half, lower=True)
+    others = linalg.cho_solve(factor, half[:, None] * np.column_stack([rows.matrix[:, own], rows.vector]))
+    left = (rows.matrix[own] * half) @ others
+    size, directions = linalg.eigh(rows.matrix[np.ix_(own, own)] - left[:, :-1])
+    return np.maximum(size, 0.0), directions.T @ (rows.vector[own] - left[:, -1])
 
 
 def _raised(variance: Floats) -> Floats:

@@ -72,7 +72,7 @@ def true_reversal_mdeg(bench: Emulated) -> Floats:
 
 def test_planned_tracking_keeps_the_beam_on_every_move(tracked: dict[str, Any]) -> None:
     assert lost(tracked) == 0
-    assert tracked["counts"]["points"] == 3 * 8 * 8
+    assert tracked["counts"]["points"] == 3 * (8 * 8 + 6)
 
 
 def test_point_to_point_without_subdivision_breaks_the_beam(bench: Emulated) -> None:

@@ -25,7 +25,10 @@ def test_the_designed_cell_is_valid_and_planned_as_designed(tmp_path: Path) -> N
     checked = catseye("config", "validate", "new.toml", cwd=tmp_path)
     assert checked.returncode == 0, checked.stderr
     plan = catseye(
-        "run", "open-loop", "--cell", "new.toml", "--param", "closures=0", "--dry-run", "--json", cwd=tmp_path
+        *("run", "open-loop", "--cell", "new.toml", "--dry-run", "--json"),
+        # A design counts neither closures nor commands between the nodes.
+        *("--param", "closures=0", "--param", "off_node=0"),
+        cwd=tmp_path,
     )
     assert plan.returncode == 0, plan.stderr
     rehearsed, layout = json.loads(plan.stdout), found["layouts"][0]

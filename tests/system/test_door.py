@@ -15,4 +15,4 @@ def test_every_opening_is_a_stop_and_an_acknowledgement(tmp_path: Path) -> None:
     assert len(openings) == _OPENINGS
     assert [opening.motions for opening in openings] == [0] * _OPENINGS
     assert sum(map(require_acknowledged, records)) >= _OPENINGS
-    assert all(len(record.rows("points")) == 16 for record in records)
+    assert all(len(record.rows("points")) == 16 + 2 for record in records)

@@ -34,4 +34,4 @@ def test_a_resume_does_not_drive_into_a_moving_arm(tmp_path: Path) -> None:
     (first,) = [event for event in record.events() if event.kind == "first-motion"][1:]
     # The way begins where the arm was seen to stand.
     assert first.data["stands"] == ready.data["joints"]
-    assert len(record.rows("points")) == 16
+    assert len(record.rows("points")) == 16 + 2

@@ -9,5 +9,5 @@ from tests.system.test_ways_of_following import ALL_THETA2, FEW_NODES
 def test_a_fault_in_twenty_answers_costs_no_point(tmp_path: Path) -> None:
     edit = {**FEW_NODES, ALL_THETA2: "theta2_deg = [20.0, 40.0]"}
     run = measured(tmp_path, "100", 0.05, 7, "--param", 'reflectors=["P2"]', edit=edit)
-    assert len(run.record.rows("points")) == 16
+    assert len(run.record.rows("points")) == 16 + 2
     assert run.misfit_um < 0.3

@@ -19,7 +19,7 @@ from tests.system.forked import Forked
 from tests.system.test_ways_of_following import ALL_THETA2, FEW_NODES, TRUTH
 
 SPEED = "60"
-POINTS = 16
+POINTS = 16 + 2
 DOOR = '[io]\nendpoint = "tcp://127.0.0.1:10503"\n\n[tracker]'
 
 

@@ -141,7 +141,7 @@ async def test_the_bench_is_seen_before_during_and_after_a_run(bench: Emulated) 
         after = await watcher.until(idle)
         assert after["robot"]["age_s"] < 1.0
     points = RunReader(run).rows("points")
-    assert len(points) == 24
+    assert len(points) == 24 + 4
     samples = watcher.of("samples")
     assert sum(sum(event["count"]) for event in samples) > len(points)
     assert {event["missed"] for event in samples} == {0}

@@ -51,7 +51,8 @@ def test_a_measurement_keeps_the_beam_between_the_points(
         assert run.returncode == 0, run.stderr
         stopped = bench.ask(op="state")
     points = RunReader(resolve_run(tmp_path / "catseye-runs", last_run(tmp_path, "open-loop"))).rows("points")
-    assert len(points) == 2 * 2 * 2 * len(theta2_deg.split(","))
+    # Two commands more lie between the nodes.
+    assert len(points) == 2 * 2 * 2 * len(theta2_deg.split(",")) + 2
     assert {point["segment"] for point in points} == {0}
     assert not stopped["moving"]
     # The driver's joints are encoder feedback: finer than the R-protocol's hundredths.

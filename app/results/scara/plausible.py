@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from catseye.app.errors import CatseyeError
 from catseye.app.results.scara.implausible_text import finding_texts, implausible_text
 from catseye.app.results.scara.result import Implausible
-from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.core.errors import CalibrationError, InsufficientPointsError
 from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.plausibility.bounds import Bounds
@@ -64,6 +64,9 @@ def failures_explained(problem: Problem, bounds: Bounds) -> Iterator[None]:
     """
     try:
         yield
+    except InsufficientPointsError:
+        # So few distances fit many an arm; whatever explained them would be a guess.
+        raise
     except CalibrationError:
         verdict = judge(problem, None, bounds)
         if verdict.mistakes:

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 from scipy import linalg, stats
 
-from catseye.calibration.core.amplitudes import Compressed, restricted_likelihood, variance_ratios
+from catseye.calibration.core.amplitudes import (
+    Compressed,
+    beside_others,
+    restricted_likelihood,
+    variance_ratios,
+)
 from catseye.calibration.core.types import Floats
 
 RNG = np.random.default_rng(11)
@@ -36,6 +41,21 @@ def test_the_likelihood_is_that_of_the_contrasts() -> None:
     rows = compressed(residuals)
     found = restricted_likelihood(rows, one)[0] - restricted_likelihood(rows, other)[0]
     assert found == pytest.approx(dense(residuals, one) - dense(residuals, other), rel=1e-9)
+
+
+def test_one_component_beside_the_others_has_their_likelihood() -> None:
+    rows, at = compressed(RNG.normal(size=ROWS)), np.array([0.3, -0.4, 0.9])
+    size, pull = beside_others(rows, at, 1)
+
+    def alone(logarithm: float) -> float:
+        grown = np.exp(logarithm) * size
+        return 0.5 * float(np.sum(np.log1p(grown) - np.exp(logarithm) * pull**2 / (1.0 + grown)))
+
+    def together(logarithm: float) -> float:
+        return restricted_likelihood(rows, np.array([0.3, logarithm, 0.9]))[0]
+
+    for logarithm in (-2.0, 0.0, 1.5):
+        assert alone(logarithm) - alone(-1.0) == pytest.approx(together(logarithm) - together(-1.0), rel=1e-9)
 
 
 def test_slope_and_curvature_are_those_of_differences() -> None:
