@@ -17,9 +17,10 @@ import numpy as np
 from scipy import linalg, optimize
 
 from catseye.calibration.core.budget import Shared
-from catseye.calibration.core.model import Model, whitening_at
+from catseye.calibration.core.model import Model
 from catseye.calibration.core.residuals import NORMAL_MAD
 from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.core.whitening import Whitening
 
 _SPREADS = (0.15, 0.5, 1.0, 2.0)
 """How far variances may differ from the stated ones, e-folds: scales of the prior."""
@@ -80,7 +81,8 @@ class Compressed:
     @classmethod
     def of(cls, model: Model, values: Floats) -> "Compressed":
         """Reduce a model's rows, or evenly spread ones of very many, at parameters of shape (p,)."""
-        whitening, every = whitening_at(model, values), slice(None, None, even_step(model.weights.size))
+        shared, every = model.shared(values), slice(None, None, even_step(model.weights.size))
+        whitening = Whitening.of(model.weights, shared)
         weights, effects = whitening.weights[every], whitening.effects[every]
         jacobian = model.jacobian(values)[every] * weights[:, None]
         # In the order of Fortran, for LAPACK to work in place: there may be a hundred megabytes of it.
@@ -91,7 +93,7 @@ class Compressed:
         left = effects - basis @ (basis.T @ effects)
         weighted = model.residuals(values)[every] * weights
         residuals = _winsorised(weighted - basis @ (basis.T @ weighted))
-        return cls(left.T @ left, left.T @ residuals, *_numbered(model.shared(values)))
+        return cls(left.T @ left, left.T @ residuals, *_numbered(shared))
 
     @cached_property
     def members(self) -> Floats:

@@ -48,10 +48,11 @@ def estimate(model: Model, start: Floats) -> Estimate:
     solution = _solved(model, start, whitening)
     if not solution.factor.regular.all():
         require_identifiable(parameters, whitening.rows(solution.jacobian))
-    if model.shared(solution.parameters):
+    whitening = whitening_at(model, solution.parameters)
+    if whitening.effects.shape[1]:
         for _ in range(2):
-            solution = _solved(model, solution.parameters, whitening_at(model, solution.parameters))
-        whitening = whitening_at(model, solution.parameters)
+            solution = _solved(model, solution.parameters, whitening)
+            whitening = whitening_at(model, solution.parameters)
         solution = replace(solution, free=whitening.rows(solution.jacobian) @ parameters.basis)
     return _judged(model, solution, whitening)
 

@@ -154,19 +154,7 @@ def identify(
         # What differs from reading to reading is stated with the points.
         budget = Budget(budget.systematic)
     distances = distance_model(layout, used, budget)
-    start = distances.start(link1_mm, link2_mm, rough)
-    if budget is not None and used.sigma_mm is None:
-        distances = _weighted(distances, start, budget)
-        # Weights at the estimate do not depend on how rough the places were.
-        start = estimate(distances, start).values
-        distances = _weighted(distances, start, budget)
-    found = estimate(distances, start)
-    if budget is not None and model == "error-map":
-        # The conventional model's own misfit would pass for radial error motions.
-        learnt = with_spectra(budget, distances, found.values)
-        if learnt != budget:
-            budget, distances = learnt, replace(distances, budget=learnt)
-            found = estimate(distances, found.values)
+    distances, found = _estimated(distances, distances.start(link1_mm, link2_mm, rough))
     return Identification(
         layout,
         found.values,
@@ -175,8 +163,26 @@ def identify(
         found.residuals_mm,
         found.fit,
         rejected,
-        budget,
+        distances.budget,
     )
+
+
+def _estimated(distances: DistanceModel, start: Floats) -> tuple[DistanceModel, Estimate]:
+    """Estimate, with the weights and the spectra that follow from the budget; they come with the distances."""
+    budget = distances.budget
+    if budget is not None and distances.points.sigma_mm is None:
+        distances = _weighted(distances, start, budget)
+        # Weights at the estimate do not depend on how rough the places were.
+        start = estimate(distances, start).values
+        distances = _weighted(distances, start, budget)
+    found = estimate(distances, start)
+    if budget is not None and distances.layout.model == "error-map":
+        # The conventional model's own misfit would pass for radial error motions.
+        learnt = with_spectra(budget, distances, found.values)
+        if learnt != budget:
+            distances = replace(distances, budget=learnt)
+            found = estimate(distances, found.values)
+    return distances, found
 
 
 def with_spectra(budget: Budget, distances: DistanceModel, values: Floats) -> Budget:

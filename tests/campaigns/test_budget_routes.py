@@ -30,7 +30,7 @@ async def test_tables_agree_with_their_runs(tmp_path: Path, monkeypatch: pytest.
             worst[route] = max(before[0], now[0]), max(before[1], now[1])
         normalised.append(_normalised(found["points.csv"], seed))
     rms = float(np.sqrt(np.mean(np.square(normalised))))
-    print(f"\n{SEEDS} seeds, largest difference of values / u and of u: {worst}; errors / u {rms:.2f} rms")  # noqa: T201
+    print(f"\n{SEEDS} seeds, largest difference of values / u and of u: {worst}; errors / u {rms:.2f} rms")  # noqa: T201  # the figure
     assert max(max(pair) for pair in worst.values()) < EQUAL
     # About 3.6 independent errors an arm: the rms over 20 arms lies within 0.8 and 1.2 in 98 of 100 cases, by
     # chi-square.

@@ -33,7 +33,7 @@ def _learnt_text(entry: ContributorEntry) -> str:
     listed = ", ".join(number(math.sqrt(ratio), fixed(1)) for ratio in entry.spectrum)
     orders = f" (orders 1 to {len(entry.spectrum)}: {listed})" if len(entry.spectrum) > 1 else ""
     size = f"{number(times, fixed(1))} times the stated {entry.stated}"
-    return f"{entry.name}: the distances let expect {size}{orders}."
+    return f"{entry.name}: the distances suggest {size}{orders}."
 
 
 def budget_remarks(part: BudgetPart) -> list[str]:

@@ -105,7 +105,7 @@ def _scale_text(factor: float) -> str:
     unit = unit_of(factor)
     if unit is None:
         return (
-            f"displacement_mm is {1.0 / factor:.4g} times as large as the arm's links let expect: check its scale, "
+            f"displacement_mm is {1.0 / factor:.4g} times as large as the arm's links suggest: check its scale, "
             "the wavelength and the links in the cell file"
         )
     return f"displacement_mm seems to be in {unit}: convert it to mm"

@@ -77,7 +77,7 @@ def _explanations(case: Case, tried: Iterable[Correction], bounds: Bounds) -> It
 
 
 def _explained(tried: Correction, bounds: Bounds, enough_mm: float) -> _Explanation | None:
-    """Solve a corrected case; first without maps, which tells most wrong guesses."""
+    """Solve a corrected case; first without maps, which rules out most wrong guesses."""
     case = tried.case
     if len(case.points) < FEWEST:
         return None

@@ -1,4 +1,4 @@
-"""No implausible result is written: it is refused with the likely mistake, or kept for a reason that it tells."""
+"""No implausible result is written: it is refused with the likely mistake, or kept for a reason that it states."""
 
 import json
 from collections.abc import Callable
