@@ -94,7 +94,7 @@ class Study:
         length = np.hypot(beam[:, 0], beam[:, 1])
         # A place that the J4 axis passes over has no beam there; it is not seen from there either.
         unit = beam / np.where(length > 0.0, length, 1.0)[:, None]
-        geometry = self._geometry(unit, length)
+        geometry = self._geometry(positions, unit, length)
         sigma = combined_white_mm(self.budget, geometry)
         if not sigma.all():
             raise BudgetError("a distance without white uncertainty would be exact; state one in the budget")
@@ -106,11 +106,11 @@ class Study:
             weight * systematic_effects(self.budget, geometry),
         )
 
-    def _geometry(self, unit: Floats, length: Floats) -> Geometry:
+    def _geometry(self, positions: Floats, unit: Floats, length: Floats) -> Geometry:
         nothing = np.zeros(len(self.commands), dtype=np.int64)
         points = Points(self.commands, nothing, nothing, length, None, ("",), (("", 0),))
         local = np.einsum("ni,nij->nj", unit, self._local)
-        return seen_along(points, unit, length, local[:, 2:], self.layout)
+        return seen_along(points, positions, (unit, length), local[:, 2:], self.layout)
 
     def require_determined(self, sights: Sequence[Sight]) -> None:
         """Refuse a layout that leaves parameters undetermined.

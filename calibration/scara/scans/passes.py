@@ -68,7 +68,7 @@ class Passes:
         if any(term.source == "theta4" for term in self.layout.terms):
             block = replace(block, theta4_rad=beam_turn_rad(block, self.nominal_mm, self.rough_mm))
         design = arm_design(self.layout, block.commands, block.theta4_rad, elapsed)
-        model = DistanceModel(self.layout, block, design, self.repeating)
+        model = DistanceModel(self.layout, block, design, self.repeating, elapsed)
         if not weighted or block.sigma_mm is not None or self.budget is None or not self.budget.white:
             return model
         sigma = combined_white_mm(self.budget, model.geometry(self._known))
