@@ -17,6 +17,7 @@ from catseye.app.results.scara.stated_budget import corrected_by
 from catseye.app.results.scara.table_budget import sealed_with
 from catseye.app.results.scara.values import result_values
 from catseye.app.store.reader import RunReader
+from catseye.procedures.kit.columns import Columns
 
 _MEASURED = ("theta1_deg", "theta2_deg", "direction1", "direction2", "x_meas_mm", "y_meas_mm", "u_mm")
 
@@ -89,11 +90,23 @@ def _distances(
         reader.path.name,
         about,
         content,
-        [{**row, "sigma_mm": sigma_mm} for row in rows],
+        _with_columns(rows, points, ("sigma_mm", "mount_deg")),
         points_csv(points, documents),
         origin_of_run(reader),
         documents,
     )
+
+
+def _with_columns(
+    rows: Sequence[Mapping[str, object]], points: Columns, names: Sequence[str]
+) -> Sequence[Row]:
+    """Return rows with columns as the table has them; one that it does not have is left out."""
+    columns = {name: points[name].tolist() for name in names if name in points}
+    return [
+        {key: value for key, value in row.items() if key not in names}
+        | {name: values[i] for name, values in columns.items()}
+        for i, row in enumerate(rows)
+    ]
 
 
 def _run_csv(content: str, rows: list[dict[str, Any]]) -> str:
