@@ -28,7 +28,7 @@ from catseye.calibration.core.budget import (
 )
 from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.types import Floats, Ints
-from catseye.calibration.scara.between_nodes import between_nodes
+from catseye.calibration.scara.between_nodes import between_nodes, ripple_between_nodes
 from catseye.calibration.scara.drift_process import cosines, octaves, shares
 from catseye.calibration.scara.extension import Term, term_values
 from catseye.calibration.scara.layout import Layout
@@ -209,6 +209,7 @@ class Geometry:
         elapsed: share of the measurement that had passed, less a half, shape (n,).
         averaged: what lies between nodes averages out over the rows.
         later: the rows belong to another time than those that the arm was identified from.
+        alone: what rows of different commands have in common does not matter.
     """
 
     points: Points
@@ -221,6 +222,7 @@ class Geometry:
     elapsed: Floats
     averaged: bool = False
     later: bool = False
+    alone: bool = False
 
 
 def seen_along(
@@ -392,6 +394,9 @@ def _between_nodes(axis: Axis | None, geometry: Geometry) -> Floats:
     commands, layout = geometry.points.commands, geometry.layout
     if geometry.averaged:
         return np.zeros((len(commands), 0))
-    if axis == "j1":
-        return between_nodes(layout.nodes1_rad, commands.theta1_rad, commands.direction1)
-    return between_nodes(layout.nodes2_rad, commands.theta2_rad, commands.direction2)
+    first = axis == "j1"
+    nodes_rad = layout.nodes1_rad if first else layout.nodes2_rad
+    theta_rad = commands.theta1_rad if first else commands.theta2_rad
+    if geometry.alone:
+        return ripple_between_nodes(nodes_rad, theta_rad)[:, None]
+    return between_nodes(nodes_rad, theta_rad, commands.direction1 if first else commands.direction2)
