@@ -13,6 +13,7 @@ from catseye.app.results.scara.budget_text import budget_statements
 from catseye.app.results.scara.comparison import ResultComparison
 from catseye.app.results.scara.comparison_report import comparison_report
 from catseye.app.results.scara.diagnosis_document import DiagnosisDocument
+from catseye.app.results.scara.drift_text import drift_statements
 from catseye.app.results.scara.fit_text import (
     fit_statements,
     identified_text,
@@ -87,7 +88,12 @@ def fit_sentences(result: Result, diagnosis: DiagnosisDocument | None) -> list[S
     else:
         statements += [finding.statement for finding in diagnosis.findings]
     # After many losses of the beam these are more lines than a small screen has.
-    return [*statements, *nodes_only_statements(result), *left_out_statements(result)]
+    return [
+        *statements,
+        *drift_statements(result),
+        *nodes_only_statements(result),
+        *left_out_statements(result),
+    ]
 
 
 def residual_text(result: Result, diagnosis: DiagnosisDocument | None) -> str:

@@ -123,8 +123,8 @@ class Contributor:
         if len(self.spectrum) not in {0, self.parts}:
             raise ArgumentError(
                 f"{self.name}: a spectrum of {len(self.spectrum)} values instead of {self.parts}; an axis-angle "
-                "error has one for each of its orders, a ripple between nodes a single one, an error that changes with "
-                "time one for each octave of its orders, any other error none"
+                "error has one for each of its orders, a ripple between nodes a single one, what changes with time "
+                "one for each octave of its orders, any other error none"
             )
         if self.kind == "between-nodes" and self.axis == "j4":
             raise ArgumentError(f"{self.name}: J4 has no map, and so no nodes: say j1 or j2")
@@ -187,6 +187,16 @@ class Budget:
             for one in self.contributors
             if one.correlation in {"axis-angle", "common"} and one.kind != "between-nodes" and one.u > 0.0
         )
+
+    @property
+    def over_time(self) -> "Budget":
+        """Contributors that change with time."""
+        return Budget(tuple(one for one in self.contributors if one.correlation == "time"))
+
+    @property
+    def but_over_time(self) -> "Budget":
+        """All others."""
+        return Budget(tuple(one for one in self.contributors if one.correlation != "time"))
 
     @property
     def away_from_nodes(self) -> "Budget":

@@ -51,7 +51,7 @@ class DistanceModel:
         points: what was measured, n rows.
         design: the points' commands, prepared.
         budget: contributors to the uncertainty of a distance; None for what the points state alone.
-        elapsed: share of the measurement that had passed, less a half, shape (n,), where the points are not all of it.
+        elapsed: share of the measurement that had passed, less a half, shape (n,); None for that of the points.
     """
 
     layout: Layout

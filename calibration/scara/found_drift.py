@@ -40,9 +40,14 @@ class FoundDrift:
 
 
 def found_drifts(identified: Identification) -> tuple[FoundDrift, ...]:
-    """Return what the contributors that change with time did; nothing for those that no distances were asked about."""
+    """Return what the contributors that change with time did, as far as distances were asked about them.
+
+    A scan keeps a sample of its distances, from which nothing is concluded.
+    """
     budget = identified.budget
-    asked = [one for one in budget.systematic if one.correlation == "time" and one.spectrum] if budget else []
+    if budget is None or identified.fit.n_points != len(identified.points):
+        return ()
+    asked = (one for one in budget.systematic if one.correlation == "time" and one.spectrum and one.u > 0.0)
     return tuple(_found(identified, one) for one in asked)
 
 

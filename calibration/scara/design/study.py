@@ -11,6 +11,7 @@ from catseye.calibration.core.design.information import Information, Rows
 from catseye.calibration.core.errors import BudgetError
 from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.types import Floats
+from catseye.calibration.core.whitening import Whitening
 from catseye.calibration.scara.arm import ArmDesign, arm_design
 from catseye.calibration.scara.budget import (
     Budget,
@@ -84,7 +85,9 @@ class Study:
         return np.stack([design.spread(local[:, axis]) @ self.basis for axis in range(2)], axis=1)
 
     def rows(self, sight: Sight) -> Rows:
-        """Return the weighted rows of the distances to a reflector.
+        """Return the weighted rows of the distances to a reflector, in measuring order.
+
+        Rows of a reflector are made independent of what changes with time; they keep what they share otherwise.
 
         Raises:
             BudgetError: the budget has no white contributor, so that a distance would be exact.
@@ -100,10 +103,12 @@ class Study:
             raise BudgetError("a distance without white uncertainty would be exact; state one in the budget")
         weight = np.where(sight.seen, 1.0 / sigma, 0.0)[:, None]
         segments = sight.segment[:, None] == np.arange(sight.segments)
+        # When a reflector will be measured is open: what changes with time changes for each of them on its own.
+        own = Whitening(np.ones(len(unit)), weight * systematic_effects(self.budget.over_time, geometry))
         return Rows(
-            weight * np.einsum("ni,nif->nf", unit, gradient),
-            weight * np.hstack([unit, segments]),
-            weight * systematic_effects(self.budget, geometry),
+            own.again(weight * np.einsum("ni,nif->nf", unit, gradient)),
+            own.again(weight * np.hstack([unit, segments])),
+            own.again(weight * systematic_effects(self.budget.but_over_time, geometry)),
         )
 
     def _geometry(self, positions: Floats, unit: Floats, length: Floats) -> Geometry:

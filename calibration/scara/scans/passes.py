@@ -11,7 +11,7 @@ from catseye.calibration.core.blockwise.sparse_rows import Slot, SparseRows
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.arm import LOCAL, arm_design
-from catseye.calibration.scara.budget import Budget, combined_white_mm, systematic_effects
+from catseye.calibration.scara.budget import Budget, Correlation, combined_white_mm, systematic_effects
 from catseye.calibration.scara.distance_model import Beams, DistanceModel
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.pointing import beam_turn_rad
@@ -40,14 +40,20 @@ class Passes:
     estimate: Floats | None = None
 
     def __post_init__(self) -> None:
-        common = (
-            [one.name for one in self.budget.systematic if one.correlation == "pose"] if self.budget else []
-        )
-        if common:
+        if common := self._correlated("pose"):
             raise CalibrationError(
-                f"{', '.join(common)}: an error common to a pose cannot be separated from a reading's own in a scan, "
+                f"{common}: an error common to a pose cannot be separated from a reading's own in a scan, "
                 "which repeats no pose; state it per reading"
             )
+        if moved := self._correlated("segment"):
+            raise CalibrationError(
+                f"{moved}: a scan has too many segments for places of their own; leave the contributor out, or "
+                "give a reflector that was moved another name"
+            )
+
+    def _correlated(self, how: Correlation) -> str:
+        systematic = () if self.budget is None else self.budget.systematic
+        return ", ".join(one.name for one in systematic if one.correlation == how)
 
     @property
     def repeating(self) -> Budget | None:

@@ -283,7 +283,7 @@ async def test_diagnose_names_the_budget(
 ) -> None:
     exported(tmp_path, run)
     diagnose([], tmp_path / "points.csv", tmp_path / "cell.toml")
-    assert "Error budget: that of the table points.csv, 11 contributors." in capsys.readouterr().err
+    assert "Error budget: that of the table points.csv, 13 contributors." in capsys.readouterr().err
 
 
 async def test_runs_with_different_budgets_are_named(
