@@ -19,9 +19,9 @@ from catseye.calibration.scara.found_drift import found_drifts
 from catseye.calibration.scara.identification import identify
 from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.prediction import predict
-from tests.campaigns.test_between_nodes import NAMES, SEQUENCE, Arm, commands_of, path
+from tests.campaigns.test_between_nodes import SEQUENCE, Arm, commands_of, path
 from tests.unit.calibration.scara.drifting import autoregressive
-from tests.unit.calibration.scara.paper import NODES1_DEG, NODES2_DEG, NOMINAL_REFLECTORS
+from tests.unit.calibration.scara.paper import NAMES, NODES1_DEG, NODES2_DEG, NOMINAL_REFLECTORS
 
 SETS = int(os.environ.get("CATSEYE_DRIFT_SETS", "60"))
 DRIFT_MM = 0.020

@@ -54,6 +54,13 @@ _TYPICAL_BEAM_MM = 743.3
 """Beam of the paper's example: from (100, 100) mm to the reflector at (650, -400) mm."""
 
 
+def _usual_orders(given: dict[str, Any]) -> int:
+    """Return how many orders a contributor has: metal warms slowly, air and clamps change within minutes."""
+    if given.get("correlation") != "time":
+        return 5
+    return 3 if given.get("kind") == "links" else 31
+
+
 class ContributorEntry(Section):
     """[[uncertainty.contributor]]: one line of the budget."""
 
@@ -66,18 +73,9 @@ class ContributorEntry(Section):
     distribution: Distribution = "normal"
     correlation: Correlation = "reading"
     axis: Literal["j1", "j2", "j4"] | None = None
-    orders: Annotated[int, Field(ge=1, le=255)] = 5
+    orders: Annotated[int, Field(ge=1, le=255)] = Field(default_factory=_usual_orders)
     degrees_of_freedom: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] | None = None
     spectrum: tuple[NotNegative, ...] = Field(default=(), exclude_if=lambda spectrum: not spectrum)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _with_orders(cls, given: Any) -> Any:
-        """Add the usual orders: metal warms slowly, air and clamps change within minutes."""
-        if not isinstance(given, dict) or given.get("orders") is not None:
-            return given
-        over_time = 3 if given.get("kind") == "links" else 31
-        return given | {"orders": over_time if given.get("correlation") == "time" else 5}
 
     @model_validator(mode="after")
     def _sound(self) -> Self:
