@@ -23,8 +23,8 @@ STEP_TOLERANCE = 1e-8
 
 MAX_ITERATIONS = 50
 
-_SHORT_MM = 1e-5
-"""A step that changes residuals by less, rms, leaves the derivatives: a ten-millionth of u is nothing."""
+_SHORT_MM = 1e-6
+"""A step that changes residuals by less, rms, leaves the derivatives: they are good to a hundred-millionth."""
 
 
 @dataclass(frozen=True)
