@@ -19,6 +19,7 @@ from catseye.app.results.scara.fit_text import (
     left_out_statements,
     nodes_only_statements,
 )
+from catseye.app.results.scara.j4_text import j4_statements
 from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.result_files import ResultFile
@@ -87,7 +88,12 @@ def fit_sentences(result: Result, diagnosis: DiagnosisDocument | None) -> list[S
     else:
         statements += [finding.statement for finding in diagnosis.findings]
     # After many losses of the beam these are more lines than a small screen has.
-    return [*statements, *nodes_only_statements(result), *left_out_statements(result)]
+    return [
+        *statements,
+        *j4_statements(result),
+        *nodes_only_statements(result),
+        *left_out_statements(result),
+    ]
 
 
 def residual_text(result: Result, diagnosis: DiagnosisDocument | None) -> str:

@@ -17,6 +17,7 @@ from catseye.app.errors import UsageError
 from catseye.app.results.model import Origin
 from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.budget_part import BudgetPart
+from catseye.app.results.scara.j4_text import j4_part
 from catseye.app.results.scara.plausible import failures_explained, require_plausible
 from catseye.app.results.scara.points import point_columns, to_points
 from catseye.app.results.scara.result import Covariance, Result, TakenUpPart
@@ -29,6 +30,7 @@ from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.extension import Term, crosstalk, j4_map, periodic, thermal_drift
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.layout import ModelName
+from catseye.calibration.scara.reversal import separated_orders
 from catseye.procedures.kit.columns import Columns
 from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.bench import Reflector, ScaraBench
@@ -132,7 +134,8 @@ def identified_result(
     result = result_of(identified, nominal, sources, SOFTWARE, created, simulated)
     budget = budget.learnt(identified.budget)
     covariance = _with_taken_up(result.covariance, identified, budget)
-    return result.model_copy(update={"budget": budget, "covariance": covariance})
+    j4_orders = [j4_part(one) for one in separated_orders(identified)] or None
+    return result.model_copy(update={"budget": budget, "covariance": covariance, "j4_orders": j4_orders})
 
 
 def _with_taken_up(
