@@ -211,5 +211,16 @@ def test_a_scan_sees_the_mountings_as_tables_do() -> None:
     assert scanned.identified.standard_uncertainty / u == pytest.approx(1.0, abs=0.02)
 
 
+def test_which_mounting_counts_as_the_first_is_all_one() -> None:
+    motion = AxisMotion.drawn(np.random.default_rng(7), 0.03, 0.01)
+    points = mounted(TRUTH, motion.longer, [0.0, HALF_TURN], WHITE_MM, 7)
+    assert points.mount_rad is not None
+    exchanged = replace(points, mount_rad=HALF_TURN - points.mount_rad)
+    one, other = (replace(problem(each), budget=BUDGET).solve() for each in (points, exchanged))
+    u = one.standard_uncertainty
+    assert (other.parameters - one.parameters) / u == pytest.approx(0.0, abs=1e-6)
+    assert other.standard_uncertainty == pytest.approx(u, rel=1e-6)
+
+
 def rms(values: Floats) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
