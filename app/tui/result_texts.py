@@ -19,7 +19,7 @@ from catseye.app.results.scara.fit_text import (
     left_out_statements,
     nodes_only_statements,
 )
-from catseye.app.results.scara.j4_text import j4_statements
+from catseye.app.results.scara.separated_text import separated_statements
 from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.result_files import ResultFile
@@ -90,7 +90,7 @@ def fit_sentences(result: Result, diagnosis: DiagnosisDocument | None) -> list[S
     # After many losses of the beam these are more lines than a small screen has.
     return [
         *statements,
-        *j4_statements(result),
+        *separated_statements(result),
         *nodes_only_statements(result),
         *left_out_statements(result),
     ]

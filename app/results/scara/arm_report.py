@@ -19,7 +19,7 @@ from catseye.app.results.scara.distance_report import distance_section, distance
 from catseye.app.results.scara.figures.layout import layout_figure
 from catseye.app.results.scara.findings import Findings
 from catseye.app.results.scara.fit_text import fit_statements, identified_text, nodes_only_statements
-from catseye.app.results.scara.j4_text import j4_section, j4_statements
+from catseye.app.results.scara.separated_text import separated_section, separated_statements
 from catseye.app.results.scara.layout import scene_of
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.result_report import (
@@ -69,7 +69,7 @@ def verdict(findings: Findings, incidents: int = 0) -> list[Statement]:
     )
     if findings.truth is not None and best.model == "error-map":
         statements.append(truth_statement(best, findings.truth))
-    statements += [*j4_statements(best), *nodes_only_statements(best)]
+    statements += [*separated_statements(best), *nodes_only_statements(best)]
     # Segments that are too short, and single distances.
     left_out = [f"{len(best.fit.rejected)} left out"] if best.fit.rejected else []
     left_out += [f"{counted(incidents, 'incident')} on the way"] if incidents else []
@@ -94,7 +94,7 @@ def _result_sections(findings: Findings, measurement: Measurement) -> list[Secti
         fit_section(findings.models),
         diagnosis_section(findings.diagnosis),
         _uncertainty_section(best, measurement.cell),
-        j4_section(best),
+        separated_section(best),
         _layout_section(findings),
         reflector_section(best, map_truth),
     ]

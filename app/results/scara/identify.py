@@ -17,7 +17,7 @@ from catseye.app.errors import UsageError
 from catseye.app.results.model import Origin
 from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.budget_part import BudgetPart
-from catseye.app.results.scara.j4_text import j4_part
+from catseye.app.results.scara.separated_text import separated_part
 from catseye.app.results.scara.plausible import failures_explained, require_plausible
 from catseye.app.results.scara.points import point_columns, to_points
 from catseye.app.results.scara.result import Covariance, Result, TakenUpPart
@@ -134,7 +134,7 @@ def identified_result(
     result = result_of(identified, nominal, sources, SOFTWARE, created, simulated)
     budget = budget.learnt(identified.budget)
     covariance = _with_taken_up(result.covariance, identified, budget)
-    j4_orders = [j4_part(one) for one in separated_orders(identified)] or None
+    j4_orders = [separated_part(one) for one in separated_orders(identified)] or None
     return result.model_copy(update={"budget": budget, "covariance": covariance, "j4_orders": j4_orders})
 
 

@@ -252,7 +252,9 @@ def test_a_budget_without_white_contributors_is_refused(cell: Path) -> None:
         design(cell, places=60)
 
 
-def test_it_says_what_a_turned_interferometer_is_worth(cell: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_it_says_what_a_turned_interferometer_is_worth(
+    cell: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     found = designed(cell, capsys, reflectors=1, places=30)["j4_reversal"]
     assert [one["name"] for one in found] == ["1 designed", "cell file (= SCARA paper)"]
     for one in found:

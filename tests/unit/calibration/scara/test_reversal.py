@@ -68,7 +68,7 @@ def test_half_a_turn_leaves_even_orders_as_they_were(order: int) -> None:
     assert after == pytest.approx(before, abs=1e-9)
 
 
-def test_only_a_quarter_turn_separates_the_second_order_from_link_2() -> None:
+def test_only_a_quarter_turn_separates_order_two_from_link_2() -> None:
     half, quarter = mounted(TRUTH, still, [0.0, HALF_TURN]), mounted(TRUTH, still, [0.0, 0.5 * HALF_TURN])
     assert left_over(half, motion_columns(half, 2))[2:] == pytest.approx(0.0, abs=1e-9)
     assert left_over(quarter, motion_columns(quarter, 2)).min() > 0.4

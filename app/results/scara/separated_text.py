@@ -8,7 +8,7 @@ from catseye.calibration.scara.reversal import SeparatedOrder
 _UM = fixed(2)
 
 
-def j4_part(found: SeparatedOrder) -> J4OrderPart:
+def separated_part(found: SeparatedOrder) -> J4OrderPart:
     """Return a separated order as a result file states it."""
     u_cosine, u_sine = found.u_parts_mm
     return J4OrderPart(
@@ -20,12 +20,12 @@ def j4_part(found: SeparatedOrder) -> J4OrderPart:
     )
 
 
-def j4_statements(result: Result) -> list[Statement]:
+def separated_statements(result: Result) -> list[Statement]:
     """Return what was found of J4; nothing where the interferometer was not turned."""
     return [Statement(Sign.NEUTRAL, _text(name, orders)) for name, orders in _by_contributor(result).items()]
 
 
-def j4_section(result: Result | None) -> Section:
+def separated_section(result: Result | None) -> Section:
     """Return the orders of J4 that the two mountings have separated."""
     title = "What J4 adds to a distance"
     parts = [] if result is None else result.j4_orders or []
