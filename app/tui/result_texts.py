@@ -19,11 +19,11 @@ from catseye.app.results.scara.fit_text import (
     left_out_statements,
     nodes_only_statements,
 )
-from catseye.app.results.scara.separated_text import separated_statements
 from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.result_files import ResultFile
 from catseye.app.results.scara.result_report import scatter_table
+from catseye.app.results.scara.separated_text import separated_statements
 from catseye.app.results.scara.uncertainty import uncertainty_statements
 from catseye.app.results.scara.validation_document import ValidationDocument
 from catseye.app.results.scara.values import parameter_table

@@ -19,7 +19,6 @@ from catseye.app.results.scara.distance_report import distance_section, distance
 from catseye.app.results.scara.figures.layout import layout_figure
 from catseye.app.results.scara.findings import Findings
 from catseye.app.results.scara.fit_text import fit_statements, identified_text, nodes_only_statements
-from catseye.app.results.scara.separated_text import separated_section, separated_statements
 from catseye.app.results.scara.layout import scene_of
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.result_report import (
@@ -29,6 +28,7 @@ from catseye.app.results.scara.result_report import (
     reflector_section,
 )
 from catseye.app.results.scara.search_section import search_section
+from catseye.app.results.scara.separated_text import separated_section, separated_statements
 from catseye.app.results.scara.standards_report import standards_section
 from catseye.app.results.scara.truth_tables import truth_statement
 from catseye.app.results.scara.validation_report import path_section

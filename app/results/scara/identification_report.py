@@ -3,8 +3,8 @@
 from catseye.app.results.model import Report, Sign, Statement, section
 from catseye.app.results.scara.budget_text import budget_statements
 from catseye.app.results.scara.fit_text import fit_statements, left_out_statements, nodes_only_statements
-from catseye.app.results.scara.separated_text import separated_statements
 from catseye.app.results.scara.result import Result
+from catseye.app.results.scara.separated_text import separated_statements
 from catseye.app.results.scara.uncertainty import uncertainty_statements
 from catseye.app.results.scara.values import KINDS, parameter_table
 

@@ -17,11 +17,11 @@ from catseye.app.errors import UsageError
 from catseye.app.results.model import Origin
 from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.budget_part import BudgetPart
-from catseye.app.results.scara.separated_text import separated_part
 from catseye.app.results.scara.plausible import failures_explained, require_plausible
 from catseye.app.results.scara.points import point_columns, to_points
 from catseye.app.results.scara.result import Covariance, Result, TakenUpPart
 from catseye.app.results.scara.result_of import result_of
+from catseye.app.results.scara.separated_text import separated_part
 from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
 from catseye.app.store.software import SOFTWARE
