@@ -68,6 +68,13 @@ class Projection:
         """Q times the residuals, in units of the white uncertainties, shape (n,)."""
         return self.whitening.again(self.residuals)
 
+    @property
+    def rms_um(self) -> float:
+        """Rms of the residuals, predicted minus measured, µm."""
+        effects = self.whitening.effects
+        residuals_mm = (self.pulls + effects @ (effects.T @ self.pulls)) / self.weights
+        return 1e3 * float(np.sqrt(np.mean(residuals_mm**2)))
+
     @cached_property
     def own(self) -> Floats:
         """Diagonal of Q, shape (n,): a pull over it is what the other rows predict of a row minus the row."""
@@ -78,6 +85,11 @@ class Projection:
         rest = columns - self.orthonormal @ (self.orthonormal.T @ columns)
         # Once more: the first pass leaves rounding of the size of what it took off.
         return np.asarray(rest - self.orthonormal @ (self.orthonormal.T @ rest), dtype=np.float64)
+
+    @property
+    def settled(self) -> Self:
+        """The fit where the weights at hand settle: residuals may come from other weights, or from a larger model."""
+        return replace(self, residuals=self.leftover(self.residuals))
 
     def extended(self, columns: Floats) -> Self:
         """Return the projection of the model with further functions, which take up what they can.
@@ -106,9 +118,19 @@ def project(model: Model, values: Floats, residuals_mm: Floats) -> Projection:
         residuals_mm: its residuals, shape (n,).
     """
     whitening = whitening_at(model, values)
-    jacobian = whitening.rows(model.jacobian(values)) @ model.parameters.basis
-    scaled = jacobian / np.linalg.norm(jacobian, axis=0)
-    basis: Floats = linalg.qr(scaled, mode="economic", check_finite=False)[0]
+    return on_columns(whitening, model.jacobian(values) @ model.parameters.basis, residuals_mm)
+
+
+def on_columns(whitening: Whitening, columns: Floats, residuals_mm: Floats) -> Projection:
+    """Return a fit as a projection off the columns of its model, which are all different.
+
+    Args:
+        columns: derivatives of the residuals, shape (n, free).
+        residuals_mm: its residuals, shape (n,).
+    """
+    whitened = whitening.rows(columns)
+    scaled = whitened / np.linalg.norm(whitened, axis=0)
+    basis: Floats = linalg.qr(scaled, mode="economic", overwrite_a=True, check_finite=False)[0]
     return Projection(whitening, basis, whitening.rows(residuals_mm))
 
 
@@ -119,6 +141,7 @@ class Addition(Judged):
     Attributes:
         coefficients: of the functions, shape (k,), as a fit with them would find.
         covariance: of the coefficients, shape (k, k): stated errors, scaled to the scatter that would be left.
+        rank: how many of the functions, or of their combinations, the model does not absorb.
         explained_um: standard deviation that they would take off each row, µm; white scatter taken off.
         ratio: F, mean square that they would explain over the mean square that would be left.
         probability: of a ratio this large when they explain nothing.
@@ -126,6 +149,7 @@ class Addition(Judged):
 
     coefficients: Floats
     covariance: Floats
+    rank: int
     explained_um: float
     ratio: float
     probability: float
@@ -142,10 +166,28 @@ def addition(projection: Projection, columns: Floats) -> Addition | None:
         None when the model absorbs the functions, so that these rows say nothing of them, or when no degree of
         freedom would be left.
     """
+    return additions(projection, columns, columns.shape[1])[0]
+
+
+def additions(projection: Projection, columns: Floats, together: int) -> list[Addition | None]:
+    """Return what each of several groups of functions would add to a fit alone: many cost little more than one.
+
+    Args:
+        projection: the fit, on the space that its model cannot reach.
+        columns: derivatives as those of `addition`, shape (n, groups · together).
+        together: functions of a group; those of one stand side by side.
+    """
     whitened = projection.whitening.rows(columns)
     scale = np.linalg.norm(whitened, axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
-    left, values, right = linalg.svd(projection.leftover(whitened / scale), full_matrices=False)
+    left = projection.leftover(whitened / scale)
+    groups = [slice(first, first + together) for first in range(0, columns.shape[1], together)]
+    return [_added(projection, left[:, group], scale[group]) for group in groups]
+
+
+def _added(projection: Projection, leftover: Floats, scale: Floats) -> Addition | None:
+    """Return what functions add of which the model leaves columns of shape (n, k), in units of scale."""
+    left, values, right = linalg.svd(leftover, full_matrices=False, check_finite=False)
     known = values > _ABSORBED
     rank = int(known.sum())
     if rank == 0 or projection.dof - rank < 1:
@@ -157,6 +199,7 @@ def addition(projection: Projection, columns: Floats) -> Addition | None:
     return Addition(
         coefficients=-back @ along,
         covariance=test.scale * back @ back.T,
+        rank=rank,
         explained_um=explained_um(projection, test),
         ratio=test.ratio,
         probability=test.probability,

@@ -10,7 +10,7 @@ from catseye.app.results.document import Document, Stated
 from catseye.app.results.figure_document import FigureParts
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import MDEG_PER_RAD
-from catseye.app.results.scara.diagnosis import coefficients, outlier_limit, outlying
+from catseye.app.results.scara.diagnosis import coefficients, outlying
 from catseye.app.results.scara.diagnosis_findings import distance_text, findings
 from catseye.app.results.scara.figures.diagnosis import diagnosis_figures
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
@@ -292,7 +292,7 @@ def _outliers(diagnosis: Diagnosis) -> Outliers:
     residuals = diagnosis.residuals
     influential = int(np.argmax(np.nan_to_num(residuals.cook)))
     return Outliers(
-        limit=outlier_limit(diagnosis),
+        limit=diagnosis.outlier_limit,
         distances=[_outlier(diagnosis, row) for row in outlying(diagnosis)],
         largest_leverage=float(residuals.leverage.max()),
         most_influential=InfluentialDistance(

@@ -6,7 +6,7 @@ import numpy as np
 
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import MDEG_PER_RAD, listed
-from catseye.app.results.scara.diagnosis import coefficients, outlier_limit, outlying
+from catseye.app.results.scara.diagnosis import coefficients, outlying
 from catseye.app.results.scara.names import ANGLES, VARYING
 from catseye.calibration.core.cross_validation import CrossValidation
 from catseye.calibration.core.significance import SIGNIFICANCE
@@ -99,7 +99,7 @@ def distance_text(diagnosis: Diagnosis, row: int) -> str:
 
 def _single_distances(diagnosis: Diagnosis) -> list[Statement]:
     external: Floats = np.nan_to_num(diagnosis.residuals.external)
-    far, limit = outlying(diagnosis), outlier_limit(diagnosis)
+    far, limit = outlying(diagnosis), diagnosis.outlier_limit
     if not far:
         largest = float(np.abs(external).max())
         return [

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.calibration.core.projection import addition
-from catseye.calibration.core.significance import Judged
+from catseye.calibration.core.significance import Judged, adjusted
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.diagnostics.projection import DistanceProjection, angles_rad
 from catseye.calibration.scara.extension import Source
@@ -25,7 +25,7 @@ class AnglePattern(Judged):
         count: distances of each level.
         explained_um: standard deviation of a distance that levels of their own would explain, µm.
         ratio: F; None when the model absorbs a level of its own for each angle.
-        probability: of a ratio this large when there is nothing but the stated errors.
+        probability: of a ratio this large when there is nothing but the stated errors, corrected for the joints.
     """
 
     joint: int
@@ -53,7 +53,7 @@ def angle_patterns(
 
 
 def _pattern(projection: DistanceProjection, joint: int, angle_rad: Floats) -> AnglePattern:
-    level = _levels(angle_rad)
+    level = levels(angle_rad)
     count = np.bincount(level)
     member = np.zeros((angle_rad.size, count.size))
     member[np.arange(angle_rad.size), level] = 1.0
@@ -66,11 +66,12 @@ def _pattern(projection: DistanceProjection, joint: int, angle_rad: Floats) -> A
         count=count.astype(np.int64),
         explained_um=0.0 if found is None else found.explained_um,
         ratio=None if found is None else found.ratio,
-        probability=1.0 if found is None else found.probability,
+        # Three joints are looked at.
+        probability=1.0 if found is None else adjusted(found.probability, 3),
     )
 
 
-def _levels(angle_rad: Floats) -> Ints:
+def levels(angle_rad: Floats) -> Ints:
     """Return the number of each row's level: its angle, or its bin of 10° where angles are many, shape (n,)."""
     distinct, number = np.unique(np.round(angle_rad, 6), return_inverse=True)
     if distinct.size > _MOST_LEVELS:

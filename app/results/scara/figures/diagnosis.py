@@ -14,7 +14,7 @@ from catseye.app.results.figures import (
     Stems,
     Text,
 )
-from catseye.app.results.scara.diagnosis import outlier_limit, outlying
+from catseye.app.results.scara.diagnosis import outlying
 from catseye.app.results.scara.names import ANGLES, VARYING
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
 from catseye.calibration.scara.diagnostics.harmonics import HarmonicSeries
@@ -34,7 +34,7 @@ def diagnosis_figures(diagnosis: Diagnosis) -> list[Figure]:
 def order_figure(diagnosis: Diagnosis) -> Figure:
     """Return studentised residuals in measuring order, with the limit for a single one and what changed."""
     points, external = diagnosis.identified.points, diagnosis.residuals.external
-    row, limit = np.arange(1, external.size + 1, dtype=np.float64), outlier_limit(diagnosis)
+    row, limit = np.arange(1, external.size + 1, dtype=np.float64), diagnosis.outlier_limit
     marks: list[Mark] = []
     for place, name in enumerate(points.reflector_names):
         own = points.reflector == place
