@@ -67,6 +67,8 @@ class ModelPart(Document):
     Attributes:
         base: the model that it extends; None for the smallest.
         refused: why it cannot be identified; None where it can.
+        probability: of what it explains, or more, beside all stated errors; it counts all checks of the diagnosis.
+        as_stated: it is there, and no larger than the stated errors make it.
     """
 
     name: str
@@ -80,6 +82,7 @@ class ModelPart(Document):
     f_ratio: Stated
     probability: float
     significant: bool
+    as_stated: bool = False
     terms: list[ModelTerm]
 
 
@@ -279,6 +282,7 @@ def _model(model: ComparedModel) -> ModelPart:
         f_ratio=model.ratio,
         probability=model.probability,
         significant=model.significant,
+        as_stated=model.as_stated,
         terms=[
             ModelTerm(
                 name=term.name, unit="mdeg" if term.unit == "mdeg" else "um", value=term.value, u=term.u

@@ -21,7 +21,7 @@ class AnglePattern(Judged):
     Attributes:
         joint: 1, 2, or 4 for the beam's angle against link 2.
         angle_deg: mean angle of each level, °.
-        mean_um: mean residual of each level (predicted minus measured), µm.
+        mean_um: mean residual of each level (predicted minus measured), less what shared errors explain, µm.
         count: distances of each level.
         explained_um: standard deviation of a distance that levels of their own would explain, µm.
         ratio: F; None when the model absorbs a level of its own for each angle.
