@@ -12,6 +12,7 @@ from catseye.calibration.core.errors import BudgetError, InsufficientPointsError
 from catseye.calibration.core.estimation import Estimate, estimate
 from catseye.calibration.core.fit_statistics import FitStatistics
 from catseye.calibration.core.gain import Gain
+from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget, Contributor, combined_white_mm, effects
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
@@ -151,7 +152,9 @@ def identify(
         used = replace(used, theta4_rad=beam_turn_rad(used, (link1_mm, link2_mm), rough))
     _require_points(used, layout)
     distances = distance_model(layout, used, counted_budget(used, budget))
-    distances, found = _estimated(distances, distances.start(link1_mm, link2_mm, rough))
+    start = distances.start(link1_mm, link2_mm, rough)
+    require_separable(distances, start)
+    distances, found = _estimated(distances, start)
     return Identification(
         layout,
         found.values,
@@ -167,6 +170,21 @@ def identify(
 def counted_budget(points: Points, budget: Budget | None) -> Budget | None:
     """Return what counts of a budget: what differs from reading to reading does not where the points state it."""
     return budget if budget is None or points.sigma_mm is None else Budget(budget.systematic)
+
+
+def require_separable(distances: DistanceModel, nominal: Floats) -> None:
+    """Refuse functions of J4 that other parameters take up for the beams as they were aimed.
+
+    At an estimate they differ a little, as the aim missed by a little: that separates nothing of use.
+
+    Args:
+        nominal: parameters that the beams were aimed by, shape (p,).
+
+    Raises:
+        UnidentifiableError: names the functions.
+    """
+    if any(term.source == "theta4" for term in distances.layout.terms):
+        require_identifiable(distances.parameters, distances.jacobian(nominal))
 
 
 def _estimated(distances: DistanceModel, start: Floats) -> tuple[DistanceModel, Estimate]:
@@ -196,6 +214,8 @@ def with_spectra(
         values: an estimate, shape (p,).
         for_test: take the variances that a test needs, not those of an uncertainty.
     """
+    if not any(one.open for one in budget.systematic):
+        return budget
     compressed = Compressed.of(distances, values)
     ratios = variance_ratios(compressed, for_test=for_test)
     asked = () if distances.budget is None else distances.budget.systematic

@@ -26,7 +26,7 @@ from catseye.calibration.core.whitening import Whitening
 from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
 from catseye.calibration.scara.extension import Term
-from catseye.calibration.scara.identification import Identification, with_spectra
+from catseye.calibration.scara.identification import Identification, require_separable, with_spectra
 from catseye.calibration.scara.pointing import beam_turn_rad
 
 CONVENTIONAL, ERROR_MAP, TOGETHER = "conventional", "error map", "all together"
@@ -179,7 +179,9 @@ def _extended(
 def _why_not(problem: Problem, identified: Identification, extension: Extension) -> str | None:
     """Return what the distances lack to determine terms; None where they do."""
     model, values = _extended(problem, identified, extension)
+    rough = problem.rough_places(identified.points)
     try:
+        require_separable(model, model.start(problem.link1_mm, problem.link2_mm, rough))
         require_identifiable(model.parameters, model.jacobian(values) * model.weights[:, None])
     except UnidentifiableError as error:
         return str(error)
