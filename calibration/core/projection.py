@@ -118,17 +118,17 @@ def project(model: Model, values: Floats, residuals_mm: Floats) -> Projection:
         residuals_mm: its residuals, shape (n,).
     """
     whitening = whitening_at(model, values)
-    return on_columns(whitening, model.jacobian(values) @ model.parameters.basis, residuals_mm)
+    whitened = whitening.rows(model.jacobian(values) @ model.parameters.basis)
+    return off_columns(whitening, whitened, residuals_mm)
 
 
-def on_columns(whitening: Whitening, columns: Floats, residuals_mm: Floats) -> Projection:
+def off_columns(whitening: Whitening, whitened: Floats, residuals_mm: Floats) -> Projection:
     """Return a fit as a projection off the columns of its model, which are all different.
 
     Args:
-        columns: derivatives of the residuals, shape (n, free).
+        whitened: derivatives of the residuals, shape (n, free).
         residuals_mm: its residuals, shape (n,).
     """
-    whitened = whitening.rows(columns)
     scaled = whitened / np.linalg.norm(whitened, axis=0)
     basis: Floats = linalg.qr(scaled, mode="economic", overwrite_a=True, check_finite=False)[0]
     return Projection(whitening, basis, whitening.rows(residuals_mm))
@@ -177,23 +177,33 @@ def additions(projection: Projection, columns: Floats, together: int) -> list[Ad
         columns: derivatives as those of `addition`, shape (n, groups · together).
         together: functions of a group; those of one stand side by side.
     """
-    whitened = projection.whitening.rows(columns)
-    scale = np.linalg.norm(whitened, axis=0)
-    scale = np.where(scale > 0.0, scale, 1.0)
-    left = projection.leftover(whitened / scale)
+    weighted = columns * projection.weights[:, None]
+    taken, pulls = projection.reach.T @ weighted, weighted.T @ projection.pulls
     groups = [slice(first, first + together) for first in range(0, columns.shape[1], together)]
-    return [_added(projection, left[:, group], scale[group]) for group in groups]
+    return [_added(projection, weighted[:, one], taken[:, one], pulls[one]) for one in groups]
 
 
-def _added(projection: Projection, leftover: Floats, scale: Floats) -> Addition | None:
-    """Return what functions add of which the model leaves columns of shape (n, k), in units of scale."""
-    left, values, right = linalg.svd(leftover, full_matrices=False, check_finite=False)
-    known = values > _ABSORBED
+def _added(projection: Projection, weighted: Floats, taken: Floats, pulls: Floats) -> Addition | None:
+    """Return what functions add.
+
+    Args:
+        weighted: the functions C in units of the white uncertainties, shape (n, k).
+        taken: what shared sources and the model take of them, shape (m + free, k).
+        pulls: CᵀQr, shape (k,).
+    """
+    sources = projection.whitening.effects.shape[1]
+    whole = weighted.T @ weighted
+    beside = whole - taken[:sources].T @ taken[:sources]
+    size = np.sqrt(np.maximum(np.diag(beside), 0.0))
+    scale = np.where(size > 0.0, size, 1.0)
+    left = (beside - taken[sources:].T @ taken[sources:]) / np.outer(scale, scale)
+    squares, directions = linalg.eigh(left, check_finite=False)
+    known = squares > _ABSORBED**2
     rank = int(known.sum())
     if rank == 0 or projection.dof - rank < 1:
         return None
-    back = (right[known].T / values[known]) / scale[:, None]
-    along = left[:, known].T @ projection.residuals
+    back = (directions[:, known] / np.sqrt(squares[known])) / scale[:, None]
+    along = back.T @ pulls
     gain = float(along @ along)
     test = f_test(gain, rank, max(projection.square - gain, 0.0), projection.dof - rank)
     return Addition(

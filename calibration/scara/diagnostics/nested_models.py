@@ -17,13 +17,14 @@ from catseye.calibration.core.projection import (
     Projection,
     addition,
     explained_um,
-    on_columns,
+    off_columns,
 )
 from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.significance import SIGNIFICANCE, FTest, Judged, adjusted, aicc, bic, f_test
 from catseye.calibration.core.types import Floats
 from catseye.calibration.core.whitening import Whitening
 from catseye.calibration.scara.diagnostics.problem import Problem
+from catseye.calibration.scara.diagnostics.thinning import thinned
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.identification import Identification, require_separable, with_spectra
@@ -144,7 +145,8 @@ def compare_models(
     progress(ERROR_MAP)
     found = problem.solve() if identified is None else identified
     new = [_without_known(one, problem.terms) for one in extensions]
-    refused = {one.name: text for one in new if (text := _why_not(problem, found, one))}
+    few = thinned(found)
+    refused = {one.name: text for one in new if (text := _why_not(problem, few, one))}
     possible = [one for one in new if one.name not in refused]
     base = _Base.of(problem, found, possible)
     progress(CONVENTIONAL)
@@ -154,7 +156,7 @@ def compare_models(
         text = refused.get(one.name)
         rows.append(_refused(one, text) if text else _with_terms(base, one, len(new)))
     every = Extension(TOGETHER, tuple(dict.fromkeys(term for one in possible for term in one.terms)))
-    if len(possible) > 1 and not _why_not(problem, found, every):
+    if len(possible) > 1 and not _why_not(problem, few, every):
         rows.append(_with_terms(base, every, 1))
     return rows
 
@@ -212,7 +214,7 @@ def _fitted(model: DistanceModel, start: Floats, whitening: Whitening) -> Projec
     """Return the fit of a model whose errors have another's covariance."""
     basis = model.parameters.basis
     solution = minimise(model.residuals, model.jacobian, start, basis, whitening, model.parameters.unsettled)
-    return on_columns(whitening, solution.jacobian @ basis, solution.residuals)
+    return off_columns(whitening, solution.free, solution.residuals)
 
 
 def _without_terms(base: _Base) -> tuple[ComparedModel, ComparedModel]:
@@ -281,8 +283,11 @@ def _with_terms(base: _Base, extension: Extension, tests: int) -> ComparedModel:
 def _identified(base: _Base, extension: Extension) -> Addition | None:
     """Return what an identification with terms finds: of what they describe, no error is stated any more."""
     larger, values = _extended(base.problem, base.identified, extension)
-    whitening = whitening_at(replace(larger, budget=base.model.budget), values)
     stop, jacobian = larger.layout.extension.stop, larger.jacobian(values)
     own = slice(stop - len(extension.terms), stop)
-    fixed = np.delete(jacobian, own, axis=1) @ base.model.layout.gauge_basis()
-    return addition(on_columns(whitening, fixed, base.identified.residuals_mm).settled, jacobian[:, own])
+    if not any(term.source == "theta4" for term in extension.terms):
+        return addition(base.projection, jacobian[:, own])
+    whitening = whitening_at(replace(larger, budget=base.model.budget), values)
+    fixed = whitening.rows(np.delete(jacobian, own, axis=1) @ base.model.layout.gauge_basis())
+    fit = off_columns(whitening, fixed, base.identified.residuals_mm).settled
+    return addition(fit, jacobian[:, own])

@@ -8,7 +8,7 @@ from scipy import linalg
 
 from catseye.calibration.core.errors import UnidentifiableError
 from catseye.calibration.core.model import whitening_at
-from catseye.calibration.core.projection import on_columns
+from catseye.calibration.core.projection import off_columns
 from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.significance import aicc, bic
 from catseye.calibration.core.types import Bools, Floats
@@ -16,6 +16,7 @@ from catseye.calibration.core.whitening import Whitening
 from catseye.calibration.scara.diagnostics.folds import predicted_residuals
 from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.diagnostics.projection import DistanceProjection
+from catseye.calibration.scara.diagnostics.thinning import thinned
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
 from catseye.calibration.scara.error_map import interpolate
 from catseye.calibration.scara.identification import Identification, with_spectra
@@ -92,7 +93,8 @@ def node_spacing(
 ) -> NodeSpacing:
     """Try coarser grids, and finer ones where commands stand between the nodes.
 
-    All grids are judged by one covariance, whose sizes are estimated beside the finest one.
+    All grids are judged by one covariance, whose sizes are estimated beside the finest one. Of a long table, evenly
+    spread distances decide.
 
     Args:
         problem: distances with the present nodes.
@@ -102,7 +104,7 @@ def node_spacing(
     Raises:
         CalibrationError: the present grid cannot be identified.
     """
-    found = problem.solve() if identified is None else identified
+    found = thinned(problem.solve() if identified is None else identified)
     commands = found.points.commands
     between = (
         _between(problem.nodes1_rad, commands.theta1_rad),
@@ -183,7 +185,9 @@ def _grid(finest: _Finest, name: str, nodes1: Floats, nodes2: Floats) -> tuple[G
         return Grid(name, nodes1, nodes2, str(error), 0, np.nan, np.inf, np.inf, np.nan), None
     # From where the coarser map does the same at its own nodes, one step of least squares.
     residuals = finest.model.residuals(embedding @ (own @ finest.values))
-    fit = on_columns(finest.whitening, columns @ layout.gauge_basis(), residuals).settled
+    fit = off_columns(
+        finest.whitening, finest.whitening.rows(columns @ layout.gauge_basis()), residuals
+    ).settled
     projection = DistanceProjection(
         fit.whitening, fit.orthonormal, fit.residuals, finest.model.geometry(finest.values)
     )
