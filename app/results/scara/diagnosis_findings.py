@@ -246,8 +246,8 @@ def _nodes(nodes: NodeSpacing) -> list[Statement]:
         found.append(
             Statement(
                 Sign.NEUTRAL,
-                f"Whether nodes of {' and '.join(unseen)} should stand closer cannot be known: commands stand on the "
-                "nodes only. Measure between them.",
+                f"Whether nodes of {' and '.join(unseen)} should stand closer cannot be known: too few commands "
+                "stand between them.",
             )
         )
     return found
