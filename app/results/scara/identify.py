@@ -22,6 +22,7 @@ from catseye.app.results.scara.plausible import failures_explained, require_plau
 from catseye.app.results.scara.points import point_columns, to_points
 from catseye.app.results.scara.result import Covariance, Result, TakenUpPart
 from catseye.app.results.scara.result_of import result_of
+from catseye.app.results.scara.separated_text import separated_part
 from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
 from catseye.app.store.software import SOFTWARE
@@ -31,6 +32,7 @@ from catseye.calibration.scara.extension import Term, crosstalk, j4_map, periodi
 from catseye.calibration.scara.found_drift import found_drifts
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.layout import ModelName
+from catseye.calibration.scara.reversal import separated_orders
 from catseye.procedures.kit.columns import Columns
 from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.bench import Reflector, ScaraBench
@@ -135,7 +137,10 @@ def identified_result(
     budget = budget.learnt(identified.budget)
     covariance = _with_taken_up(result.covariance, identified, budget)
     drift = [drift_part(one) for one in found_drifts(identified)] or None
-    return result.model_copy(update={"budget": budget, "covariance": covariance, "drift": drift})
+    j4_orders = [separated_part(one) for one in separated_orders(identified)] or None
+    return result.model_copy(
+        update={"budget": budget, "covariance": covariance, "drift": drift, "j4_orders": j4_orders}
+    )
 
 
 def _with_taken_up(

@@ -40,6 +40,7 @@ class Study:
         link2_mm: nominal length of link 2.
         commands: where the arm is sent, n rows.
         budget: contributors to the uncertainty of a distance.
+        mount_rad: by how much the interferometer is turned on J4's flange, shape (n,); None for 0.
     """
 
     layout: Layout
@@ -47,6 +48,7 @@ class Study:
     link2_mm: float
     commands: Commands
     budget: Budget
+    mount_rad: Floats | None = None
 
     def __post_init__(self) -> None:
         require_links(self.link1_mm, self.link2_mm)
@@ -109,8 +111,11 @@ class Study:
         # A place that the J4 axis passes over has no beam there; it is not seen from there either.
         unit = beam / np.where(length > 0.0, length, 1.0)[:, None]
         nothing = np.zeros(len(self.commands), dtype=np.int64)
-        paths = tuple(("", segment) for segment in range(max(sight.segments, 1)))
-        points = Points(self.commands, nothing, np.maximum(sight.segment, 0), length, None, ("",), paths)
+        # A remounted interferometer begins a segment, whatever breaks the beam.
+        mounts = nothing if self.mount_rad is None else self.mount_rad
+        series = np.unique(np.column_stack([sight.segment, mounts]), axis=0, return_inverse=True)[1].ravel()
+        paths = tuple(("", number) for number in range(int(series.max()) + 1))
+        points = Points(self.commands, nothing, series, length, None, ("",), paths, mount_rad=self.mount_rad)
         turn = np.einsum("ni,nij->nj", unit, self._local[:, :, 2:])
         geometry = seen_along(points, positions, (unit, length), turn, self.layout)
         sigma = combined_white_mm(self.budget, geometry)
