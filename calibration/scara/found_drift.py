@@ -87,5 +87,5 @@ def _probability(identified: Identification, contributor: Contributor) -> float:
     others = tuple(one for one in model.budget.contributors if one != contributor) if model.budget else ()
     without = replace(model, budget=Budget(others))
     functions = effects(replace(contributor, u=1.0, spectrum=()), model.geometry(values))
-    found = addition(project(without, values, identified.residuals_mm), functions)
+    found = addition(project(without, values, identified.residuals_mm).settled, functions)
     return 1.0 if found is None else found.probability
