@@ -12,6 +12,7 @@ from typing import Self
 import numpy as np
 from scipy import linalg
 
+from catseye.calibration.core.least_squares import column_space
 from catseye.calibration.core.model import Model, whitening_at
 from catseye.calibration.core.significance import FTest, Judged, f_test
 from catseye.calibration.core.types import Floats
@@ -107,9 +108,7 @@ def project(model: Model, values: Floats, residuals_mm: Floats) -> Projection:
     """
     whitening = whitening_at(model, values)
     jacobian = whitening.rows(model.jacobian(values)) @ model.parameters.basis
-    scaled = jacobian / np.linalg.norm(jacobian, axis=0)
-    basis: Floats = linalg.qr(scaled, mode="economic", check_finite=False)[0]
-    return Projection(whitening, basis, whitening.rows(residuals_mm))
+    return Projection(whitening, column_space(jacobian), whitening.rows(residuals_mm))
 
 
 @dataclass(frozen=True)
