@@ -191,8 +191,10 @@ def _fitted(rows: Compressed, spread: float) -> _Fitted:
     def curvature(z: Floats) -> Floats:
         return posterior(z.tobytes())[2]
 
-    start, limit = np.zeros(rows.contributor.size), {"maxiter": _MOST_STEPS}
-    found = optimize.minimize(objective, start, (), "trust-exact", jac=True, hess=curvature, options=limit)
+    start = np.zeros(rows.contributor.size)
+    found = optimize.minimize(
+        objective, start, (), "trust-exact", jac=True, hess=curvature, options={"maxiter": _MOST_STEPS}
+    )
     values, vectors = linalg.eigh(curvature(found.x))
     steep = np.maximum(values, _FLATTEST)
     # Near the maximum rounding may stop the search, and it calls that a failure.

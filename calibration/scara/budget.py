@@ -26,12 +26,12 @@ from catseye.calibration.core.budget import (
     per_group,
     stacked,
 )
-from catseye.calibration.core.errors import ArgumentError
+from catseye.calibration.core.errors import ArgumentError, BudgetError
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.between_nodes import between_nodes
+from catseye.calibration.scara.between_nodes import MeasuredPlaces, Places
 from catseye.calibration.scara.extension import Term, term_values
 from catseye.calibration.scara.layout import Layout
-from catseye.calibration.scara.points import Points
+from catseye.calibration.scara.points import Commands, Points
 from catseye.calibration.scara.radial import axis_frame
 
 Kind = Literal["length", "scale", "position", "angle", "between-nodes", "radial", "direction"]
@@ -152,6 +152,10 @@ class Budget:
         """Contributors that several distances have in common."""
         return tuple(one for one in self.contributors if one.correlation != "reading")
 
+    def beside(self, points: Points) -> "Budget":
+        """Return the contributors that count: points may state themselves what differs from reading to reading."""
+        return self if points.sigma_mm is None else Budget(self.systematic)
+
     @property
     def of_arm(self) -> "Budget":
         """Contributors that move the arm itself, and not what measures it."""
@@ -166,11 +170,6 @@ class Budget:
             if one.correlation in {"axis-angle", "common"} and one.kind != "between-nodes" and one.u > 0.0
         )
 
-    @property
-    def away_from_nodes(self) -> "Budget":
-        """All but what lies between nodes."""
-        return Budget(tuple(one for one in self.contributors if one.kind != "between-nodes"))
-
 
 @dataclass(frozen=True)
 class Geometry:
@@ -183,7 +182,8 @@ class Geometry:
         turn_mm: derivatives of the row by θ1 and θ2, mm/rad, shape (n, 2).
         theta4_rad: angle of the tool against link 2, rad, shape (n,).
         layout: of the arm: nodes, and functions beyond the maps that are identified with it.
-        averaged: what lies between nodes averages out over the rows.
+        places: where the joints stand between their nodes in all rows that are estimated from together; None where
+            these rows are judged alone.
     """
 
     points: Points
@@ -192,7 +192,7 @@ class Geometry:
     turn_mm: Floats
     theta4_rad: Floats
     layout: Layout
-    averaged: bool = False
+    places: MeasuredPlaces | None = None
 
 
 def seen_along(points: Points, unit: Floats, length_mm: Floats, turn_mm: Floats, layout: Layout) -> Geometry:
@@ -215,6 +215,37 @@ def combined_white_mm(budget: Budget, geometry: Geometry) -> Floats:
     """Return the standard uncertainty of each distance from all white contributors, mm, shape (n,)."""
     squares = [white_mm(one, geometry) ** 2 for one in budget.white]
     return np.sqrt(np.sum(squares, axis=0)) if squares else np.zeros(len(geometry.points))
+
+
+def stated_sigma_mm(budget: Budget, geometry: Geometry) -> Floats | None:
+    """Return the standard uncertainty that the budget alone gives each distance, mm, shape (n,).
+
+    Returns:
+        None where it states no error at all: then the scatter of the fit says how good a distance is.
+
+    Raises:
+        BudgetError: it states shared errors only, or leaves some distances without an error of their own.
+    """
+    if not any(one.u > 0.0 for one in budget.white):
+        _require_nothing_shared(budget)
+        return None
+    sigma = combined_white_mm(budget, geometry)
+    if not sigma.all():
+        raise BudgetError(
+            f"{', '.join(one.name for one in budget.white)}: what differs from reading to reading leaves some "
+            "distances without an uncertainty: add a contributor of kind length or position"
+        )
+    return sigma
+
+
+def _require_nothing_shared(budget: Budget) -> None:
+    shared = [one.name for one in budget.systematic if one.u > 0.0]
+    if shared:
+        raise BudgetError(
+            f"the budget states {', '.join(shared)}, which several distances share, but nothing that differs from "
+            'reading to reading: add a contributor with correlation = "reading", as the repeatability of the robot, '
+            "or state sigma_mm with the points"
+        )
 
 
 def effects(contributor: Contributor, geometry: Geometry) -> Floats:
@@ -331,9 +362,20 @@ def _angle(axis: Axis | None, geometry: Geometry) -> Floats:
 
 
 def _between_nodes(axis: Axis | None, geometry: Geometry) -> Floats:
-    commands, layout = geometry.points.commands, geometry.layout
-    if geometry.averaged:
+    commands, measured = geometry.points.commands, geometry.places
+    if measured is not None and measured.average_out:
         return np.zeros((len(commands), 0))
+    places = measured or measured_places(geometry.layout, commands)
     if axis == "j1":
-        return between_nodes(layout.nodes1_rad, commands.theta1_rad, commands.direction1)
-    return between_nodes(layout.nodes2_rad, commands.theta2_rad, commands.direction2)
+        return places.joints[0].effects(commands.theta1_rad, commands.direction1)
+    return places.joints[1].effects(commands.theta2_rad, commands.direction2)
+
+
+def measured_places(layout: Layout, commands: Commands) -> MeasuredPlaces:
+    """Return where both joints stand between their nodes.
+
+    Raises:
+        MapRangeError: a command lies outside the nodes.
+    """
+    one = Places.of(layout.nodes1_rad, commands.theta1_rad, commands.direction1)
+    return MeasuredPlaces((one, Places.of(layout.nodes2_rad, commands.theta2_rad, commands.direction2)))

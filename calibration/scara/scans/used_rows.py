@@ -7,6 +7,9 @@ import numpy as np
 
 from catseye.calibration.core.amplitudes import even_step
 from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.scara.between_nodes import MeasuredPlaces
+from catseye.calibration.scara.budget import measured_places
+from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.points import Points, concatenated, short_segments
 from catseye.calibration.scara.scans.source import PointSource
 
@@ -65,12 +68,16 @@ class UsedRows:
             return np.zeros(len(block))
         return (block.time_s - begin) / span - 0.5
 
-    def few(self) -> tuple[Points, Ints]:
-        """Return evenly spread rows with some of each segment, and the numbers of those that are evenly spread.
+    def few(self, arm: Layout) -> "FewRows":
+        """Return evenly spread rows with some of each segment.
 
         So many rows give starting values that one full pass improves to the end.
+
+        Args:
+            arm: its nodes.
         """
         every, first, chosen, even, count = even_step(self.rows), 0, [], [], 0
+        places: MeasuredPlaces | None = None
         for block in self.blocks():
             rows = np.arange(-first % every, len(block), every)
             beginnings = np.unique(block.dead_path, return_index=True)[1]
@@ -78,7 +85,25 @@ class UsedRows:
             chosen.append(block.rows(kept))
             even.append(count + np.flatnonzero(np.isin(kept, rows)))
             first, count = first + len(block), count + kept.size
-        return concatenated(chosen), np.concatenate(even)
+            if places is None or not places.average_out:
+                own = measured_places(arm, block.commands)
+                places = own if places is None else places.joined(own)
+        return FewRows(concatenated(chosen), np.concatenate(even), places)
+
+
+@dataclass(frozen=True)
+class FewRows:
+    """Some rows of a scan, and what had to be looked for in all of them.
+
+    Attributes:
+        points: evenly spread rows with some of each segment.
+        even: numbers of those that are evenly spread among them.
+        places: where the joints stand between their nodes in all rows.
+    """
+
+    points: Points
+    even: Ints
+    places: MeasuredPlaces | None
 
 
 def used_rows(source: PointSource, check: Callable[[Points, int], None]) -> UsedRows:
