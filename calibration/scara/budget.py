@@ -131,16 +131,48 @@ class Contributor:
         return 1 if self.kind == "between-nodes" else self.orders
 
     @property
+    def sources(self) -> int:
+        """How many sources of unit variance it has where it comes again (`Budget.repeating`)."""
+        columns = 2 if self.kind in {"position", "radial"} else 1
+        return columns * (2 * self.orders if self.correlation == "axis-angle" else 1)
+
+    @property
     def shares(self) -> tuple[float, ...]:
         """Share of each harmonic in u²; they add up to 1 as long as no distances have been asked."""
         return tuple(ratio / self.orders for ratio in self.spectrum or (1.0,) * self.orders)
 
 
+IDENTIFIED = "identified parameters"
+"""What the part of a prediction's uncertainty is called that the identification leaves."""
+
+INSTRUMENT = "instrument"
+"""What the part of a comparison's uncertainty is called that comes from the instrument compared with."""
+
+
 @dataclass(frozen=True)
 class Budget:
-    """All contributors."""
+    """All contributors, each under a name of its own.
+
+    Raises:
+        ArgumentError: two have one name, or one has the name of a part that is added to the budget.
+    """
 
     contributors: tuple[Contributor, ...]
+
+    def __post_init__(self) -> None:
+        names = [one.name for one in self.contributors]
+        twice = list(dict.fromkeys(name for name in names if names.count(name) > 1))
+        if twice:
+            raise ArgumentError(
+                f"the budget has more than one contributor named {', '.join(twice)}: give each a name of its own, "
+                "for parts of an uncertainty are told apart by their names"
+            )
+        for name in (IDENTIFIED, INSTRUMENT):
+            if name in names:
+                raise ArgumentError(
+                    f"a contributor is named {name}, as the part of an uncertainty that is added to the budget: "
+                    "give it another name"
+                )
 
     @property
     def white(self) -> tuple[Contributor, ...]:
