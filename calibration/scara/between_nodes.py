@@ -105,6 +105,23 @@ class MeasuredPlaces:
         return MeasuredPlaces((one.joined(further_one), two.joined(further_two)))
 
 
+def ripple_between_nodes(nodes_rad: Floats, theta_rad: Floats) -> Floats:
+    """Return the standard deviations of what a ripple of rms 1 does at commands, shape (n,): norms of between_nodes.
+
+    Raises:
+        MapRangeError: a command lies outside the nodes.
+    """
+    if nodes_rad.size < 2:
+        return np.zeros(theta_rad.size)
+    found = interpolate(nodes_rad, theta_rad)
+    below, above = 1.0 - found.alpha, found.alpha
+    step = nodes_rad[found.lower + 1] - nodes_rad[found.lower]
+    variance = 1.0 + below**2 + above**2 + 2.0 * below * above * _alike(step)
+    variance -= 2.0 * (below * _alike(above * step) + above * _alike(below * step))
+    deviation = np.sqrt(np.maximum(variance, 0.0))
+    return np.where(at_nodes(nodes_rad, theta_rad), 0.0, deviation)
+
+
 def at_nodes(nodes_rad: Floats, theta_rad: Floats) -> Bools:
     """Return which command angles are nodes, shape (n,)."""
     alpha = interpolate(nodes_rad, theta_rad).alpha
@@ -116,6 +133,14 @@ def _of_commands(nodes_rad: Floats, theta_rad: Floats, direction: Floats) -> Flo
     waves, alpha = _waves(nodes_rad), found.alpha[:, None]
     ripple = _waves(theta_rad) - (1.0 - alpha) * waves[found.lower] - alpha * waves[found.lower + 1]
     return np.hstack([np.where(direction[:, None] == state, ripple, 0.0) for state in (1.0, -1.0)])
+
+
+def _alike(apart_rad: Floats) -> Floats:
+    """Return the correlation of a ripple at commands that far apart, mean of cos(order · angle): a Dirichlet sum."""
+    half = np.where(apart_rad == 0.0, 1.0, 0.5 * apart_rad)
+    first, last = ORDERS[0] - 0.5, ORDERS[-1] + 0.5
+    waves = np.sin(2.0 * last * half) - np.sin(2.0 * first * half)
+    return np.where(apart_rad == 0.0, 1.0, waves / (2.0 * ORDERS.size * np.sin(half)))
 
 
 def _waves(angle: Floats) -> Floats:

@@ -12,6 +12,7 @@ from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.calibration.core.estimation import Estimate, estimate
 from catseye.calibration.core.fit_statistics import FitStatistics
 from catseye.calibration.core.gain import Gain
+from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget, Contributor, effects, stated_sigma_mm
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
@@ -153,7 +154,9 @@ def identify(
         used = replace(used, theta4_rad=beam_turn_rad(used, (link1_mm, link2_mm), rough))
     _require_points(used, layout)
     distances = distance_model(layout, used, None if budget is None else budget.beside(used))
-    distances, found = _estimated(distances, distances.start(link1_mm, link2_mm, rough))
+    start = distances.start(link1_mm, link2_mm, rough)
+    require_separable(distances, start)
+    distances, found = _estimated(distances, start)
     return Identification(
         layout,
         found.values,
@@ -164,6 +167,21 @@ def identify(
         rejected,
         distances.budget,
     )
+
+
+def require_separable(distances: DistanceModel, nominal: Floats) -> None:
+    """Refuse functions of J4 that other parameters take up for the beams as they were aimed.
+
+    At an estimate they differ a little, as the aim missed by a little: that separates nothing of use.
+
+    Args:
+        nominal: parameters that the beams were aimed by, shape (p,).
+
+    Raises:
+        UnidentifiableError: names the functions.
+    """
+    if any(term.source == "theta4" for term in distances.layout.terms):
+        require_identifiable(distances.parameters, distances.jacobian(nominal))
 
 
 def _estimated(distances: DistanceModel, start: Floats) -> tuple[DistanceModel, Estimate]:
@@ -190,6 +208,8 @@ def with_spectra(budget: Budget, distances: DistanceModel, values: Floats) -> Bu
     Args:
         values: an estimate, shape (p,).
     """
+    if not any(one.open for one in budget.systematic):
+        return budget
     compressed = Compressed.of(distances, values)
     ratios = variance_ratios(compressed)
     asked = () if distances.budget is None else distances.budget.systematic

@@ -17,7 +17,13 @@ from catseye.calibration.scara.distance_model import DistanceModel
 from catseye.calibration.scara.error_map import interpolate
 from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.extension import Term
-from catseye.calibration.scara.identification import Identification, TakenUp, require_nominal, with_spectra
+from catseye.calibration.scara.identification import (
+    Identification,
+    TakenUp,
+    require_nominal,
+    require_separable,
+    with_spectra,
+)
 from catseye.calibration.scara.layout import UNSETTLED, Layout, ModelName
 from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.scans.passes import Passes
@@ -102,7 +108,9 @@ def identify_scan(
     few = used.few(arm)
     counted = None if budget is None else budget.beside(few.points)
     passes = Passes(used, layout, (link1_mm, link2_mm), rough, counted, few.places)
-    passes, first = _settled(passes, few.points, passes.start(few.points))
+    start = passes.start(few.points)
+    require_separable(passes.model(few.points, weighted=False), start)
+    passes, first = _settled(passes, few.points, start)
     counter = _Counter(used.rows, progress)
     over_all = _OverAll(used, counter, max(_HISTOGRAM_RMS * first.sums.residuals.rms_mm, _FINEST_MM))
     passes, start = _near_all(passes, few, first.parameters, over_all)
