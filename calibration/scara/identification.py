@@ -13,14 +13,14 @@ from catseye.calibration.core.estimation import Estimate, estimate
 from catseye.calibration.core.fit_statistics import FitStatistics
 from catseye.calibration.core.gain import Gain
 from catseye.calibration.core.rank import require_identifiable
-from catseye.calibration.core.types import Floats
+from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.budget import Budget, Contributor, effects, stated_sigma_mm
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.layout import Layout, ModelName
 from catseye.calibration.scara.planar import require_links
 from catseye.calibration.scara.pointing import beam_turn_rad
-from catseye.calibration.scara.points import Points, without_short_segments
+from catseye.calibration.scara.points import Points, rows_of_long_segments, without_short_segments
 
 TakenUp = Mapping[Contributor, Floats]
 """What contributors have moved estimates by: a column a source of unit variance, shape (p, m) each."""
@@ -58,6 +58,7 @@ class Identification:
         fit: quality of the fit.
         rejected: sentences about what was left out.
         budget: the contributors that its uncertainties were propagated from; None for the points' own sigma_mm.
+        rows: which of all distances that were given the points are, from 0, shape (n,).
         summed: `taken_up`, where it follows from more distances than are kept; None where the points are all.
     """
 
@@ -69,6 +70,7 @@ class Identification:
     fit: FitStatistics
     rejected: list[str]
     budget: Budget | None = None
+    rows: Ints | None = None
     summed: TakenUp | None = None
 
     @property
@@ -166,6 +168,7 @@ def identify(
         found.fit,
         rejected,
         distances.budget,
+        np.flatnonzero(rows_of_long_segments(points)),
     )
 
 

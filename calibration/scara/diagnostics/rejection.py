@@ -99,7 +99,7 @@ def reject(problem: Problem, limit: float, most: float = MOST_REJECTED) -> Clean
         size = np.abs(np.nan_to_num(deleted))
         far = size > max(limit, 0.5 * float(size.max()))
         if not far.any():
-            return _cleaned(identified, gone, limit)
+            return _cleaned(replace(identified, rows=kept), gone, limit)
         for i in np.flatnonzero(far).tolist():
             row = int(kept[i])
             gone[row] = _of_row(projection, row, i, float(deleted[i]), leans)

@@ -116,7 +116,7 @@ def identify_scan(
     passes, start = _near_all(passes, few, first.parameters, over_all)
     minimum = descend(partial(over_all.sums, passes), start, layout.gauge, UNSETTLED)
     counter.finish()
-    return _judged(passes, minimum, few.points)
+    return _judged(passes, minimum, few)
 
 
 @dataclass(frozen=True)
@@ -202,11 +202,12 @@ def _settled(passes: Passes, few: Points, start: Floats) -> tuple[Passes, Minimu
     return passes, first
 
 
-def _judged(passes: Passes, minimum: Minimum, few: Points) -> ScanIdentification:
+def _judged(passes: Passes, minimum: Minimum, few: FewRows) -> ScanIdentification:
     """Attach covariance, statistics and a sample of the residuals to a minimum."""
     sums, layout = minimum.sums, passes.layout
     covariance = covariance_of(sums, layout.parameters(), layout.gauge)
-    sample = passes.model(few.rows(np.arange(0, len(few), -(-len(few) // _SAMPLE))))
+    rows = np.arange(0, len(few.points), -(-len(few.points) // _SAMPLE))
+    sample = passes.model(few.points.rows(rows))
     fit = summed_statistics(
         FitSums(
             n_points=sums.residuals.rows,
@@ -228,6 +229,7 @@ def _judged(passes: Passes, minimum: Minimum, few: Points) -> ScanIdentification
         fit,
         passes.used.rejected,
         passes.budget,
+        few.numbers[rows],
         _taken_up(passes, sums.taken_up(covariance), sample),
     )
     return ScanIdentification(identified, sums.residuals)

@@ -45,11 +45,17 @@ class UsedRows:
 
     def blocks(self) -> Iterator[Points]:
         """Return the used distances in measuring order, each with a time."""
-        first = 0
+        for block, _ in self._numbered():
+            yield block
+
+    def _numbered(self) -> Iterator[tuple[Points, Ints]]:
+        """Return the blocks, and which of all distances theirs are, from 0."""
+        first, asked = 0, 0
         for block in self.source.blocks():
-            kept = block if not self.rejected else block.rows(self.dead_path[block.dead_path] >= 0)
+            used = np.flatnonzero(self.dead_path[block.dead_path] >= 0)
+            kept = block if used.size == len(block) else block.rows(used)
             if len(kept):
-                yield replace(
+                numbered = replace(
                     kept,
                     dead_path=self.dead_path[kept.dead_path],
                     reflector=self.reflector[kept.reflector],
@@ -59,7 +65,8 @@ class UsedRows:
                     if kept.time_s is None
                     else kept.time_s,
                 )
-            first += len(kept)
+                yield numbered, asked + used
+            first, asked = first + len(kept), asked + len(block)
 
     def elapsed_share(self, block: Points) -> Floats:
         """Return the share of the measurement that had passed, less a half, shape (n,)."""
@@ -76,19 +83,20 @@ class UsedRows:
         Args:
             arm: its nodes.
         """
-        every, first, chosen, even, count = even_step(self.rows), 0, [], [], 0
+        every, first, chosen, even, asked, count = even_step(self.rows), 0, [], [], [], 0
         places: MeasuredPlaces | None = None
-        for block in self.blocks():
+        for block, numbers in self._numbered():
             rows = np.arange(-first % every, len(block), every)
             beginnings = np.unique(block.dead_path, return_index=True)[1]
             kept = np.union1d(rows, beginnings)
             chosen.append(block.rows(kept))
+            asked.append(numbers[kept])
             even.append(count + np.flatnonzero(np.isin(kept, rows)))
             first, count = first + len(block), count + kept.size
             if places is None or not places.average_out:
                 own = measured_places(arm, block.commands)
                 places = own if places is None else places.joined(own)
-        return FewRows(concatenated(chosen), np.concatenate(even), places)
+        return FewRows(concatenated(chosen), np.concatenate(asked), np.concatenate(even), places)
 
 
 @dataclass(frozen=True)
@@ -97,11 +105,13 @@ class FewRows:
 
     Attributes:
         points: evenly spread rows with some of each segment.
+        numbers: which of all distances they are, from 0.
         even: numbers of those that are evenly spread among them.
         places: where the joints stand between their nodes in all rows.
     """
 
     points: Points
+    numbers: Ints
     even: Ints
     places: MeasuredPlaces | None
 
