@@ -189,10 +189,6 @@ class Budget:
         """Contributors that several distances have in common."""
         return tuple(one for one in self.contributors if one.correlation != "reading")
 
-    def beside(self, points: Points) -> "Budget":
-        """Return the contributors that count: points may state themselves what differs from reading to reading."""
-        return self if points.sigma_mm is None else Budget(self.systematic)
-
     @property
     def of_arm(self) -> "Budget":
         """Contributors that move the arm itself, and not what measures it."""

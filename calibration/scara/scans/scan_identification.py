@@ -20,6 +20,7 @@ from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.identification import (
     Identification,
     TakenUp,
+    counted_budget,
     require_nominal,
     require_separable,
     with_spectra,
@@ -106,7 +107,7 @@ def identify_scan(
     _require_size(layout)
     _require_rows(used.rows, layout.gauge.free, model)
     few = used.few(arm)
-    counted = None if budget is None else budget.beside(few.points)
+    counted = counted_budget(few.points, budget)
     passes = Passes(used, layout, (link1_mm, link2_mm), rough, counted, few.places)
     start = passes.start(few.points)
     require_separable(passes.model(few.points, weighted=False), start)
