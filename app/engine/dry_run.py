@@ -272,6 +272,10 @@ class DryRunContext:
         self._account.measurements += 1
         return Position(0.0, 0.0, 0.0)
 
+    async def remounted(self, turned_deg: float) -> None:
+        """Let the ideal beam leave as it does then."""
+        self.ideal = self.system.turned(turned_deg).ideal_beam()
+
     async def pause(self, duration_s: float) -> None:
         """Account for the time."""
         self._account.time_s += duration_s
