@@ -5,7 +5,6 @@ from catseye.app.cli.output import note, warn, write_json, write_line
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.report_output import note_statement
 from catseye.app.render.text import statement_lines, tables_text
-from catseye.app.results.origin import origin_now
 
 _STEPS = 20
 """About how many steps a diagnosis reports; the bar need not be exact."""
@@ -28,7 +27,6 @@ def diagnose(
     from catseye.app.results.scara.diagnosis_document import diagnosis_document
     from catseye.app.results.scara.diagnosis_report import diagnosis_report
     from catseye.app.results.scara.distances import load_distances
-    from catseye.app.results.scara.identify import are_simulated
 
     source = load_distances(run or [], points, cell, runs, budget=budget)
     for text in source.warnings:
@@ -46,7 +44,7 @@ def diagnose(
     if as_json:
         write_json(diagnosis_document(diagnosis, source.names).json_object())
         return
-    report = diagnosis_report(diagnosis, origin_now(simulated=bool(are_simulated(source.readers))))
+    report = diagnosis_report(diagnosis, source.stated.origin)
     write_line(tables_text(report))
     for text in diagnosis.identified.rejected:
         note(f"left out: {text}")

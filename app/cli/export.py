@@ -46,7 +46,7 @@ def export(
     if direct.is_file() and output.exists() and output.samefile(direct):
         raise UsageError(f"{output} is the result itself; choose another -o FILE")
     table = _of_result(direct) if direct.is_file() else _of_run(source, runs, unverified=unverified)
-    for text in table.unverified:
+    for text in table.origin.unverified:
         note(unverified_text(text))
     write_atomically(output, _written(table, chosen))
     note(f"{output}: {len(table.rows)} rows ({table.content}) of {table.source}")
@@ -98,7 +98,7 @@ def form_of(output: Path, form: Format | None) -> Format:
 def _written(table: "Export", form: Format) -> str | bytes:
     match form:
         case "csv":
-            return comment_lines(map(unverified_text, table.unverified)) + table.csv
+            return comment_lines(table.origin.banners) + table.csv
         case "json":
             about = {**table.about, **_beside(table)}
             return json.dumps({**about, table.content: table.rows}, ensure_ascii=False) + "\n"
@@ -107,4 +107,5 @@ def _written(table: "Export", form: Format) -> str | bytes:
 
 
 def _beside(table: "Export") -> dict[str, object]:
-    return {**table.documents, **({"unverified": table.unverified} if table.unverified else {})}
+    unverified = {"unverified": table.origin.unverified} if table.origin.unverified else {}
+    return {**table.documents, "simulated": table.origin.simulated, **unverified}

@@ -12,6 +12,9 @@ Runs = Annotated[
     Path | None, typer.Option("--runs", help="folder of all runs [$CATSEYE_RUNS, else ./catseye-runs]")
 ]
 StoredRun = Annotated[str, typer.Argument(metavar="RUN", help="path, name, beginning of a name, or id")]
+AcceptImplausible = Annotated[
+    str | None, typer.Option(metavar="TEXT", help="keep an implausible result; the reason stands in it")
+]
 Unverified = Annotated[
     bool,
     typer.Option(

@@ -48,6 +48,23 @@ def between_nodes(nodes_rad: Floats, theta_rad: Floats, direction: Ints) -> Floa
     return np.asarray(effects[place], dtype=np.float64)
 
 
+def ripple_between_nodes(nodes_rad: Floats, theta_rad: Floats) -> Floats:
+    """Return the standard deviations of what a ripple of rms 1 does at commands, shape (n,): norms of between_nodes.
+
+    Raises:
+        MapRangeError: a command lies outside the nodes.
+    """
+    if nodes_rad.size < 2:
+        return np.zeros(theta_rad.size)
+    found = interpolate(nodes_rad, theta_rad)
+    below, above = 1.0 - found.alpha, found.alpha
+    step = nodes_rad[found.lower + 1] - nodes_rad[found.lower]
+    variance = 1.0 + below**2 + above**2 + 2.0 * below * above * _alike(step)
+    variance -= 2.0 * (below * _alike(above * step) + above * _alike(below * step))
+    deviation = np.sqrt(np.maximum(variance, 0.0))
+    return np.where(at_nodes(nodes_rad, theta_rad), 0.0, deviation)
+
+
 def different_places(nodes_rad: Floats, theta_rad: Floats, direction: Ints) -> int:
     """Return at how many different commands a joint stands between its nodes; arguments as of between_nodes."""
     if nodes_rad.size < 2:
@@ -68,6 +85,14 @@ def _of_commands(nodes_rad: Floats, theta_rad: Floats, direction: Floats) -> Flo
     ripple = _waves(theta_rad) - (1.0 - alpha) * waves[found.lower] - alpha * waves[found.lower + 1]
     ripple[at_nodes(nodes_rad, theta_rad)] = 0.0
     return np.hstack([np.where(direction[:, None] == state, ripple, 0.0) for state in (1.0, -1.0)])
+
+
+def _alike(apart_rad: Floats) -> Floats:
+    """Return the correlation of a ripple at commands that far apart, mean of cos(order · angle): a Dirichlet sum."""
+    half = np.where(apart_rad == 0.0, 1.0, 0.5 * apart_rad)
+    first, last = ORDERS[0] - 0.5, ORDERS[-1] + 0.5
+    waves = np.sin(2.0 * last * half) - np.sin(2.0 * first * half)
+    return np.where(apart_rad == 0.0, 1.0, waves / (2.0 * ORDERS.size * np.sin(half)))
 
 
 def _waves(angle: Floats) -> Floats:

@@ -28,7 +28,7 @@ from catseye.calibration.core.budget import (
 )
 from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.between_nodes import between_nodes
+from catseye.calibration.scara.between_nodes import between_nodes, ripple_between_nodes
 from catseye.calibration.scara.extension import Term, term_values
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.points import Points
@@ -184,6 +184,7 @@ class Geometry:
         theta4_rad: angle of the tool against link 2, rad, shape (n,).
         layout: of the arm: nodes, and functions beyond the maps that are identified with it.
         averaged: what lies between nodes averages out over the rows.
+        alone: what rows of different commands have in common does not matter.
     """
 
     points: Points
@@ -193,6 +194,7 @@ class Geometry:
     theta4_rad: Floats
     layout: Layout
     averaged: bool = False
+    alone: bool = False
 
 
 def seen_along(points: Points, unit: Floats, length_mm: Floats, turn_mm: Floats, layout: Layout) -> Geometry:
@@ -334,6 +336,9 @@ def _between_nodes(axis: Axis | None, geometry: Geometry) -> Floats:
     commands, layout = geometry.points.commands, geometry.layout
     if geometry.averaged:
         return np.zeros((len(commands), 0))
-    if axis == "j1":
-        return between_nodes(layout.nodes1_rad, commands.theta1_rad, commands.direction1)
-    return between_nodes(layout.nodes2_rad, commands.theta2_rad, commands.direction2)
+    first = axis == "j1"
+    nodes_rad = layout.nodes1_rad if first else layout.nodes2_rad
+    theta_rad = commands.theta1_rad if first else commands.theta2_rad
+    if geometry.alone:
+        return ripple_between_nodes(nodes_rad, theta_rad)[:, None]
+    return between_nodes(nodes_rad, theta_rad, commands.direction1 if first else commands.direction2)

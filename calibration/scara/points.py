@@ -12,6 +12,7 @@ from catseye.calibration.core.arguments import (
     require_positive,
     require_shape,
 )
+from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.types import Bools, Floats, Ints
 
 
@@ -69,6 +70,8 @@ class Points:
         dead_paths: (reflector name, segment) of each dead path.
         theta4_rad: angle of the beam against link 2, rad, shape (n,); None where nothing depends on it.
         time_s: when each distance was measured, shape (n,); None when only the order is known.
+        mount_rad: angle by which the interferometer is turned on J4's flange against its first mounting, shape (n,);
+            None for 0 everywhere. J4's own angle is the beam's angle against link 2 less this.
     """
 
     commands: Commands
@@ -80,9 +83,11 @@ class Points:
     dead_paths: tuple[tuple[str, int], ...]
     theta4_rad: Floats | None = None
     time_s: Floats | None = None
+    mount_rad: Floats | None = None
 
     def __post_init__(self) -> None:
-        for name in ("reflector", "dead_path", "displacement_mm", "sigma_mm", "theta4_rad", "time_s"):
+        optional = ("sigma_mm", "theta4_rad", "time_s", "mount_rad")
+        for name in ("reflector", "dead_path", "displacement_mm", *optional):
             if (column := getattr(self, name)) is not None:
                 require_shape(column, (len(self.commands),), name)
         require_finite(self.displacement_mm, "displacement_mm")
@@ -90,6 +95,16 @@ class Points:
         require_below(self.dead_path, len(self.dead_paths), "dead_path")
         if self.sigma_mm is not None:
             require_positive(self.sigma_mm, "sigma_mm")
+        if self.mount_rad is not None:
+            self._require_one_mount_a_segment(self.mount_rad)
+
+    def _require_one_mount_a_segment(self, mount_rad: Floats) -> None:
+        require_finite(mount_rad, "mount_rad")
+        known = np.zeros(len(self.dead_paths))
+        known[self.dead_path] = mount_rad
+        mixed = self.dead_path[known[self.dead_path] != mount_rad]
+        if mixed.size:
+            raise two_mounts(self.dead_paths[int(mixed[0])])
 
     def __len__(self) -> int:
         """Return the number of distances."""
@@ -135,6 +150,7 @@ class Points:
             sigma_mm=_rows_of(self.sigma_mm, rows),
             theta4_rad=_rows_of(self.theta4_rad, rows),
             time_s=_rows_of(self.time_s, rows),
+            mount_rad=_rows_of(self.mount_rad, rows),
         )
 
     def select(self, rows: Bools | Ints) -> "Points":
@@ -153,6 +169,15 @@ class Points:
 
 def _rows_of(column: Floats | None, rows: Bools | Ints) -> Floats | None:
     return None if column is None else column[rows]
+
+
+def two_mounts(dead_path: tuple[str, int]) -> ArgumentError:
+    """Return the complaint about a segment (reflector name, number) with more than one mounting."""
+    name, segment = dead_path
+    return ArgumentError(
+        f"segment {segment} of reflector {name} has more than one mount_deg: turning the interferometer on its "
+        "flange interrupts the beam, so what follows is a new segment"
+    )
 
 
 FEWEST = 3
@@ -182,12 +207,21 @@ def concatenated(parts: Sequence[Points]) -> Points:
         sigma_mm=_joined([part.sigma_mm for part in parts]),
         theta4_rad=_joined([part.theta4_rad for part in parts]),
         time_s=_joined([part.time_s for part in parts]),
+        mount_rad=_mounts(parts),
     )
 
 
 def _joined(columns: list[Floats | None]) -> Floats | None:
     present = [column for column in columns if column is not None]
     return np.concatenate(present) if len(present) == len(columns) else None
+
+
+def _mounts(parts: Sequence[Points]) -> Floats | None:
+    if all(part.mount_rad is None for part in parts):
+        return None
+    return np.concatenate(
+        [np.zeros(len(part)) if part.mount_rad is None else part.mount_rad for part in parts]
+    )
 
 
 def short_segments(counts: Ints, dead_paths: Sequence[tuple[str, int]]) -> tuple[Bools, list[str]]:

@@ -88,7 +88,7 @@ def predict(arm: IdentifiedArm, commands: Commands, link1_mm: float, link2_mm: f
         block = rows[start : start + _BLOCK]
         chosen = commands.select(block)
         position[block] = arm_design(arm.layout, chosen).positions(arm.parameters)
-        errors = position_errors(arm, chosen)
+        errors = position_errors(arm, chosen, alone=True)
         covariance[block] = _covariances(errors)
         for name, variance in errors.variances_mm2.items():
             own = parts.setdefault(name, np.full(len(commands), np.nan))

@@ -90,7 +90,9 @@ def _identified(gradient: Floats, covariance: Floats) -> Shared:
     return Shared(IDENTIFIED, gradient @ (vectors * np.sqrt(np.maximum(values, 0.0))))
 
 
-def position_errors(arm: IdentifiedArm, commands: Commands, arrivals: int = 1) -> PredictionErrors:
+def position_errors(
+    arm: IdentifiedArm, commands: Commands, arrivals: int = 1, *, alone: bool = False
+) -> PredictionErrors:
     """Return the errors of x and y of each command in turn, 2n rows.
 
     The tool is taken not to turn against link 2 along the commands: what J4's axis does is one displacement in the
@@ -99,6 +101,7 @@ def position_errors(arm: IdentifiedArm, commands: Commands, arrivals: int = 1) -
     Args:
         commands: n rows inside the identified range.
         arrivals: so many measurements of each position are averaged.
+        alone: what different commands have in common is not asked for, which takes far fewer sources.
 
     Raises:
         MapRangeError: a command lies outside the nodes.
@@ -113,7 +116,7 @@ def position_errors(arm: IdentifiedArm, commands: Commands, arrivals: int = 1) -
         arm.covariance,
         _but_j4(arm.taken_up),
         budget,
-        _coordinates(arm, commands, local[:, :, 2:].reshape(rows, 2)),
+        replace(_coordinates(arm, commands, local[:, :, 2:].reshape(rows, 2)), alone=alone),
         arrivals,
     )
 

@@ -41,6 +41,7 @@ class Distance(Record):
     zero_refractive_index: float | None = None
     dead_path_mm: float | None = None
     formula: str | None = None
+    mount_deg: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

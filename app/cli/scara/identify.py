@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from catseye.app.cli.options import (
+    AcceptImplausible,
     AsJson,
     Budget,
     Dask,
@@ -54,10 +55,7 @@ def identify(
             metavar="TERMS", help="crosstalk, j4, thermal, periodic1:ORDER, periodic2:ORDER; may be repeated"
         ),
     ] = None,
-    accept_implausible: Annotated[
-        str | None,
-        typer.Option(metavar="TEXT", help="keep an implausible result; the reason stands in it"),
-    ] = None,
+    accept_implausible: AcceptImplausible = None,
     workers: Workers = 1,
     dask: Dask = None,
     insecure_cluster: InsecureCluster = False,

@@ -12,7 +12,6 @@ from catseye.app.cluster.share import Share
 from catseye.app.errors import UsageError
 from catseye.app.results.scara.distances import DistanceSource
 from catseye.app.results.scara.identify import (
-    are_simulated,
     identified_result,
     parse_extensions,
     problem_of_points,
@@ -101,9 +100,9 @@ def identified(
     implausible = require_plausible(problem, found, bench.plausibility, method.accept_implausible)
     propagated = _propagated(found, contributions, method, sharing)
     result = identified_result(
-        propagated.identified, bench, source.names, source.stated.part, are_simulated(source.readers)
+        propagated.identified, bench, source.names, source.stated.part, source.stated.simulated
     )
-    result = with_what_speaks_against(with_reference_links(result, source.readers), source.unverified)
+    result = with_what_speaks_against(with_reference_links(result, source.readers), source.stated.unverified)
     return result.model_copy(update={"uncertainty": propagated.part, "implausible": implausible})
 
 

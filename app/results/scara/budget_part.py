@@ -24,12 +24,15 @@ contributors per reading; all contributors together, as earlier versions exporte
 class TableBudget(ResultPart):
     """What a points table carries along.
 
-    `sha256` is of the document itself and of the rows (`catseye.app.results.scara.table_budget`).
+    `sha256` is of the document itself and of the rows (`catseye.app.results.scara.table_budget`). `simulated` and
+    `unverified` are those of the run, as in a result's provenance.
     """
 
     format: BudgetFormat
     source: str
     corrected_by: CorrectedBy | None = None
+    simulated: bool | None = None
+    unverified: list[str] | None = None
     contributor: list[ContributorEntry]
     sha256: str
 

@@ -45,11 +45,6 @@ class DistanceSource:
     readers: list[RunReader]
     warnings: list[str]
 
-    @property
-    def unverified(self) -> list[str]:
-        """What speaks against runs and tables that are taken as they are."""
-        return [*(text for reader in self.readers for text in reader.unverified), *self.stated.unverified]
-
 
 def load_distances(
     run: list[str],
@@ -84,10 +79,11 @@ def load_distances(
     ]
     names = [reader.path.name for reader in readers]
     with taken_as_it_is(*readers):
+        distances, bench = run_points(readers), bench_of_runs(readers, root)
+        # Behind the reading, which finds what speaks against the runs.
         stated = budget_of_runs(readers, budget)
         warnings += other_budgets(readers)
-        distances, bench = run_points(readers), bench_of_runs(readers, root)
-    warnings += dict.fromkeys(unverified_text(text) for reader in readers for text in reader.unverified)
+    warnings += dict.fromkeys(map(unverified_text, stated.unverified))
     return DistanceSource(distances, bench, stated, names, readers, warnings)
 
 

@@ -7,15 +7,17 @@ from typing import Any
 
 from catseye.app.errors import UsageError
 from catseye.app.files.tabular import Row, table_csv
-from catseye.app.results.scara.budget_part import BUDGET_KIND
-from catseye.app.results.scara.identify import cell_of_run
+from catseye.app.results.model import Origin
+from catseye.app.results.scara.budget_part import BUDGET_KIND, TableBudget
+from catseye.app.results.scara.identify import are_simulated, cell_of_run, origin_of_run
 from catseye.app.results.scara.path_rows import holds_distances
 from catseye.app.results.scara.points import point_columns, points_csv, with_sigma
 from catseye.app.results.scara.result import Result, read_result
 from catseye.app.results.scara.stated_budget import corrected_by
-from catseye.app.results.scara.table_budget import budget_document
+from catseye.app.results.scara.table_budget import sealed_with
 from catseye.app.results.scara.values import result_values
 from catseye.app.store.reader import RunReader
+from catseye.procedures.kit.columns import Columns
 
 _MEASURED = ("theta1_deg", "theta2_deg", "direction1", "direction2", "x_meas_mm", "y_meas_mm", "u_mm")
 
@@ -30,7 +32,7 @@ class Export:
         content: what the rows are: points, path, search, records, values.
         rows: all of them with all their columns.
         csv: text of the CSV file: where this program reads such a CSV, in the form that it reads.
-        unverified: what speaks against the run, or against those of the result; empty for what is as it was sealed.
+        origin: of the rows, with what a reader has to know before anything else.
         documents: that the table carries along, by kind; the CSV has them already.
     """
 
@@ -39,7 +41,7 @@ class Export:
     content: str
     rows: Sequence[Row]
     csv: str
-    unverified: Sequence[str] = ()
+    origin: Origin
     documents: Mapping[str, object] = field(default_factory=dict)
 
 
@@ -61,7 +63,7 @@ def run_export(reader: RunReader) -> Export:
     about = {"run": reader.path.name, "meta": reader.meta}
     if content == "points" or (content == "path" and holds_distances(rows)):
         return _distances(reader, about, content, rows)
-    return Export(reader.path.name, about, content, rows, _run_csv(content, rows), reader.unverified)
+    return Export(reader.path.name, about, content, rows, _run_csv(content, rows), origin_of_run(reader))
 
 
 def _distances(
@@ -71,17 +73,40 @@ def _distances(
     stated = cell_of_run(reader).uncertainty
     sigma_mm = 1e-3 * stated.white_um
     points = with_sigma(point_columns(rows), sigma_mm)
-    budget = budget_document(points, reader.path.name, stated.contributor, corrected_by(reader))
+    budget = sealed_with(
+        points,
+        TableBudget(
+            format="catseye-budget/1",
+            source=reader.path.name,
+            corrected_by=corrected_by(reader),
+            simulated=are_simulated([reader]),
+            unverified=list(reader.unverified) or None,
+            contributor=stated.contributor,
+            sha256="",
+        ),
+    )
     documents = {BUDGET_KIND: budget}
     return Export(
         reader.path.name,
         about,
         content,
-        [{**row, "sigma_mm": sigma_mm} for row in rows],
+        _with_columns(rows, points, ("sigma_mm", "mount_deg")),
         points_csv(points, documents),
-        reader.unverified,
+        origin_of_run(reader),
         documents,
     )
+
+
+def _with_columns(
+    rows: Sequence[Mapping[str, object]], points: Columns, names: Sequence[str]
+) -> Sequence[Row]:
+    """Return rows with columns as the table has them; one that it does not have is left out."""
+    columns = {name: points[name].tolist() for name in names if name in points}
+    return [
+        {key: value for key, value in row.items() if key not in names}
+        | {name: values[i] for name, values in columns.items()}
+        for i, row in enumerate(rows)
+    ]
 
 
 def _run_csv(content: str, rows: list[dict[str, Any]]) -> str:
@@ -108,7 +133,7 @@ def result_export(path: Path) -> Export:
         "fit": result.fit.model_dump(exclude_none=True),
         "provenance": result.provenance.model_dump(exclude={"unverified"}),
     }
-    return Export(path.name, about, "values", rows, table_csv(rows), result.provenance.unverified or ())
+    return Export(path.name, about, "values", rows, table_csv(rows), result.provenance.origin)
 
 
 def result_rows(result: Result) -> list[Row]:

@@ -1,7 +1,6 @@
 """What an identification says at its end."""
 
 from catseye.app.results.model import Report, Sign, Statement, section
-from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.budget_text import budget_statements
 from catseye.app.results.scara.fit_text import fit_statements, left_out_statements, nodes_only_statements
 from catseye.app.results.scara.result import Result
@@ -24,9 +23,7 @@ def identification_report(result: Result) -> Report:
         statements += uncertainty_statements(result.uncertainty)
     return Report(
         "Identification",
-        origin_now(
-            simulated=bool(result.provenance.simulated), unverified=result.provenance.unverified or ()
-        ),
+        result.provenance.origin,
         (
             section("verdict", "Verdict", [*statements, *_scan_statements(result)], brief=True),
             section(

@@ -14,6 +14,8 @@ from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.model import Cell
 from catseye.app.cell.section import RECORD
 from catseye.app.errors import UsageError
+from catseye.app.results.model import Origin
+from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.budget_part import BudgetPart
 from catseye.app.results.scara.plausible import failures_explained, require_plausible
 from catseye.app.results.scara.points import point_columns, to_points
@@ -159,6 +161,11 @@ def with_what_speaks_against(result: Result, texts: Iterable[str]) -> Result:
 def are_simulated(readers: Sequence[RunReader]) -> bool | None:
     """Return whether a run was made on emulated devices, None without runs."""
     return any(bool(reader.meta.get("simulated")) for reader in readers) if readers else None
+
+
+def origin_of_run(reader: RunReader) -> Origin:
+    """Return the origin of what is made of a run now."""
+    return origin_now(simulated=bool(are_simulated([reader])), unverified=reader.unverified)
 
 
 def bench_of_runs(readers: Sequence[RunReader], root: Path) -> ScaraBench:

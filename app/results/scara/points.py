@@ -36,6 +36,7 @@ POINTS = TableRule(
                 largest=1.0,
                 hint="it seems to be in µm; convert it to mm",
             ),
+            ColumnRule("mount_deg", unit="°", optional=True),
         ),
     ),
 )
@@ -57,7 +58,9 @@ def point_columns(rows: Sequence[Mapping[str, object]]) -> Columns:
     names = tuple(dict.fromkeys(str(row["reflector"]) for row in rows))
     values = {name: np.array([float(str(row[name])) for row in rows]) for name in COLUMNS[1:]}
     reflector = np.array([float(names.index(str(row["reflector"]))) for row in rows])
-    return Columns({"reflector": reflector, **values}, np.arange(1, len(rows) + 1), names)
+    mount = np.array([float(str(row.get("mount_deg") or 0.0)) for row in rows])
+    mounts = {"mount_deg": mount} if mount.any() else {}
+    return Columns({"reflector": reflector, **values, **mounts}, np.arange(1, len(rows) + 1), names)
 
 
 def with_sigma(points: Columns, sigma_mm: float) -> Columns:
@@ -105,6 +108,7 @@ def to_points(table: Columns, reflectors: Iterable[str]) -> Points:
         sigma_mm=table.get("sigma_mm"),
         reflector_names=names,
         dead_paths=tuple((table.names[key[0]], key[1]) for key in number),
+        mount_rad=None if (mount := table.get("mount_deg")) is None else np.deg2rad(mount),
     )
 
 

@@ -10,6 +10,8 @@ from pydantic import Field, ValidationError, model_validator
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.documents import LARGEST_RESULT_BYTES
+from catseye.app.results.model import Origin
+from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.budget_part import BudgetPart
 from catseye.app.results.uncertainty_part import Finite, ResultPart, UncertaintyPart
 from catseye.calibration.scara.extension import Part, Source, Target, Term
@@ -192,6 +194,11 @@ class Provenance(ResultPart):
     created: str
     simulated: bool | None = None
     unverified: list[str] | None = None
+
+    @property
+    def origin(self) -> Origin:
+        """Where a report that is made of it now comes from."""
+        return origin_now(simulated=bool(self.simulated), unverified=self.unverified or ())
 
 
 class ScanSegments(_Columns):

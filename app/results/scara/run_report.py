@@ -22,6 +22,7 @@ from catseye.app.results.scara.identify import (
     cell_of_run,
     identified_result,
     identify_points,
+    origin_of_run,
     run_points,
 )
 from catseye.app.results.scara.material import with_reference_links
@@ -70,7 +71,7 @@ def run_report(reader: RunReader, root: Path) -> Report:
     measurement = measurement_of([reader], cell)
     return arm_report(
         f"{reader.meta.get('procedure')} on {cell.name}",
-        origin_now(simulated=bool(are_simulated([reader])), unverified=reader.unverified),
+        origin_of_run(reader),
         findings,
         replace(measurement, warnings=[*measurement.warnings, *notes]),
         Sources(_versions()),
@@ -84,7 +85,7 @@ def result_file_report(source: Path) -> Report:
     provenance = result.provenance
     return arm_report(
         f"Result {source.name}",
-        origin_now(simulated=bool(provenance.simulated), unverified=provenance.unverified or ()),
+        provenance.origin,
         Findings([result]),
         sources=Sources(_versions(), {source.name: hashlib.sha256(document).hexdigest()}),
     )

@@ -96,7 +96,7 @@ def identify_scan_file(
     sample = replace(first, points=identified.points)
     implausible = require_plausible(sample, identified, bench.plausibility, accept_implausible)
     part = _scan_part(found.residuals, identified.layout.dead_paths, len(identified.points))
-    result = identified_result(identified, bench, [points.name], counted.part)
+    result = identified_result(identified, bench, [points.name], counted.part, counted.simulated)
     return with_what_speaks_against(result, counted.unverified).model_copy(
         update={"scan": part, "implausible": implausible}
     )

@@ -16,8 +16,8 @@ import numpy as np
 from catseye.app.files.columns import table_blocks
 from catseye.app.results.scara.points import POINTS
 from catseye.app.results.scara.table_budget import SeenTable
-from catseye.calibration.core.types import Ints
-from catseye.calibration.scara.points import Commands, Points
+from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.scara.points import Commands, Points, two_mounts
 from catseye.procedures.kit.columns import Columns
 
 _BLOCK_ROWS = 50_000
@@ -48,6 +48,8 @@ class SpooledPoints:
         with_sigma: the uncertainties that the points state count.
         rows: number of distances.
         seen: what the points file shows of its uncertainties.
+        mounts_rad: how the interferometer was turned on its flange in each segment, shape (dead paths,); None for a
+            file that does not state it.
     """
 
     file: IO[bytes]
@@ -56,6 +58,7 @@ class SpooledPoints:
     with_sigma: bool
     rows: int
     seen: SeenTable
+    mounts_rad: Floats | None = None
 
     def __len__(self) -> int:
         """Return the number of distances."""
@@ -67,6 +70,7 @@ class SpooledPoints:
         for start in range(0, self.rows * RECORD.itemsize, block_bytes):
             records = np.frombuffer(os.pread(self.file.fileno(), block_bytes, start), RECORD)
             numbers = {name: records[name].astype(np.float64) for name in RECORD.names or ()}
+            dead_path = records["dead_path"].astype(np.int64)
             yield Points(
                 commands=Commands(
                     numbers["theta1_rad"],
@@ -75,11 +79,12 @@ class SpooledPoints:
                     records["direction2"].astype(np.int64),
                 ),
                 reflector=records["reflector"].astype(np.int64),
-                dead_path=records["dead_path"].astype(np.int64),
+                dead_path=dead_path,
                 displacement_mm=numbers["displacement_mm"],
                 sigma_mm=numbers["sigma_mm"] if self.with_sigma else None,
                 reflector_names=self.reflector_names,
                 dead_paths=self.dead_paths,
+                mount_rad=None if self.mounts_rad is None else self.mounts_rad[dead_path],
             )
 
 
@@ -106,7 +111,8 @@ def spooled_points(
             rows += len(columns)
             if progress is not None:
                 progress(share)
-        yield SpooledPoints(file, tuple(known), paths.names, seen.with_sigma, rows, seen)
+        names = tuple(known), paths.names
+        yield SpooledPoints(file, *names, seen.with_sigma, rows, seen, paths.mounts_rad)
 
 
 class _DeadPaths:
@@ -115,20 +121,41 @@ class _DeadPaths:
     def __init__(self, known: tuple[str, ...]) -> None:
         self._known = known
         self._numbers: dict[tuple[int, int], int] = {}
+        self._mounts_deg: list[float] = []
+        self._mounted = False
 
     @property
     def names(self) -> tuple[tuple[str, int], ...]:
         """(Reflector name, segment) of each."""
         return tuple((self._known[reflector], segment) for reflector, segment in self._numbers)
 
+    @property
+    def mounts_rad(self) -> Floats | None:
+        """How the interferometer was turned in each, shape (k,); None where the file does not state it."""
+        return np.deg2rad(self._mounts_deg) if self._mounted else None
+
     def index(self, columns: Columns) -> Ints:
-        """Return the dead path of each row, shape (n,)."""
+        """Return the dead path of each row, shape (n,).
+
+        Raises:
+            ArgumentError: the interferometer is turned on its flange within a segment.
+        """
         reflector, segment = columns["reflector"].astype(np.int64), columns["segment"].astype(np.int64)
-        changes = (np.diff(segment) != 0) | (np.diff(reflector) != 0)
+        self._mounted |= "mount_deg" in columns
+        mount = columns["mount_deg"] if self._mounted else np.zeros(len(columns))
+        changes = (np.diff(segment) != 0) | (np.diff(reflector) != 0) | (np.diff(mount) != 0.0)
         starts = np.concatenate([[0], np.flatnonzero(changes) + 1]) if len(columns) else np.zeros(0, np.int64)
         keys = zip(reflector[starts].tolist(), segment[starts].tolist(), strict=True)
-        numbers = [self._numbers.setdefault(key, len(self._numbers)) for key in keys]
+        numbers = [self._number(key, mount_deg) for key, mount_deg in zip(keys, mount[starts], strict=True)]
         return np.repeat(np.array(numbers, dtype=np.int64), np.diff(np.append(starts, len(columns))))
+
+    def _number(self, key: tuple[int, int], mount_deg: float) -> int:
+        number = self._numbers.setdefault(key, len(self._numbers))
+        if number == len(self._mounts_deg):
+            self._mounts_deg.append(mount_deg)
+        elif self._mounts_deg[number] != mount_deg:
+            raise two_mounts(self.names[number])
+        return number
 
 
 def _records(columns: Columns, dead_path: Ints) -> np.ndarray[tuple[int, ...], np.dtype[np.void]]:

@@ -5,10 +5,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
-from catseye.app.cell.scara.uncertainty import PAPER_WAVELENGTH_PPM, Uncertainty, table_2
+from catseye.app.cell.scara.uncertainty import PAPER_WAVELENGTH_PPM, ContributorEntry, Uncertainty, table_2
 from catseye.app.errors import UsageError
+from catseye.app.results.model import Origin
+from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.budget_part import BudgetPart, CorrectedBy, SigmaRole
-from catseye.app.results.scara.identify import cell_of_run
+from catseye.app.results.scara.identify import are_simulated, cell_of_run
 from catseye.app.results.scara.table_budget import SeenTable
 from catseye.app.store.reader import RunReader
 from catseye.calibration.scara.budget import Budget
@@ -26,16 +28,23 @@ class StatedBudget:
 
     Attributes:
         part: what a result says about it.
-        unverified: what speaks against a table that is taken as it is.
+        unverified: what speaks against a table, or against the run that it was exported from.
+        simulated: emulated devices have measured the distances; None where nothing says so.
     """
 
     part: BudgetPart
     unverified: tuple[str, ...] = ()
+    simulated: bool | None = None
 
     @property
     def budget(self) -> Budget | None:
         """Contributors for a solver; None for what the distances state alone."""
         return self.part.budget
+
+    @property
+    def origin(self) -> Origin:
+        """Where a report on the distances comes from."""
+        return origin_now(simulated=bool(self.simulated), unverified=self.unverified)
 
     @property
     def counts_sigma(self) -> bool:
@@ -62,7 +71,9 @@ def budget_of_runs(readers: Sequence[RunReader], choice: BudgetChoice | None = N
             name=reader.path.name,
             corrected_by=corrected_by(reader),
             contributor=[] if choice == "none" else cell_of_run(reader).uncertainty.contributor,
-        )
+        ),
+        tuple(text for one in readers for text in one.unverified),
+        are_simulated(readers),
     )
 
 
@@ -95,36 +106,25 @@ def budget_of_table(
     Raises:
         UsageError: its own is asked for and it has none, or it was changed.
     """
-    own, counts = seen.own, _role_of_sigma(seen, stated)
-    air = None if own is None else own.corrected_by
+    own, role = seen.own, _role_of_sigma(seen, stated)
+    source, name, entries = "none", seen.file.name, list[ContributorEntry]()
+    changes: tuple[str, ...] = ()
     if choice == "none":
-        counts = "white" if seen.with_sigma else "absent"
-        return StatedBudget(
-            BudgetPart(source="none", name=seen.file.name, sigma_mm=counts, corrected_by=air, contributor=[])
-        )
-    if own is not None and choice != "cell":
-        part = BudgetPart(
-            source="table",
-            name=seen.file.name,
-            sigma_mm=counts,
-            corrected_by=air,
-            contributor=own.contributor,
-        )
-        return StatedBudget(part, _changes(seen, unverified=unverified))
-    if choice == "table":
+        role = "white" if seen.with_sigma else "absent"
+    elif own is not None and choice != "cell":
+        source, entries, changes = "table", own.contributor, _changes(seen, unverified=unverified)
+    elif choice == "table":
         raise UsageError(
             f"{seen.file}: carries no error budget of its own: use --budget cell, --budget none, or a table that "
             "catseye export wrote"
         )
-    return StatedBudget(
-        BudgetPart(
-            source="cell",
-            name=cell_file,
-            sigma_mm=counts,
-            corrected_by=air,
-            contributor=stated.contributor,
-        )
-    )
+    else:
+        source, name, entries = "cell", cell_file, stated.contributor
+    air = None if own is None else own.corrected_by
+    part = BudgetPart(source=source, name=name, sigma_mm=role, corrected_by=air, contributor=entries)
+    if own is None:
+        return StatedBudget(part)
+    return StatedBudget(part, (*(own.unverified or ()), *changes), own.simulated)
 
 
 def corrected_by(reader: RunReader) -> CorrectedBy | None:

@@ -3,40 +3,30 @@
 import hashlib
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
 
-from catseye.app.cell.scara.uncertainty import ContributorEntry
 from catseye.app.errors import UsageError
 from catseye.app.files.documents import parse_json
-from catseye.app.results.scara.budget_part import BUDGET_KIND, CorrectedBy, TableBudget
+from catseye.app.results.scara.budget_part import BUDGET_KIND, TableBudget
 from catseye.app.results.scara.points import POINTS
 from catseye.procedures.kit.columns import Columns
 
 _NUMBERS = tuple(column.name for column in POINTS.forms[0] if column.kind != "name")
 
 
-def budget_document(
-    points: Columns, source: str, contributors: Sequence[ContributorEntry], corrected_by: CorrectedBy | None
-) -> dict[str, Any]:
-    """Return the document that a table of distances carries along.
+def sealed_with(points: Columns, budget: TableBudget) -> dict[str, Any]:
+    """Return the document that a table of distances carries along: a budget, sealed with the rows.
 
     Args:
         points: all rows, with all columns that a points file may have.
-        source: name of the run that they come from.
-        corrected_by: who has corrected them for the air; None where that is not known.
+        budget: what it says; its sum does not count.
     """
-    unsealed = TableBudget(
-        format="catseye-budget/1",
-        source=source,
-        corrected_by=corrected_by,
-        contributor=list(contributors),
-        sha256="",
-    ).model_dump(mode="json", exclude_none=True)
+    unsealed = budget.model_dump(mode="json", exclude_none=True)
     seal = _Seal(unsealed)
     seal.add(points)
     return {**unsealed, "sha256": seal.hexdigest()}

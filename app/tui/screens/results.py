@@ -40,8 +40,6 @@ if TYPE_CHECKING:
     from catseye.app.results.scara.result_files import ResultFile, ResultFiles
     from catseye.app.results.scara.validation_document import ValidationDocument
 
-_PARTS: Final = ("files", "maps", "values", "layout", "residuals", "fit", "path", "compare")
-_TITLES: Final = ("Files", "Maps", "Values", "Layout", "Residuals", "Fit", "Path", "Compare")
 _FOCUS: Final = {
     "files": "#file-table",
     "maps": "#map-figures",
@@ -53,6 +51,7 @@ _FOCUS: Final = {
     "compare": "#comparison-text",
 }
 """What is scrolled in a part."""
+_PARTS: Final = tuple(_FOCUS)
 
 _LOOK_S: Final = 3.0
 _FILE_COLUMNS: Final = (
@@ -98,12 +97,12 @@ class ResultsScreen(WorkScreen):
             Binding(
                 str(place + 1),
                 f"part({place})",
-                title,
+                name.capitalize(),
                 show=False,
                 id=f"results.show-{name}",
                 tooltip="show this part",
             )
-            for place, (name, title) in enumerate(zip(_PARTS, _TITLES, strict=True))
+            for place, name in enumerate(_PARTS)
         ),
         Binding("d", "diagnose", "diagnose", id="results.diagnose", tooltip="what speaks against the fit"),
         Binding(
@@ -138,7 +137,7 @@ class ResultsScreen(WorkScreen):
 
     def body(self) -> ComposeResult:
         """Parts, which result, the part."""
-        yield TabLine(_TITLES)
+        yield TabLine([name.capitalize() for name in _PARTS])
         yield StaticText(id="heading")
         with ContentSwitcher(initial="files"):
             with Vertical(id="files", classes="part"):
@@ -156,8 +155,9 @@ class ResultsScreen(WorkScreen):
 
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do."""
-        for place, title in enumerate(_TITLES):
-            yield SystemCommand(f"Results: {title}", "show this part", partial(self.action_part, place))
+        for place, name in enumerate(_PARTS):
+            part = partial(self.action_part, place)
+            yield SystemCommand(f"Results: {name.capitalize()}", "show this part", part)
         yield SystemCommand("Diagnose the result", "outliers, drift, lack of fit", self.action_diagnose)
         yield SystemCommand("Validate the result", "against a measured path", self.action_validate)
         yield SystemCommand("Compare results", "with the one under the cursor", self.action_compare)
@@ -203,8 +203,7 @@ class ResultsScreen(WorkScreen):
         name = _PARTS[place]
         self.query_one(ContentSwitcher).current = name
         self.query_one(TabLine).show(place)
-        focus = _FOCUS.get(name)
-        self.set_focus(self.query_one(focus) if focus is not None else None)
+        self.set_focus(self.query_one(_FOCUS[name]))
 
     def action_back(self) -> None:
         """Cancel the work, else go back to the files."""

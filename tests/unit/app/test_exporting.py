@@ -13,8 +13,10 @@ from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.columns import read_table
 from catseye.app.files.tabular import table_csv, table_parquet
 from catseye.app.results.scara.export import Export, result_export, result_rows, run_export
+from catseye.app.results.scara.identify import run_points
 from catseye.app.results.scara.points import read_points
 from catseye.app.results.scara.result import TermEstimate, write_result
+from catseye.app.results.scara.table_budget import SeenTable
 from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.scara.path.tables import MEASURED
 from tests.unit.app.engine.fakes import point
@@ -50,6 +52,34 @@ async def test_exported_distances_round_trip_exactly_with_sigma(tmp_path: Path) 
     assert set(rows["direction2"]) == {-1}
     # Of Table 2 in a distance of 743 mm what differs from distance to distance: 10 µm, all else below 0.4 µm.
     assert rows["sigma_mm"] == pytest.approx([0.01001] * 6, abs=5e-6)
+
+
+@pytest.mark.parametrize("name", ["points.csv", "points.parquet"])
+async def test_exported_mountings_are_read_again_with_an_intact_budget(tmp_path: Path, name: str) -> None:
+    given = [{**point(i), "segment": i // 3, "mount_deg": 180.5 if i > 2 else None} for i in range(6)]
+    reader = await stored(tmp_path, "open-loop", [("points", row) for row in given])
+    export(str(reader.path), tmp_path / name, None, None)
+    rows, seen = read_points(tmp_path / name, ["P1"]), SeenTable(tmp_path / name)
+    seen.see(rows)
+    assert rows["mount_deg"].tolist() == [0.0] * 3 + [180.5] * 3
+    assert rows["mount_deg"].tolist() == run_points([reader])["mount_deg"].tolist()
+    assert seen.intact
+
+
+async def test_json_holds_the_mountings(tmp_path: Path) -> None:
+    given = [{**point(i), "segment": i, "mount_deg": 180.5 * i} for i in range(2)]
+    reader = await stored(tmp_path, "open-loop", [("points", row) for row in given])
+    export(str(reader.path), tmp_path / "points.json", None, None)
+    document = json.loads((tmp_path / "points.json").read_text(encoding="utf-8"))
+    assert [row["mount_deg"] for row in document["points"]] == [0.0, 180.5]
+
+
+@pytest.mark.parametrize("name", ["points.csv", "points.parquet"])
+async def test_without_a_turned_interferometer_no_column_says_so(tmp_path: Path, name: str) -> None:
+    given: list[Row] = [{**point(i), "mount_deg": [None, 0.0][i % 2]} for i in range(6)]
+    reader = await stored(tmp_path, "open-loop", [("points", row) for row in given])
+    export(str(reader.path), tmp_path / name, None, None)
+    assert "mount_deg" not in read_points(tmp_path / name, ["P1"])
 
 
 async def test_positions_of_a_path_are_a_measured_file(tmp_path: Path) -> None:

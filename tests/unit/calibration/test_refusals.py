@@ -192,6 +192,11 @@ CASES: dict[str, tuple[Callable[[], object], str]] = {
     ),
     "negative sigma": (lambda: sigma(-0.01), "entry 3 of sigma_mm is -0.01: it has to be positive"),
     "sigma not a number": (lambda: sigma(NAN), "entry 3 of sigma_mm is nan"),
+    "two mountings of a segment": (
+        lambda: points(mount_rad=np.arange(1056) % 2.0),
+        "segment 0 of reflector P1 has more than one mount_deg",
+    ),
+    "mounting not a number": (lambda: points(mount_rad=np.full(1056, NAN)), "mount_rad is nan"),
     "distance not a number": (lambda: points(displacement_mm=np.full(1056, NAN)), "displacement_mm is nan"),
     "reflector out of range": (
         lambda: points(reflector=np.full(1056, 3)),

@@ -14,12 +14,14 @@ from catseye.app.cli.export import export
 from catseye.app.cli.scara.identify import identify
 from catseye.app.errors import UsageError
 from catseye.app.files.csv_text import csv_text
+from catseye.app.protocol.banners import SIMULATION_TEXT
 from catseye.app.results.scara.identified_arm import arm_remarks
 from catseye.app.results.scara.points import COLUMNS
 from catseye.app.results.scara.result import read_result
 from catseye.app.store.reader import RunReader
 from tests.unit.app.cli.budget_routes import EQUAL, differences, figures, of_every_route, of_table
 from tests.unit.app.cli.measured_runs import measured_run, rows_of_arm
+from tests.unit.app.cli.test_unverified import tampered
 
 TABLE_2_MM = 0.015817
 """Table 2 on 743 mm: 10, 5, 5, 10, 0.19, 0.09, 0.04 µm and two cosine errors of 0.27 µm, in quadrature, by hand."""
@@ -248,6 +250,25 @@ async def test_the_result_carries_the_budget_and_older_ones_are_read(tmp_path: P
     del document["budget"]
     (tmp_path / "old.json").write_text(json.dumps(document))
     assert read_result(tmp_path / "old.json").budget is None
+
+
+async def test_a_table_says_that_emulated_devices_measured_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    simulated = await measured_run(tmp_path, 1)
+    found = of_every_route(tmp_path, simulated, monkeypatch)
+    assert {result.provenance.simulated for result in found.values()} == {True}
+    assert (tmp_path / "points.csv").read_text().startswith(f"# {SIMULATION_TEXT}\n")
+    plain_table(tmp_path)
+    assert of_table(tmp_path, "plain.csv").provenance.simulated is None
+
+
+async def test_a_table_keeps_what_speaks_against_its_run(tmp_path: Path) -> None:
+    measured = await measured_run(tmp_path, 1)
+    tampered(measured.path)
+    export(str(measured.path), tmp_path / "points.csv", None, None, unverified=True)
+    said = of_table(tmp_path, "points.csv").provenance.unverified or []
+    assert [text.split(": ")[0] for text in said] == [measured.path.name]
 
 
 async def test_json_of_a_run_has_its_budget_too(tmp_path: Path, run: RunReader) -> None:

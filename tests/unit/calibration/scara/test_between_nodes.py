@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.between_nodes import between_nodes
+from catseye.calibration.scara.between_nodes import between_nodes, ripple_between_nodes
 from tests.unit.calibration.scara.paper import NODES1_DEG
 
 NODES = np.deg2rad(NODES1_DEG)
@@ -50,6 +50,13 @@ def test_its_variance_is_that_of_drawn_ripples(theta_deg: float) -> None:
     found = variances(between_nodes(NODES, np.array([math.radians(theta_deg)]), ups(1)))
     # Four thousand draws know a mean square to some percent.
     assert float(found[0]) == pytest.approx(drawn_variance(theta_deg), rel=0.1)
+
+
+def test_its_size_alone_is_that_of_its_sources() -> None:
+    theta = np.linspace(NODES[0], NODES[-1], 281)
+    found = ripple_between_nodes(NODES, theta)
+    assert found**2 == pytest.approx(variances(between_nodes(NODES, theta, ups(theta.size))), abs=1e-12)
+    assert not np.any(ripple_between_nodes(NODES, NODES))
 
 
 def test_half_way_the_nodes_add_half_a_variance() -> None:

@@ -108,6 +108,17 @@ def test_errors_of_the_instrument_are_none_of_the_arm() -> None:
     assert not np.any(covariance(*instrument))
 
 
+def test_predictions_have_the_blocks_of_the_whole_covariance() -> None:
+    contributors = (
+        Contributor("ripple of J1", "between-nodes", 3e-5, "axis-angle", "j1"),
+        Contributor("ripple of J2", "between-nodes", 5e-5, "axis-angle", "j2"),
+        Contributor("J2", "radial", 0.005, "axis-angle", "j2"),
+    )
+    whole = covariance(*contributors).reshape(len(ANGLES), 2, len(ANGLES), 2)
+    blocks = predict(arm(*contributors), COMMANDS, 325.0, 225.0).covariance_mm2
+    np.testing.assert_allclose(blocks, whole[ROWS, :, ROWS, :], rtol=1e-9, atol=1e-18)
+
+
 def test_every_part_is_named_and_they_add_up() -> None:
     known = arm(
         Contributor("repeatability", "position", 0.010),

@@ -42,7 +42,8 @@ def table(*rows: tuple[object, ...]) -> Columns:
 def rows_of(columns: Columns) -> list[tuple[object, ...]]:
     """Return the rows of a table by the names of its reflectors."""
     numbers = (
-        columns[name].tolist() for name in (*COLUMNS[1:], *(["sigma_mm"] if "sigma_mm" in columns else []))
+        columns[name].tolist()
+        for name in (*COLUMNS[1:], *(name for name in ("sigma_mm", "mount_deg") if name in columns))
     )
     names = [columns.names[int(place)] for place in columns["reflector"]]
     return list(zip(names, *numbers, strict=True))
@@ -149,3 +150,16 @@ def test_rows_become_columns_in_the_order_of_the_cell_file() -> None:
     assert points.commands.direction2.tolist() == [-1, 1, 1]
     assert points.sigma_mm is not None
     assert np.array_equal(points.sigma_mm, [0.01, 0.02, 0.03])
+
+
+def test_mountings_stand_in_a_column_where_any_was_turned(tmp_path: Path) -> None:
+    first = dict(zip(COLUMNS, ("P1", 0, 90.0, 20.0, 1, -1, 7.0), strict=True))
+    second = {**first, "segment": 1, "mount_deg": 179.5}
+    assert "mount_deg" not in point_columns([first, {**first, "mount_deg": 0.0}])
+    assert to_points(point_columns([first]), ["P1"]).mount_rad is None
+    turned = point_columns([{**first, "mount_deg": None}, second])
+    again = read_points(written(tmp_path, points_csv(turned)), NAMES)
+    assert rows_of(again) == rows_of(turned)
+    points = to_points(again, ["P1"])
+    assert points.mount_rad is not None
+    assert points.mount_rad.tolist() == [0.0, np.deg2rad(179.5)]

@@ -14,6 +14,7 @@ from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files import csv_lines
 from catseye.app.results.scara.points import COLUMNS, read_points, to_points
 from catseye.app.results.scara.spooled_points import spooled_points
+from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.scara.points import Points, concatenated
 
 KNOWN = ["P1", "P2", "P3", "P0"]
@@ -71,6 +72,11 @@ def require_same(found: Points, path: Path) -> None:
     else:
         assert found.sigma_mm is not None
         assert np.array_equal(found.sigma_mm, expected.sigma_mm)
+    if expected.mount_rad is None:
+        assert found.mount_rad is None
+    else:
+        assert found.mount_rad is not None
+        assert np.array_equal(found.mount_rad, expected.mount_rad)
 
 
 @pytest.mark.parametrize("sigma", [True, False])
@@ -83,6 +89,32 @@ def test_the_same_distances_as_row_by_row(
     require_same(read(path, shares.append), path)
     assert shares == sorted(shares)
     assert shares[-1] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("parquet", [True, False])
+def test_mountings_are_those_of_the_segments(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, parquet: bool
+) -> None:
+    monkeypatch.setattr(csv_lines, "_CHUNK_BYTES", 10_000)
+    columns = table()
+    columns["mount_deg"] = [180.25 * int(str(segment)) for segment in columns["segment"]]
+    path = written(tmp_path / "points.csv", columns)
+    assert read_points(path, KNOWN)["mount_deg"].tolist() == columns["mount_deg"]
+    require_same(read(parquet_file(tmp_path / "points.parquet", columns) if parquet else path), path)
+
+
+@pytest.mark.parametrize("line", [3, 1_800, 4_999])
+def test_a_segment_has_one_mounting(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: int) -> None:
+    monkeypatch.setattr(csv_lines, "_CHUNK_BYTES", 10_000)
+    columns = table()
+    columns["mount_deg"] = [0.0] * ROWS
+    columns["mount_deg"][line] = 180.0
+    path = written(tmp_path / "points.csv", columns)
+    named = f"segment {columns['segment'][line]} of reflector {columns['reflector'][line]} has more than one mount"
+    with pytest.raises(ArgumentError, match=named):
+        read(path)
+    with pytest.raises(ArgumentError, match=named):
+        to_points(read_points(path, KNOWN), KNOWN)
 
 
 def test_comments_blanks_quotes_and_line_ends_are_read_as_elsewhere(tmp_path: Path) -> None:
