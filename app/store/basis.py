@@ -89,7 +89,7 @@ def _require_valid(basis: Basis, root: Path, bench: Bench, taken: Path) -> None:
     for run in reversed(list_runs(root)):
         if run.name <= taken.name:
             return
-        if run.procedure != basis.overtaken_by or run.status == "damaged":
+        if run.procedure not in basis.overtaken_by or run.status == "damaged":
             continue
         reader = RunReader(run.path)
         if reader.meta.get("cell") == bench.name and basis.overtakes(reader):

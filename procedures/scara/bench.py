@@ -185,7 +185,12 @@ class ScaraBench(Bench):
         """Return the bench with what is mounted on J4 at both places, as it is and turned by half a turn."""
         workspace, last = self.workspace, len(self.workspace.chain.joints)
         turned = tuple(
-            Capsule(f"{body.name}, turned", last, *map(_turned, (body.start_mm, body.end_mm)), body.radius_mm)
+            replace(
+                body,
+                name=f"{body.name}, turned",
+                start_mm=_half_turned(body.start_mm),
+                end_mm=_half_turned(body.end_mm),
+            )
             for body in workspace.bodies
             if body.frame == last
         )
@@ -207,6 +212,6 @@ class ScaraBench(Bench):
         return replace(self, reflectors=moved, optics=replace(self.optics, theta40_deg=theta40_deg))
 
 
-def _turned(place_mm: Point) -> Point:
+def _half_turned(place_mm: Point) -> Point:
     x_mm, y_mm, z_mm = place_mm
     return -x_mm, -y_mm, z_mm

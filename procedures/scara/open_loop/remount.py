@@ -131,8 +131,8 @@ class Remount:
         )
         if answer != "yes":
             raise AlignmentError(
-                "the interferometer was not turned; all points so far are kept: go on with catseye resume when it can "
-                "be turned"
+                "the interferometer was not turned; all points so far are kept: go on with catseye resume when it "
+                "can be"
             )
 
     async def _watch(self) -> Live:
