@@ -115,7 +115,7 @@ class OpenLoop(Procedure):
         """Say how the interferometer is mounted, if it was turned."""
         if self._turned_deg is not None:
             await ctx.warn(
-                f"the interferometer stands turned by {self._turned_deg:.1f}° against the beginning of the run: "
+                f"the interferometer stays turned by {self._turned_deg:.1f}° against the beginning of the run: "
                 "mount it as it was before another search, or add that to theta40_deg in [optics]; then align the "
                 "beam (beam-level, beam-to-j4) and search again"
             )

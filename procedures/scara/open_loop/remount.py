@@ -7,7 +7,7 @@ from typing import Final
 
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context, Prompt
-from catseye.procedures.kit.errors import AlignmentError
+from catseye.procedures.kit.errors import AlignmentError, BeamLostError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.bench_time import BenchTime
 from catseye.procedures.kit.records import Row
@@ -20,12 +20,16 @@ from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.open_loop.remount_plan import HALF_TURN_DEG, MOST_OFF_DEG, RemountPlan
+from catseye.procedures.scara.search.search_plan import SearchPose
 
 _TRIES: Final = 3
 """So often hands are sent before it is given up."""
 
 _STRIDES: Final = (1.0, 0.4)
 """Steps of the scan in half widths of the return window: a beam at the wrong height has a narrower one."""
+
+_DOUBT_MM: Final = 3.0
+"""What a place that was searched may be wrong by at most, for the range of a scan."""
 
 _HEIGHT_SHARE: Final = 0.1
 """Of the acceptance: a beam that lies higher or lower by less is measured with as it is."""
@@ -139,14 +143,17 @@ class Remount:
         return signal_live((await self._ctx.beam()).signal, self._bench.optics.signal_min)
 
     async def _sought(self, j4_deg: float) -> ReturnWindow | None:
-        """Look for the beam about an angle of J4."""
+        """Look for the beam of the interferometer where it is turned, about an angle of J4."""
+        return await self._found(self._plan.pose, self._at(j4_deg), self._plan.level.params.half_range_deg)
+
+    async def _found(self, pose: SearchPose, at: Pose, half_range_deg: float) -> ReturnWindow | None:
         optics = self._bench.optics
-        half_window = half_window_deg(optics.acceptance_mm, self._plan.pose.beam_mm)
+        half_window = half_window_deg(optics.acceptance_mm, pose.beam_mm)
         for stride in _STRIDES:
             window = await find_return(
                 self._ctx,
-                self._at(j4_deg),
-                self._plan.level.params.half_range_deg,
+                at,
+                half_range_deg,
                 stride * half_window,
                 self._bench.j4_limits_deg,
                 optics.signal_min,
@@ -196,12 +203,24 @@ class Remount:
         return height_mm
 
     async def _result(self, level: Row, stage: Row) -> Row:
-        pose = self._plan.stage.pose
+        """Look where the aligned beam comes back over the longest way: there a wrong place matters least."""
+        pose, bench, j3_mm = self._plan.farthest, self._bench, self._height_mm(level)
+        near = self._plan.stage.pose
+        roughly_deg = pose.j4_deg + number_of(stage, "j4_deg") - near.j4_deg
+        at = (pose.theta1_deg, pose.theta2_deg, j3_mm, roughly_deg)
+        await Nests(self._ctx, bench).place(pose.reflector, target=at)
+        await Arrival(self._ctx, replace(bench, j3_mm=j3_mm)).at(at)
+        window = await self._found(pose, at, math.degrees(_DOUBT_MM / near.beam_mm))
+        if window is None:
+            raise BeamLostError(
+                f"the aligned beam does not return from {pose.reflector.name} at {pose.beam_mm:.0f} mm: keep it "
+                "free, and look whether the reflector stands where it was found; then go on with catseye resume"
+            )
         # A beam that passes the axis on its left is aimed to the right of what its angle says.
         beside_deg = math.degrees(number_of(stage, "value") / pose.beam_mm)
         return {
-            "mount_deg": HALF_TURN_DEG + pose.j4_deg - number_of(stage, "j4_deg") - beside_deg,
-            "j3_mm": self._height_mm(level),
+            "mount_deg": HALF_TURN_DEG + pose.j4_deg - window.centre_deg - beside_deg,
+            "j3_mm": j3_mm,
             "offset_mm": number_of(stage, "value"),
             "pitch_mrad": number_of(level, "value"),
         }

@@ -44,6 +44,11 @@ class RemountPlan:
         return self.level.poses[0]
 
     @property
+    def farthest(self) -> SearchPose:
+        """From where the angle of the turned interferometer is found in the end."""
+        return self.level.poses[-1]
+
+    @property
     def duration_s(self) -> float:
         """Expected time of the alignment, s; that of the hands is theirs."""
         return _ROUNDS * ROUND_S

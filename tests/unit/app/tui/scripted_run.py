@@ -66,7 +66,14 @@ REHEARSAL: Final = Done(
                 for number in range(8)
             ],
             "warnings": ["reflector P3: 8 commands are blind and left out"],
-            "questions": [{"id": "place/P1", "kind": "confirm", "text": "Put the reflector into nest P1."}],
+            "questions": [
+                {
+                    "id": "place/P1",
+                    "kind": "confirm",
+                    "text": "Put the reflector into nest P1.",
+                    "after_s": 2.6,
+                }
+            ],
         }
     ),
     "",
