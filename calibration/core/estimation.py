@@ -1,6 +1,7 @@
 """From rows to parameters with their covariance."""
 
-from dataclasses import dataclass, replace
+import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,6 +12,10 @@ from catseye.calibration.core.model import Model, whitening_at
 from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.types import Floats
 from catseye.calibration.core.whitening import Whitening
+
+_ROUNDS = 5
+_SETTLED_MM = 3e-4
+"""Shared errors act along the beams, and this turns none of them by more than a millionth."""
 
 
 @dataclass(frozen=True)
@@ -33,8 +38,8 @@ class Estimate:
 def estimate(model: Model, start: Floats) -> Estimate:
     """Estimate the parameters by generalised least squares: white and shared errors both give the weights (ADR 25).
 
-    What shared errors do to the rows depends on the parameters. It is taken where white errors alone put them, and
-    once more at the estimate that follows: a third time would change nothing.
+    What shared errors do to the rows depends on the parameters. It is taken at the start, and anew at each estimate
+    that follows until that changes nothing.
 
     Args:
         start: starting values, shape (p,); they fulfil the gauge.
@@ -44,30 +49,28 @@ def estimate(model: Model, start: Floats) -> Estimate:
         ConvergenceError: the iteration does not settle.
     """
     parameters = model.parameters
-    whitening = Whitening.of(model.weights)
-    solution = _solved(model, start, whitening)
+    solution = _solved(model, start, whitening_at(model, start))
+    for _ in range(_ROUNDS if solution.whitening.effects.shape[1] else 0):
+        before, whitening = solution, whitening_at(model, solution.parameters)
+        solution = _solved(model, before.parameters, whitening, before.jacobian)
+        if math.sqrt(np.mean((solution.residuals - before.residuals) ** 2)) < _SETTLED_MM:
+            break
     if not solution.factor.regular.all():
-        require_identifiable(parameters, whitening.rows(solution.jacobian))
-    whitening = whitening_at(model, solution.parameters)
-    if whitening.effects.shape[1]:
-        for _ in range(2):
-            solution = _solved(model, solution.parameters, whitening)
-            whitening = whitening_at(model, solution.parameters)
-        solution = replace(solution, free=whitening.rows(solution.jacobian) @ parameters.basis)
-    return _judged(model, solution, whitening)
+        require_identifiable(parameters, solution.whitening.rows(solution.jacobian))
+    return _judged(model, solution)
 
 
-def _solved(model: Model, start: Floats, whitening: Whitening) -> Solution:
-    parameters = model.parameters
-    return minimise(model.residuals, model.jacobian, start, parameters.basis, whitening, parameters.unsettled)
+def _solved(model: Model, start: Floats, whitening: Whitening, near: Floats | None = None) -> Solution:
+    basis, unsettled = model.parameters.basis, model.parameters.unsettled
+    return minimise(model.residuals, model.jacobian, start, basis, whitening, unsettled, near)
 
 
-def _judged(model: Model, solution: Solution, whitening: Whitening) -> Estimate:
+def _judged(model: Model, solution: Solution) -> Estimate:
     """Attach statistics and covariance to a solution."""
     basis = model.parameters.basis
     fit = fit_statistics(
         WhitenedFit(
-            whitening=whitening,
+            whitening=solution.whitening,
             stated=model.stated,
             repeats=model.repeats,
             residuals_mm=solution.residuals,

@@ -4,12 +4,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import linalg, special
+from scipy import linalg, sparse, special
 
-from catseye.calibration.core.centred_sums import group_sums
 from catseye.calibration.core.significance import Judged
 from catseye.calibration.core.types import Floats, Ints
-from catseye.calibration.core.whitening import Whitening
+from catseye.calibration.core.whitening import Whitening, through_sources
 
 _EXACT_MM = 1e-9
 """Scatter below this is rounding, not measurement."""
@@ -80,10 +79,10 @@ def lack_of_fit(fit: WhitenedFit) -> LackOfFit | None:
     dof_pure, dof_model = rows - rank, rank - fit.free
     if dof_pure < 10 or dof_model < 1:
         return None
-    pure_square = float(pure @ pure) / dof_pure
+    pure_square = pure / dof_pure
     if pure_square <= (_EXACT_MM * float(np.mean(weights))) ** 2:
         return None
-    lack_square = max(fit.square - float(pure @ pure), 0.0) / dof_model
+    lack_square = max(fit.square - pure, 0.0) / dof_model
     ratio = lack_square / pure_square
     unit_um = 1e3 / float(np.sqrt(np.mean(weights**2)))
     systematic = max(lack_square - pure_square, 0.0) * groups / rows
@@ -96,31 +95,32 @@ def lack_of_fit(fit: WhitenedFit) -> LackOfFit | None:
     )
 
 
-def _within_groups(fit: WhitenedFit) -> tuple[Floats, int, int]:
+def _within_groups(fit: WhitenedFit) -> tuple[float, int, int]:
     """Return what neither the groups' own levels nor the model explain, and the rank of each.
 
     Errors that repeats share stand in the levels of their groups; what is left of the others within a group is
-    whitened there.
+    whitened there. All of it follows from sums of products.
 
     Returns:
-        Whitened residuals, shape (n,); the number of groups; the rank that the model adds to theirs.
+        Sum of squares of the whitened residuals; the number of groups; the rank that the model adds to theirs.
     """
-    group, weights, effects = fit.repeats, fit.whitening.weights, fit.whitening.effects
+    weights, effects = fit.whitening.weights, fit.whitening.effects
     weighted = np.column_stack([fit.jacobian, fit.residuals_mm]) * weights[:, None]
-    stacked = np.column_stack([effects, weighted])
-    within = stacked - weights[:, None] * _levels(stacked * weights[:, None], weights**2, group)[group]
+    scale = np.linalg.norm(weighted, axis=0)
+    within = _within(
+        np.column_stack([effects, weighted / np.where(scale > 0.0, scale, 1.0)]), weights, fit.repeats
+    )
     sources = effects.shape[1]
-    left = Whitening(weights, within[:, :sources]).again(within[:, sources:])
-    scale = np.linalg.norm(weighted[:, :-1], axis=0)
-    model, rest = left[:, :-1] / np.where(scale > 0.0, scale, 1.0), left[:, -1]
-    values, vectors = linalg.eigh(model.T @ model)
+    left = through_sources(within[sources:, sources:], within[sources:, :sources], within[:sources, :sources])
+    values, vectors = linalg.eigh(left[:-1, :-1])
     known = values > _RANK_SQUARED * values[-1]
-    directions = vectors[:, known] / np.sqrt(values[known])
-    explained = model @ (directions @ (directions.T @ (model.T @ rest)))
-    return rest - explained, int(group.max()) + 1, int(known.sum())
+    along = (vectors[:, known] / np.sqrt(values[known])).T @ left[:-1, -1]
+    pure = max(float(left[-1, -1] - along @ along), 0.0)
+    return pure * float(scale[-1]) ** 2, int(fit.repeats.max()) + 1, int(known.sum())
 
 
-def _levels(weighted: Floats, squares: Floats, group: Ints) -> Floats:
-    """Return the weighted means of columns over groups, shape (groups, columns)."""
-    sums = group_sums(np.column_stack([squares, weighted]), group)
-    return sums[:, 1:] / sums[:, :1]
+def _within(columns: Floats, weights: Floats, group: Ints) -> Floats:
+    """Return sums of products of weighted columns, less what a level of its own for each group would take."""
+    members = sparse.csr_array((weights, group, np.arange(group.size + 1))).T
+    sums = members @ columns / np.sqrt(np.bincount(group, weights**2))[:, None]
+    return np.asarray(columns.T @ columns - sums.T @ sums, dtype=np.float64)

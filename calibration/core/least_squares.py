@@ -23,6 +23,9 @@ STEP_TOLERANCE = 1e-8
 
 MAX_ITERATIONS = 50
 
+_SHORT_MM = 1e-6
+"""A step that changes residuals by less, rms, leaves the derivatives: they are good to a hundred-millionth."""
+
 
 @dataclass(frozen=True)
 class Factor:
@@ -76,16 +79,28 @@ class Solution:
     Attributes:
         parameters: estimate, shape (p,).
         residuals: residuals there, mm, shape (n,).
-        jacobian: Jacobian there, shape (n, p).
-        free: whitened Jacobian there on the free directions, shape (n, free).
         iterations: steps taken.
+        derivatives: of the residuals at parameters of shape (p,), shape (n, p).
+        whitening: of the residuals.
+        basis: steps that keep the gauge, shape (p, free).
     """
 
     parameters: Floats
     residuals: Floats
-    jacobian: Floats
-    free: Floats
     iterations: int
+    derivatives: Callable[[Floats], Floats]
+    whitening: Whitening
+    basis: Floats
+
+    @cached_property
+    def jacobian(self) -> Floats:
+        """Derivatives there, shape (n, p)."""
+        return self.derivatives(self.parameters)
+
+    @cached_property
+    def free(self) -> Floats:
+        """Whitened Jacobian there on the free directions, shape (n, free)."""
+        return np.asarray(self.whitening.rows(self.jacobian) @ self.basis, dtype=np.float64)
 
     @cached_property
     def factor(self) -> Factor:
@@ -100,6 +115,7 @@ def minimise(
     basis: Floats,
     whitening: Whitening,
     unsettled: str = "check the starting values",
+    near: Floats | None = None,
 ) -> Solution:
     """Minimise the sum of squares of the whitened residuals.
 
@@ -110,19 +126,22 @@ def minimise(
         basis: steps that keep the gauge, shape (p, free).
         whitening: of the residuals.
         unsettled: advice for an iteration that does not settle.
+        near: derivatives at a minimum of nearly the same rows, to begin with, shape (n, p).
 
     Raises:
         ConvergenceError: no convergence within the iteration limit, or no step lowers the residuals.
     """
-    parameters, current, change = start, residuals(start), np.inf
+    parameters, current = start, residuals(start)
+    slopes = jacobian(start) if near is None else near
+    matrix = basis.T @ whitening.products(slopes) @ basis
     for iteration in range(1, MAX_ITERATIONS + 1):
-        slopes = whitening.rows(jacobian(parameters))
-        gradient = slopes.T @ whitening.rows(current)
-        equations = NormalEquations.of(basis.T @ (slopes.T @ slopes) @ basis, gradient, basis)
+        equations = NormalEquations.of(matrix, slopes.T @ whitening.forces(current), basis)
         parameters, current, change = _improve(residuals, parameters, current, whitening, equations)
         if change < STEP_TOLERANCE:
-            final = jacobian(parameters)
-            return Solution(parameters, current, final, whitening.rows(final) @ basis, iteration)
+            return Solution(parameters, current, iteration, jacobian, whitening, basis)
+        if change > _SHORT_MM:
+            slopes = jacobian(parameters)
+            matrix = basis.T @ whitening.products(slopes) @ basis
     raise ConvergenceError(
         f"no convergence after {MAX_ITERATIONS} iterations (last change {change:.3g} mm rms): {unsettled}"
     )

@@ -63,14 +63,21 @@ class Whitening:
         along = self._core @ (self.effects.T @ weighted)
         return np.asarray(weighted - self.effects @ along, dtype=np.float64)
 
-    def forces(self, residuals_mm: Floats) -> Floats:
-        """Return the inverse of the rows' covariance times columns in mm, shape (n, k)."""
-        weights = self.weights[:, None]
-        weighted = residuals_mm * weights
+    def forces(self, columns_mm: Floats) -> Floats:
+        """Return the inverse of the rows' covariance times columns in mm, of shape (n,) or (n, k)."""
+        weighted = (columns_mm.T * self.weights).T
         if self.effects.shape[1]:
             weighted -= self.reach @ (self.reach.T @ weighted)
-        weighted *= weights
+        weighted = (weighted.T * self.weights).T
         return np.asarray(weighted, dtype=np.float64)
+
+    def products(self, columns_mm: Floats) -> Floats:
+        """Return the sums of products of whitened columns of shape (n, k), shape (k, k)."""
+        weighted = columns_mm * self.weights[:, None]
+        if not self.effects.shape[1]:
+            return np.asarray(weighted.T @ weighted, dtype=np.float64)
+        taken = self.reach.T @ weighted
+        return np.asarray(weighted.T @ weighted - taken.T @ taken, dtype=np.float64)
 
 
 def through_sources(matrix: Floats, effects: Floats, sources: Floats) -> Floats:

@@ -131,6 +131,11 @@ class Contributor:
         return 1 if self.kind == "between-nodes" else self.orders
 
     @property
+    def open(self) -> bool:
+        """Distances have not been asked yet how large its parts are."""
+        return self.parts > 0 and not self.spectrum and self.u > 0.0
+
+    @property
     def shares(self) -> tuple[float, ...]:
         """Share of each harmonic in u²; they add up to 1 as long as no distances have been asked."""
         return tuple(ratio / self.orders for ratio in self.spectrum or (1.0,) * self.orders)
@@ -289,7 +294,7 @@ def shared_errors(budget: Budget | None, geometry: Geometry) -> tuple[Shared, ..
 
 def _shared(contributor: Contributor, effects_mm: Floats) -> Shared:
     sources, part = effects_mm.shape[1], None
-    if contributor.parts and sources and not contributor.spectrum and contributor.u > 0.0:
+    if contributor.open and sources:
         orders = contributor.orders
         harmonic = contributor.kind != "between-nodes"
         part = (

@@ -191,6 +191,8 @@ def with_spectra(budget: Budget, distances: DistanceModel, values: Floats) -> Bu
     Args:
         values: an estimate, shape (p,).
     """
+    if not any(one.open for one in budget.systematic):
+        return budget
     compressed = Compressed.of(distances, values)
     ratios = variance_ratios(compressed)
     asked = () if distances.budget is None else distances.budget.systematic

@@ -137,8 +137,11 @@ def minimum_of_scipy(problem: BatchedProblem, noise_mm: Floats) -> Floats:
         return np.asarray(root @ slopes, dtype=np.float64)
 
     start = np.zeros(basis.shape[1])
-    found = optimize.least_squares(residuals, start, jac=jacobian, xtol=1e-15, ftol=1e-15, gtol=1e-15)
-    return np.asarray(problem.nominal + directions @ found.x)
+    z = optimize.least_squares(residuals, start, jac=jacobian, xtol=1e-15, ftol=1e-15, gtol=1e-15).x
+    for _ in range(20):
+        # Near its end the cost falls by less than its rounding, where the gradient still says where to go.
+        z -= linalg.lstsq(jacobian(z), residuals(z))[0]
+    return np.asarray(problem.nominal + directions @ z)
 
 
 @pytest.mark.usefixtures("to_the_end")
@@ -149,7 +152,7 @@ def test_millimetres_of_noise_are_solved_to_the_minimum_of_scipy() -> None:
         expected = minimum_of_scipy(problem, errors)
         # The first-order start is far off here: the problem is not linear any more.
         assert np.abs(problem.nominal + problem.gain.matrix @ errors - expected).max() > 1e-3
-        assert np.abs(parameters - expected).max() < 1e-6
+        assert np.abs(parameters - expected).max() < 1e-9
 
 
 @pytest.mark.usefixtures("to_the_end")
