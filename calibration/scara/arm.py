@@ -83,7 +83,11 @@ class ArmDesign:
 
 
 def arm_design(
-    layout: Layout, commands: Commands, theta4_rad: Floats | None = None, elapsed: Floats | None = None
+    layout: Layout,
+    commands: Commands,
+    theta4_rad: Floats | None = None,
+    elapsed: Floats | None = None,
+    mount_rad: Floats | None = None,
 ) -> ArmDesign:
     """Prepare commands for a model.
 
@@ -91,6 +95,7 @@ def arm_design(
         commands: n rows.
         theta4_rad: angle of the beam against link 2, rad, shape (n,); None for positions, which it does not act on.
         elapsed: share of the measurement that has passed, -1/2 ... 1/2, shape (n,); None for its middle.
+        mount_rad: by how much the interferometer is turned on J4's flange, shape (n,); None for 0.
 
     Raises:
         MapRangeError: a command lies outside the nodes of a map.
@@ -104,6 +109,7 @@ def arm_design(
             "elapsed": elapsed,
         },
         len(commands),
+        mount_rad,
     )
     if layout.model == "conventional":
         columns = np.full((len(commands), 4), 2, dtype=np.int64)

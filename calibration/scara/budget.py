@@ -186,7 +186,7 @@ class Geometry:
         unit: unit vectors from the reflector to the arm, or of the coordinate, shape (n, 2).
         length_mm: lengths of the beam, shape (n,); zeros for coordinates.
         turn_mm: derivatives of the row by θ1 and θ2, mm/rad, shape (n, 2).
-        theta4_rad: angle of the tool against link 2, rad, shape (n,).
+        theta4_rad: angle of the tool against link 2, rad, shape (n,); J4 itself stands at that less the mounting.
         layout: of the arm: nodes, and functions beyond the maps that are identified with it.
         averaged: what lies between nodes averages out over the rows.
         alone: what rows of different commands have in common does not matter.
@@ -200,6 +200,12 @@ class Geometry:
     layout: Layout
     averaged: bool = False
     alone: bool = False
+
+    @property
+    def j4_rad(self) -> Floats:
+        """Angle of J4 itself, rad, shape (n,)."""
+        mount = self.points.mount_rad
+        return self.theta4_rad if mount is None else self.theta4_rad - mount
 
 
 def seen_along(points: Points, unit: Floats, length_mm: Floats, turn_mm: Floats, layout: Layout) -> Geometry:
@@ -243,26 +249,36 @@ def effects(contributor: Contributor, geometry: Geometry) -> Floats:
             shown = math.sqrt(contributor.spectrum[0]) if contributor.spectrum else 1.0
             return shown * columns * _between_nodes(contributor.axis, geometry)
         case _:
-            angle = _angle(contributor.axis, geometry)
-            repeated = per_angle(columns, angle, contributor.shares)
-            known = tuple(
-                term for term in geometry.layout.terms if (term.target, term.source) == ("length", "theta4")
-            )
-            if contributor.axis != "j4" or not known:
+            repeated = per_angle(columns, _angle(contributor.axis, geometry), contributor.shares)
+            known = _describing(contributor, geometry)
+            if not known:
                 return repeated
-            return repeated - term_values(known, {"theta4": angle}, angle.size) @ _described(
-                contributor, known
+            values = term_values(
+                known, {"theta4": geometry.theta4_rad}, len(repeated), geometry.points.mount_rad
             )
+            return repeated - values @ described(contributor, known)
 
 
-def _described(contributor: Contributor, known: tuple[Term, ...]) -> Floats:
+def _describing(contributor: Contributor, geometry: Geometry) -> tuple[Term, ...]:
+    """Return the terms that say what a contributor did: a J4 map, for what its axis does.
+
+    What J4 adds to the length itself has no other side: in another mounting the map does not describe it.
+    """
+    mount = geometry.points.mount_rad
+    turned = mount is not None and bool(mount.any())
+    if contributor.axis != "j4" or (contributor.kind == "length" and turned):
+        return ()
+    return tuple(term for term in geometry.layout.terms if (term.target, term.source) == ("length", "theta4"))
+
+
+def described(contributor: Contributor, known: tuple[Term, ...]) -> Floats:
     """Return how much of each source of a J4 contributor terms describe, shape (terms, sources).
 
     They are Fourier coefficients, exact from values around the whole circle.
     """
     values = 4 * (contributor.orders + max(term.order for term in known))
     angle = 2.0 * np.pi * np.arange(values) / values
-    # The beam's angle against link 2 is θ4 itself, and the unit vectors point the other way.
+    # In the first mounting the beam's angle against link 2 is θ4 itself, and the unit vectors point the other way.
     beam = np.ones((values, 1)) if contributor.kind == "length" else -harmonics(angle, 1)
     sources = per_angle(contributor.u * beam, angle, contributor.shares)
     return np.asarray(2.0 / values * term_values(known, {"theta4": angle}, values).T @ sources)
@@ -334,7 +350,7 @@ def _angle(axis: Axis | None, geometry: Geometry) -> Floats:
     commands = geometry.points.commands
     if axis == "j1":
         return commands.theta1_rad
-    return commands.theta2_rad if axis == "j2" else geometry.theta4_rad
+    return commands.theta2_rad if axis == "j2" else geometry.j4_rad
 
 
 def _between_nodes(axis: Axis | None, geometry: Geometry) -> Floats:

@@ -178,5 +178,5 @@ def distance_model(layout: Layout, points: Points, budget: Budget | None = None)
     Raises:
         MapRangeError: a point lies outside the nodes.
     """
-    design = arm_design(layout, points.commands, points.theta4_rad, points.elapsed_share)
+    design = arm_design(layout, points.commands, points.theta4_rad, points.elapsed_share, points.mount_rad)
     return DistanceModel(layout, points, design, budget)

@@ -16,7 +16,7 @@ Target = Literal["theta1", "theta2", "link1", "link2", "length"]
 """What a term adds to: a joint angle, rad; a link, mm; the measured distance, mm."""
 
 Source = Literal["theta1", "theta2", "theta4", "elapsed"]
-"""What a term is a function of: a command angle, the beam's angle against link 2, the elapsed share of the run."""
+"""What a term is a function of: a command angle, J4's own angle, the elapsed share of the run."""
 
 Part = Literal["cos", "sin", "linear"]
 
@@ -82,9 +82,11 @@ def crosstalk(orders: tuple[int, ...] = (1, 2)) -> tuple[Term, ...]:
 
 
 def j4_map(orders: tuple[int, ...] = (2, 3, 4, 5, 6)) -> tuple[Term, ...]:
-    """Return what the angle of J4 adds to a distance.
+    """Return what J4's axis adds to a distance where it stands at an angle.
 
-    Orders 0 and 1 cannot be separated from dead paths, L2 and the mean of the J2 map, so they are not part of it.
+    The coefficients are those of the first mounting. Turned on the flange, the interferometer sees the other side of
+    the same motion. Orders 0 and 1 cannot be separated from dead paths, L2 and the mean of the J2 map in any
+    mounting, so they are not part of it (docs/uncertainty.md derives it).
     """
     return waves("length", "theta4", orders)
 
@@ -103,12 +105,20 @@ def waves(target: Target, source: Source, orders: tuple[int, ...]) -> tuple[Term
     )
 
 
-def term_values(terms: tuple[Term, ...], sources: dict[Source, Floats | None], rows: int) -> Floats:
+def term_values(
+    terms: tuple[Term, ...],
+    sources: dict[Source, Floats | None],
+    rows: int,
+    mount_rad: Floats | None = None,
+) -> Floats:
     """Return the functions' values.
 
     Args:
         terms: k functions.
         sources: what they are functions of, shape (rows,) each; one that is None gives zeros: it does not act there.
+            For θ4 it is the angle of the beam against link 2.
+        mount_rad: by how much the interferometer is turned on J4's flange, shape (rows,); None for 0. J4 itself
+            stands at the beam's angle less that, and its axis moves along the beam by the cosine of it.
 
     Returns:
         Values, shape (rows, k).
@@ -118,6 +128,8 @@ def term_values(terms: tuple[Term, ...], sources: dict[Source, Floats | None], r
         source = sources[term.source]
         if source is None:
             continue
+        if term.source == "theta4" and mount_rad is not None:
+            source = source - mount_rad
         match term.part:
             case "cos":
                 values[:, i] = np.cos(term.order * source)
@@ -125,6 +137,8 @@ def term_values(terms: tuple[Term, ...], sources: dict[Source, Floats | None], r
                 values[:, i] = np.sin(term.order * source)
             case "linear":
                 values[:, i] = source
+        if term.source == "theta4" and mount_rad is not None:
+            values[:, i] *= np.cos(mount_rad)
     # Zeros of a sine are rounding at the angles of a grid; scaled up they would pass for a measurement.
     values[np.abs(values) < _ROUNDING] = 0.0
     return values

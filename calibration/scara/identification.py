@@ -12,6 +12,7 @@ from catseye.calibration.core.errors import BudgetError, InsufficientPointsError
 from catseye.calibration.core.estimation import Estimate, estimate
 from catseye.calibration.core.fit_statistics import FitStatistics
 from catseye.calibration.core.gain import Gain
+from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget, Contributor, combined_white_mm, effects
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
@@ -154,7 +155,9 @@ def identify(
         # What differs from reading to reading is stated with the points.
         budget = Budget(budget.systematic)
     distances = distance_model(layout, used, budget)
-    distances, found = _estimated(distances, distances.start(link1_mm, link2_mm, rough))
+    start = distances.start(link1_mm, link2_mm, rough)
+    require_separable(distances, start)
+    distances, found = _estimated(distances, start)
     return Identification(
         layout,
         found.values,
@@ -165,6 +168,21 @@ def identify(
         rejected,
         distances.budget,
     )
+
+
+def require_separable(distances: DistanceModel, nominal: Floats) -> None:
+    """Refuse functions of J4 that other parameters take up for the beams as they were aimed.
+
+    At an estimate they differ a little, as the aim missed by a little: that separates nothing of use.
+
+    Args:
+        nominal: parameters that the beams were aimed by, shape (p,).
+
+    Raises:
+        UnidentifiableError: names the functions.
+    """
+    if any(term.source == "theta4" for term in distances.layout.terms):
+        require_identifiable(distances.parameters, distances.jacobian(nominal))
 
 
 def _estimated(distances: DistanceModel, start: Floats) -> tuple[DistanceModel, Estimate]:

@@ -126,7 +126,9 @@ class Layout:
         periodic = [
             name for name in self.names() if any(name in own.intersection(names) for names in directions)
         ]
-        rest = [names for names in directions if not own.intersection(names)]
+        of_j4 = {term.name for term in self.terms if term.source == "theta4"}
+        beams = [name for name in self.names() if any(name in of_j4.intersection(one) for one in directions)]
+        rest = [names for names in directions if not (own | of_j4).intersection(names)]
         single = [names[0] for names in rest if len(names) == 1]
         mixed = [", ".join(names) for names in rest if len(names) > 1]
         parts = []
@@ -134,6 +136,12 @@ class Layout:
             parts.append(
                 f"at these commands the maps absorb {_shortened(periodic)}: measure between the nodes, at angles "
                 "that differ within the period, or leave the terms out"
+            )
+        if beams:
+            parts.append(
+                f"what {_shortened(beams)} would do to these distances, dead paths, links or maps do as well, even "
+                "where the interferometer was turned by half a turn: leave the terms out, or measure with it turned "
+                "by about a quarter turn, too"
             )
         if single:
             parts.append(

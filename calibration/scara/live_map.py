@@ -123,7 +123,7 @@ class LiveMap:
         self._start[:2] = link1_mm, link2_mm
         self._start[self._layout.reflectors] = np.ravel(list(reflectors_mm.values()))
         self._origin = self._start.copy()
-        self._table = np.empty((_GROWTH, 6))
+        self._table = np.empty((_GROWTH, 7))
         self._keys: list[tuple[int, int]] = []
         self._nearest_mm = math.inf
         self._sums = CentredSums.empty(self._columns)
@@ -143,6 +143,7 @@ class LiveMap:
         reflector: str,
         segment: int,
         displacement_mm: float,
+        mount_rad: float = 0.0,
     ) -> Innovation | None:
         """Take a distance in.
 
@@ -151,6 +152,7 @@ class LiveMap:
             direction2: state of approach of J2, 1 or -1.
             segment: number of the segment; it counts within its reflector.
             displacement_mm: distance relative to the zero of the segment, mm.
+            mount_rad: by how much the interferometer is turned on J4's flange.
 
         Returns:
             Measured minus predicted from all distances before; None when they do not determine it.
@@ -167,7 +169,7 @@ class LiveMap:
         require_finite(displacement_mm, f"displacement_mm to reflector {reflector}")
         index = self._layout.reflector_names.index(reflector)
         key = (index, segment)
-        row = np.array([theta1_rad, theta2_rad, direction1, direction2, index, displacement_mm])
+        row = np.array([theta1_rad, theta2_rad, direction1, direction2, index, displacement_mm, mount_rad])
         stacked = self._stacked(row[None, :])[0]
         innovation = self._innovation(stacked, key)
         self._keep(row, key)
@@ -309,8 +311,18 @@ class LiveMap:
 
 
 def _points(table: Floats, layout: Layout) -> Points:
-    """Return rows of θ1, θ2, directions, reflector and displacement as points without dead paths."""
+    """Return rows of θ1, θ2, directions, reflector, displacement and mounting as points without dead paths."""
     whole = table[:, 2:5].astype(np.int64)
     commands = Commands(table[:, 0], table[:, 1], whole[:, 0], whole[:, 1])
-    none = np.zeros(len(table), dtype=np.int64)
-    return Points(commands, whole[:, 2], none, table[:, 5], None, layout.reflector_names, (("", 0),))
+    # Each row on its own: what a segment has in common is taken off later.
+    alone = np.arange(len(table))
+    return Points(
+        commands,
+        whole[:, 2],
+        alone,
+        table[:, 5],
+        None,
+        layout.reflector_names,
+        (("", 0),) * len(table),
+        mount_rad=table[:, 6],
+    )

@@ -47,10 +47,11 @@ def radial_effects(points: Points, unit: Floats, budget: RadialBudget) -> Floats
     """
     theta1, theta2 = points.commands.theta1_rad, points.commands.theta2_rad
     world = np.arctan2(-unit[:, 1], -unit[:, 0])
+    mount = 0.0 if points.mount_rad is None else points.mount_rad
     parts = (
         (budget.j1_mm, theta1, np.zeros_like(theta1)),
         (budget.j2_mm, theta2, theta1),
-        (budget.j4_mm, world - theta1 - theta2, theta1 + theta2),
+        (budget.j4_mm, world - theta1 - theta2 - mount, theta1 + theta2),
     )
     return np.hstack([_joint(unit, rms, angle, frame, budget.orders) for rms, angle, frame in parts])
 

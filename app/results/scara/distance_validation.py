@@ -183,7 +183,7 @@ def _transferred(identified: Identification, points: Points) -> tuple[DistanceMo
         # The beam meets its reflector, so the identified places show where it was aimed.
         links, places = parameters[:2].tolist(), parameters[own.reflectors].reshape(-1, 2)
         seen = replace(seen, theta4_rad=beam_turn_rad(seen, (links[0], links[1]), places))
-    design = arm_design(layout, seen.commands, seen.theta4_rad, elapsed=None)
+    design = arm_design(layout, seen.commands, seen.theta4_rad, mount_rad=seen.mount_rad)
     return DistanceModel(layout, seen, design), parameters
 
 

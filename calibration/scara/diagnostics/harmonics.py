@@ -9,7 +9,7 @@ from catseye.calibration.core.arguments import require_count
 from catseye.calibration.core.projection import addition
 from catseye.calibration.core.significance import Judged, adjusted
 from catseye.calibration.core.types import Bools, Floats
-from catseye.calibration.scara.diagnostics.projection import DistanceProjection, angles_rad
+from catseye.calibration.scara.diagnostics.projection import DistanceProjection, angles_rad, mounts_rad
 from catseye.calibration.scara.extension import Source, Target
 
 _SAME = 1.0 - 1e-9
@@ -92,8 +92,9 @@ def _series(
     projection: DistanceProjection, target: Target, source: Source, angle_rad: Floats, orders: int
 ) -> HarmonicSeries:
     gain = projection.geometry.turn_mm
-    factor = {"theta1": gain[:, 0], "theta2": gain[:, 1]}.get(target, np.ones(angle_rad.size))
+    factor = {"theta1": gain[:, 0], "theta2": gain[:, 1]}.get(target, np.cos(mounts_rad(projection.points)))
     harmonics, absorbed = [], []
+    # Turned half a turn, the interferometer sees the other side of what J4's axis does.
     # A distance owes its first order of θ4 to dead path, L2 and the mean of the J2 map: nothing of it is left.
     for order, aliases in aliased_orders(angle_rad, range(2 if target == "length" else 1, orders + 1)):
         one = _harmonic(projection, (target, source), factor, angle_rad, (order, aliases))

@@ -7,7 +7,7 @@ import numpy as np
 from catseye.calibration.core.projection import addition
 from catseye.calibration.core.significance import Judged
 from catseye.calibration.core.types import Floats, Ints
-from catseye.calibration.scara.diagnostics.projection import DistanceProjection, angles_rad
+from catseye.calibration.scara.diagnostics.projection import DistanceProjection, angles_rad, mounts_rad
 from catseye.calibration.scara.extension import Source
 
 _MOST_LEVELS = 40
@@ -19,9 +19,10 @@ class AnglePattern(Judged):
     """Mean residuals over the levels of one joint's angle, with a test whether they differ.
 
     Attributes:
-        joint: 1, 2, or 4 for the beam's angle against link 2.
+        joint: 1, 2, or 4.
         angle_deg: mean angle of each level, °.
-        mean_um: mean residual of each level (predicted minus measured), µm.
+        mean_um: mean residual of each level (predicted minus measured), µm; along J4 of the first mounting: turned
+            by half a turn, the interferometer sees the other side of what J4's axis does.
         count: distances of each level.
         explained_um: standard deviation of a distance that levels of their own would explain, µm.
         ratio: F; None when the model absorbs a level of its own for each angle.
@@ -49,15 +50,20 @@ def angle_patterns(
     """
     angles = angles_rad(projection.points, nominal_mm, reflectors_mm)
     joints: dict[int, Source] = {1: "theta1", 2: "theta2", 4: "theta4"}
-    return [_pattern(projection, joint, angles[source]) for joint, source in joints.items()]
+    seen = {4: np.cos(mounts_rad(projection.points))}
+    whole = np.ones(len(projection.points))
+    return [
+        _pattern(projection, joint, angles[source], seen.get(joint, whole))
+        for joint, source in joints.items()
+    ]
 
 
-def _pattern(projection: DistanceProjection, joint: int, angle_rad: Floats) -> AnglePattern:
+def _pattern(projection: DistanceProjection, joint: int, angle_rad: Floats, share: Floats) -> AnglePattern:
     level = _levels(angle_rad)
     count = np.bincount(level)
     member = np.zeros((angle_rad.size, count.size))
-    member[np.arange(angle_rad.size), level] = 1.0
-    residual_um = 1e3 * projection.pulls / projection.weights
+    member[np.arange(angle_rad.size), level] = share
+    residual_um = 1e3 * share * projection.pulls / projection.weights
     found = addition(projection, member)
     return AnglePattern(
         joint=joint,

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from catseye.calibration.core.projection import Projection, project
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Geometry
@@ -38,7 +40,9 @@ def projection_of(identified: Identification) -> DistanceProjection:
 def angles_rad(
     points: Points, nominal_mm: tuple[float, float], reflectors_mm: Floats
 ) -> Mapping[Source, Floats]:
-    """Return the angles that errors may follow: of both joints, and of the beam against link 2; rad, shape (n,).
+    """Return the angles that errors may follow: of J1, J2 and J4, rad, shape (n,).
+
+    J4 stands at the angle of the beam against link 2, less what the interferometer is turned on its flange.
 
     Args:
         nominal_mm: nominal links, mm.
@@ -47,5 +51,10 @@ def angles_rad(
     return {
         "theta1": points.commands.theta1_rad,
         "theta2": points.commands.theta2_rad,
-        "theta4": beam_turn_rad(points, nominal_mm, reflectors_mm),
+        "theta4": beam_turn_rad(points, nominal_mm, reflectors_mm) - mounts_rad(points),
     }
+
+
+def mounts_rad(points: Points) -> Floats:
+    """Return by how much the interferometer is turned on J4's flange, rad, shape (n,)."""
+    return np.zeros(len(points)) if points.mount_rad is None else points.mount_rad

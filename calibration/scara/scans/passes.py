@@ -67,7 +67,7 @@ class Passes:
         elapsed = self.used.elapsed_share(block)
         if any(term.source == "theta4" for term in self.layout.terms):
             block = replace(block, theta4_rad=beam_turn_rad(block, self.nominal_mm, self.rough_mm))
-        design = arm_design(self.layout, block.commands, block.theta4_rad, elapsed)
+        design = arm_design(self.layout, block.commands, block.theta4_rad, elapsed, block.mount_rad)
         model = DistanceModel(self.layout, block, design, self.repeating)
         if not weighted or block.sigma_mm is not None or self.budget is None or not self.budget.white:
             return model

@@ -15,7 +15,12 @@ from catseye.calibration.scara.budget import Budget
 from catseye.calibration.scara.error_map import interpolate
 from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.extension import Term
-from catseye.calibration.scara.identification import Identification, require_nominal, with_spectra
+from catseye.calibration.scara.identification import (
+    Identification,
+    require_nominal,
+    require_separable,
+    with_spectra,
+)
 from catseye.calibration.scara.layout import UNSETTLED, Layout, ModelName
 from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.scans.passes import Passes
@@ -99,6 +104,7 @@ def identify_scan(
     _require_rows(used.rows, layout.gauge.free, model)
     passes = Passes(used, layout, (link1_mm, link2_mm), rough, budget)
     few, even = used.few()
+    require_separable(passes.model(few, weighted=False), passes.start(few))
     passes, first = _settled(passes, few, passes.start(few))
     if budget is not None and model == "error-map":
         # As identify does, from the same rows.

@@ -26,6 +26,7 @@ from tests.unit.calibration.scara.paper import (
     sequence,
     true_position,
 )
+from tests.unit.calibration.scara.reversal import HALF_TURN, AxisMotion, mounted
 from tests.unit.calibration.scara.samples import radial_motions
 from tests.unit.calibration.scara.test_radial_budget import radial_errors
 
@@ -50,6 +51,7 @@ def add_row(live: LiveMap, points: Points, row: int) -> Innovation | None:
         name,
         segment,
         float(points.displacement_mm[row]),
+        0.0 if points.mount_rad is None else float(points.mount_rad[row]),
     )
 
 
@@ -108,6 +110,21 @@ def test_live_uncertainty_matches_identifying_the_points_so_far(count: int) -> N
     points, known = measured(2, BUDGET), copy.deepcopy(on_the_way()[count]).known()
     first, second = identified_u(points.select(np.arange(len(points)) < count), BUDGET)
     assert (known.u1_rad, known.u2_rad) == pytest.approx((first.max(), second.max()), rel=0.01)
+
+
+def test_it_knows_how_the_interferometer_is_mounted() -> None:
+    motion = AxisMotion.drawn(np.random.default_rng(4), BUDGET.j4_mm, BUDGET.j4_mm)
+    whole = mounted(random_truth(4), motion.longer, [0.0, HALF_TURN], WHITE_MM, 4)
+    points = replace(whole.select(whole.reflector == 0), sigma_mm=np.full(704, WHITE_MM))
+    live, unaware = live_map(BUDGET), live_map(BUDGET)
+    for row in range(len(points)):
+        add_row(live, points, row)
+        add_row(unaware, replace(points, mount_rad=None), row)
+    first, second = identified_u(points, BUDGET)
+    known, other = live.known(), unaware.known()
+    assert (known.u1_rad, known.u2_rad) == pytest.approx((first.max(), second.max()), rel=0.01)
+    assert other.u1_rad is not None
+    assert other.u1_rad > 1.2 * first.max()
 
 
 def test_segments_have_dead_paths_of_their_own() -> None:
