@@ -40,7 +40,7 @@ def mount(bench: Emulated) -> dict[str, Any]:
 
 
 def points(reader: RunReader) -> list[Row]:
-    return reader.rows("points")
+    return [*reader.rows("points")]
 
 
 def require_two_halves(bench: Emulated, reader: RunReader) -> None:

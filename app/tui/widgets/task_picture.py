@@ -37,10 +37,10 @@ def _screw(turns: float, screw: str) -> list[str]:
 
 
 def _mounting(turned_deg: float) -> list[str]:
-    """Draw J4 from above, and where the beam leaves before and after."""
+    """Draw the flange from above, and where the beam leaves before and after."""
     return [
-        "before  ◀━━━━━━(J4)",
-        f"after          (J4)━━━━━━▶   turned by {turned_deg:.0f}° about the J4 axis",
+        "before  ◀━━━━━━(◎)",
+        f"after          (◎)━━━━━━▶   turned by {turned_deg:.0f}° on the flange",
     ]
 
 

@@ -122,7 +122,12 @@ class ReflectorCampaign:
             self._distances[place] = found
             self._counted(visit, segment, found.displacement_mm)
             await self._knowledge.take(
-                self._name, visit.command, segment, found.displacement_mm, fresh=bool(fresh)
+                self._name,
+                visit.command,
+                segment,
+                found.displacement_mm,
+                self._bench.mount_deg,
+                fresh=bool(fresh),
             )
         else:
             self.left_out.append(f"{title} ({result.get('reason', 'no beam')})")

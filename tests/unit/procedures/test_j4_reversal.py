@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from catseye.calibration.kinematics.bodies import Box
+from catseye.calibration.scara.live_map import Innovation, LiveMap
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import AlignmentError, PlanError, PlanLimitError
 from catseye.procedures.kit.records import Row
@@ -183,6 +184,19 @@ async def test_each_point_says_how_the_interferometer_was_mounted() -> None:
     j4 = np.array(values(rows[2 * COUNT :], "j4_deg")) - np.array(values(rows[: 2 * COUNT], "j4_deg"))
     # The beam points where it did: J4 is turned back by as much as the mount is turned on.
     assert np.degrees(np.angle(np.exp(1j * np.radians(j4 + 178.75)))) == pytest.approx(0.0, abs=0.1)
+
+
+async def test_the_live_map_knows_how_it_was_mounted(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[float] = []
+
+    class Watched(LiveMap):
+        def add(self, *args: Any, **kwargs: Any) -> Innovation | None:
+            seen.append(math.degrees(args[7]))
+            return super().add(*args, **kwargs)
+
+    monkeypatch.setattr("catseye.procedures.scara.open_loop.live_knowledge.LiveMap", Watched)
+    context = await ran(RemountContext())
+    assert seen == pytest.approx(values(points(context), "mount_deg"))
 
 
 async def test_the_beam_is_aligned_before_it_is_measured_with() -> None:

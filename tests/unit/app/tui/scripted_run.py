@@ -38,8 +38,8 @@ TURNED: Final[dict[str, Any]] = {
     **MOTION,
     "id": "mount/1",
     "text": "Take the interferometer off the flange of J4, mount it turned by half a turn (180°) about the J4 axis, "
-    "within 5°, with its cable free, step back, then confirm. The arm stands where its beam then meets P1: the signal "
-    "comes back.",
+    "within 5°, with its cable free, step back, then confirm. The arm stands where its beam then meets P1: the "
+    "signal comes back.",
     "task": {"do": "mount-interferometer", "turned_deg": 180.0},
     "target": [-37.5, 20.0, 50.0, 159.57],
 }

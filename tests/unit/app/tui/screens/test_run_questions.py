@@ -35,7 +35,7 @@ async def test_the_question_for_the_turned_interferometer(size: tuple[int, int])
         ask(link, **TURNED)
         show_value(link, "signal", 0.93, 0.1, 1.0, "")
         text = await settled(app, pilot, link)
-        assert "turned by 180° about the J4 axis" in text
+        assert "turned by 180° on the flange" in text
         compare(f"run-turned-{size[0]}x{size[1]}", text)
 
 

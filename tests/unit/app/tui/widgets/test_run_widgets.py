@@ -96,9 +96,9 @@ def test_a_screw_turns_the_way_that_is_drawn() -> None:
 
 def test_the_beam_leaves_on_the_other_side_once_turned() -> None:
     before, after = task_picture(MountInterferometer(turned_deg=180.0))
-    assert before.startswith("before  ◀━━━━━━(J4)")
-    assert after.startswith("after          (J4)━━━━━━▶")
-    assert after.endswith("turned by 180° about the J4 axis")
+    assert before.startswith("before  ◀━━━━━━(◎)")
+    assert after.startswith("after          (◎)━━━━━━▶")
+    assert after.endswith("turned by 180° on the flange")
 
 
 def test_the_nest_that_is_meant_holds_the_reflector() -> None:
