@@ -14,8 +14,8 @@ from catseye.calibration.core.types import Floats
 from catseye.calibration.core.whitening import Whitening
 
 _ROUNDS = 5
-_SETTLED_MM = 3e-4
-"""Shared errors act along the beams, and this turns none of them by more than a millionth."""
+_SETTLED_MM = 1e-5
+"""Shared errors act along the beams: this turns them by too little for a picometre in the estimate."""
 
 
 @dataclass(frozen=True)

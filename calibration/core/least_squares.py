@@ -195,10 +195,10 @@ def _improve(
         if step is not None:
             trial = residuals(parameters + step)
             change = float(np.sqrt(np.mean((trial - current) ** 2)))
-            if _cost(trial, whitening) < cost:
+            # At the minimum rounding decides whether the cost still falls; the gradient is better than that.
+            if _cost(trial, whitening) < cost or (change < STEP_TOLERANCE and damping == 0.0):
                 return parameters + step, trial, change
             if change < STEP_TOLERANCE:
-                # At the minimum rounding decides whether the cost still falls.
                 return parameters, current, change
         damping = max(10.0 * damping, 1e-9)
     raise ConvergenceError(

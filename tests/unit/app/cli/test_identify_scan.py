@@ -65,8 +65,7 @@ def test_streamed_or_not_the_result_file_is_the_same(
     a, b = arm_of(streamed), arm_of(whole)
     assert a.layout.names() == b.layout.names()
     # 1e-9 mm, angles at full reach.
-    # Both take the weights of shared errors at parameters of their own, some nanometres apart.
-    assert a.parameters[:2] == pytest.approx(b.parameters[:2], abs=1e-7, rel=0.0)
+    assert a.parameters[:2] == pytest.approx(b.parameters[:2], abs=1e-9, rel=0.0)
     assert 550.0 * a.parameters[2:] == pytest.approx(550.0 * b.parameters[2:], abs=1e-9, rel=0.0)
     assert a.covariance == pytest.approx(b.covariance, rel=1e-6, abs=1e-18)
     for name in ("n_points", "n_parameters", "dof", "rejected", "null_directions"):
