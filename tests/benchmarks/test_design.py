@@ -152,7 +152,7 @@ def naive_choice(pool: CommandPool, count: int, criterion: Criterion) -> Bools:
 def test_choice_of_commands_by_rank_updates(tmp_path: Path) -> None:
     posed = problem(tmp_path)
     sights = [posed.sight(reflector.xy_mm) for reflector in posed.bench.reflectors]
-    pool = CommandPool.of([posed.study.rows(sight) for sight in sights])
+    pool = CommandPool.of([posed.study.rows(sight) for sight in sights], systematic=False)
     left_out = 20
     count = len(pool.rows) - left_out
     mine_s = timed(lambda: choose_commands(pool, count, posed.criterion))

@@ -32,7 +32,7 @@ class CommandPool:
     Attributes:
         rows: weighted rows of all parameters, wanted ones first, shape (n, k, p); zero where there is none.
         free: number of the wanted free directions.
-        prior: weights of the nuisances' prior, shape (p,); zero for what is wanted.
+        prior: weights of the prior of everything else, shape (p,); zero for what is wanted.
     """
 
     rows: Floats
@@ -40,18 +40,23 @@ class CommandPool:
     prior: Floats
 
     @classmethod
-    def of(cls, sets: Sequence[Rows]) -> "CommandPool":
-        """Join sets of rows of the same commands; each has nuisances of its own."""
+    def of(cls, sets: Sequence[Rows], *, systematic: bool) -> "CommandPool":
+        """Join sets of rows of the same commands; each has nuisances of its own.
+
+        Args:
+            systematic: with the sources of shared errors as unknowns of unit variance.
+        """
         free = sets[0].wanted.shape[1]
-        widths = [one.nuisance.shape[1] for one in sets]
-        rows = np.zeros((sets[0].wanted.shape[0], len(sets), free + sum(widths)))
-        start = free
+        common = [np.hstack([one.wanted, one.effects]) if systematic else one.wanted for one in sets]
+        shared, widths = common[0].shape[1], [one.nuisance.shape[1] for one in sets]
+        rows = np.zeros((common[0].shape[0], len(sets), shared + sum(widths)))
+        start = shared
         for k, (one, width) in enumerate(zip(sets, widths, strict=True)):
-            rows[:, k, :free] = one.wanted
+            rows[:, k, :shared] = common[k]
             rows[:, k, start : start + width] = one.nuisance
             start += width
         prior = _PRIOR_SHARE * np.einsum("nkp,nkp->p", rows, rows)
-        prior[:free] = 0.0
+        prior[:free], prior[free:shared] = 0.0, 1.0
         return cls(rows, free, prior)
 
     def covariance(self, kept: Bools) -> Floats:

@@ -46,7 +46,7 @@ def choose(layout: Layout, count: int) -> CommandChoice:
     """Choose so many commands; more where fewer would leave a parameter undetermined."""
     problem = layout.problem
     rows = [problem.study.rows(sight) for sight in layout.sights]
-    kept = choose_commands(CommandPool.of(rows), count, problem.criterion)
+    kept = choose_commands(CommandPool.of(rows, systematic=problem.systematic), count, problem.criterion)
     parts = [row.of(kept).information() for row in rows]
     total = parts[0]
     for one in parts[1:]:

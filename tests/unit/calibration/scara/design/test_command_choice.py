@@ -9,7 +9,9 @@ import pytest
 from catseye.calibration.core.design.criteria import Criterion, CriterionName
 from catseye.calibration.core.design.row_choice import CommandPool, changes_with, choose_commands
 from catseye.calibration.core.types import Bools, Floats
-from tests.unit.calibration.scara.design.cases import RING, SIGMA_MM, SMALL, scaled, seen_by_all, study
+from catseye.calibration.scara.budget import Budget, Contributor
+from tests.unit.calibration.scara.design.cases import RING, SIGMA_MM, SMALL, WHITE, scaled, seen_by_all, study
+from tests.unit.calibration.scara.design.dense import LINKS
 from tests.unit.calibration.scara.design.test_exchange import criterion_of
 
 PLACES = RING[[1, 8]]
@@ -18,7 +20,8 @@ BLOCKS = [SMALL.block(place) for place in PLACES]
 
 def small_pool() -> CommandPool:
     problem = study(SMALL)
-    return CommandPool.of([problem.rows(seen_by_all(place, len(problem.commands))) for place in PLACES])
+    rows = [problem.rows(seen_by_all(place, len(problem.commands))) for place in PLACES]
+    return CommandPool.of(rows, systematic=False)
 
 
 def usefulness(pool: CommandPool, kept: Bools, criterion: Criterion) -> Floats:
@@ -35,6 +38,40 @@ def test_value_of_some_commands_is_that_of_the_dense_problem() -> None:
     pool, criterion = small_pool(), criterion_of(study(SMALL), "A")
     kept = np.random.default_rng(3).random(len(pool.rows)) < 0.7
     assert pool.value(kept, criterion) == pytest.approx(dense_a(kept), rel=1e-5)
+
+
+def shared_pool() -> tuple[CommandPool, list[Floats]]:
+    """Return the small problem with a scale error and an axis-angle error of J1, and what these do to each row."""
+    budget = Budget(
+        (
+            *WHITE.contributors,
+            Contributor("wavelength", "scale", 2e-5, "common"),
+            Contributor("run-out", "length", 0.030, "axis-angle", "j1", orders=1),
+        )
+    )
+    problem = study(SMALL, budget)
+    sets = [problem.rows(seen_by_all(place, len(problem.commands))) for place in PLACES]
+    start = np.concatenate([LINKS, np.zeros(SMALL.arm_size - 2)])
+    effects = []
+    for place in PLACES:
+        length = np.array([SMALL.distance(start, row, place) for row in SMALL.rows()])
+        angle = np.deg2rad([SMALL.nodes1_deg[row[0]] for row in SMALL.rows()])
+        effects.append(np.column_stack([2e-5 * length, 0.030 * np.cos(angle), 0.030 * np.sin(angle)]))
+    return CommandPool.of(sets, systematic=True), effects
+
+
+def test_shared_errors_count_as_in_the_dense_problem() -> None:
+    pool, effects = shared_pool()
+    kept = np.random.default_rng(3).random(len(pool.rows)) < 0.7
+    blocks, shared = [block[kept] for block in BLOCKS], np.vstack([one[kept] for one in effects])
+    expected = float(np.trace(scaled(SMALL, SMALL.covariance(blocks, PLACES, SIGMA_MM, shared))))
+    assert pool.value(kept, criterion_of(study(SMALL), "A")) == pytest.approx(expected, rel=1e-5)
+
+
+def test_a_choice_that_counts_shared_errors_is_better_beside_them() -> None:
+    pool, criterion = shared_pool()[0], criterion_of(study(SMALL), "A")
+    white = choose_commands(small_pool(), 24, criterion)
+    assert pool.value(choose_commands(pool, 24, criterion), criterion) < 0.99 * pool.value(white, criterion)
 
 
 @pytest.mark.parametrize("name", [name for name in get_args(CriterionName) if name != "E"])
