@@ -144,6 +144,15 @@ class ReflectorMoved:
     by_mm: tuple[float, float]
 
 
+@dataclass(frozen=True)
+class MountingForgotten:
+    """The interferometer was turned by half a turn on J4's flange before a row, from 0, and nothing states it."""
+
+    reflector: str
+    segment: int
+    row: int
+
+
 Mistake = (
     AngleSignReversed
     | DisplacementSignReversed
@@ -156,6 +165,7 @@ Mistake = (
     | PlacesMirrored
     | ZeroLost
     | ReflectorMoved
+    | MountingForgotten
 )
 
 
