@@ -228,7 +228,7 @@ async def test_the_arm_waits_where_the_turned_beam_returns() -> None:
 async def test_an_interferometer_that_was_not_turned_is_named() -> None:
     context = await ran(RemountContext(off_deg=lambda number: -180.0 if number == 1 else 0.5))
     assert mounts(context) == ["mount/1", "mount/2"]
-    assert "was not turned: its beam returns from" in context.warnings[0]
+    assert "is not turned: its beam returns from" in context.warnings[0]
     assert len(points(context)) == 4 * COUNT
 
 
@@ -277,6 +277,15 @@ async def test_a_run_goes_on_wherever_the_turning_stopped(last: str) -> None:
     assert len(rows) == 2 * COUNT - sum(step.startswith("turned/P") for step in done)
     assert set(values(rows, "mount_deg")) == {later.mountings[-1]}
     assert later.mountings[-1] == pytest.approx(178.75, abs=0.05)
+
+
+async def test_an_interferometer_put_back_meanwhile_is_named() -> None:
+    whole = await ran(RemountContext())
+    done = dict(list(whole.stored.items())[: list(whole.stored).index("turned/P1/0005") + 1])
+    back = RemountContext(stored=dict(done), resumed=True)
+    with pytest.raises(AlignmentError, match=r"is not turned: .* turned before the interruption"):
+        await ran(back)
+    assert points(back) == []
 
 
 async def test_a_beam_that_lies_higher_is_measured_at_its_height() -> None:
