@@ -23,6 +23,9 @@ STEP_TOLERANCE = 1e-8
 
 MAX_ITERATIONS = 50
 
+ROUNDING = 1e-12
+"""Share by which rounding may change a sum of squares."""
+
 _SHORT_MM = 1e-6
 """A step that changes residuals by less, rms, leaves the derivatives: they are good to a hundred-millionth."""
 
@@ -70,6 +73,18 @@ def factorise(jacobian: Floats) -> Factor:
     padded = np.zeros(jacobian.shape[1])
     padded[: values.size] = values
     return Factor(padded, right, scale)
+
+
+def column_space(columns: Floats) -> Floats:
+    """Return an orthonormal basis of what columns of shape (n, k) span, shape (n, rank); the columns are overwritten.
+
+    Columns that rows leave undetermined, such as those of a segment without rows, are none of its directions.
+    """
+    columns /= _column_norms(columns)
+    basis, triangle = linalg.qr(columns, mode="economic", overwrite_a=True, check_finite=False)
+    left, values, _ = linalg.svd(triangle, check_finite=False)
+    known = values > RANK_TOLERANCE * values[0]
+    return np.asarray(basis if known.all() else basis @ left[:, : values.size][:, known], dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -196,7 +211,8 @@ def _improve(
             trial = residuals(parameters + step)
             change = float(np.sqrt(np.mean((trial - current) ** 2)))
             # At the minimum rounding decides whether the cost still falls; the gradient is better than that.
-            if _cost(trial, whitening) < cost or (change < STEP_TOLERANCE and damping == 0.0):
+            rounding = 0.0 if damping else ROUNDING * cost
+            if _cost(trial, whitening) < cost + rounding or (change < STEP_TOLERANCE and damping == 0.0):
                 return parameters + step, trial, change
             if change < STEP_TOLERANCE:
                 return parameters, current, change

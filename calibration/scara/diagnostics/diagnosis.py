@@ -16,7 +16,12 @@ from catseye.calibration.scara.diagnostics.drift import Change, changes
 from catseye.calibration.scara.diagnostics.folds import cross_validation
 from catseye.calibration.scara.diagnostics.harmonics import Harmonic, HarmonicSeries, harmonic_series
 from catseye.calibration.scara.diagnostics.joint_angles import AnglePattern, angle_patterns
-from catseye.calibration.scara.diagnostics.nested_models import ComparedModel, Extension, compare_models
+from catseye.calibration.scara.diagnostics.nested_models import (
+    TOGETHER,
+    ComparedModel,
+    Extension,
+    compare_models,
+)
 from catseye.calibration.scara.diagnostics.node_spacing import NodeSpacing, node_spacing
 from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.diagnostics.projection import projection_of
@@ -137,7 +142,7 @@ def corrected_together(found: Diagnosis) -> Diagnosis:
         [one.probability for one in found.changes],
         [one.probability for one in found.patterns],
         [one.probability for series in found.harmonics for one in series.harmonics],
-        [one.probability for one in found.models if one.terms],
+        [one.probability for one in found.models if one.terms and one.name != TOGETHER],
         *([one.probability for one in group] for group in folds),
     ]
     factors = holm_factors([min(family, default=1.0) for family in families])

@@ -93,8 +93,8 @@ def node_spacing(
 ) -> NodeSpacing:
     """Try coarser grids, and finer ones where commands stand between the nodes.
 
-    All grids are judged by one covariance, whose sizes are estimated beside the finest one. Of a long table, evenly
-    spread distances decide.
+    All grids are judged by one covariance, whose sizes are estimated beside the finest one that is determined.
+    Of a long table, evenly spread distances decide.
 
     Args:
         problem: distances with the present nodes.
@@ -144,9 +144,21 @@ class _Finest:
         layout = replace(found.layout, nodes1_rad=nodes1, nodes2_rad=nodes2)
         model = distance_model(layout, found.points, asked)
         values = _embedding(found.layout, layout) @ found.parameters
+        jacobian = model.jacobian(values)
         if asked is not None:
-            present = replace(present, budget=with_spectra(asked, model, values, for_test=True))
-        return cls(model, values, model.jacobian(values), whitening_at(present, found.parameters))
+            determined = _why_not(layout, jacobian * model.weights[:, None]) is None
+            beside = (model, values) if determined else (replace(present, budget=asked), found.parameters)
+            present = replace(present, budget=with_spectra(asked, *beside, for_test=True))
+        return cls(model, values, jacobian, whitening_at(present, found.parameters))
+
+
+def _why_not(layout: Layout, weighted: Floats) -> str | None:
+    """Return what the distances lack to determine a grid; None where they do."""
+    try:
+        require_identifiable(layout.parameters(), weighted)
+    except UnidentifiableError as error:
+        return str(error)
+    return None
 
 
 def _between(nodes_rad: Floats, theta_rad: Floats) -> bool:
@@ -179,10 +191,9 @@ def _grid(finest: _Finest, name: str, nodes1: Floats, nodes2: Floats) -> tuple[G
     layout = replace(finest.model.layout, nodes1_rad=nodes1, nodes2_rad=nodes2)
     embedding, own = _embedding(layout, finest.model.layout), _embedding(finest.model.layout, layout)
     columns = finest.jacobian @ embedding
-    try:
-        require_identifiable(layout.parameters(), columns * finest.model.weights[:, None])
-    except UnidentifiableError as error:
-        return Grid(name, nodes1, nodes2, str(error), 0, np.nan, np.inf, np.inf, np.nan), None
+    refused = _why_not(layout, columns * finest.model.weights[:, None])
+    if refused is not None:
+        return Grid(name, nodes1, nodes2, refused, 0, np.nan, np.inf, np.inf, np.nan), None
     # From where the coarser map does the same at its own nodes, one step of least squares.
     residuals = finest.model.residuals(embedding @ (own @ finest.values))
     fit = off_columns(

@@ -126,21 +126,31 @@ class PlacesMirrored:
 
 @dataclass(frozen=True)
 class ZeroLost:
-    """The count jumped inside a segment: between the row before and this one, from 0, of the distances used."""
+    """The count jumped inside a segment: after one row and before another, from 0, of the distances given."""
 
     reflector: str
     segment: int
+    after: int
     row: int
     jump_mm: float
 
 
 @dataclass(frozen=True)
 class ReflectorMoved:
-    """A reflector stood somewhere else from a row on, counted from 0 among the distances used."""
+    """A reflector stood somewhere else from a row on, counted from 0 among the distances given."""
 
     reflector: str
     row: int
     by_mm: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class MountingForgotten:
+    """The interferometer was turned by half a turn on J4's flange before a row, from 0, and nothing states it."""
+
+    reflector: str
+    segment: int
+    row: int
 
 
 Mistake = (
@@ -155,6 +165,7 @@ Mistake = (
     | PlacesMirrored
     | ZeroLost
     | ReflectorMoved
+    | MountingForgotten
 )
 
 

@@ -1,6 +1,7 @@
 """identify with a table of two mountings of the interferometer."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from catseye.app.cli.report import report
 from catseye.app.cli.scara.identify import identify
 from catseye.app.results.scara import scan
 from catseye.app.results.scara.identification_report import identification_report
+from catseye.app.results.scara.plausible import ImplausibleError
 from catseye.app.results.scara.result import Result, read_result
 from catseye.calibration.scara.points import Points
 from tests.unit.app.cli.distances import write_points
@@ -74,3 +76,10 @@ def test_a_scan_of_two_mountings_gives_the_same_arm(
     assert streamed.scan is not None
     assert streamed.link2_mm.value == pytest.approx(whole.link2_mm.value, abs=1e-6)
     assert streamed.link2_mm.u == pytest.approx(whole.link2_mm.u, rel=1e-6)
+
+
+def test_a_forgotten_column_is_refused_with_what_to_state(points: Points, tmp_path: Path) -> None:
+    with pytest.raises(
+        ImplausibleError, match=r"from distance 1057 on \(P1, segment 1\).* state mount_deg = 180"
+    ):
+        identified(replace(points, mount_rad=None), tmp_path)

@@ -183,3 +183,12 @@ def test_finer_nodes_are_judged_where_commands_stand_between_them() -> None:
     assert found.between1
     assert found.by_aicc.nodes1_rad.size == 21
     assert found.by_aicc.nodes2_rad.size == 8
+
+
+def test_a_finest_grid_that_nothing_determines_is_refused_alone() -> None:
+    """Commands of J2 every 17.1° leave some of its nodes every 10° untouched."""
+    points = measured(TRUTH, commands_between(13.3, 17.1), noise_mm=0.008, sigma_mm=0.008)
+    found = node_spacing(replace(problem(points), budget=radial_motions(RadialBudget(0.005, 0.005, 0.010))))
+    assert found.between2
+    assert "no point touches" in str(found.grids[-1].refused)
+    assert np.isfinite(found.grids[0].aicc)

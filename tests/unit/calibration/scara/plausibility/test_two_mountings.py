@@ -12,6 +12,7 @@ from catseye.calibration.scara.plausibility.findings import (
     AngleSignReversed,
     DisplacementScaled,
     Mistake,
+    MountingForgotten,
     RowsShifted,
     ZeroLost,
 )
@@ -25,8 +26,8 @@ from tests.unit.calibration.scara.reversal import HALF_TURN, AxisMotion, mounted
 LOST_AT = 1056 + 352 + 171
 
 
-def measured(seed: int, odd_mm: float = 0.03) -> Points:
-    motion = AxisMotion.drawn(np.random.default_rng(seed), odd_mm, 0.01)
+def measured(seed: int) -> Points:
+    motion = AxisMotion.drawn(np.random.default_rng(seed), 0.03, 0.01)
     return mounted(random_truth(seed), motion.longer, [0.0, HALF_TURN + 0.02], 0.01, seed)
 
 
@@ -38,6 +39,23 @@ def asked(points: Points) -> Problem:
 def test_sound_tables_pass(seed: int) -> None:
     sound = asked(measured(seed))
     assert not judge(sound, sound.solve()).implausible
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_forgotten_mounting_is_named(seed: int) -> None:
+    forgotten = asked(replace(measured(seed), mount_rad=None))
+    assert judge(forgotten, forgotten.solve()).mistakes == (MountingForgotten("P1", 1, 1056),)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_second_pass_without_a_turn_is_none(seed: int) -> None:
+    motion = AxisMotion.drawn(np.random.default_rng(seed), 0.03, 0.03)
+    twice = mounted(random_truth(seed), motion.longer, [0.0, 0.0], 0.01, seed)
+    # The arm warmed up meanwhile: both links by 60 ppm of the distance from J1, roughly.
+    warmer = twice.displacement_mm * np.where(twice.dead_path > 2, 1.0 + 6e-5, 1.0)
+    for points in (replace(twice, mount_rad=None), replace(twice, mount_rad=None, displacement_mm=warmer)):
+        sound = asked(points)
+        assert not judge(sound, sound.solve()).mistakes
 
 
 def reversed_sign(points: Points) -> Points:
