@@ -117,7 +117,7 @@ def identify_scan(
     passes, start = _near_all(passes, few, first.parameters, over_all)
     minimum = descend(partial(over_all.sums, passes), start, layout.gauge, UNSETTLED)
     counter.finish()
-    return _judged(passes, minimum, few)
+    return _judged(passes, minimum, few, counter.passes)
 
 
 @dataclass(frozen=True)
@@ -169,6 +169,11 @@ class _Counter:
     progress: Callable[[int, int], None] | None
     done: int = 0
 
+    @property
+    def passes(self) -> int:
+        """Those that are done."""
+        return self.done // self.rows
+
     def counted(self, blocks: Iterable[Points]) -> Iterator[Points]:
         """Hand the blocks of a pass on; each is counted when the next is asked for."""
         expected = max(_EXPECTED_PASSES * self.rows, self.done + self.rows)
@@ -203,7 +208,7 @@ def _settled(passes: Passes, few: Points, start: Floats) -> tuple[Passes, Minimu
     return passes, first
 
 
-def _judged(passes: Passes, minimum: Minimum, few: FewRows) -> ScanIdentification:
+def _judged(passes: Passes, minimum: Minimum, few: FewRows, iterations: int) -> ScanIdentification:
     """Attach covariance, statistics and a sample of the residuals to a minimum."""
     sums, layout = minimum.sums, passes.layout
     covariance = covariance_of(sums, layout.parameters(), layout.gauge)
@@ -217,7 +222,7 @@ def _judged(passes: Passes, minimum: Minimum, few: FewRows) -> ScanIdentificatio
             square_mm2=float(sums.residuals.square_mm2.sum()),
             weight=sums.weight,
             stated=sample.points.sigma_mm is not None,
-            iterations=minimum.passes,
+            iterations=iterations,
         ),
         None,
     )

@@ -201,3 +201,16 @@ def test_the_likelihood_is_worked_out_once_a_point(monkeypatch: pytest.MonkeyPat
     variance_ratios(rows)
     # The four scales of the prior start at one and the same point.
     assert len(seen) <= len(set(seen)) + 3
+
+
+def test_for_tests_an_unseen_component_stays_as_stated_on_average() -> None:
+    """Five components are seen well and are as large as stated; of the sixth, another contributor's, nothing is."""
+    rng, seen = np.random.default_rng(1), np.append(np.full(30, 50.0), np.zeros(6))
+    component, contributor = np.repeat(np.arange(6), 6), np.array([0, 0, 0, 0, 0, 1])
+    found = []
+    for _ in range(40):
+        vector = seen * rng.normal(size=36) + np.sqrt(seen) * rng.normal(size=36)
+        rows = Compressed(np.diag(seen), vector, component, contributor, np.zeros(6, dtype=np.bool_))
+        found.append(float(variance_ratios(rows, for_test=True)[-1]))
+    # Forty means of five components with six sources each: 1 is known to about 4 %.
+    assert float(np.mean(found)) == pytest.approx(1.0, abs=0.12)

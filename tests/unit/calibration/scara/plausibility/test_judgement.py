@@ -171,7 +171,7 @@ def test_rows_are_numbered_as_they_were_given() -> None:
         assert (mistake.after, mistake.row) == (LOST_AT - 1, LOST_AT)
 
 
-def test_a_zero_lost_in_a_scan_is_located_among_all_rows() -> None:
+def test_a_zero_lost_in_a_scan_is_located() -> None:
     table = measured(14, Faults(off_nodes=True))
     row = LOST_AT + 40
     later = (table.reflector == 1) & (np.arange(len(table.displacement)) >= row)
