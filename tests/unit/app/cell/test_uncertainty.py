@@ -134,3 +134,23 @@ def test_a_name_that_occurs_twice_is_refused(tmp_path: Path) -> None:
 def test_runs_whose_contributors_share_a_name_are_read() -> None:
     cell = Cell.model_validate(tomllib.loads(HEAD + TWICE), context=RECORD)
     assert [one.name for one in cell.uncertainty.contributor] == ["radial", "radial"]
+
+
+@pytest.mark.parametrize(("kind", "orders"), [("length", 31), ("links", 3)])
+def test_what_changes_with_time_has_usual_orders(tmp_path: Path, kind: str, orders: int) -> None:
+    value = "value_ppm" if kind == "links" else "value_um"
+    section = (
+        f'[[uncertainty.contributor]]\nname = "c"\nkind = "{kind}"\n{value} = 3.0\ncorrelation = "time"\n'
+    )
+    (one,) = loaded(tmp_path, section).uncertainty.budget.contributors
+    assert one.orders == orders
+    assert one.u == pytest.approx(3e-6 if kind == "links" else 3e-3)
+
+
+def test_an_angle_takes_few_orders_only(tmp_path: Path) -> None:
+    section = (
+        '[[uncertainty.contributor]]\nname = "c"\nkind = "radial"\nvalue_um = 3.0\n'
+        'correlation = "axis-angle"\naxis = "j1"\norders = 31\n'
+    )
+    with pytest.raises(ConfigError, match="up to 20 orders"):
+        loaded(tmp_path, section)

@@ -162,3 +162,17 @@ def test_exact_distances_are_refused() -> None:
     problem = study(SMALL, Budget((Contributor("scale", "scale", 1e-6, "common"),)))
     with pytest.raises(BudgetError, match="exact"):
         problem.rows(seen_by_all(RING[0], len(problem.commands)))
+
+
+def test_a_drift_leaves_links_and_maps_less_known() -> None:
+    zero = Contributor("zero", "length", 0.05, "time", orders=7)
+    moved = Contributor("nests", "reflector", 0.05, "segment")
+    places = RING[[1, 5, 8]]
+    u = [
+        np.sqrt(np.diag(study(SMALL).covariance(information(SMALL, places, budget), systematic=True)))
+        for budget in (WHITE, Budget((*WHITE.contributors, zero)), Budget((*WHITE.contributors, moved)))
+    ]
+    assert float(np.min(u[1] / u[0])) >= 1.0 - 1e-9
+    assert float(np.max(u[1] / u[0])) > 1.1
+    # Reflectors seen in one segment each have places of their own, wherever they stand.
+    assert u[2] == pytest.approx(u[0], rel=1e-6)
