@@ -48,6 +48,8 @@ if TYPE_CHECKING:
     from catseye.calibration.scara.points import Points as Points
     from catseye.calibration.scara.prediction import Prediction as Prediction
     from catseye.calibration.scara.prediction import predict as predict
+    from catseye.calibration.scara.reversal import SeparatedOrder as SeparatedOrder
+    from catseye.calibration.scara.reversal import separated_orders as separated_orders
     from catseye.calibration.scara.scans.scan_identification import identify_scan as identify_scan
     from catseye.calibration.scara.scans.source import SlicedPoints as SlicedPoints
     from catseye.calibration.scara.uncertainty import contributions as contributions
@@ -77,6 +79,7 @@ _HOMES = {
     "scara.plausibility.judgement": ("judge",),
     "scara.points": ("Commands", "Points"),
     "scara.prediction": ("Prediction", "predict"),
+    "scara.reversal": ("SeparatedOrder", "separated_orders"),
     "scara.scans.scan_identification": ("identify_scan",),
     "scara.scans.source": ("SlicedPoints",),
     "scara.uncertainty": ("contributions", "draw_estimates"),

@@ -156,6 +156,25 @@ class AirState:
     drift_percent: float = 1.0
 
 
+@dataclass(frozen=True)
+class Remounting:
+    """How well a hand repeats a mounting of the interferometer, standard deviations; assumptions of this emulation.
+
+    Attributes:
+        turn_deg: of the angle about the last axis.
+        offset_mm: of the beam's lateral offset from that axis.
+        pitch_mrad: of the beam's angle above the XY plane: a seat that is not square to the axis tilts it anew.
+        height_mm: of its height.
+        ahead_mm: of the place along the beam from which its length counts.
+    """
+
+    turn_deg: float = 1.0
+    offset_mm: float = 0.5
+    pitch_mrad: float = 0.8
+    height_mm: float = 0.1
+    ahead_mm: float = 0.5
+
+
 Option = str | int | float | bool | list[dict[str, Any]]
 """Value of an option of an emulated device: a plain one, or a list of tables."""
 
@@ -217,6 +236,7 @@ class EmulationConfig:
         beam_pitch_mrad: angle of the beam above the XY plane; None: drawn.
         unaligned: offset, pitch and height are drawn as of a beam that nobody has aligned yet.
         screws: what moves the beam on its mount.
+        remounting: how far another mounting of the interferometer is off.
         one_reflector: one cat's eye is carried from nest to nest; at the start it stands in the first one.
         nest_um: standard deviation of x and of y with which a cat's eye is put into its nest.
         speed_limit_mm_s: largest displacement rate that the counter follows.
@@ -244,6 +264,7 @@ class EmulationConfig:
     beam_pitch_mrad: float | None = None
     unaligned: bool = False
     screws: Screws = field(default_factory=Screws)
+    remounting: Remounting = field(default_factory=Remounting)
     one_reflector: bool = False
     nest_um: float = 2.0
     speed_limit_mm_s: float = 2000.0

@@ -6,9 +6,6 @@ from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.report_output import note_statement
 from catseye.app.render.text import statement_lines, tables_text
 
-_STEPS = 20
-"""About how many steps a diagnosis reports; the bar need not be exact."""
-
 
 def diagnose(
     run: MeasuredRuns = None,
@@ -33,12 +30,10 @@ def diagnose(
         warn(text)
     for statement in budget_statements(source.stated.part):
         note_statement(statement)
-    bar, step = ProgressBar("diagnose"), iter(range(1, 1000))
+    bar = ProgressBar("diagnose")
     try:
-        diagnosis = diagnose_distances(
-            source, lambda text: bar.update(min(next(step), _STEPS - 1), _STEPS, text)
-        )
-        bar.update(_STEPS, _STEPS, "done")
+        diagnosis = diagnose_distances(source, lambda share, text: bar.update(share, 1.0, text))
+        bar.update(1.0, 1.0, "done")
     finally:
         bar.close()
     if as_json:

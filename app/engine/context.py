@@ -81,6 +81,7 @@ class RunContext:
 
     Attributes:
         step_times: where the time of each step that ran went.
+        on_remounted: called with the angle by which what the arm carries is turned, deg, when that changes.
     """
 
     def __init__(
@@ -98,6 +99,7 @@ class RunContext:
         records: Collection[type[Record]] = (),
     ) -> None:
         self.step_times: list[StepTime] = []
+        self.on_remounted: Callable[[float], None] = lambda _turned_deg: None
         self._devices = devices
         self._store = store
         self._control = control
@@ -257,6 +259,11 @@ class RunContext:
         if self._devices.tracker is None:
             raise ConfigError("this procedure needs a [tracker] and the cell file has none; add one")
         return await self._control.command(self._locate(self._devices.tracker, settle_time_s))
+
+    async def remounted(self, turned_deg: float) -> None:
+        """Store how what the arm carries is mounted from now on, for those who watch, too."""
+        self.on_remounted(turned_deg)
+        await self.event("mounted", turned_deg=turned_deg)
 
     async def pause(self, duration_s: float) -> None:
         """Let the arm stand still for a time, s."""

@@ -85,6 +85,7 @@ class DryRunContext:
         done: results of steps that an interrupted run has done; they are not rehearsed.
         steps: the step table, filled while the procedure runs.
         prompts: the questions that were asked.
+        asked_s: the expected time at which each was.
         notes: events and warnings, as (kind, data).
         records: what was recorded.
         motions: every straight joint motion.
@@ -96,6 +97,7 @@ class DryRunContext:
     declared: Collection[type[Record]] = ()
     steps: list[DryStep] = field(default_factory=list)
     prompts: list[Prompt] = field(default_factory=list)
+    asked_s: list[float] = field(default_factory=list)
     notes: list[tuple[str, dict[str, Json]]] = field(default_factory=list)
     records: list[Record] = field(default_factory=list)
     done: Mapping[str, Row] = field(default_factory=dict)
@@ -272,6 +274,10 @@ class DryRunContext:
         self._account.measurements += 1
         return Position(0.0, 0.0, 0.0)
 
+    async def remounted(self, turned_deg: float) -> None:
+        """Let the ideal beam leave as it does then."""
+        self.ideal = self.system.turned(turned_deg).ideal_beam()
+
     async def pause(self, duration_s: float) -> None:
         """Account for the time."""
         self._account.time_s += duration_s
@@ -288,6 +294,7 @@ class DryRunContext:
             MeasurementRejectedError: questions follow each other for ever.
         """
         self.prompts.append(prompt)
+        self.asked_s.append(self.total_s)
         self._questions += 1
         if self._questions > _MOST_QUESTIONS:
             raise MeasurementRejectedError(

@@ -24,6 +24,7 @@ class RunHandle:
         warn: stores and publishes a warning.
         simulated: all devices are emulated; None until they are known.
         gate: of the run's motions; None until the devices are ready.
+        turned_deg: what the arm carries is turned so far about the last axis against the beginning of the run.
         feed: keeps a walk going for another moment, or stops it; None for a run that is no walk.
     """
 
@@ -35,7 +36,12 @@ class RunHandle:
     warn: Callable[[str], None]
     simulated: bool | None = None
     gate: MotionGate | None = None
+    turned_deg: float = 0.0
     feed: Callable[[bool], None] | None = None
+
+    def remounted(self, turned_deg: float) -> None:
+        """Take note of how what the arm carries is mounted from now on, deg."""
+        self.turned_deg = turned_deg
 
     def lower_override(self, percent: float) -> float:
         """Have the speed override lowered before the next motion; return what it reads until then.

@@ -192,6 +192,7 @@ class _Run:
         conditions = self._conditions(devices)
         gate = self._gate(devices, conditions, watches.door)
         context = self._context_of(devices, gate, simulated)
+        context.on_remounted = self._handle.remounted
         if reentry is not None:
             await self._reenter(reentry, context, identities_as_json(identities))
         if not simulated and self._request.walk_rule is not None:

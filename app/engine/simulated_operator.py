@@ -7,7 +7,7 @@ from urllib.parse import urlsplit
 
 from catseye.app.errors import LinkFailedError
 from catseye.procedures.kit.records import Json
-from catseye.procedures.kit.tasks import ClearBeam, PlaceReflector, Task, TurnScrew
+from catseye.procedures.kit.tasks import ClearBeam, MountInterferometer, PlaceReflector, Task, TurnScrew
 
 _LIMIT_S = 10.0
 """Real seconds that one grip may take."""
@@ -16,7 +16,7 @@ _LONGEST_ANSWER_BYTES = 1 << 16
 
 
 class SimulatedOperator:
-    """Turns screws and carries reflectors through the control port of an emulated bench.
+    """Turns screws, carries reflectors and remounts the interferometer through the control port of an emulated bench.
 
     Args:
         endpoint: of the control port, `tcp://host:port`.
@@ -51,6 +51,8 @@ class SimulatedOperator:
                 return {"op": "turn_screw", "screw": task.screw, "turns": self._sense * task.turns}
             case PlaceReflector():
                 return {"op": "place_reflector", "reflector": task.reflector}
+            case MountInterferometer():
+                return {"op": "mount_interferometer", "turned_deg": task.turned_deg}
             case ClearBeam():
                 return {"op": "clear_beam"}
 

@@ -61,6 +61,10 @@ class Runnable(Executable, Protocol):
     @property
     def params_type(self) -> type[BaseModel]: ...  # noqa: D102  # said above
 
+    def equipped(self, bench: Bench, params: Any) -> Bench:
+        """Return the bench as a run finds and makes it."""
+        ...
+
     def plan(self, bench: Bench, params: Any) -> Any:
         """Plan everything before anything moves."""
         ...

@@ -48,11 +48,16 @@ class RehearsedStep(BaseModel):
 
 
 class RehearsedQuestion(BaseModel):
-    """A question that will be asked; see `catseye.procedures.kit.context.Prompt`."""
+    """A question that will be asked; see `catseye.procedures.kit.context.Prompt`.
+
+    Attributes:
+        after_s: expected time from the beginning until it is asked.
+    """
 
     id: str
     kind: str
     text: str
+    after_s: float
 
 
 class Rehearsal(BaseModel):

@@ -3,12 +3,12 @@
 from typing import TYPE_CHECKING
 
 from catseye.app.results.model import Column, Report, Sign, Statement, Table, section
-from catseye.app.results.numbers import COUNT, counted, duration_text, fixed, listed
+from catseye.app.results.numbers import COUNT, DURATION, counted, duration_text, fixed, listed
 from catseye.app.results.origin import origin_now
 from catseye.drivers.roles.pose import SYMBOLS
 
 if TYPE_CHECKING:
-    from catseye.app.protocol.rehearsal import Rehearsal
+    from catseye.app.protocol.rehearsal import Rehearsal, RehearsedQuestion
 
 _QUESTIONS_NAMED = 8
 
@@ -89,16 +89,27 @@ def step_table(rehearsal: "Rehearsal") -> Table:
 
 def question_table(rehearsal: "Rehearsal") -> Table:
     """Return what will be asked, each question once."""
-    texts = {question.id: question.text for question in rehearsal.questions}
-    columns = (Column("id", "question"), Column("text", "text"))
-    return Table("questions", "Questions", columns, tuple(texts.items()))
+    columns = (Column("id", "question"), Column("after_s", "after", format=DURATION), Column("text", "text"))
+    rows = tuple((one.id, one.after_s, one.text) for one in _first_asked(rehearsal))
+    return Table("questions", "Questions", columns, rows)
+
+
+def _first_asked(rehearsal: "Rehearsal") -> "list[RehearsedQuestion]":
+    """Return each question once."""
+    found: dict[str, RehearsedQuestion] = {}
+    for question in rehearsal.questions:
+        found.setdefault(question.id, question)
+    return list(found.values())
 
 
 def _verdict(rehearsal: "Rehearsal") -> list[Statement]:
-    names = list(dict.fromkeys(question.id for question in rehearsal.questions))
+    asked = [
+        f"{question.id} after {duration_text(question.after_s, whole=True)}"
+        for question in _first_asked(rehearsal)
+    ]
     statements = [Statement(Sign.ATTENTION, text) for text in rehearsal.warnings]
     statements.append(Statement(Sign.NEUTRAL, totals_text(rehearsal)))
-    if names:
-        asked = f"{counted(len(names), 'question')}: {listed(names, _QUESTIONS_NAMED)}"
-        statements.append(Statement(Sign.NEUTRAL, asked))
+    if asked:
+        text = f"{counted(len(asked), 'question')}: {listed(asked, _QUESTIONS_NAMED)}"
+        statements.append(Statement(Sign.NEUTRAL, text))
     return statements

@@ -23,7 +23,10 @@ def rehearsal_of(planned: PlannedRun, dry: DryRunContext) -> Rehearsal:
         joints=tuple(RehearsedJoint(name=axis.name, unit=axis.unit) for axis in arm.axes),
         steps=tuple(map(_step, dry.steps)),
         warnings=(*(str(data.get("text")) for kind, data in dry.notes if kind == "warning"), *_excess(dry)),
-        questions=tuple(RehearsedQuestion(id=p.id, kind=p.kind, text=p.text) for p in dry.prompts),
+        questions=tuple(
+            RehearsedQuestion(id=prompt.id, kind=prompt.kind, text=prompt.text, after_s=after_s)
+            for prompt, after_s in zip(dry.prompts, dry.asked_s, strict=True)
+        ),
     )
 
 

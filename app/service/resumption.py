@@ -52,7 +52,7 @@ def plan_resume(root: Path, run: str, changed: LoadedCell | None = None) -> Plan
     walked = meta.get(WALK)
     procedure = load_procedure(str(meta["procedure"] if walked is None else walked["procedure"]))
     params = _params(path.name, procedure, meta["params"])
-    bench = system_of(bench_of(loaded.cell)).aimed(meta["aimed"])
+    bench = procedure.equipped(system_of(bench_of(loaded.cell)).aimed(meta["aimed"]), params)
     plan = procedure.plan(bench, params)
     if plan_digest(plan) != meta["plan_sha256"]:
         raise UsageError(

@@ -101,8 +101,9 @@ def plan_run(
     """
     bench = bench_for(loaded.cell, procedure.needs, procedure.name)
     aim = find_basis(procedure.needs.basis, bench, root, search)
-    plan = procedure.plan(aim.bench, params)
-    return PlannedRun(loaded, procedure, params, aim.bench, plan, aim.source, aim.simulated)
+    equipped = procedure.equipped(aim.bench, params)
+    plan = procedure.plan(equipped, params)
+    return PlannedRun(loaded, procedure, params, equipped, plan, aim.source, aim.simulated)
 
 
 async def carry_out(

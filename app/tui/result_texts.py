@@ -23,6 +23,7 @@ from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.result_files import ResultFile
 from catseye.app.results.scara.result_report import scatter_table
+from catseye.app.results.scara.separated_text import separated_statements
 from catseye.app.results.scara.uncertainty import uncertainty_statements
 from catseye.app.results.scara.validation_document import ValidationDocument
 from catseye.app.results.scara.values import parameter_table
@@ -87,7 +88,12 @@ def fit_sentences(result: Result, diagnosis: DiagnosisDocument | None) -> list[S
     else:
         statements += [finding.statement for finding in diagnosis.findings]
     # After many losses of the beam these are more lines than a small screen has.
-    return [*statements, *nodes_only_statements(result), *left_out_statements(result)]
+    return [
+        *statements,
+        *separated_statements(result),
+        *nodes_only_statements(result),
+        *left_out_statements(result),
+    ]
 
 
 def residual_text(result: Result, diagnosis: DiagnosisDocument | None) -> str:

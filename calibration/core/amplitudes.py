@@ -132,11 +132,17 @@ def _numbered(shared: Sequence[Shared]) -> tuple[Ints, Ints, Bools]:
     )
 
 
-def variance_ratios(rows: Compressed) -> Floats:
-    """Return the components' mean variances relative to the stated ones, shape (k,)."""
+def variance_ratios(rows: Compressed, *, for_test: bool = False) -> Floats:
+    """Return the components' mean variances relative to the stated ones, shape (k,).
+
+    Args:
+        for_test: return variances whose reciprocals are right on the average instead: the mean of what is possible
+            is on the safe side for an uncertainty, and a test that takes errors too large finds too little. Where the
+            rows say nothing, both are as stated.
+    """
     if not rows.contributor.size:
         return np.zeros(0)
-    fits = [_fitted(rows, spread) for spread in _SPREADS]
+    fits = [_fitted(rows, spread, for_test=for_test) for spread in _SPREADS]
     evidence = np.array([one.evidence for one in fits])
     share = np.exp(evidence - evidence.max())
     mean = sum(s * one.mean for s, one in zip(share / share.sum(), fits, strict=True))
@@ -145,16 +151,17 @@ def variance_ratios(rows: Compressed) -> Floats:
 
 @dataclass(frozen=True)
 class _Fitted:
-    """Mean variances at one scale of the prior, shape (k,), and the logarithm of its evidence."""
+    """Variances at one scale of the prior, shape (k,), and the logarithm of its evidence."""
 
     mean: Floats
     evidence: float
 
 
-def _fitted(rows: Compressed, spread: float) -> _Fitted:
+def _fitted(rows: Compressed, spread: float, *, for_test: bool) -> _Fitted:
     prior = _prior(rows, spread)
-    # Rows that say nothing leave the mean variance as it is stated.
-    centre = np.where(rows.assumed, -0.5 * _ASSUMED**2, -_raised(np.diag(prior)))
+    # Rows that say nothing leave the variance as it is stated.
+    stated = np.zeros(len(prior)) if for_test else -_raised(np.diag(prior))
+    centre = np.where(rows.assumed, -0.5 * _ASSUMED**2, stated)
     root = linalg.cholesky(prior, lower=True)
 
     def posterior(z: Floats) -> tuple[float, Floats, Floats]:
@@ -171,7 +178,9 @@ def _fitted(rows: Compressed, spread: float) -> _Fitted:
     found = optimize.minimize(objective, start, (), "trust-exact", jac=True, hess=curvature)
     values, vectors = linalg.eigh(curvature(found.x))
     steep = np.maximum(values, _FLATTEST)
-    spreads = np.sum((root @ (vectors / np.sqrt(steep))) ** 2, axis=1)
+    # What estimates scatter by is what rows say; what they leave open adds to it the uncertainty of each variance.
+    shares = np.maximum(steep - 1.0, 0.0) / steep**2 if for_test else 1.0 / steep
+    spreads = np.sum((root @ (vectors * np.sqrt(shares))) ** 2, axis=1)
     mean = np.exp(centre + root @ found.x + _raised(spreads))
     for place in np.flatnonzero(rows.assumed):
         mean[place] = _mean_of_assumed(rows, centre + root @ found.x, int(place), float(centre[place]))

@@ -131,25 +131,26 @@ def _pooled(values_um: list[float], folds: list[Fold]) -> float:
 
 @dataclass(frozen=True)
 class _LeftOut:
-    """Algebra of one fold: singular vectors of its part of the reach.
+    """Algebra of one fold: principal directions of its part R of the reach.
 
     Attributes:
-        vectors: left singular vectors, shape (rows, k).
-        shares: σ², how far the fold is taken along them, shape (k,).
+        reach: R, shape (rows, k).
+        directions: eigenvectors of RᵀR, shape (k, k).
+        shares: its eigenvalues σ², how far the fold is taken along them, shape (k,).
         identified: what others share is determined without the fold.
     """
 
-    vectors: Floats
+    reach: Floats
+    directions: Floats
     shares: Floats
     identified: bool
 
     @classmethod
     def of(cls, projection: Projection, folds: Folds, fold: int) -> "_LeftOut":
-        own = projection.reach[folds.rows(fold)]
-        vectors, values, _ = np.linalg.svd(own, full_matrices=False)
-        shares = np.minimum(values**2, 1.0)
+        reach = projection.reach[folds.rows(fold)]
+        shares, directions = np.linalg.eigh(reach.T @ reach)
         alone = int(np.sum(1.0 - shares < _OWN))
-        return cls(vectors, shares, alone == int(folds.own[fold]))
+        return cls(reach, directions, np.clip(shares, 0.0, 1.0), alone == int(folds.own[fold]))
 
     @property
     def _alone(self) -> Bools:
@@ -157,23 +158,23 @@ class _LeftOut:
 
     @property
     def _grown(self) -> Floats:
-        """Eigenvalues of Q_gg⁺ less one along the vectors; −1 where the fold fits its own parameters."""
+        """Eigenvalues of Q_gg⁺ less one, over the shares; −1 where the fold fits its own parameters."""
         alone = self._alone
-        return np.where(alone, -1.0, self.shares / np.where(alone, 1.0, 1.0 - self.shares))
+        return np.where(alone, -1.0, 1.0 / np.where(alone, 1.0, 1.0 - self.shares))
 
     @property
     def rank(self) -> int:
         """Directions that the others predict."""
-        return int(self.vectors.shape[0]) - int(self._alone.sum())
+        return len(self.reach) - int(self._alone.sum())
 
     def predict(self, pulls: Floats) -> Floats:
         """Return Q_gg⁺ times pulls of shape (rows,)."""
-        along = self.vectors.T @ pulls
-        return np.asarray(pulls + self.vectors @ (along * self._grown), dtype=np.float64)
+        along = self.directions.T @ (self.reach.T @ pulls)
+        return np.asarray(pulls + self.reach @ (self.directions @ (along * self._grown)), dtype=np.float64)
 
     def expected(self) -> float:
         """Return the mean of the predictions' sum of squares, for errors as stated."""
-        return float(self.vectors.shape[0] + self._grown.sum())
+        return float(len(self.reach) + self.shares @ self._grown)
 
 
 def _fold(projection: Projection, folds: Folds, fold: int) -> Fold:

@@ -68,6 +68,13 @@ class Projection:
         """Q times the residuals, in units of the white uncertainties, shape (n,)."""
         return self.whitening.again(self.residuals)
 
+    @property
+    def rms_um(self) -> float:
+        """Rms of the residuals, predicted minus measured, µm."""
+        effects = self.whitening.effects
+        residuals_mm = (self.pulls + effects @ (effects.T @ self.pulls)) / self.weights
+        return 1e3 * float(np.sqrt(np.mean(residuals_mm**2)))
+
     @cached_property
     def own(self) -> Floats:
         """Diagonal of Q, shape (n,): a pull over it is what the other rows predict of a row minus the row."""
@@ -78,6 +85,11 @@ class Projection:
         rest = columns - self.orthonormal @ (self.orthonormal.T @ columns)
         # Once more: the first pass leaves rounding of the size of what it took off.
         return np.asarray(rest - self.orthonormal @ (self.orthonormal.T @ rest), dtype=np.float64)
+
+    @property
+    def settled(self) -> Self:
+        """The fit where the weights at hand settle: residuals may come from other weights, or from a larger model."""
+        return replace(self, residuals=self.leftover(self.residuals))
 
     def extended(self, columns: Floats) -> Self:
         """Return the projection of the model with further functions, which take up what they can.
@@ -106,9 +118,19 @@ def project(model: Model, values: Floats, residuals_mm: Floats) -> Projection:
         residuals_mm: its residuals, shape (n,).
     """
     whitening = whitening_at(model, values)
-    jacobian = whitening.rows(model.jacobian(values)) @ model.parameters.basis
-    scaled = jacobian / np.linalg.norm(jacobian, axis=0)
-    basis: Floats = linalg.qr(scaled, mode="economic", check_finite=False)[0]
+    whitened = whitening.rows(model.jacobian(values) @ model.parameters.basis)
+    return off_columns(whitening, whitened, residuals_mm)
+
+
+def off_columns(whitening: Whitening, whitened: Floats, residuals_mm: Floats) -> Projection:
+    """Return a fit as a projection off the columns of its model, which are all different.
+
+    Args:
+        whitened: derivatives of the residuals, shape (n, free).
+        residuals_mm: its residuals, shape (n,).
+    """
+    scaled = whitened / np.linalg.norm(whitened, axis=0)
+    basis: Floats = linalg.qr(scaled, mode="economic", overwrite_a=True, check_finite=False)[0]
     return Projection(whitening, basis, whitening.rows(residuals_mm))
 
 
@@ -119,6 +141,7 @@ class Addition(Judged):
     Attributes:
         coefficients: of the functions, shape (k,), as a fit with them would find.
         covariance: of the coefficients, shape (k, k): stated errors, scaled to the scatter that would be left.
+        rank: how many of the functions, or of their combinations, the model does not absorb.
         explained_um: standard deviation that they would take off each row, µm; white scatter taken off.
         ratio: F, mean square that they would explain over the mean square that would be left.
         probability: of a ratio this large when they explain nothing.
@@ -126,6 +149,7 @@ class Addition(Judged):
 
     coefficients: Floats
     covariance: Floats
+    rank: int
     explained_um: float
     ratio: float
     probability: float
@@ -142,21 +166,50 @@ def addition(projection: Projection, columns: Floats) -> Addition | None:
         None when the model absorbs the functions, so that these rows say nothing of them, or when no degree of
         freedom would be left.
     """
-    whitened = projection.whitening.rows(columns)
-    scale = np.linalg.norm(whitened, axis=0)
-    scale = np.where(scale > 0.0, scale, 1.0)
-    left, values, right = linalg.svd(projection.leftover(whitened / scale), full_matrices=False)
-    known = values > _ABSORBED
+    return additions(projection, columns, columns.shape[1])[0]
+
+
+def additions(projection: Projection, columns: Floats, together: int) -> list[Addition | None]:
+    """Return what each of several groups of functions would add to a fit alone: many cost little more than one.
+
+    Args:
+        projection: the fit, on the space that its model cannot reach.
+        columns: derivatives as those of `addition`, shape (n, groups · together).
+        together: functions of a group; those of one stand side by side.
+    """
+    weighted = columns * projection.weights[:, None]
+    taken, pulls = projection.reach.T @ weighted, weighted.T @ projection.pulls
+    groups = [slice(first, first + together) for first in range(0, columns.shape[1], together)]
+    return [_added(projection, weighted[:, one], taken[:, one], pulls[one]) for one in groups]
+
+
+def _added(projection: Projection, weighted: Floats, taken: Floats, pulls: Floats) -> Addition | None:
+    """Return what functions add.
+
+    Args:
+        weighted: the functions C in units of the white uncertainties, shape (n, k).
+        taken: what shared sources and the model take of them, shape (m + free, k).
+        pulls: CᵀQr, shape (k,).
+    """
+    sources = projection.whitening.effects.shape[1]
+    whole = weighted.T @ weighted
+    beside = whole - taken[:sources].T @ taken[:sources]
+    size = np.sqrt(np.maximum(np.diag(beside), 0.0))
+    scale = np.where(size > 0.0, size, 1.0)
+    left = (beside - taken[sources:].T @ taken[sources:]) / np.outer(scale, scale)
+    squares, directions = linalg.eigh(left, check_finite=False)
+    known = squares > _ABSORBED**2
     rank = int(known.sum())
     if rank == 0 or projection.dof - rank < 1:
         return None
-    back = (right[known].T / values[known]) / scale[:, None]
-    along = left[:, known].T @ projection.residuals
+    back = (directions[:, known] / np.sqrt(squares[known])) / scale[:, None]
+    along = back.T @ pulls
     gain = float(along @ along)
     test = f_test(gain, rank, max(projection.square - gain, 0.0), projection.dof - rank)
     return Addition(
         coefficients=-back @ along,
         covariance=test.scale * back @ back.T,
+        rank=rank,
         explained_um=explained_um(projection, test),
         ratio=test.ratio,
         probability=test.probability,

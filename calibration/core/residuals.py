@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import special
 
 from catseye.calibration.core.projection import Projection
 from catseye.calibration.core.types import Floats
@@ -56,6 +57,17 @@ def studentised(projection: Projection, stated: bool) -> StudentisedResiduals:
         cook=internal**2 * leverage / (own * model.shape[1]),
         normalised=projection.pulls / np.sqrt(own) if stated else None,
     )
+
+
+def outlier_probability(external: Floats, dof: int) -> float:
+    """Return the probability that any of all externally studentised residuals is this large (Bonferroni)."""
+    largest = float(np.max(np.abs(np.nan_to_num(external))))
+    return min(1.0, 2.0 * external.size * float(special.stdtr(max(dof - 1, 1), -largest)))
+
+
+def outlier_limit(rows: int, dof: int, probability: float) -> float:
+    """Return the externally studentised residual that one of so many rows exceeds with a probability (Bonferroni)."""
+    return -float(special.stdtrit(max(dof - 1, 1), probability / 2.0 / rows))
 
 
 def robustly_studentised(projection: Projection) -> Floats:

@@ -1,6 +1,7 @@
 """Sums of squares of independent errors: tests of nested models, information criteria."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,11 +70,25 @@ def chi2_probability(square: float, dof: int) -> float:
     return float(special.chdtrc(dof, square))
 
 
-def adjusted(probability: float, tests: int) -> float:
+def adjusted(probability: float, tests: float) -> float:
     """Return a probability that counts how many tests were looked at (Šidák)."""
     if probability >= 1.0:
         return 1.0
     return float(-np.expm1(tests * np.log1p(-probability)))
+
+
+def holm_factors(probabilities: Sequence[float]) -> list[float]:
+    """Return by what each of several tests raises its probability because the others were made too (Holm).
+
+    With all raised, one of them is significant by chance as rarely as a single test is.
+    """
+    count, order = len(probabilities), np.argsort(probabilities, kind="stable").tolist()
+    factors, largest = [1.0] * count, 0.0
+    for place, test in enumerate(order):
+        probability = probabilities[test]
+        largest = max(largest, (count - place) * probability)
+        factors[test] = largest / probability if probability > 0.0 else float(count - place)
+    return factors
 
 
 def aicc(square: float, rows: int, free: int) -> float:

@@ -151,10 +151,7 @@ def identify(
     if any(term.source == "theta4" for term in terms):
         used = replace(used, theta4_rad=beam_turn_rad(used, (link1_mm, link2_mm), rough))
     _require_points(used, layout)
-    if budget is not None and used.sigma_mm is not None:
-        # What differs from reading to reading is stated with the points.
-        budget = Budget(budget.systematic)
-    distances = distance_model(layout, used, budget)
+    distances = distance_model(layout, used, counted_budget(used, budget))
     start = distances.start(link1_mm, link2_mm, rough)
     require_separable(distances, start)
     distances, found = _estimated(distances, start)
@@ -168,6 +165,11 @@ def identify(
         rejected,
         distances.budget,
     )
+
+
+def counted_budget(points: Points, budget: Budget | None) -> Budget | None:
+    """Return what counts of a budget: what differs from reading to reading does not where the points state it."""
+    return budget if budget is None or points.sigma_mm is None else Budget(budget.systematic)
 
 
 def require_separable(distances: DistanceModel, nominal: Floats) -> None:
@@ -203,16 +205,19 @@ def _estimated(distances: DistanceModel, start: Floats) -> tuple[DistanceModel, 
     return distances, found
 
 
-def with_spectra(budget: Budget, distances: DistanceModel, values: Floats) -> Budget:
+def with_spectra(
+    budget: Budget, distances: DistanceModel, values: Floats, *, for_test: bool = False
+) -> Budget:
     """Return a budget with what distances say about the harmonics of its axis-angle contributors.
 
     Args:
         values: an estimate, shape (p,).
+        for_test: take the variances that a test needs, not those of an uncertainty.
     """
     if not any(one.open for one in budget.systematic):
         return budget
     compressed = Compressed.of(distances, values)
-    ratios = variance_ratios(compressed)
+    ratios = variance_ratios(compressed, for_test=for_test)
     asked = () if distances.budget is None else distances.budget.systematic
     spectra = {one: tuple(ratios[compressed.contributor == k].tolist()) for k, one in enumerate(asked)}
     return Budget(

@@ -40,6 +40,11 @@ class SeparatedOrder:
         return float(np.hypot(self.cosine_mm, self.sine_mm))
 
     @property
+    def u_parts_mm(self) -> tuple[float, float]:
+        """Standard uncertainties of cosine and sine."""
+        return float(np.sqrt(self.covariance_mm2[0, 0])), float(np.sqrt(self.covariance_mm2[1, 1]))
+
+    @property
     def u_mm(self) -> float:
         """Standard uncertainty of the amplitude, along the wave found."""
         amplitude = self.amplitude_mm

@@ -219,6 +219,14 @@ class Context(Protocol):
         """Return where an independent instrument (a laser tracker) sees its target after settling."""
         ...
 
+    async def remounted(self, turned_deg: float) -> None:
+        """Take note of how what the arm carries is mounted from now on.
+
+        Args:
+            turned_deg: angle about the last axis against its mounting at the beginning of the run.
+        """
+        ...
+
     async def pause(self, duration_s: float) -> None:
         """Let the arm stand still for a time, s."""
         ...

@@ -73,8 +73,8 @@ class Basis:
         missing: what a run is that found nothing, and what to do about it.
         fits: returns whether a run belongs to a bench as its cell file has it.
         misfit: what a run that does not fit did, and what to do about it.
-        overtaken_by: procedure after which what was found may not hold any more.
-        overtakes: returns whether a run of that procedure has changed it.
+        overtaken_by: procedures after which what was found may not hold any more.
+        overtakes: returns whether a run of one of them has changed it.
         overtaken: what that run did to an earlier one, whose name stands for `{run}`, and what to do about it.
     """
 
@@ -85,7 +85,7 @@ class Basis:
     missing: str
     fits: Callable[[Any, EarlierRun], bool]
     misfit: str
-    overtaken_by: str
+    overtaken_by: tuple[str, ...]
     overtakes: Callable[[EarlierRun], bool]
     overtaken: str
 

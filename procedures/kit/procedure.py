@@ -2,10 +2,11 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 from pydantic import BaseModel
 
+from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.event_text import EventTexts
 from catseye.procedures.kit.needs import Needs
@@ -91,6 +92,11 @@ class Procedure(ABC):
         Raises:
             PlanError: the plan cannot be made; the text says why and what to do.
         """
+
+    def equipped(self, bench: Any, params: Any) -> Bench:
+        """Return the bench as a run finds and makes it: every motion is checked against its bodies."""
+        del params
+        return cast("Bench", bench)
 
     @abstractmethod
     async def run(self, ctx: Context, plan: Any) -> None:

@@ -89,6 +89,11 @@ class System:
             raise ManualStepError(f"there is no axis {name!r} to move; there are {', '.join(moved)}")
         return moved[name]
 
+    def turned(self, turned_deg: float) -> "System":
+        """Return the system with what the arm carries mounted turned about the last axis, deg."""
+        del turned_deg
+        return self
+
     def aimed_at(self, pose: Pose) -> str | None:
         """Return the target that an instrument on the arm is meant for at a pose; None for none."""
         del pose

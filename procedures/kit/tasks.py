@@ -27,10 +27,22 @@ class PlaceReflector:
 
 
 @dataclass(frozen=True, kw_only=True)
+class MountInterferometer:
+    """Take the interferometer off the arm and mount it turned about the arm's last axis.
+
+    Attributes:
+        turned_deg: angle against its mounting at the beginning of the run.
+    """
+
+    do: Literal["mount-interferometer"] = "mount-interferometer"
+    turned_deg: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class ClearBeam:
     """Take away what stands in the beam."""
 
     do: Literal["clear-beam"] = "clear-beam"
 
 
-Task = TurnScrew | PlaceReflector | ClearBeam
+Task = TurnScrew | PlaceReflector | MountInterferometer | ClearBeam

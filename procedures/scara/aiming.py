@@ -31,10 +31,13 @@ def _fits(bench: ScaraBench, run: EarlierRun) -> bool:
 
 
 def _moved_beam(run: EarlierRun) -> bool:
-    """Return whether hands were sent to the stage; a question that a process died over may have been acted on."""
+    """Return whether hands were sent to the stage, or to turn the interferometer.
+
+    A question that a process died over may have been acted on.
+    """
     asked = {str(data["id"]) for data in run.data_of("asked")}
     refused = {name for name, answer in run.answers().items() if answer == "no"}
-    return any(name.startswith("stage/") for name in asked - refused)
+    return any(name.startswith(("stage/", "mount/")) for name in asked - refused)
 
 
 SEARCHED: Final = Basis(
@@ -46,7 +49,7 @@ SEARCHED: Final = Basis(
     fits=_fits,
     misfit="searched reflectors at other rough places than the cell file's: search again, or plan with "
     "--search none",
-    overtaken_by="beam-to-j4",
+    overtaken_by=("beam-to-j4", "open-loop"),
     overtakes=_moved_beam,
     overtaken="moved the beam after {run} had searched with it: its places and θ40 do not hold any more. "
     "Search again (catseye run reflector-search), or take the old aim all the same with --search {run}",

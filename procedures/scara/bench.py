@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.calibration.kinematics.bodies import Capsule
+from catseye.calibration.kinematics.bodies import Capsule, Point
 from catseye.calibration.scara.plausibility.bounds import BOUNDS, Bounds
 from catseye.drivers.roles.pose import Range
 from catseye.procedures.kit.bench import Bench, Stand
@@ -121,6 +121,8 @@ class ScaraBench(Bench):
         noise: what a distance is good for.
         gear_orders: known periods of the gears of J1 and of J2 in a turn of the joint.
         plausibility: how far an identified arm may be from what was known before.
+        mount_deg: angle by which the interferometer is turned on J4's flange against its first mounting; the zero
+            direction of the beam contains it.
     """
 
     link1_mm: float
@@ -136,6 +138,7 @@ class ScaraBench(Bench):
     noise: Noise = Noise()
     gear_orders: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
     plausibility: Bounds = BOUNDS
+    mount_deg: float = 0.0
 
     def chosen(self, names: Sequence[str]) -> tuple[Reflector, ...]:
         """Return the reflectors of these names in their order; all when there are no names.
@@ -178,6 +181,26 @@ class ScaraBench(Bench):
             "put the reflector out of the arm's reach, or take nodes near it out of [measurement]",
         )
 
+    def with_turned_head(self) -> "ScaraBench":
+        """Return the bench with what is mounted on J4 at both places, as it is and turned by half a turn."""
+        workspace, last = self.workspace, len(self.workspace.chain.joints)
+        turned = tuple(
+            replace(
+                body,
+                name=f"{body.name}, turned",
+                start_mm=_half_turned(body.start_mm),
+                end_mm=_half_turned(body.end_mm),
+            )
+            for body in workspace.bodies
+            if body.frame == last
+        )
+        return replace(self, workspace=replace(workspace, bodies=(*workspace.bodies, *turned)))
+
+    def mounted(self, mount_deg: float) -> "ScaraBench":
+        """Return the bench with the interferometer mounted so far turned against its first mounting."""
+        theta40_deg = self.optics.theta40_deg + mount_deg - self.mount_deg
+        return replace(self, mount_deg=mount_deg, optics=replace(self.optics, theta40_deg=theta40_deg))
+
     def aimed(self, places_mm: dict[str, tuple[float, float]], theta40_deg: float) -> "ScaraBench":
         """Return the bench with places and zero direction found by a search."""
         moved = tuple(
@@ -187,3 +210,8 @@ class ScaraBench(Bench):
             for reflector in self.reflectors
         )
         return replace(self, reflectors=moved, optics=replace(self.optics, theta40_deg=theta40_deg))
+
+
+def _half_turned(place_mm: Point) -> Point:
+    x_mm, y_mm, z_mm = place_mm
+    return -x_mm, -y_mm, z_mm

@@ -66,6 +66,10 @@ class ScaraSystem(System):
         """Return the pose at the end of a step by hand; see `manual_steps.step_target`."""
         return step_target(self._scara, here, name, by, aim)
 
+    def turned(self, turned_deg: float) -> "ScaraSystem":
+        """Return the system with the interferometer mounted turned about the J4 axis, deg."""
+        return ScaraSystem(self._scara.mounted(turned_deg))
+
     def aimed_at(self, pose: Pose) -> str | None:
         """Return the reflector that the beam is meant for; None when it passes all of them."""
         bench = self._scara

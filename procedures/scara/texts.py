@@ -56,6 +56,10 @@ def _known(data: Data) -> str:
     return text if len(text) <= _SHORT else text[: _SHORT - 1] + "…"
 
 
+def _mounted(data: Data) -> str:
+    return f"the interferometer is mounted turned by {float(data['turned_deg']):.2f}° about the J4 axis"
+
+
 def _left_out(data: Data) -> str:
     return f"{data.get('reflector')}: point {int(data.get('point', 0)) + 1} LEFT OUT: {data.get('reason')}"
 
@@ -77,5 +81,6 @@ MEASUREMENT: Final[EventTexts] = {
     **FOLLOWING,
     "point-left-out": EventText(_left_out),
     "closure-left-out": EventText(_closure_left_out),
+    "mounted": EventText(_mounted),
     "map-known": EventText(_known, passing=True),
 }

@@ -64,8 +64,15 @@ class BeamState(BaseModel):
 
 
 class MountState(BaseModel):
-    """How the beam lies on the arm; `turns` is what each screw's head has turned, clockwise positive."""
+    """How the beam lies on the arm; `turns` is what each screw's head has turned, clockwise positive.
 
+    Attributes:
+        turned_deg: angle of the interferometer about the last axis against its first mounting.
+        ahead_mm: how much farther along the beam its length begins than in that mounting.
+    """
+
+    turned_deg: float
+    ahead_mm: float
     offset_mm: float
     pitch_mrad: float
     height_j3_mm: float
@@ -230,6 +237,13 @@ class TurnScrew(Request[Answer]):
     screw: Literal["stage", "level"]
     # A screw has an end, and so has a hand's patience.
     turns: float = Field(ge=-20.0, le=20.0)
+
+
+class MountInterferometer(Request[Answer]):
+    """Take the interferometer off the arm and mount it so far turned against its first mounting."""
+
+    op = "mount_interferometer"
+    turned_deg: float = Field(ge=-360.0, le=360.0)
 
 
 class PlaceReflector(Request[Nests]):
@@ -400,6 +414,7 @@ _OPERATIONS: dict[str, type[Request[Any]]] = {
         ReadLog,
         SetSpeed,
         TurnScrew,
+        MountInterferometer,
         PlaceReflector,
         ClearBeam,
         Fault,

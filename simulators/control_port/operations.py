@@ -1,5 +1,6 @@
 """What each request of the control port does to the bench, and the conversation with its clients."""
 
+import math
 from dataclasses import asdict, dataclass
 from itertools import chain
 from typing import Any
@@ -76,6 +77,8 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
             context.keeper.speed = request.value
         case messages.TurnScrew():
             beam.turn_screw(request.screw, request.turns)
+        case messages.MountInterferometer():
+            beam.remount(request.turned_deg)
         case messages.PlaceReflector():
             beam.place_reflector(request.reflector)
             return messages.Nests(in_place=beam.in_place)
@@ -188,6 +191,8 @@ def _beam(context: EmulationContext) -> messages.BeamState:
 def _mount(context: EmulationContext) -> messages.MountState:
     mount = context.bench.beam.mount
     return messages.MountState(
+        turned_deg=math.degrees(mount.turn_rad),
+        ahead_mm=mount.ahead_mm,
         offset_mm=mount.offset_mm,
         pitch_mrad=1e3 * mount.pitch_rad,
         height_j3_mm=mount.height_mm,

@@ -15,7 +15,7 @@ class BeamPoses:
     Attributes:
         time_s: bench times, s.
         axis_mm: true position of the axis that turns the beam, mm.
-        beam_rad: true world direction of the beam, rad.
+        beam_rad: true world direction of the beam of an interferometer mounted as at first, rad.
         height_mm: of the arm's end, mm.
         white_mm: white noise of the length at these places, mm.
     """

@@ -189,6 +189,18 @@ class Beam:
         """How the beam lies on the arm."""
         return self._optics.mount
 
+    def remount(self, turned_deg: float) -> None:
+        """Take the interferometer off the arm and mount it turned; nothing is counted meanwhile.
+
+        Args:
+            turned_deg: angle about the last axis against the first mounting.
+        """
+        self.observe()
+        with self._optics.in_hand():
+            self.observe()
+            self.mount.remount(turned_deg)
+        self.observe()
+
     def turn_screw(self, screw: str, turns: float) -> None:
         """Turn a screw of the mount; the counter counts what the beam's length changes by.
 

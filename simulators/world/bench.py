@@ -223,7 +223,7 @@ class Bench:
         return TrueState(
             axis_mm=(axis.real, axis.imag),
             joints=self._arm.true_joints(self.time_s),
-            beam_deg=float(np.rad2deg(poses.beam_rad[0])),
+            beam_deg=float(np.rad2deg(poses.beam_rad[0] + self.beam.mount.turn_rad)),
             play=tuple(float(state) for state in self._arm.play_at(self.time_s)),
             reflector=nearest if sight.index[0] != NOBODY else None,
             nearest=nearest,

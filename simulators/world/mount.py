@@ -1,4 +1,6 @@
-"""How the interferometer is mounted on the arm: offset, pitch and height of its beam, and their screws."""
+"""How the interferometer is mounted on the arm: angle, offset, pitch and height of its beam, and their screws."""
+
+import math
 
 import numpy as np
 
@@ -53,6 +55,8 @@ class Mount:
         offset_mm: lateral offset of the beam from the arm's last axis, positive to its left.
         pitch_rad: angle of the beam above the XY plane.
         height_mm: height of the arm at which the beam, where it starts, lies in the plane of the reflectors.
+        turn_rad: angle by which the interferometer is turned about the last axis against its first mounting.
+        ahead_mm: how much farther along the beam its length begins than in the first mounting.
         screws: by name: "stage" moves the beam to its side, "level" tilts it.
     """
 
@@ -64,9 +68,27 @@ class Mount:
         self.pitch_rad = 1e-3 * (pitch_mrad if config.beam_pitch_mrad is None else config.beam_pitch_mrad)
         level_mm = config.beam_height_mm
         self.height_mm = start_height_mm + height_mm if level_mm is None else level_mm
+        self.turn_rad = 0.0
+        self.ahead_mm = 0.0
+        self._remounting = config.remounting
+        self._hands = np.random.default_rng([config.seed, 15])
         rng = np.random.default_rng([config.seed, 12])
         hand = (rng, self._config.setting_turns, self._config.play_turns)
         self.screws = {"stage": Screw(*hand), "level": Screw(*hand)}
+
+    def remount(self, turned_deg: float) -> None:
+        """Take the interferometer off and mount it turned; its beam lies otherwise than before.
+
+        Args:
+            turned_deg: angle about the last axis against the first mounting, as asked for.
+        """
+        scatter = self._remounting
+        turn, offset, pitch, height, ahead = (float(value) for value in self._hands.standard_normal(5))
+        self.turn_rad = math.radians(turned_deg + scatter.turn_deg * turn)
+        self.offset_mm += scatter.offset_mm * offset
+        self.pitch_rad += 1e-3 * scatter.pitch_mrad * pitch
+        self.height_mm += scatter.height_mm * height
+        self.ahead_mm = scatter.ahead_mm * ahead
 
     def turn(self, screw: str, turns: float) -> None:
         """Turn a screw, clockwise positive.

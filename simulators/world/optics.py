@@ -1,7 +1,8 @@
 """The beam from the arm to the reflectors: who is hit, how far, what blocks it."""
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,7 +51,8 @@ class Sight:
 class Optics:
     """Reflectors in their nests, base column and faults in the way of the beam.
 
-    The beam starts beside the arm's last axis by a lateral offset and rises by its pitch; its length is
+    The beam leaves at the angle of the arm's last axis and of the mount on it; it starts beside that axis by a
+    lateral offset and rises by its pitch; its length is
     measured along the beam, so the cosine errors of miss and pitch are in it. A reflector returns the beam when
     it is in place, the miss is within its acceptance, it lies ahead, the beam comes within its field, and
     neither the column nor a fault stands between. The acceptance is that of a full signal; it shrinks with what
@@ -90,6 +92,13 @@ class Optics:
         """Let something stand in the beam between two bench times."""
         self._blocked_s = (from_s, until_s)
 
+    @contextmanager
+    def in_hand(self) -> Iterator[None]:
+        """Let somebody hold the interferometer in hand, so that no beam returns."""
+        before_s, self._blocked_s = self._blocked_s, (-np.inf, np.inf)
+        yield
+        self._blocked_s = before_s
+
     @property
     def in_place(self) -> list[str]:
         """Names of the nests with a reflector in them."""
@@ -120,14 +129,14 @@ class Optics:
 
     def look(self, poses: BeamPoses) -> Sight:
         """Return what the beam meets in each pose."""
-        beam = np.exp(1j * poses.beam_rad)
         mount = self.mount
+        beam = np.exp(1j * (poses.beam_rad + mount.turn_rad))
         origin = poses.axis_mm + 1j * mount.offset_mm * beam
         relative = (self._centres - origin[:, None]) * np.conj(beam)[:, None]
         along = relative.real
         lift = (poses.height_mm - mount.height_mm)[:, None]
         rise, run = math.sin(mount.pitch_rad), math.cos(mount.pitch_rad)
-        length = along * run - lift * rise
+        length = along * run - lift * rise - mount.ahead_mm
         miss = np.hypot(relative.imag, along * rise + lift * run)
         returns = (miss <= self._reach_mm()) & (along > 0.0) & self._in_place
         if returns.any():

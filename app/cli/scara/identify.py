@@ -102,7 +102,16 @@ def _hand_over(result: "Result", output: Path, *, as_json: bool) -> None:
             {
                 "result": str(output),
                 **result.model_dump(
-                    include={"model", "gauge", "link1_mm", "link2_mm", "extension", "fit", "budget"}
+                    include={
+                        "model",
+                        "gauge",
+                        "link1_mm",
+                        "link2_mm",
+                        "extension",
+                        "fit",
+                        "budget",
+                        "j4_orders",
+                    }
                 ),
             }
         )

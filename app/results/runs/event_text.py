@@ -106,7 +106,10 @@ def _moved(data: Data) -> str:
 
 
 def _hands(data: Data) -> str:
-    did = {"turn_screw": f"turned the {data.get('screw')} screw by {data.get('turns')} turns"}
+    did = {
+        "turn_screw": f"turned the {data.get('screw')} screw by {data.get('turns')} turns",
+        "mount_interferometer": f"mounted the interferometer turned by {data.get('turned_deg')}°",
+    }
     what = did.get(str(data.get("op"))) or plain_text("did", data)
     return f"the emulated operator's hands {what}"
 

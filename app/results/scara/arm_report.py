@@ -28,6 +28,7 @@ from catseye.app.results.scara.result_report import (
     reflector_section,
 )
 from catseye.app.results.scara.search_section import search_section
+from catseye.app.results.scara.separated_text import separated_section, separated_statements
 from catseye.app.results.scara.standards_report import standards_section
 from catseye.app.results.scara.truth_tables import truth_statement
 from catseye.app.results.scara.validation_report import path_section
@@ -68,7 +69,7 @@ def verdict(findings: Findings, incidents: int = 0) -> list[Statement]:
     )
     if findings.truth is not None and best.model == "error-map":
         statements.append(truth_statement(best, findings.truth))
-    statements += nodes_only_statements(best)
+    statements += [*separated_statements(best), *nodes_only_statements(best)]
     # Segments that are too short, and single distances.
     left_out = [f"{len(best.fit.rejected)} left out"] if best.fit.rejected else []
     left_out += [f"{counted(incidents, 'incident')} on the way"] if incidents else []
@@ -93,6 +94,7 @@ def _result_sections(findings: Findings, measurement: Measurement) -> list[Secti
         fit_section(findings.models),
         diagnosis_section(findings.diagnosis),
         _uncertainty_section(best, measurement.cell),
+        separated_section(best),
         _layout_section(findings),
         reflector_section(best, map_truth),
     ]

@@ -1,18 +1,15 @@
 """Diagnosis of the error map of distances."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy import special
 
 from catseye.app.results.scara.distances import DistanceSource
 from catseye.app.results.scara.identify import identify_points, problem_of_points
 from catseye.app.results.scara.result import term_unit
-from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.scara.budget import Budget
-from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, diagnose
+from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis, Progress, diagnose
 from catseye.calibration.scara.diagnostics.nested_models import ComparedModel
 from catseye.procedures.kit.columns import Columns
 from catseye.procedures.scara.bench import ScaraBench
@@ -28,7 +25,7 @@ class Coefficient:
     unit: Literal["mdeg", "µm"]
 
 
-def diagnose_distances(source: DistanceSource, progress: Callable[[str], None] = lambda _: None) -> Diagnosis:
+def diagnose_distances(source: DistanceSource, progress: Progress = lambda _share, _text: None) -> Diagnosis:
     """Diagnose the error map of distances; see `diagnose_points`."""
     return diagnose_points(source.points, source.bench, source.stated.budget, progress)
 
@@ -37,19 +34,17 @@ def diagnose_points(
     points: Columns,
     bench: ScaraBench,
     budget: Budget | None,
-    progress: Callable[[str], None] = lambda _: None,
+    progress: Progress = lambda _share, _text: None,
 ) -> Diagnosis:
     """Diagnose the error map of distances.
-
-    Args:
-        progress: called with what comes next.
 
     Raises:
         CalibrationError: the distances cannot determine the error map.
         ImplausibleError: the arm cannot be the one that was measured.
     """
-    identify_points(points, bench, "error-map", budget)
-    return diagnose(problem_of_points(points, bench, "error-map", budget), progress)
+    progress(0.0, "error map")
+    found = identify_points(points, bench, "error-map", budget)
+    return diagnose(problem_of_points(points, bench, "error-map", budget), progress, found)
 
 
 def coefficients(model: ComparedModel) -> list[Coefficient]:
@@ -60,14 +55,8 @@ def coefficients(model: ComparedModel) -> list[Coefficient]:
     ]
 
 
-def outlier_limit(diagnosis: Diagnosis) -> float:
-    """Return the studentised residual that one distance of all exceeds by chance with 1 % (Bonferroni)."""
-    fit = diagnosis.identified.fit
-    return -float(special.stdtrit(max(fit.dof - 1, 1), SIGNIFICANCE / 2.0 / fit.n_points))
-
-
 def outlying(diagnosis: Diagnosis) -> list[int]:
     """Return the distances beyond the limit, the farthest first."""
     size = np.abs(np.nan_to_num(diagnosis.residuals.external))
     order = np.argsort(-size)
-    return [int(i) for i in order if size[i] > outlier_limit(diagnosis)]
+    return [int(i) for i in order if size[i] > diagnosis.outlier_limit]

@@ -10,7 +10,7 @@ from catseye.app.results.document import Document, Stated
 from catseye.app.results.figure_document import FigureParts
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import MDEG_PER_RAD
-from catseye.app.results.scara.diagnosis import coefficients, outlier_limit, outlying
+from catseye.app.results.scara.diagnosis import coefficients, outlying
 from catseye.app.results.scara.diagnosis_findings import distance_text, findings
 from catseye.app.results.scara.figures.diagnosis import diagnosis_figures
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
@@ -67,6 +67,8 @@ class ModelPart(Document):
     Attributes:
         base: the model that it extends; None for the smallest.
         refused: why it cannot be identified; None where it can.
+        probability: of what it explains, or more, beside all stated errors; it counts all checks of the diagnosis.
+        as_stated: it is there, and no larger than the stated errors make it.
     """
 
     name: str
@@ -80,6 +82,7 @@ class ModelPart(Document):
     f_ratio: Stated
     probability: float
     significant: bool
+    as_stated: bool = False
     terms: list[ModelTerm]
 
 
@@ -279,6 +282,7 @@ def _model(model: ComparedModel) -> ModelPart:
         f_ratio=model.ratio,
         probability=model.probability,
         significant=model.significant,
+        as_stated=model.as_stated,
         terms=[
             ModelTerm(
                 name=term.name, unit="mdeg" if term.unit == "mdeg" else "um", value=term.value, u=term.u
@@ -292,7 +296,7 @@ def _outliers(diagnosis: Diagnosis) -> Outliers:
     residuals = diagnosis.residuals
     influential = int(np.argmax(np.nan_to_num(residuals.cook)))
     return Outliers(
-        limit=outlier_limit(diagnosis),
+        limit=diagnosis.outlier_limit,
         distances=[_outlier(diagnosis, row) for row in outlying(diagnosis)],
         largest_leverage=float(residuals.leverage.max()),
         most_influential=InfluentialDistance(

@@ -6,7 +6,7 @@ import numpy as np
 
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import MDEG_PER_RAD, listed
-from catseye.app.results.scara.diagnosis import coefficients, outlier_limit, outlying
+from catseye.app.results.scara.diagnosis import coefficients, outlying
 from catseye.app.results.scara.names import ANGLES, VARYING
 from catseye.calibration.core.cross_validation import CrossValidation
 from catseye.calibration.core.significance import SIGNIFICANCE
@@ -40,9 +40,9 @@ def findings(diagnosis: Diagnosis) -> list[Statement]:
 def _fit(diagnosis: Diagnosis) -> Statement:
     fit = diagnosis.identified.fit
     text = f"The error map leaves {fit.rms_um:.1f} µm rms in {fit.n_points} distances"
-    if fit.chi2_reduced is None or fit.chi2_probability is None:
+    if fit.chi2_reduced is None or diagnosis.misfit is None:
         return Statement(Sign.NEUTRAL, f"{text}; no uncertainty is stated that this could be compared with.")
-    agrees = fit.chi2_probability >= SIGNIFICANCE
+    agrees = diagnosis.misfit >= SIGNIFICANCE
     words = "agrees with" if agrees else "exceeds"
     figures = f"χ²/dof = {fit.chi2_reduced:.2f}"
     return Statement(
@@ -67,7 +67,9 @@ def _error_map(model: ComparedModel) -> str:
 
 def _extension(model: ComparedModel) -> str:
     if model.refused:
-        return f"{model.name} cannot be told from these distances"
+        return f"{model.name} cannot be identified from these distances"
+    if model.as_stated:
+        return f"{model.name} no larger than the stated errors ({_clearest(model)})"
     if not model.significant:
         return f"no {model.name} ({_clearest(model)})"
     return f"{model.name} adds {model.explained_um:.1f} µm, significant"
@@ -99,7 +101,7 @@ def distance_text(diagnosis: Diagnosis, row: int) -> str:
 
 def _single_distances(diagnosis: Diagnosis) -> list[Statement]:
     external: Floats = np.nan_to_num(diagnosis.residuals.external)
-    far, limit = outlying(diagnosis), outlier_limit(diagnosis)
+    far, limit = outlying(diagnosis), diagnosis.outlier_limit
     if not far:
         largest = float(np.abs(external).max())
         return [
@@ -244,8 +246,8 @@ def _nodes(nodes: NodeSpacing) -> list[Statement]:
         found.append(
             Statement(
                 Sign.NEUTRAL,
-                f"Whether nodes of {' and '.join(unseen)} should stand closer cannot be known: commands stand on the "
-                "nodes only. Measure between them.",
+                f"Whether nodes of {' and '.join(unseen)} should stand closer cannot be known: too few commands "
+                "stand between them.",
             )
         )
     return found

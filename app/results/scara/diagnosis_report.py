@@ -47,8 +47,9 @@ def diagnosis_section(diagnosis: Diagnosis | None) -> Section:
 def _models(models: Sequence[ComparedModel]) -> Table:
     return Table(
         "models",
-        "Nested models. The error map is compared with the conventional model, all others with the error map. "
-        "Probabilities count how many extensions were tried",
+        "Nested models beside all stated errors. The error map is compared with the conventional model, all others "
+        "with the error map. Probabilities count all checks of the diagnosis; as stated: it is there, and no larger "
+        "than the stated errors make it",
         (
             Column("name", "model"),
             Column("n_parameters", "parameters", format=COUNT),
@@ -80,6 +81,8 @@ def _model(model: ComparedModel) -> tuple[Cell, ...]:
 
 
 def _judged(model: ComparedModel) -> str:
+    if model.as_stated:
+        return "as stated"
     return "significant" if model.significant else "not significant"
 
 

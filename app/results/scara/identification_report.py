@@ -4,6 +4,7 @@ from catseye.app.results.model import Report, Sign, Statement, section
 from catseye.app.results.scara.budget_text import budget_statements
 from catseye.app.results.scara.fit_text import fit_statements, left_out_statements, nodes_only_statements
 from catseye.app.results.scara.result import Result
+from catseye.app.results.scara.separated_text import separated_statements
 from catseye.app.results.scara.uncertainty import uncertainty_statements
 from catseye.app.results.scara.values import KINDS, parameter_table
 
@@ -16,7 +17,7 @@ def identification_report(result: Result) -> Report:
         f"gauge: {result.gauge}."
     )
     statements = [Statement(Sign.NEUTRAL, size), *fit_statements(result), *left_out_statements(result)]
-    statements += nodes_only_statements(result)
+    statements += [*separated_statements(result), *nodes_only_statements(result)]
     if result.budget is not None:
         statements += budget_statements(result.budget)
     if result.uncertainty is not None:

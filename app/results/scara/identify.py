@@ -21,6 +21,7 @@ from catseye.app.results.scara.plausible import failures_explained, require_plau
 from catseye.app.results.scara.points import point_columns, to_points
 from catseye.app.results.scara.result import Covariance, Result, TakenUpPart
 from catseye.app.results.scara.result_of import result_of
+from catseye.app.results.scara.separated_text import separated_part
 from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
 from catseye.app.store.software import SOFTWARE
@@ -29,6 +30,7 @@ from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.extension import Term, crosstalk, j4_map, periodic, thermal_drift
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.layout import ModelName
+from catseye.calibration.scara.reversal import separated_orders
 from catseye.procedures.kit.columns import Columns
 from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.bench import Reflector, ScaraBench
@@ -132,7 +134,8 @@ def identified_result(
     result = result_of(identified, nominal, sources, SOFTWARE, created, simulated)
     budget = budget.learnt(identified.budget)
     covariance = _with_taken_up(result.covariance, identified, budget)
-    return result.model_copy(update={"budget": budget, "covariance": covariance})
+    j4_orders = [separated_part(one) for one in separated_orders(identified)] or None
+    return result.model_copy(update={"budget": budget, "covariance": covariance, "j4_orders": j4_orders})
 
 
 def _with_taken_up(

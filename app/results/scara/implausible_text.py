@@ -14,6 +14,7 @@ from catseye.calibration.scara.plausibility.findings import (
     LinksExchanged,
     Mirror,
     Mistake,
+    MountingForgotten,
     NamesExchanged,
     Offset,
     OtherLinks,
@@ -85,6 +86,11 @@ def mistake_text(mistake: Mistake) -> str:
             return f"the rough places of the reflectors are wrong in the cell file: {_MIRRORS[mirror]}"
         case ZeroLost() | ReflectorMoved():
             return _jump_text(mistake)
+        case MountingForgotten(reflector, segment, row):
+            return (
+                f"from distance {row + 1} on ({reflector}, segment {segment}) the distances are those of an "
+                "interferometer that was turned by half a turn on J4's flange: state mount_deg = 180 from there on"
+            )
 
 
 def _jump_text(mistake: ZeroLost | ReflectorMoved) -> str:

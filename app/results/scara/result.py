@@ -223,6 +223,24 @@ class ScanPart(ResultPart):
     histogram: list[int]
 
 
+class J4OrderPart(ResultPart):
+    """An order of J4's angle in the distance that the interferometer in two mountings has separated from the maps.
+
+    Attributes:
+        contributor: its name in the budget.
+        order: multiple of J4's angle.
+        cosine_um: in the first mounting.
+        sine_um: likewise.
+        amplitude_um: of both together.
+    """
+
+    contributor: str
+    order: int
+    cosine_um: Estimate
+    sine_um: Estimate
+    amplitude_um: Estimate
+
+
 class Implausible(ResultPart):
     """What speaks against the arm, and the reason why it was kept all the same."""
 
@@ -253,6 +271,7 @@ class Result(ResultPart):
     residuals: Residuals | None = None
     uncertainty: UncertaintyPart | None = None
     budget: BudgetPart | None = None
+    j4_orders: list[J4OrderPart] | None = None
     scan: ScanPart | None = None
     implausible: Implausible | None = None
     provenance: Provenance

@@ -110,6 +110,10 @@ class Walk:
         """Highest override of this walk."""
         return min(MOST_PERCENT, self._bench.arm.override_percent)
 
+    def equipped(self, bench: Bench, params: Any) -> Bench:
+        """Return the procedure's own bench."""
+        return self.procedure.equipped(bench, params)
+
     def plan(self, bench: Bench, params: Any) -> Any:
         """Plan the procedure."""
         return self.procedure.plan(bench, params)

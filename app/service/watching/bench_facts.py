@@ -1,7 +1,7 @@
 """What of a bench does not change while it is watched: its devices, its layout, its air rule."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -52,6 +52,10 @@ class BenchFacts:
     def system(self) -> System:
         """What there is to ask of the bench."""
         return system_of(self.bench)
+
+    def turned(self, turned_deg: float) -> "BenchFacts":
+        """Return the facts with what the arm carries mounted turned about the last axis, deg."""
+        return replace(self, bench=self.system.turned(turned_deg).bench) if turned_deg else self
 
 
 def facts_of(cell: Cell, bench: Bench) -> BenchFacts:

@@ -135,7 +135,7 @@ class Telemetry:
             return None
         run = self._audience.run
         return bench_status(
-            self.facts,
+            self.facts if run is None else self.facts.turned(run.turned_deg),
             self.latest,
             moving=run is not None and run.control.moving,
             simulated=None if run is None else run.simulated,

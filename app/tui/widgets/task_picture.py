@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from catseye.procedures.kit.tasks import ClearBeam, PlaceReflector, Task, TurnScrew
+from catseye.procedures.kit.tasks import ClearBeam, MountInterferometer, PlaceReflector, Task, TurnScrew
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
@@ -17,6 +17,8 @@ def task_picture(task: Task | None, reflectors: "Sequence[ReflectorPlace]" = ())
             return _screw(task.turns, task.screw)
         case PlaceReflector():
             return _nests(task.reflector, reflectors)
+        case MountInterferometer():
+            return _mounting(task.turned_deg)
         case ClearBeam():
             return ["▣━━━━━━━ ╳ ━━━━━━━◗   nothing may stand in the beam"]
         case None:
@@ -31,6 +33,14 @@ def _screw(turns: float, screw: str) -> list[str]:
         f"╭──{above}──╮",
         f"│  ✚  │   {abs(turns):.2f} turns {way}",
         f"╰──{below}──╯   {360.0 * abs(turns):.0f}° of the {screw} screw",
+    ]
+
+
+def _mounting(turned_deg: float) -> list[str]:
+    """Draw the flange from above, and where the beam leaves before and after."""
+    return [
+        "before  ◀━━━━━━(◎)",
+        f"after          (◎)━━━━━━▶   turned by {turned_deg:.0f}° on the flange",
     ]
 
 

@@ -39,6 +39,7 @@ class Study:
         link2_mm: nominal length of link 2.
         commands: where the arm is sent, n rows.
         budget: contributors to the uncertainty of a distance.
+        mount_rad: by how much the interferometer is turned on J4's flange, shape (n,); None for 0.
     """
 
     layout: Layout
@@ -46,6 +47,7 @@ class Study:
     link2_mm: float
     commands: Commands
     budget: Budget
+    mount_rad: Floats | None = None
 
     def __post_init__(self) -> None:
         require_links(self.link1_mm, self.link2_mm)
@@ -107,8 +109,10 @@ class Study:
         )
 
     def _geometry(self, unit: Floats, length: Floats) -> Geometry:
-        nothing = np.zeros(len(self.commands), dtype=np.int64)
-        points = Points(self.commands, nothing, nothing, length, None, ("",), (("", 0),))
+        nothing, alone = np.zeros(len(self.commands), dtype=np.int64), np.arange(len(self.commands))
+        # Each row on its own: segments are the sight's affair.
+        paths = (("", 0),) * len(self.commands)
+        points = Points(self.commands, nothing, alone, length, None, ("",), paths, mount_rad=self.mount_rad)
         local = np.einsum("ni,nij->nj", unit, self._local)
         return seen_along(points, unit, length, local[:, 2:], self.layout)
 

@@ -6,11 +6,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from catseye.calibration.core.arguments import require_count
-from catseye.calibration.core.projection import addition
+from catseye.calibration.core.projection import Addition, additions
 from catseye.calibration.core.significance import Judged, adjusted
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.scara.diagnostics.projection import DistanceProjection, angles_rad, mounts_rad
 from catseye.calibration.scara.extension import Source, Target
+
+_AT_ONCE = 20
+"""Orders that are projected together: more of them take more memory, fewer more time."""
+
+_MOST_ANGLES = 1000
+"""So many different angles, evenly chosen, distinguish all orders that are looked at."""
 
 _SAME = 1.0 - 1e-9
 """Two orders whose waves at the commands correlate more than this are one."""
@@ -96,25 +102,19 @@ def _series(
     harmonics, absorbed = [], []
     # Turned half a turn, the interferometer sees the other side of what J4's axis does.
     # A distance owes its first order of θ4 to dead path, L2 and the mean of the J2 map: nothing of it is left.
-    for order, aliases in aliased_orders(angle_rad, range(2 if target == "length" else 1, orders + 1)):
-        one = _harmonic(projection, (target, source), factor, angle_rad, (order, aliases))
-        if one is None:
-            absorbed += [order, *aliases]
-        else:
-            harmonics.append(one)
+    groups = aliased_orders(angle_rad, range(2 if target == "length" else 1, orders + 1))
+    for first in range(0, len(groups), _AT_ONCE):
+        some = groups[first : first + _AT_ONCE]
+        columns = factor[:, None] * np.hstack([_wave(angle_rad, order) for order, _ in some])
+        for (order, aliases), found in zip(some, additions(projection, columns, 2), strict=True):
+            if found is None:
+                absorbed += [order, *aliases]
+            else:
+                harmonics.append(_harmonic(found, (target, source), (order, aliases)))
     return HarmonicSeries(target, source, tuple(harmonics), tuple(sorted(absorbed)))
 
 
-def _harmonic(
-    projection: DistanceProjection,
-    series: tuple[Target, Source],
-    factor: Floats,
-    angle_rad: Floats,
-    order: tuple[int, tuple[int, ...]],
-) -> Harmonic | None:
-    found = addition(projection, factor[:, None] * _wave(angle_rad, order[0]))
-    if found is None:
-        return None
+def _harmonic(found: Addition, series: tuple[Target, Source], order: tuple[int, tuple[int, ...]]) -> Harmonic:
     amplitude = float(np.hypot(*found.coefficients))
     along = found.coefficients / amplitude if amplitude > 0.0 else np.array([1.0, 0.0])
     return Harmonic(
@@ -144,6 +144,7 @@ def aliased_orders(angle_rad: Floats, orders: Sequence[int]) -> list[tuple[int, 
         The lowest order of each group and its aliases; an order that is constant at the commands is none.
     """
     distinct = angle_rad[np.unique(np.round(angle_rad, 9), return_index=True)[1]]
+    distinct = distinct[:: -(-distinct.size // _MOST_ANGLES)]
     bases = [_basis(distinct, order) for order in orders]
     groups: list[tuple[int, Floats, list[int]]] = []
     for order, basis in zip(orders, bases, strict=True):

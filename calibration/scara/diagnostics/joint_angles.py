@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.calibration.core.projection import addition
-from catseye.calibration.core.significance import Judged
+from catseye.calibration.core.significance import Judged, adjusted
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.diagnostics.projection import DistanceProjection, angles_rad, mounts_rad
 from catseye.calibration.scara.extension import Source
@@ -21,12 +21,13 @@ class AnglePattern(Judged):
     Attributes:
         joint: 1, 2, or 4.
         angle_deg: mean angle of each level, °.
-        mean_um: mean residual of each level (predicted minus measured), µm; along J4 of the first mounting: turned
-            by half a turn, the interferometer sees the other side of what J4's axis does.
+        mean_um: mean residual of each level (predicted minus measured), less what shared errors explain, µm; along J4
+            of the first mounting: turned by half a turn, the interferometer sees the other side of what J4's axis
+            does.
         count: distances of each level.
         explained_um: standard deviation of a distance that levels of their own would explain, µm.
         ratio: F; None when the model absorbs a level of its own for each angle.
-        probability: of a ratio this large when there is nothing but the stated errors.
+        probability: of a ratio this large when there is nothing but the stated errors, corrected for the joints.
     """
 
     joint: int
@@ -59,7 +60,7 @@ def angle_patterns(
 
 
 def _pattern(projection: DistanceProjection, joint: int, angle_rad: Floats, share: Floats) -> AnglePattern:
-    level = _levels(angle_rad)
+    level = levels(angle_rad)
     count = np.bincount(level)
     member = np.zeros((angle_rad.size, count.size))
     member[np.arange(angle_rad.size), level] = share
@@ -72,11 +73,12 @@ def _pattern(projection: DistanceProjection, joint: int, angle_rad: Floats, shar
         count=count.astype(np.int64),
         explained_um=0.0 if found is None else found.explained_um,
         ratio=None if found is None else found.ratio,
-        probability=1.0 if found is None else found.probability,
+        # Three joints are looked at.
+        probability=1.0 if found is None else adjusted(found.probability, 3),
     )
 
 
-def _levels(angle_rad: Floats) -> Ints:
+def levels(angle_rad: Floats) -> Ints:
     """Return the number of each row's level: its angle, or its bin of 10° where angles are many, shape (n,)."""
     distinct, number = np.unique(np.round(angle_rad, 6), return_inverse=True)
     if distinct.size > _MOST_LEVELS:

@@ -4,13 +4,23 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import linalg
 
-from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.core.errors import UnidentifiableError
+from catseye.calibration.core.model import whitening_at
+from catseye.calibration.core.projection import off_columns
+from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.significance import aicc, bic
 from catseye.calibration.core.types import Bools, Floats
+from catseye.calibration.core.whitening import Whitening
 from catseye.calibration.scara.diagnostics.folds import predicted_residuals
 from catseye.calibration.scara.diagnostics.problem import Problem
-from catseye.calibration.scara.diagnostics.projection import projection_of
+from catseye.calibration.scara.diagnostics.projection import DistanceProjection
+from catseye.calibration.scara.diagnostics.thinning import thinned
+from catseye.calibration.scara.distance_model import DistanceModel, distance_model
+from catseye.calibration.scara.error_map import interpolate
+from catseye.calibration.scara.identification import Identification, with_spectra
+from catseye.calibration.scara.layout import Layout
 
 _COARSER = (1, 2, 3)
 """Every node, every second, every third."""
@@ -76,31 +86,79 @@ class NodeSpacing:
         return min(able, key=lambda one: one.predicted_um, default=None)
 
 
-def node_spacing(problem: Problem, progress: Callable[[str], None] = lambda _: None) -> NodeSpacing:
+def node_spacing(
+    problem: Problem,
+    progress: Callable[[str], None] = lambda _: None,
+    identified: Identification | None = None,
+) -> NodeSpacing:
     """Try coarser grids, and finer ones where commands stand between the nodes.
+
+    All grids are judged by one covariance, whose sizes are estimated beside the finest one that is determined.
+    Of a long table, evenly spread distances decide.
 
     Args:
         problem: distances with the present nodes.
         progress: called with the name of each grid when its turn comes.
+        identified: what the problem's solution is, where it is known.
 
     Raises:
         CalibrationError: the present grid cannot be identified.
     """
-    commands = problem.points.commands
+    found = thinned(problem.solve() if identified is None else identified)
+    commands = found.points.commands
     between = (
         _between(problem.nodes1_rad, commands.theta1_rad),
         _between(problem.nodes2_rad, commands.theta2_rad),
     )
     choices1 = _choices(problem.nodes1_rad, between[0])
     choices2 = _choices(problem.nodes2_rad, between[1])
-    present = replace(problem, points=problem.solve().points)
+    finest = _Finest.of(problem, found, *(_most([one for _, one in some]) for some in (choices1, choices2)))
     tried = []
     for word1, nodes1 in choices1:
         for word2, nodes2 in choices2:
             name = f"J1 {word1} ({nodes1.size}), J2 {word2} ({nodes2.size})"
             progress(name)
-            tried.append(_grid(present, name, nodes1, nodes2))
+            tried.append(_grid(finest, name, nodes1, nodes2))
     return NodeSpacing(_with_common_rows(tried), *between)
+
+
+@dataclass(frozen=True)
+class _Finest:
+    """The finest grid, which contains all others.
+
+    Attributes:
+        model: of the distances with it.
+        values: its parameters where it does what the present grid does, shape (p,).
+        jacobian: its derivatives there, shape (n, p).
+        whitening: that all grids share.
+    """
+
+    model: DistanceModel
+    values: Floats
+    jacobian: Floats
+    whitening: Whitening
+
+    @classmethod
+    def of(cls, problem: Problem, found: Identification, nodes1: Floats, nodes2: Floats) -> "_Finest":
+        present, asked = found.model, problem.asked
+        layout = replace(found.layout, nodes1_rad=nodes1, nodes2_rad=nodes2)
+        model = distance_model(layout, found.points, asked)
+        values = _embedding(found.layout, layout) @ found.parameters
+        jacobian = model.jacobian(values)
+        if asked is not None:
+            determined = _why_not(layout, jacobian * model.weights[:, None]) is None
+            beside = (model, values) if determined else (replace(present, budget=asked), found.parameters)
+            present = replace(present, budget=with_spectra(asked, *beside, for_test=True))
+        return cls(model, values, jacobian, whitening_at(present, found.parameters))
+
+
+def _why_not(layout: Layout, weighted: Floats) -> str | None:
+    """Return what the distances lack to determine a grid; None where they do."""
+    try:
+        require_identifiable(layout.parameters(), weighted)
+    except UnidentifiableError as error:
+        return str(error)
+    return None
 
 
 def _between(nodes_rad: Floats, theta_rad: Floats) -> bool:
@@ -119,31 +177,56 @@ def _choices(nodes_rad: Floats, between: bool) -> list[tuple[str, Floats]]:
     return distinct
 
 
+def _most(nodes: list[Floats]) -> Floats:
+    return max(nodes, key=lambda one: one.size)
+
+
 def _thinned(nodes_rad: Floats, step: int) -> Floats:
     """Return every so many-th node; the last one stays, since a map is never extrapolated."""
     kept = nodes_rad[::step]
     return kept if kept[-1] == nodes_rad[-1] else np.append(kept, nodes_rad[-1])
 
 
-def _grid(problem: Problem, name: str, nodes1: Floats, nodes2: Floats) -> tuple[Grid, Floats | None]:
-    try:
-        identified = replace(problem, nodes1_rad=nodes1, nodes2_rad=nodes2).solve()
-    except CalibrationError as error:
-        return Grid(name, nodes1, nodes2, str(error), 0, np.nan, np.inf, np.inf, np.nan), None
-    projection = projection_of(identified)
-    size = (projection.square, len(identified.points), identified.fit.n_parameters)
-    grid = Grid(
-        name,
-        nodes1,
-        nodes2,
-        None,
-        size[2],
-        identified.fit.rms_um,
-        aicc(*size),
-        bic(*size),
-        predicted_um=np.nan,
+def _grid(finest: _Finest, name: str, nodes1: Floats, nodes2: Floats) -> tuple[Grid, Floats | None]:
+    layout = replace(finest.model.layout, nodes1_rad=nodes1, nodes2_rad=nodes2)
+    embedding, own = _embedding(layout, finest.model.layout), _embedding(finest.model.layout, layout)
+    columns = finest.jacobian @ embedding
+    refused = _why_not(layout, columns * finest.model.weights[:, None])
+    if refused is not None:
+        return Grid(name, nodes1, nodes2, refused, 0, np.nan, np.inf, np.inf, np.nan), None
+    # From where the coarser map does the same at its own nodes, one step of least squares.
+    residuals = finest.model.residuals(embedding @ (own @ finest.values))
+    fit = off_columns(
+        finest.whitening, finest.whitening.rows(columns @ layout.gauge_basis()), residuals
+    ).settled
+    projection = DistanceProjection(
+        fit.whitening, fit.orthonormal, fit.residuals, finest.model.geometry(finest.values)
     )
+    free = projection.orthonormal.shape[1]
+    size = projection.square, residuals.size, free
+    grid = Grid(name, nodes1, nodes2, None, free, projection.rms_um, aicc(*size), bic(*size), np.nan)
     return grid, predicted_residuals(projection, "sweep")
+
+
+def _embedding(given: Layout, wanted: Layout) -> Floats:
+    """Return what turns parameters of one grid into those of another, shape (p wanted, p given).
+
+    A map is read at the other's nodes: exact where these are finer, those of its own where they are coarser.
+    """
+    matrix = np.zeros((wanted.size, given.size))
+    matrix[:2, :2] = np.eye(2)
+    for one, other, nodes, places in (
+        (given.map1, wanted.map1, given.nodes1_rad, wanted.nodes1_rad),
+        (given.map2, wanted.map2, given.nodes2_rad, wanted.nodes2_rad),
+    ):
+        read = interpolate(nodes, places)
+        table, row = np.zeros((places.size, nodes.size)), np.arange(places.size)
+        table[row, read.lower] = 1.0 - read.alpha
+        table[row, np.minimum(read.lower + 1, nodes.size - 1)] += read.alpha
+        matrix[other, one] = linalg.block_diag(table, table)
+    rest = given.size - given.map2.stop
+    matrix[wanted.map2.stop :, given.map2.stop :] = np.eye(rest)
+    return matrix
 
 
 def _with_common_rows(tried: list[tuple[Grid, Floats | None]]) -> tuple[Grid, ...]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.scara.budget import Budget
 from catseye.calibration.scara.extension import Term
-from catseye.calibration.scara.identification import Identification, identify
+from catseye.calibration.scara.identification import Identification, counted_budget, identify
 from catseye.calibration.scara.layout import ModelName
 from catseye.calibration.scara.points import Points
 
@@ -36,6 +36,17 @@ class Problem:
     budget: Budget | None = None
     terms: tuple[Term, ...] = ()
 
+    @property
+    def asked(self) -> Budget | None:
+        """What counts of the budget; the distances have not been asked how large its harmonics are."""
+        return counted_budget(self.points, self.budget)
+
+    def rough_places(self, points: Points) -> Floats:
+        """Return the rough places of the reflectors of some of the points, mm, shape (reflectors, 2)."""
+        return self.reflectors_mm[
+            [self.points.reflector_names.index(name) for name in points.reflector_names]
+        ]
+
     def solve(self) -> Identification:
         """Identify.
 
@@ -57,8 +68,7 @@ class Problem:
     def of_rows(self, rows: Bools | Ints) -> "Problem":
         """Return the problem of some of the distances; reflectors that lose all of theirs are left out."""
         points = self.points.select(rows)
-        kept = [self.points.reflector_names.index(name) for name in points.reflector_names]
-        return replace(self, points=points, reflectors_mm=self.reflectors_mm[kept])
+        return replace(self, points=points, reflectors_mm=self.rough_places(points))
 
     def with_terms(self, terms: tuple[Term, ...]) -> "Problem":
         """Return the problem with further terms; those that it has already are not taken twice."""

@@ -10,6 +10,7 @@ from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Geometry
 from catseye.calibration.scara.extension import Source
 from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.planar import wrap_rad
 from catseye.calibration.scara.pointing import beam_turn_rad
 from catseye.calibration.scara.points import Points
 
@@ -51,7 +52,7 @@ def angles_rad(
     return {
         "theta1": points.commands.theta1_rad,
         "theta2": points.commands.theta2_rad,
-        "theta4": beam_turn_rad(points, nominal_mm, reflectors_mm) - mounts_rad(points),
+        "theta4": wrap_rad(beam_turn_rad(points, nominal_mm, reflectors_mm) - mounts_rad(points)),
     }
 
 

@@ -143,6 +143,15 @@ class ReflectorMoved:
     by_mm: tuple[float, float]
 
 
+@dataclass(frozen=True)
+class MountingForgotten:
+    """The interferometer was turned by half a turn on J4's flange before a row, from 0, and nothing states it."""
+
+    reflector: str
+    segment: int
+    row: int
+
+
 Mistake = (
     AngleSignReversed
     | DisplacementSignReversed
@@ -155,6 +164,7 @@ Mistake = (
     | PlacesMirrored
     | ZeroLost
     | ReflectorMoved
+    | MountingForgotten
 )
 
 

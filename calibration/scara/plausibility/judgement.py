@@ -13,6 +13,7 @@ from catseye.calibration.scara.plausibility.bounds import BOUNDS, Bounds
 from catseye.calibration.scara.plausibility.case import MOST_ROWS, Case
 from catseye.calibration.scara.plausibility.explanations import mistakes_of
 from catseye.calibration.scara.plausibility.findings import Joint, VagueLink, Verdict
+from catseye.calibration.scara.plausibility.mounting import forgotten_mounting
 from catseye.calibration.scara.plausibility.other_solutions import other_solution, other_solutions
 from catseye.calibration.scara.points import without_short_segments
 
@@ -36,6 +37,8 @@ def judge(problem: Problem, found: Identification | None, bounds: Bounds = BOUND
     asis = fitted(case.thinned(MOST_ROWS), bounds)
     left_mm = _left_mm(asis, found)
     sound = asis is not None and asis.strain(bounds) <= 1.0
+    if found is not None and (turned := forgotten_mounting(problem, found)) is not None:
+        return Verdict(breaks, (turned,), rms_mm=left_mm)
     if found is None or not sound or left_mm > _FAR_BEYOND * _stated_mm(problem, found):
         mistakes = mistakes_of(case, bounds)
         if mistakes or found is None:

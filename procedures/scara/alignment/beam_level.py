@@ -114,9 +114,7 @@ class BeamLevel(Procedure):
             BeamLostError: the reflector does not return the beam.
         """
         self._away_from_mm = plan.bench.j3_mm
-        rounds = _Rounds(ctx, plan)
-        guided = GuidedScrew(ctx, level_screw(plan.bench), rounds, plan.params.max_rounds)
-        row = await guided.align()
+        row = await levelling(ctx, plan).align()
         await ctx.step("result", "height at which everything is measured", lambda: _result(ctx, plan, row))
         await ctx.step("height", "J3 back at the height of the cell file", lambda: _back(ctx, plan))
         self._away_from_mm = None
@@ -134,6 +132,18 @@ async def _back(ctx: Context, plan: BeamLevelPlan) -> Row:
     one, two, _, four = await ctx.joints()
     await ctx.move((one, two, plan.bench.j3_mm, four))
     return {"j3_mm": plan.bench.j3_mm}
+
+
+def levelling(ctx: Context, plan: BeamLevelPlan, *, alone: bool = True) -> GuidedScrew:
+    """Return what measures the pitch and guides the screw; see `GuidedScrew`."""
+    return GuidedScrew(ctx, level_screw(plan.bench), _Rounds(ctx, plan), plan.params.max_rounds, alone=alone)
+
+
+def fitted_height(row: Row) -> PitchFit:
+    """Return pitch and height of the beam as a round has found them."""
+    return fit_pitch(
+        np.array(numbers_of(row, "distance_mm")), np.array(numbers_of(row, "j3_mm")), _U_HEIGHT_MM
+    )
 
 
 def level_screw(bench: ScaraBench) -> Screw:
@@ -330,9 +340,7 @@ class _Rounds(ScrewRounds):
 
 
 async def _result(ctx: Context, plan: BeamLevelPlan, row: Row) -> Row:
-    distances = np.array(numbers_of(row, "distance_mm"))
-    heights = np.array(numbers_of(row, "j3_mm"))
-    fit = fit_pitch(distances, heights, _U_HEIGHT_MM)
+    fit = fitted_height(row)
     nearest, farthest = plan.distances_mm
     middle_mm = 0.5 * (nearest + farthest)
     j3_mm = round(fit.height_mm(middle_mm), 2)

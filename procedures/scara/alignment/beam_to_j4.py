@@ -116,12 +116,16 @@ class BeamToJ4(Procedure):
             AlignmentError: the offset did not come within its tolerance.
             BeamLostError: the reflector does not return the beam, or not lastingly.
         """
-        rounds = _Rounds(ctx, plan)
-        guided = GuidedScrew(ctx, stage_screw(plan.bench), rounds, plan.params.max_rounds)
+        guided = centring(ctx, plan)
         row = await guided.align()
         await ctx.step(
             "result", "offset of the beam from the J4 axis", lambda: _result(ctx, guided.turned, row)
         )
+
+
+def centring(ctx: Context, plan: BeamToJ4Plan, *, alone: bool = True) -> GuidedScrew:
+    """Return what measures the offset and guides the screw; see `GuidedScrew`."""
+    return GuidedScrew(ctx, stage_screw(plan.bench), _Rounds(ctx, plan), plan.params.max_rounds, alone=alone)
 
 
 def stage_screw(bench: ScaraBench) -> Screw:

@@ -19,7 +19,7 @@ from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 
-_ROUND_S: Final = 60.0
+ROUND_S: Final = 60.0
 """Expected time of a round, hands included; the run's own pace corrects it."""
 
 _POLICY: Final = BeamLossPolicy(attempts=1, most_questions=3)
@@ -176,13 +176,17 @@ class GuidedScrew:
 
     Args:
         max_rounds: most measurements.
+        alone: the alignment is all that the run does, so its rounds are the run's progress.
     """
 
-    def __init__(self, ctx: Context, screw: Screw, rounds: ScrewRounds, max_rounds: int) -> None:
+    def __init__(
+        self, ctx: Context, screw: Screw, rounds: ScrewRounds, max_rounds: int, *, alone: bool = True
+    ) -> None:
         self._ctx = ctx
         self._screw = screw
         self._rounds = rounds
         self._max_rounds = max_rounds
+        self._alone = alone
         self._seen: list[Observed] = []
         self._last: Row | None = None
         self._instructions: list[str] = []
@@ -207,9 +211,9 @@ class GuidedScrew:
         """
         for number in range(1, self._max_rounds + 1):
             row = await self._round(number)
-            self._ctx.progress(
-                number * _ROUND_S, self._max_rounds * _ROUND_S, f"{self._screw.quantity}, round {number}"
-            )
+            if self._alone:
+                text = f"{self._screw.quantity}, round {number}"
+                self._ctx.progress(number * ROUND_S, self._max_rounds * ROUND_S, text)
             seen = self._seen[-1]
             self._show(seen)
             if abs(seen.value) + seen.u <= self._screw.tolerance:

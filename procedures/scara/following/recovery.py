@@ -201,7 +201,12 @@ class Recovery:
         self._ties[follower.segment] = (old.segment, measured.displacement_mm - old.displacement_mm)
         shift_mm = math.radians(follower.sent[3] - old.j4_deg) * old.visit.beam_mm
         again = distance_of(
-            self._reflector.name, follower.segment, old.visit.command, follower.sent, measured
+            self._reflector.name,
+            follower.segment,
+            old.visit.command,
+            follower.sent,
+            measured,
+            self._bench.mount_deg,
         )
         self._ctx.record(
             Overlap(

@@ -18,13 +18,14 @@ def title_of(reflector: str, command: Command) -> str:
 
 
 def distance_of(
-    reflector: str, segment: int, command: Command, sent: Pose, measured: Measurement
+    reflector: str, segment: int, command: Command, sent: Pose, measured: Measurement, mount_deg: float = 0.0
 ) -> Distance:
     """Return the record of a distance.
 
     Args:
         segment: number of the unbroken stretch.
         command: the node.
+        mount_deg: angle by which the interferometer is turned against its first mounting.
     """
     reported, used = measured.reported, measured.correction
     distance = Distance(
@@ -34,6 +35,7 @@ def distance_of(
         theta2_deg=command.theta2_deg,
         j3_mm=sent[2],
         j4_deg=sent[3],
+        mount_deg=mount_deg,
         reported1_deg=reported[0],
         reported2_deg=reported[1],
         reported3_mm=reported[2],

@@ -21,7 +21,7 @@ from catseye.procedures.scara.motion.visits import Visit
 from catseye.procedures.scara.open_loop.closures import Closure, trip_within_reach
 from catseye.procedures.scara.open_loop.live_knowledge import Knowledge
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, ReflectorPlan
-from catseye.procedures.scara.records import ClosureVisit
+from catseye.procedures.scara.records import ClosureVisit, Distance
 
 
 @dataclass(frozen=True)
@@ -50,6 +50,7 @@ class ReflectorCampaign:
         part: this reflector's part of it.
         knowledge: takes the points in.
         counter: looks at the first counts, of points that did not settle, too.
+        segment: number of the last segment of this reflector; -1 for none.
 
     Attributes:
         left_out: titles of the points that were not measured, with the reason.
@@ -63,6 +64,7 @@ class ReflectorCampaign:
         knowledge: Knowledge,
         counter: CounterWatch,
         time: BenchTime,
+        segment: int = -1,
     ) -> None:
         self.left_out: list[str] = []
         self._ctx = ctx
@@ -70,10 +72,13 @@ class ReflectorCampaign:
         self._rules = plan.rules
         self._part = part
         self._name = part.reflector.name
+        turned = bool(plan.bench.mount_deg)
+        self._steps = f"turned/{self._name}" if turned else self._name
+        self._titled = f"turned, {self._name}" if turned else self._name
         self._knowledge = knowledge
         self._counter = counter
         self._time = time
-        self._follower = Follower(ctx, plan.bench, part.reflector)
+        self._follower = Follower(ctx, plan.bench, part.reflector, segment)
         self._recovery = Recovery(
             ctx, plan.bench, part.reflector, self._follower, plan.rules.recovery_attempts
         )
@@ -81,6 +86,11 @@ class ReflectorCampaign:
         self._placed = not plan.bench.optics.one_reflector
         self._row_is_fresh = False
         self._counted_s = 0.0
+
+    @property
+    def segment(self) -> int:
+        """Number of the last segment."""
+        return self._follower.segment
 
     async def run(self) -> bool:
         """Measure all points; return whether the maps are known so well that nothing more is needed.
@@ -100,7 +110,7 @@ class ReflectorCampaign:
         return False
 
     async def _point(self, place: int, visit: Visit) -> None:
-        step_id, title = f"{self._name}/{visit.command.index:04d}", title_of(self._name, visit.command)
+        step_id, title = f"{self._steps}/{visit.command.index:04d}", title_of(self._titled, visit.command)
         fresh: list[bool] = []
         result = await self._ctx.step(
             step_id, title, self._noted(fresh, lambda: self._measured(place, visit, step_id))
@@ -112,17 +122,22 @@ class ReflectorCampaign:
             self._distances[place] = found
             self._counted(visit, segment, found.displacement_mm)
             await self._knowledge.take(
-                self._name, visit.command, segment, found.displacement_mm, fresh=bool(fresh)
+                self._name,
+                visit.command,
+                segment,
+                found.displacement_mm,
+                self._bench.mount_deg,
+                fresh=bool(fresh),
             )
         else:
             self.left_out.append(f"{title} ({result.get('reason', 'no beam')})")
         last = self._part.visits[-1].command.index
-        self._passed(visit.duration_s, f"{self._name} point {visit.command.index + 1}/{last + 1}")
+        self._passed(visit.duration_s, f"{self._titled} point {visit.command.index + 1}/{last + 1}")
 
     async def _closure(self, closure: Closure) -> None:
         reference = self._part.visits[closure.reference]
-        step_id = f"{self._name}/closure/{closure.number:02d}"
-        title = f"closure visit {closure.number}, planned to {title_of(self._name, reference.command)}"
+        step_id = f"{self._steps}/closure/{closure.number:02d}"
+        title = f"closure visit {closure.number}, planned to {title_of(self._titled, reference.command)}"
         result = await self._ctx.step(step_id, title, self._noted([], lambda: self._closed(closure)))
         self._follower.segment = max(self._follower.segment, integer(result["segment"]))
         self._passed(closure.duration_s, title)
@@ -151,8 +166,14 @@ class ReflectorCampaign:
                 # In a wrong unit readings seem never to settle.
                 self._counted(visit, segment, measured.unsettled.displacement_mm)
             return {"measured": False, "segment": segment, "reason": measured.reason}
-        self._ctx.record(distance_of(self._name, segment, visit.command, self._follower.sent, measured))
+        self._ctx.record(self._distance(visit, measured))
         return {"measured": True, "segment": segment, "displacement_mm": measured.displacement_mm}
+
+    def _distance(self, visit: Visit, measured: Measurement) -> Distance:
+        follower = self._follower
+        return distance_of(
+            self._name, follower.segment, visit.command, follower.sent, measured, self._bench.mount_deg
+        )
 
     def _counted(self, visit: Visit, segment: int, displacement_mm: float) -> None:
         command = visit.command
@@ -170,7 +191,7 @@ class ReflectorCampaign:
             return await self._no_closure("the present count goes back to no pose that can be driven to")
         reference = visits[closure.reference]
         found = await follower.track(closure.out, reference) or await follower.measure(
-            reference, f"{self._name}/closure/{closure.number:02d}"
+            reference, f"{self._steps}/closure/{closure.number:02d}"
         )
         if isinstance(found, Loss):
             cause = await self._recovery.report(found, reference)
@@ -214,7 +235,7 @@ class ReflectorCampaign:
         drift_um = (measured.displacement_mm - known.displacement_mm) * 1e3
         # Each overlap is a difference of two distances, as the drift itself is.
         limit_um = self._rules.drift_limit_mm * 1e3 * math.sqrt(1.0 + known.overlaps)
-        there = distance_of(self._name, segment, reference.command, self._follower.sent, measured)
+        there = self._distance(reference, measured)
         self._ctx.record(
             ClosureVisit(
                 number=closure.number,
@@ -242,7 +263,7 @@ class ReflectorCampaign:
         reflector = self._part.reflector
         answer = await self._ctx.ask(
             Prompt(
-                f"place/{self._name}",
+                f"place/{self._steps}",
                 "confirm",
                 f"Put the reflector into nest {self._name} at x {reflector.x_mm:.0f} mm, y {reflector.y_mm:.0f} mm, "
                 f"facing {reflector.facing_deg:.0f}°, clamp it, step back, then confirm.",

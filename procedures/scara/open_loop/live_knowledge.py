@@ -51,7 +51,14 @@ class Knowledge:
         )
 
     async def take(
-        self, reflector: str, command: Command, segment: int, displacement_mm: float, *, fresh: bool
+        self,
+        reflector: str,
+        command: Command,
+        segment: int,
+        displacement_mm: float,
+        mount_deg: float = 0.0,
+        *,
+        fresh: bool,
     ) -> None:
         """Take a point in and show what it says beyond all points before; a stored one is not shown.
 
@@ -67,6 +74,7 @@ class Knowledge:
             reflector,
             segment,
             displacement_mm,
+            math.radians(mount_deg),
         )
         if found is None or not fresh:
             return

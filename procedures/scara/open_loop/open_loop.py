@@ -5,8 +5,6 @@ from dataclasses import replace
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.procedures.kit.context import Context
-from catseye.procedures.kit.errors import MostLeftOutError
-from catseye.procedures.kit.motion.bench_time import BenchTime
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.scara import texts
@@ -15,10 +13,13 @@ from catseye.procedures.scara.before import ALIGNED, COUNTER, IDENTIFY, MEASURIN
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.open_loop.off_node import usual_count
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, Rules, plan_open_loop
-from catseye.procedures.scara.records import ClosureVisit, Distance, Overlap
-
-_MOST = 0.5
-"""A run that leaves out more than this share of its points has not measured."""
+from catseye.procedures.scara.records import (
+    AlignmentRound,
+    ClosureVisit,
+    Distance,
+    Overlap,
+    ScrewTurn,
+)
 
 
 class OpenLoopParams(BaseModel):
@@ -41,6 +42,11 @@ class OpenLoopParams(BaseModel):
     recovery_attempts: int = Field(
         3, ge=1, le=20, description="failures in a row to get a lost beam back before the operator is asked"
     )
+    j4_reversal: bool = Field(
+        False,
+        description="measure everything twice, the second time with the interferometer turned by half a turn on the "
+        "flange of J4: odd orders of J4's radial error motion separate from the maps",
+    )
     stop_at_mdeg: float = Field(
         0.0,
         ge=0.0,
@@ -56,11 +62,18 @@ class OpenLoop(Procedure):
     title = "Automated open-loop tracking measurement"
     needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(ALIGNED, WARM), basis=SEARCHED)
     stage = MEASURING
-    records = (Distance, Overlap, ClosureVisit)
+    records = (Distance, Overlap, ClosureVisit, AlignmentRound, ScrewTurn)
     analyses = (IDENTIFY,)
     event_texts = texts.MEASUREMENT
     demo = ()
     params_type = OpenLoopParams
+
+    def __init__(self) -> None:
+        self._turned_deg: float | None = None
+
+    def equipped(self, bench: ScaraBench, params: OpenLoopParams) -> ScaraBench:
+        """Return the bench; where the interferometer is to be turned its head is kept clear both ways."""
+        return bench.with_turned_head() if params.j4_reversal else bench
 
     def plan(self, bench: ScaraBench, params: OpenLoopParams) -> OpenLoopPlan:
         """Plan the measurement; see plan_open_loop."""
@@ -71,51 +84,38 @@ class OpenLoop(Procedure):
             reflectors=tuple(params.reflectors),
             closures=params.closures,
             off_node=usual_count(bench.nodes1_deg) if params.off_node is None else params.off_node,
+            j4_reversal=params.j4_reversal,
         )
         rules = Rules(params.recovery_attempts, params.drift_limit_um * 1e-3, params.stop_at_mdeg)
         return replace(plan, rules=rules)
 
     async def run(self, ctx: Context, plan: OpenLoopPlan) -> None:
-        """Measure all reflectors.
+        """Measure all reflectors, and once more with the interferometer turned where that is planned.
 
         Raises:
             BeamLostError: the beam stays away and the operator ends the run.
             WayBlockedError: the arm cannot be led to a point from where it stands.
             CounterError: sign or scale of the counter are wrong.
+            AlignmentError: the interferometer was not turned, or its beam could not be aligned.
             MostLeftOutError: most points were left out.
         """
-        from catseye.procedures.scara.counter import CounterWatch
-        from catseye.procedures.scara.open_loop.campaign import ReflectorCampaign
-        from catseye.procedures.scara.open_loop.live_knowledge import Knowledge
+        from catseye.procedures.scara.open_loop.halves import Halves
 
-        time = BenchTime(ctx, plan.duration_s)
-        reflectors = tuple(part.reflector for part in plan.reflectors)
-        knowledge = Knowledge(ctx, plan.bench, reflectors, plan.rules.stop_at_mdeg)
-        counter = CounterWatch(plan.bench)
         for text in plan.warnings:
             await ctx.warn(text)
-        left_out: list[str] = []
-        visited = 0
-        for part in plan.reflectors:
-            campaign = ReflectorCampaign(ctx, plan, part, knowledge, counter, time)
-            enough = await campaign.run()
-            left_out += campaign.left_out
-            visited += len(part.visits)
-            if enough:
-                await _report_enough(ctx, plan, time)
-                break
-        if left_out:
-            await ctx.warn(f"{len(left_out)} points were left out: {'; '.join(left_out)}")
-        if len(left_out) > _MOST * visited:
-            raise MostLeftOutError(
-                f"{len(left_out)} of {visited} points were left out, so this is no measurement: see why in the run "
-                "(catseye show), put it right and measure again"
+        halves = Halves(ctx, plan)
+        enough = await halves.measure(plan.bench, plan.reflectors)
+        if plan.remount is not None and not enough:
+            mounting = await halves.remounted(plan.remount)
+            self._turned_deg = mounting.turned_deg
+            await halves.measure(*halves.turned(mounting))
+        await halves.judge()
+
+    async def teardown(self, ctx: Context) -> None:
+        """Say how the interferometer is mounted, if it was turned."""
+        if self._turned_deg is not None:
+            await ctx.warn(
+                f"the interferometer stays turned by {self._turned_deg:.1f}° against the beginning of the run: "
+                "mount it as it was before another search, or add that to theta40_deg in [optics]; then align the "
+                "beam (beam-level, beam-to-j4) and search again"
             )
-
-
-async def _report_enough(ctx: Context, plan: OpenLoopPlan, time: BenchTime) -> None:
-    text = (
-        f"both maps are known to {plan.rules.stop_at_mdeg:g} mdeg (stop_at_mdeg): no more points are needed"
-    )
-    await ctx.event("early-stop", stop_at_mdeg=plan.rules.stop_at_mdeg, text=text)
-    time.cut_short(text)

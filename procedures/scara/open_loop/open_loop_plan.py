@@ -1,6 +1,6 @@
 """The automated open-loop measurement as a plan: every move, point, break and check before anything moves."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from catseye.procedures.kit.errors import PlanError
 from catseye.procedures.scara.bench import Reflector, ScaraBench
@@ -11,9 +11,16 @@ from catseye.procedures.scara.motion.approach import (
     with_take_up,
 )
 from catseye.procedures.scara.motion.tracking import plan_track
-from catseye.procedures.scara.motion.visits import Visit, break_warnings, plan_visits, require_clear_visits
+from catseye.procedures.scara.motion.visits import (
+    Leg,
+    Visit,
+    break_warnings,
+    plan_visits,
+    require_clear_visits,
+)
 from catseye.procedures.scara.open_loop.closures import Closure, plan_closures
 from catseye.procedures.scara.open_loop.off_node import measuring_sequence
+from catseye.procedures.scara.open_loop.remount_plan import RemountPlan, plan_remount, turned_bench
 
 _FEWEST_SEEN = 0.5
 """A reflector that fewer than this share of the commands see stands in the wrong place."""
@@ -45,6 +52,21 @@ class ReflectorPlan:
         parts: tuple[Visit | Closure, ...] = (*self.visits, *self.closures)
         return sum(part.duration_s for part in parts)
 
+    def shifted(self, j4_deg: float, j3_mm: float) -> "ReflectorPlan":
+        """Return the plan with J4 turned further everywhere, at a height of J3."""
+
+        def moved(legs: tuple[Leg, ...]) -> tuple[Leg, ...]:
+            return tuple(tuple((one, two, j3_mm, four + j4_deg) for one, two, _, four in leg) for leg in legs)
+
+        return replace(
+            self,
+            visits=tuple(replace(visit, legs=moved(visit.legs)) for visit in self.visits),
+            closures=tuple(
+                replace(closure, out=moved(closure.out), back=moved(closure.back))
+                for closure in self.closures
+            ),
+        )
+
 
 @dataclass(frozen=True)
 class Rules:
@@ -70,22 +92,27 @@ class OpenLoopPlan:
         reflectors: one plan each, in measuring order.
         warnings: what the operator should know before it starts.
         rules: what is decided while measuring.
+        remount: how the interferometer is turned then; None where it is not.
+        turned: the reflectors once more with the interferometer turned by exactly half a turn.
     """
 
     bench: ScaraBench
     reflectors: tuple[ReflectorPlan, ...]
     warnings: tuple[str, ...]
     rules: Rules = Rules()
+    remount: RemountPlan | None = None
+    turned: tuple[ReflectorPlan, ...] = ()
 
     @property
     def duration_s(self) -> float:
-        """Expected time of all visits and trips, s."""
-        return sum(plan.duration_s for plan in self.reflectors)
+        """Expected time of all visits and trips, and of the alignment between the halves, s."""
+        between_s = 0.0 if self.remount is None else self.remount.duration_s
+        return between_s + sum(plan.duration_s for plan in (*self.reflectors, *self.turned))
 
     @property
     def n_points(self) -> int:
         """Number of distances."""
-        return sum(len(plan.visits) for plan in self.reflectors)
+        return sum(len(plan.visits) for plan in (*self.reflectors, *self.turned))
 
 
 def plan_open_loop(
@@ -96,6 +123,7 @@ def plan_open_loop(
     reflectors: tuple[str, ...] = (),
     closures: int = 0,
     off_node: int = 0,
+    j4_reversal: bool = False,
 ) -> OpenLoopPlan:
     """Plan the paper's measurement for every reflector.
 
@@ -107,10 +135,12 @@ def plan_open_loop(
         closures: trips to a reference pose for each reflector; none without subdivision and take-up, which they
             would undo.
         off_node: commands between the nodes.
+        j4_reversal: everything a second time with the interferometer turned by half a turn.
 
     Raises:
         PlanLimitError: a joint, take-up included, or J4 leaves its limits.
-        PlanError: a reflector is hidden from too many points, stands in the arm's way, or is unknown.
+        PlanError: a reflector is hidden from too many points, stands in the arm's way, or is unknown; the beam of the
+            turned interferometer cannot be aligned.
     """
     commands = measuring_sequence(bench.nodes1_deg, bench.nodes2_deg, off_node)
     stops = (
@@ -119,13 +149,26 @@ def plan_open_loop(
         else tuple(Waypoint(c.theta1_deg, c.theta2_deg, c) for c in commands)
     )
     require_joint_limits(stops, bench)
-    plans = tuple(
-        _reflector_plan(stops, bench, reflector, subdivide, closures if subdivide and take_up else 0)
-        for reflector in bench.chosen(reflectors)
+
+    def planned(at: ScaraBench) -> tuple[ReflectorPlan, ...]:
+        trips = closures if subdivide and take_up else 0
+        plans = tuple(_reflector_plan(stops, at, one, subdivide, trips) for one in at.chosen(reflectors))
+        for plan in plans:
+            require_clear_visits(plan.visits, at)
+        return plans
+
+    plans = planned(bench)
+    plan = OpenLoopPlan(bench, plans, _warnings(plans))
+    if not j4_reversal:
+        return plan
+    turned = planned(turned_bench(bench))
+    more = tuple(text for text in _warnings(turned) if text not in plan.warnings)
+    return replace(
+        plan,
+        warnings=(*plan.warnings, *(f"turned half, {text}" for text in more)),
+        remount=plan_remount(bench, reflectors),
+        turned=turned,
     )
-    for plan in plans:
-        require_clear_visits(plan.visits, bench)
-    return OpenLoopPlan(bench, plans, tuple(text for plan in plans for text in _warnings(plan)))
 
 
 def _reflector_plan(
@@ -154,7 +197,11 @@ def _require_sight(
     )
 
 
-def _warnings(plan: ReflectorPlan) -> list[str]:
+def _warnings(plans: tuple[ReflectorPlan, ...]) -> tuple[str, ...]:
+    return tuple(text for plan in plans for text in _warnings_of(plan))
+
+
+def _warnings_of(plan: ReflectorPlan) -> list[str]:
     texts = []
     if plan.blind:
         first = plan.blind[0]

@@ -198,6 +198,7 @@ class IdealContext:
     shown: list[Live] = field(default_factory=list)
     pauses: list[tuple[Pose, float]] = field(default_factory=list)
     files: dict[str, Columns | str] = field(default_factory=dict)
+    mountings: list[float] = field(default_factory=list)
     suspensions: list[str] = field(default_factory=list)
     resumed: bool = False
     ran: list[str] = field(default_factory=list)
@@ -295,6 +296,10 @@ class IdealContext:
         self.waits.append((settle_time_s, 0.0, 0))
         x, y = arm_xy(self.pose[0], self.pose[1])
         return Position(x + 1000.0, y - 500.0, 0.004)
+
+    async def remounted(self, turned_deg: float) -> None:
+        """Keep how the interferometer is mounted."""
+        self.mountings.append(turned_deg)
 
     async def pause(self, duration_s: float) -> None:
         """Stand still."""

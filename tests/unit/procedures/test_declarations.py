@@ -30,7 +30,7 @@ def test_declarations_name_procedures_that_exist() -> None:
     for each in procedures():
         named |= {after.procedure for after in each.needs.after}
         if (basis := each.needs.basis) is not None:
-            named |= {basis.procedure, basis.overtaken_by}
+            named |= {basis.procedure, *basis.overtaken_by}
         if (stage := each.stage) is not None:
             named |= {stage.since, stage.renewed_by, stage.covered_by}
     assert named - {""} <= set(procedure_names())

@@ -16,6 +16,7 @@ from catseye.app.results.scara.design.layouts import (
     layout_of,
 )
 from catseye.app.results.scara.design.problem import Problem
+from catseye.app.results.scara.design.reversal import Reversal, reversals
 from catseye.calibration.core.design.criteria import covariances, pareto_front
 from catseye.calibration.core.design.exchange import Pool
 from catseye.calibration.core.design.information import Information
@@ -90,6 +91,7 @@ class Design:
         known: layouts to compare with.
         choice: a part of the commands; None for all.
         compromises: bench time against uncertainty; empty unless asked for.
+        reversals: of each layout, what a second mounting of the interferometer is worth.
     """
 
     problem: Problem
@@ -98,6 +100,7 @@ class Design:
     known: tuple[Layout, ...]
     choice: CommandChoice | None
     compromises: tuple[Compromise, ...]
+    reversals: tuple[Reversal, ...] = ()
 
     @property
     def layouts(self) -> tuple[Layout, ...]:
@@ -124,7 +127,8 @@ def design(problem: Problem, wanted: Wanted, share: Share, done: Done) -> Design
     )
     known = tuple(_known(problem, name, xy) for name, xy in known_layouts(problem))
     front = _compromises(sorted(best, key=lambda one: len(one.sights)), share, done) if wanted.pareto else ()
-    return Design(problem, places, best[0], known, _choice(best[0], wanted), front)
+    worth = reversals((best[0], *known))
+    return Design(problem, places, best[0], known, _choice(best[0], wanted), front, worth)
 
 
 def _known(problem: Problem, name: str, places_mm: Floats) -> Layout:

@@ -4,9 +4,11 @@ import math
 
 import numpy as np
 
+from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.app.results.scara.design.design import Design, node_uncertainties
 from catseye.app.results.scara.design.layouts import Layout
 from catseye.app.results.scara.design.report import CRITERIA
+from catseye.app.results.scara.design.reversal import Reversal
 from catseye.procedures.kit.records import Json
 
 
@@ -26,6 +28,7 @@ def design_document(design: Design) -> dict[str, Json]:
             "excluded": {str(reason): count for reason, count in places.reasons.items()},
         },
         "pareto": _pareto(design),
+        "j4_reversal": [_reversal(one) for one in design.reversals],
         **_choice(design),
     }
 
@@ -86,6 +89,22 @@ def _pareto(design: Design) -> list[Json]:
         }
         for row in design.compromises
     ]
+
+
+def _reversal(reversal: Reversal) -> dict[str, Json]:
+    """Return what a layout gives measured once, twice, and twice with the interferometer turned between."""
+    ways = (("once", reversal.once), ("twice", reversal.again), ("turned", reversal.turned))
+    return {"name": reversal.once.name, **{key: _arm(layout) for key, layout in ways}}
+
+
+def _arm(layout: Layout) -> dict[str, Json]:
+    u, arm = layout.u(systematic=True), layout.problem.study.layout
+    return {
+        "u_link1_um": _finite(1e3 * float(u[0])),
+        "u_link2_um": _finite(1e3 * float(u[1])),
+        "u_theta1_mdeg": _finite(MDEG_PER_RAD * float(u[arm.map1].max())),
+        "u_theta2_mdeg": _finite(MDEG_PER_RAD * float(u[arm.map2].max())),
+    }
 
 
 def _layout(layout: Layout) -> dict[str, Json]:

@@ -32,6 +32,7 @@ from catseye.app.results.scara.design.figures.front import front_figure
 from catseye.app.results.scara.design.figures.places import places_figure
 from catseye.app.results.scara.design.figures.weakness import node_figure, position_figure
 from catseye.app.results.scara.design.layouts import Layout
+from catseye.app.results.scara.design.reversal import Reversal
 from catseye.app.results.scara.names import node_name
 from catseye.calibration.core.design.criteria import CriterionName
 
@@ -39,10 +40,24 @@ CRITERIA: tuple[CriterionName, ...] = ("A", "D", "E", "path")
 
 _VALUE, _UM, _MDEG = fixed(3), fixed(1), fixed(2)
 
+_ARM = (
+    Column("u_link1_um", "u(L1)", "µm", _UM),
+    Column("u_link2_um", "u(L2)", "µm", _UM),
+    Column("u_theta1_mdeg", "largest u(Δθ1)", "mdeg", _MDEG),
+    Column("u_theta2_mdeg", "largest u(Δθ2)", "mdeg", _MDEG),
+)
+
 
 def design_report(design: Design, cell_name: str) -> Report:
     """Return what a design says."""
-    sections = (_places(design), _comparison(design), _weakness(design), _commands(design), _front(design))
+    sections = (
+        _places(design),
+        _comparison(design),
+        _weakness(design),
+        _reversal(design),
+        _commands(design),
+        _front(design),
+    )
     return Report(f"Design of a measurement: {cell_name}", origin_now(), sections)
 
 
@@ -116,9 +131,7 @@ def _comparison(design: Design) -> Section:
 
 def _uncertainties(design: Design) -> Table:
     rows = [
-        _uncertain(design, layout, systematic=systematic)
-        for layout in design.layouts
-        for systematic in (False, True)
+        _uncertain(layout, systematic=systematic) for layout in design.layouts for systematic in (False, True)
     ]
     if design.choice is not None:
         rows += [_chosen(design, design.choice, systematic=systematic) for systematic in (False, True)]
@@ -129,25 +142,26 @@ def _uncertainties(design: Design) -> Table:
             Column("layout", "layout"),
             Column("errors", "errors"),
             *(Column(name, name, "µm" if name == "path" else "mdeg", _VALUE) for name in CRITERIA),
-            Column("u_link1_um", "u(L1)", "µm", _UM),
-            Column("u_link2_um", "u(L2)", "µm", _UM),
-            Column("u_theta1_mdeg", "largest u(Δθ1)", "mdeg", _MDEG),
-            Column("u_theta2_mdeg", "largest u(Δθ2)", "mdeg", _MDEG),
+            *_ARM,
         ),
         tuple(rows),
     )
 
 
-def _uncertain(design: Design, layout: Layout, *, systematic: bool) -> tuple[Cell, ...]:
-    arm, u = design.problem.study.layout, layout.u(systematic=systematic)
+def _uncertain(layout: Layout, *, systematic: bool) -> tuple[Cell, ...]:
     return (
         layout.name,
         _errors(systematic=systematic),
         *(layout.shown(name, systematic=systematic) for name in CRITERIA),
-        1e3 * float(u[0]),
-        1e3 * float(u[1]),
-        *(MDEG_PER_RAD * float(u[part].max()) for part in (arm.map1, arm.map2)),
+        *_of_arm(layout, systematic=systematic),
     )
+
+
+def _of_arm(layout: Layout, *, systematic: bool) -> list[float]:
+    """Return the standard uncertainties of both links, µm, and the largest of each map, mdeg."""
+    arm, u = layout.problem.study.layout, layout.u(systematic=systematic)
+    links = [1e3 * float(value) for value in u[:2]]
+    return links + [MDEG_PER_RAD * float(u[part].max()) for part in (arm.map1, arm.map2)]
 
 
 def _chosen(design: Design, choice: CommandChoice, *, systematic: bool) -> tuple[Cell, ...]:
@@ -212,6 +226,40 @@ def _weakness(design: Design) -> Section:
 
 def _weak_text(node: NodeUncertainty) -> str:
     return f"{node_name(node.joint, node.node_deg, node.direction)} {node.u_mdeg:.2f} mdeg"
+
+
+def _reversal(design: Design) -> Section:
+    """Return what it is worth to measure a second time with the interferometer turned on J4."""
+    title = "What turning the interferometer on J4 is worth"
+    if not design.reversals:
+        return section("reversal", title, ())
+    table = Table(
+        "reversal",
+        "Standard uncertainties (k = 1) from all errors, the whole plan measured once or twice",
+        (Column("layout", "layout"), Column("measured", "measured"), *_ARM),
+        tuple(
+            (one.once.name, way, *_of_arm(layout, systematic=True))
+            for one in design.reversals
+            for way, layout in one.ways
+        ),
+    )
+    texts = [Statement(Sign.NEUTRAL, _worth_text(one)) for one in design.reversals]
+    return section("reversal", title, [*texts, table], brief=True)
+
+
+def _worth_text(reversal: Reversal) -> str:
+    """Return what the turn brings beyond a second measurement without it."""
+    again, turned = (np.array(_of_arm(one, systematic=True)) for one in (reversal.again, reversal.turned))
+    with np.errstate(invalid="ignore"):
+        shares = np.where(np.isfinite(turned), turned / again, 1.0)
+    names = ("u(L1)", "u(L2)", "largest u(Δθ1)", "largest u(Δθ2)")
+    parts = ", ".join(
+        f"{name} × {number(float(share), fixed(2))}" for name, share in zip(names, shares, strict=True)
+    )
+    return (
+        f"{reversal.once.name}: a second measurement with the interferometer turned by half a turn on J4, against "
+        f"one without the turn: {parts}."
+    )
 
 
 def _commands(design: Design) -> Section:

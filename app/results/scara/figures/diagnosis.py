@@ -14,7 +14,7 @@ from catseye.app.results.figures import (
     Stems,
     Text,
 )
-from catseye.app.results.scara.diagnosis import outlier_limit, outlying
+from catseye.app.results.scara.diagnosis import outlying
 from catseye.app.results.scara.names import ANGLES, VARYING
 from catseye.calibration.scara.diagnostics.diagnosis import Diagnosis
 from catseye.calibration.scara.diagnostics.harmonics import HarmonicSeries
@@ -34,7 +34,7 @@ def diagnosis_figures(diagnosis: Diagnosis) -> list[Figure]:
 def order_figure(diagnosis: Diagnosis) -> Figure:
     """Return studentised residuals in measuring order, with the limit for a single one and what changed."""
     points, external = diagnosis.identified.points, diagnosis.residuals.external
-    row, limit = np.arange(1, external.size + 1, dtype=np.float64), outlier_limit(diagnosis)
+    row, limit = np.arange(1, external.size + 1, dtype=np.float64), diagnosis.outlier_limit
     marks: list[Mark] = []
     for place, name in enumerate(points.reflector_names):
         own = points.reflector == place
@@ -54,8 +54,8 @@ def order_figure(diagnosis: Diagnosis) -> Figure:
     return Figure(
         "diagnosis-order",
         "Studentised residuals in measuring order",
-        "Externally studentised residuals. Dashed: what one of all distances exceeds by chance in 1 % of "
-        "measurements. Dotted: a new segment; solid: a jump. Numbers: outliers, the farthest first.",
+        "Externally studentised residuals. Dashed: beyond it a distance stands out; chance alone exceeds it in fewer "
+        "than 1 % of measurements. Dotted: a new segment; solid: a jump. Numbers: outliers, the farthest first.",
         ((Panel("", Axis("distance in measuring order"), Axis("studentised residual"), tuple(marks)),),),
         aspect=0.43,
         legend_columns=6,
@@ -71,8 +71,9 @@ def pattern_figure(diagnosis: Diagnosis) -> Figure:
     return Figure(
         "diagnosis-angles",
         "Mean residuals against the joints' angles",
-        "Mean residuals (predicted minus measured) against J1, J2 and the angle of the beam against link 2 (θ4). "
-        "Band: twice the standard deviation that scatter alone gives them.",
+        "Mean residuals (predicted minus measured), less what stated shared errors explain, against J1, "
+        "J2 and the angle of the beam against link 2 (θ4). Band: twice the standard deviation that scatter alone "
+        "gives them.",
         (panels,),
         aspect=0.33,
     )

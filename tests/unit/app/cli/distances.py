@@ -23,6 +23,8 @@ def write_points(points: Points, folder: Path, name: str = "points.csv") -> Path
     }
     if points.sigma_mm is not None:
         columns["sigma_mm"] = points.sigma_mm.tolist()
+    if points.mount_rad is not None:
+        columns["mount_deg"] = np.rad2deg(points.mount_rad).tolist()
     lines = [",".join(columns), *(",".join(map(str, row)) for row in zip(*columns.values(), strict=True))]
     path = folder / name
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")

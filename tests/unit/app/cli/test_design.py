@@ -250,3 +250,24 @@ def test_a_budget_without_white_contributors_is_refused(cell: Path) -> None:
         edited(cell, old, old.split(" = ", maxsplit=1)[0] + " = 0.0")
     with pytest.raises(UsageError, match="differs from reading to reading"):
         design(cell, places=60)
+
+
+def test_it_says_what_a_turned_interferometer_is_worth(
+    cell: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = designed(cell, capsys, reflectors=1, places=30)["j4_reversal"]
+    assert [one["name"] for one in found] == ["1 designed", "cell file (= SCARA paper)"]
+    for one in found:
+        for key in ("u_link1_um", "u_link2_um", "u_theta1_mdeg", "u_theta2_mdeg"):
+            assert one["turned"][key] <= one["twice"][key] <= one["once"][key]
+    # A single reflector leaves J4's odd orders among those of the J1 map.
+    assert found[0]["turned"]["u_theta1_mdeg"] < 0.95 * found[0]["twice"]["u_theta1_mdeg"]
+    design(cell, reflectors=1, places=30)
+    said = capsys.readouterr()
+    assert "twice, turned between" in said.out
+    assert "interferometer turned by half a turn on J4, against one without the turn: u(L1) × 0." in said.err
+
+
+def test_without_errors_of_j4_a_turn_is_worth_nothing(cell: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    edited(cell, 'axis = "j4"', 'axis = "j1"')
+    assert designed(cell, capsys, places=30)["j4_reversal"] == []

@@ -120,7 +120,17 @@ def test_extensions_are_identified_beside_the_maps(
 def test_uncertainty_keys_of_the_result_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run(tmp_path, points(), uncertainty="monte-carlo", draws=2000, as_json=True)
     facts = json.loads(capsys.readouterr().out)
-    assert set(facts) == {"result", "model", "gauge", "link1_mm", "link2_mm", "extension", "fit", "budget"}
+    assert set(facts) == {
+        "result",
+        "model",
+        "gauge",
+        "link1_mm",
+        "link2_mm",
+        "extension",
+        "fit",
+        "budget",
+        "j4_orders",
+    }
     document = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     part = document["uncertainty"]
     assert set(part) == {

@@ -56,6 +56,7 @@ QUESTIONS: dict[tuple[str, str], Asked] = {
     # The whole path is driven by then.
     ("procedures/scara/path/validation_path.py", "_file_prompt"): Asked("text", (), ("measured.csv",)),
     ("procedures/scara/open_loop/campaign.py", "_place"): _YES,
+    ("procedures/scara/open_loop/remount.py", "_ask"): _YES,
 }
 
 _ANSWERS = [(place, answer) for place, asked in QUESTIONS.items() for answer in asked.moves + asked.rests]

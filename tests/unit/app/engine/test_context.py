@@ -401,6 +401,16 @@ async def test_a_cell_without_a_tracker_says_so(parts: Parts) -> None:
         await parts.ctx.locate(0.5)
 
 
+async def test_how_the_instrument_is_mounted_is_stored_and_passed_on(parts: Parts) -> None:
+    seen: list[float] = []
+    parts.ctx.on_remounted = seen.append
+    await parts.ctx.remounted(179.25)
+    assert seen == [179.25]
+    assert [event.data for event in parts.reader.events() if event.kind == "mounted"] == [
+        {"turned_deg": 179.25}
+    ]
+
+
 async def test_a_pause_takes_the_time_of_the_bench(parts: Parts) -> None:
     start_s = parts.bench.clock.monotonic_s()
     await parts.ctx.pause(0.5)

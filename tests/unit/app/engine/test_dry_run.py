@@ -84,6 +84,17 @@ def test_the_ideal_beam_returns_from_the_reflector_that_it_hits() -> None:
     assert length_mm((0.0, 0.0, 0.0, math.degrees(0.999 / 100.0))) == pytest.approx(math.sqrt(1e4 - 0.999**2))
 
 
+async def test_a_rehearsed_beam_leaves_as_it_is_mounted(dry: DryRunContext) -> None:
+    await dry.zero(100.0)
+    assert (await dry.beam()).beam_ok
+    await dry.remounted(180.0)
+    assert not (await dry.beam()).beam_ok
+    await dry.move((0.0, 0.0, 0.0, 180.0))
+    assert (await dry.beam()).beam_ok
+    await dry.remounted(0.0)
+    assert not (await dry.beam()).beam_ok
+
+
 def test_the_beam_returns_only_at_the_cell_files_height() -> None:
     assert length_mm((0.0, 0.0, 0.99, 0.0)) == pytest.approx(100.0)
     assert length_mm((0.0, 0.0, -1.01, 0.0)) is None

@@ -10,15 +10,17 @@ from catseye.app.engine.operator import Answer, Operator, says_done
 from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.errors import ConfigError, LinkFailedError
 from catseye.procedures.kit.context import Prompt
-from catseye.procedures.kit.tasks import ClearBeam, PlaceReflector, TurnScrew
-from catseye.simulators.config import Screws
+from catseye.procedures.kit.tasks import ClearBeam, MountInterferometer, PlaceReflector, TurnScrew
+from catseye.simulators.config import Remounting, Screws
 from catseye.simulators.emulated_bench import EmulatedBench
 from tests.unit.app.engine.fakes import ManualClock
 from tests.unit.simulators.benches import QUIET
 
 # Reflectors are drawn some millimetres off: the straight arm meets P2 with a wide acceptance.
 WIDE = replace(QUIET, one_reflector=True, acceptance_mm=50.0, devices=())
-EXACT = replace(WIDE, screws=Screws(setting_turns=0.0, play_turns=0.0))
+EXACT = replace(
+    WIDE, screws=Screws(setting_turns=0.0, play_turns=0.0), remounting=Remounting(0.0, 0.0, 0.0, 0.0, 0.0)
+)
 TURN = TurnScrew(screw="stage", turns=0.5)
 STAGE = Prompt("stage/1", "choice", "Turn.", choices=("done", "stop"), safe_answer="stop", task=TURN)
 
@@ -54,6 +56,21 @@ async def test_hands_carry_the_reflector_and_clear_the_beam(bench: EmulatedBench
     assert not bench.bench.beam.read().returns
     await hands.do(ClearBeam())
     assert bench.bench.beam.read().returns
+
+
+async def test_hands_mount_the_interferometer_turned_once(bench: EmulatedBench) -> None:
+    hands = SimulatedOperator(endpoint(bench))
+    for _ in range(2):
+        # Asked again, they leave it as it is asked for: it is no further half turn.
+        done = await hands.do(MountInterferometer(turned_deg=180.0))
+    assert done == {"op": "mount_interferometer", "turned_deg": 180.0}
+    assert bench.bench.true_state().beam_deg % 360.0 == pytest.approx(180.0 + drawn_theta40_deg(bench))
+
+
+def drawn_theta40_deg(bench: EmulatedBench) -> float:
+    theta40_deg = bench.context.truth["theta40_deg"]
+    assert isinstance(theta40_deg, float)
+    return theta40_deg + bench.bench.true_state().joints[3] + sum(bench.bench.true_state().joints[:2])
 
 
 async def test_what_the_bench_refuses_is_said(bench: EmulatedBench) -> None:

@@ -77,7 +77,7 @@ async def test_the_table_has_a_line_for_each_step(tmp_path: Path) -> None:
     assert "2 steps, 2 moves, 1 distances" in said
     assert "fastest joint 84.0 deg/s, tool 806 mm/s; the beam misses by 0.227 mm at most" in said
     assert "warning: the screw is stiff" in said
-    assert said.endswith("1 question: stage/1")
+    assert said.endswith("1 question: stage/1 after 2 s")
 
 
 async def test_data_have_the_same_figures(tmp_path: Path) -> None:
@@ -87,7 +87,10 @@ async def test_data_have_the_same_figures(tmp_path: Path) -> None:
     assert (near["beam_mm"], away["beam_mm"], away["miss_mm"]) == (pytest.approx(100.0, abs=0.01), None, None)
     assert (away["joint_deg_s"], data["joint_deg_s"]) == (pytest.approx(84.0), pytest.approx(84.0))
     assert data["tool_mm_s"] == pytest.approx(806.3, abs=0.5)
-    assert data["questions"] == [{"id": "stage/1", "kind": "confirm", "text": "Turn the screw."}]
+    (question,) = data["questions"]
+    # 0.5 s settling and 0.25 s dwell, 90 deg at 84 deg/s and a little more: it is asked at the very end.
+    assert question.pop("after_s") == pytest.approx(near["duration_s"] + away["duration_s"], abs=1e-3)
+    assert question == {"id": "stage/1", "kind": "confirm", "text": "Turn the screw."}
     assert data["warnings"][0] == "the screw is stiff"
     assert "max_miss_mm = 0.2 in 1 step(s); the cat's eye still returns it" in data["warnings"][1]
 

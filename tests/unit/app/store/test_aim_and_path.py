@@ -101,6 +101,16 @@ async def test_a_search_before_the_beam_was_moved_is_refused(shelf: Shelf, answe
     assert find_basis(SEARCHED, bench(), shelf.root).source == again.name
 
 
+async def test_a_search_before_the_interferometer_was_turned_is_refused(shelf: Shelf) -> None:
+    search = await shelf.put("reflector-search", solution(651.0))
+    await shelf.put("open-loop", None, asked={"place/P1": "yes"})
+    await shelf.put("open-loop", None, asked={"mount/1": "no"}, status="failed")
+    assert find_basis(SEARCHED, bench(), shelf.root).source == search.name
+    turned = await shelf.put("open-loop", None, asked={"mount/1": "no", "mount/2": "yes"}, status="stopped")
+    with pytest.raises(UsageError, match=f"{turned.name} moved the beam after {search.name}"):
+        find_basis(SEARCHED, bench(), shelf.root)
+
+
 async def test_without_a_search_the_cell_file_gives_the_aim(shelf: Shelf) -> None:
     assert find_basis(SEARCHED, bench(), shelf.root).source == "cell file"
     await shelf.put("reflector-search", solution(651.0))

@@ -34,6 +34,16 @@ MOTION: Final[dict[str, Any]] = {
     "axes": AXES,
 }
 
+TURNED: Final[dict[str, Any]] = {
+    **MOTION,
+    "id": "mount/1",
+    "text": "Take the interferometer off the flange of J4, mount it turned by half a turn (180°) about the J4 axis, "
+    "within 5°, with its cable free, step back, then confirm. The arm stands where its beam then meets P1: the "
+    "signal comes back.",
+    "task": {"do": "mount-interferometer", "turned_deg": 180.0},
+    "target": [-37.5, 20.0, 50.0, 159.57],
+}
+
 REHEARSAL: Final = Done(
     (),
     0,
@@ -66,7 +76,14 @@ REHEARSAL: Final = Done(
                 for number in range(8)
             ],
             "warnings": ["reflector P3: 8 commands are blind and left out"],
-            "questions": [{"id": "place/P1", "kind": "confirm", "text": "Put the reflector into nest P1."}],
+            "questions": [
+                {
+                    "id": "place/P1",
+                    "kind": "confirm",
+                    "text": "Put the reflector into nest P1.",
+                    "after_s": 2.6,
+                }
+            ],
         }
     ),
     "",

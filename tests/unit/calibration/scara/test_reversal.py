@@ -68,7 +68,7 @@ def test_half_a_turn_leaves_even_orders_as_they_were(order: int) -> None:
     assert after == pytest.approx(before, abs=1e-9)
 
 
-def test_only_a_quarter_turn_separates_the_second_order_from_link_2() -> None:
+def test_only_a_quarter_turn_separates_order_two_from_link_2() -> None:
     half, quarter = mounted(TRUTH, still, [0.0, HALF_TURN]), mounted(TRUTH, still, [0.0, 0.5 * HALF_TURN])
     assert left_over(half, motion_columns(half, 2))[2:] == pytest.approx(0.0, abs=1e-9)
     assert left_over(quarter, motion_columns(quarter, 2)).min() > 0.4
@@ -209,6 +209,17 @@ def test_a_scan_sees_the_mountings_as_tables_do() -> None:
     u = whole.standard_uncertainty
     assert (scanned.identified.parameters - whole.parameters) / u == pytest.approx(0.0, abs=0.02)
     assert scanned.identified.standard_uncertainty / u == pytest.approx(1.0, abs=0.02)
+
+
+def test_which_mounting_counts_as_the_first_is_all_one() -> None:
+    motion = AxisMotion.drawn(np.random.default_rng(7), 0.03, 0.01)
+    points = mounted(TRUTH, motion.longer, [0.0, HALF_TURN], WHITE_MM, 7)
+    assert points.mount_rad is not None
+    exchanged = replace(points, mount_rad=HALF_TURN - points.mount_rad)
+    one, other = (replace(problem(each), budget=BUDGET).solve() for each in (points, exchanged))
+    u = one.standard_uncertainty
+    assert (other.parameters - one.parameters) / u == pytest.approx(0.0, abs=1e-6)
+    assert other.standard_uncertainty == pytest.approx(u, rel=1e-6)
 
 
 def rms(values: Floats) -> float:

@@ -38,6 +38,8 @@ def state(panel: Panel) -> dict[str, Any]:
 def test_the_state_includes_mount_nests_and_laser(panel: Panel) -> None:
     said = state(panel)
     assert said["mount"] == {
+        "turned_deg": 0.0,
+        "ahead_mm": 0.0,
         "offset_mm": 0.1,
         "pitch_mrad": pytest.approx(1.0),
         "height_j3_mm": 0.3,
@@ -58,6 +60,17 @@ def test_screws_are_turned_clockwise(panel: Panel) -> None:
     # 2 mrad more, 40 mm in front of the pivot.
     assert mount["height_j3_mm"] == pytest.approx(0.3 - 0.08)
     assert mount["turns"] == {"stage": -0.4, "level": 1.0}
+
+
+def test_the_interferometer_is_mounted_turned(panel: Panel) -> None:
+    assert panel.ask(op="mount_interferometer", turned_deg=180) == {"ok": True}
+    mount, beam = state(panel)["mount"], state(panel)["beam"]
+    # Drawn anew: within four standard deviations of what was asked for, and of what was before.
+    assert mount["turned_deg"] == pytest.approx(180.0, abs=4.0)
+    assert 0.0 < abs(mount["offset_mm"] - 0.1) < 2.0
+    assert 0.0 < abs(mount["pitch_mrad"] - 1.0) < 3.2
+    assert beam["direction_deg"] == pytest.approx(mount["turned_deg"])
+    assert (beam["returns"], beam["lost"]) == (False, True)
 
 
 def test_the_reflector_is_carried_and_the_beam_cleared(panel: Panel) -> None:
@@ -109,6 +122,8 @@ def test_a_slipped_joint_is_where_the_controller_says(panel: Panel) -> None:
         ({"op": "turn_screw", "screw": "knob", "turns": 1.0}, "screw"),
         ({"op": "turn_screw", "screw": "stage", "turns": 21.0}, "turns"),
         ({"op": "turn_screw", "screw": "stage", "turns": "1"}, "turns"),
+        ({"op": "mount_interferometer", "turned_deg": 400.0}, "turned_deg"),
+        ({"op": "mount_interferometer"}, "turned_deg"),
         ({"op": "place_reflector", "reflector": "P9"}, "there are P1, P2, P3"),
         ({"op": "fault", "name": "weaken", "factor": 0.0}, "factor"),
         ({"op": "fault", "name": "vibration", "amplitude_um": -1.0, "duration_s": 1.0}, "amplitude_um"),

@@ -45,6 +45,10 @@ class Tour:
     records: ClassVar[tuple[type[Record], ...]] = ()
     params_type = NoParams
 
+    def equipped(self, bench: Bench, params: Any) -> Bench:
+        del params
+        return bench
+
     def plan(self, bench: Bench, params: Any) -> Any:
         del bench, params
         return list(self.places)

@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from catseye.app.engine.control import RunControl
 from catseye.app.engine.devices import Devices
+from catseye.app.engine.handle import RunHandle
 from catseye.app.protocol.bench import BenchStatus
 from catseye.app.service.watching.bench_facts import facts_of
 from catseye.app.service.watching.telemetry import Telemetry, free_bytes
@@ -42,6 +44,30 @@ def test_an_unknown_bench_has_no_status(tmp_path: Path) -> None:
         telemetry.describe(FACTS)
         assert status_of(telemetry).cell == FACTS.cell
         assert listeners.received == []
+
+    played(tmp_path, play)
+
+
+def test_the_beam_is_shown_as_it_is_mounted(tmp_path: Path) -> None:
+    async def play(telemetry: Telemetry, listeners: Listeners) -> None:
+        telemetry.describe(FACTS)
+        before = status_of(telemetry).layout
+        listeners.run = handle = RunHandle(
+            tmp_path,
+            "open-loop",
+            "",
+            RunControl(VirtualClock(), lambda _state, _reason: None),
+            lambda _kind, _data: None,
+            lambda _text: None,
+        )
+        assert status_of(telemetry).layout == before
+        handle.remounted(178.5)
+        layout = status_of(telemetry).layout
+        assert before is not None
+        assert layout is not None
+        assert layout.theta40_deg == before.theta40_deg + 178.5
+        listeners.run = None
+        assert status_of(telemetry).layout == before
 
     played(tmp_path, play)
 

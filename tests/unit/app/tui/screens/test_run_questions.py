@@ -12,7 +12,7 @@ from catseye.app.tui.run_state import SoFar
 from catseye.app.tui.screens.run import RunScreen
 from tests.unit.app.tui.screens.run_screen import answers, app_of, ops, run_screen, settled
 from tests.unit.app.tui.scripted import ScriptedLink, compare, shown
-from tests.unit.app.tui.scripted_run import MOTION, SNAPSHOT, ask, measure, publish
+from tests.unit.app.tui.scripted_run import MOTION, SNAPSHOT, TURNED, ask, measure, publish, show_value
 
 SIZES = [(80, 24), (120, 40)]
 
@@ -26,6 +26,17 @@ async def test_a_question_before_a_motion(size: tuple[int, int]) -> None:
         assert "J1 -6.67°, J2 11.67°, J3 50.0 mm, J4 2.76°" in text
         assert "20 % override" in text
         compare(f"run-motion-{size[0]}x{size[1]}", text)
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_the_question_for_the_turned_interferometer(size: tuple[int, int]) -> None:
+    async with run_screen(size=size) as (app, pilot, link):
+        measure(link)
+        ask(link, **TURNED)
+        show_value(link, "signal", 0.93, 0.1, 1.0, "")
+        text = await settled(app, pilot, link)
+        assert "turned by 180° on the flange" in text
+        compare(f"run-turned-{size[0]}x{size[1]}", text)
 
 
 async def test_a_key_pressed_as_the_question_comes_answers_nothing() -> None:

@@ -12,7 +12,7 @@ from catseye.app.tui.widgets.run_end import _outcome  # noqa: PLC2701  # drawing
 from catseye.app.tui.widgets.run_plots import _scale, _uncertainties, _values  # noqa: PLC2701  # drawing without a screen
 from catseye.app.tui.widgets.task_picture import task_picture
 from catseye.procedures.kit.live import Live
-from catseye.procedures.kit.tasks import ClearBeam, PlaceReflector, TurnScrew
+from catseye.procedures.kit.tasks import ClearBeam, MountInterferometer, PlaceReflector, TurnScrew
 
 
 def live(value: float, low: float | None, high: float | None) -> LiveData:
@@ -92,6 +92,13 @@ def test_a_screw_turns_the_way_that_is_drawn() -> None:
     anticlockwise = task_picture(TurnScrew(screw="level", turns=-1.5))
     assert "◀" in anticlockwise[0]
     assert "1.50 turns anticlockwise" in anticlockwise[1]
+
+
+def test_the_beam_leaves_on_the_other_side_once_turned() -> None:
+    before, after = task_picture(MountInterferometer(turned_deg=180.0))
+    assert before.startswith("before  ◀━━━━━━(◎)")
+    assert after.startswith("after          (◎)━━━━━━▶")
+    assert after.endswith("turned by 180° on the flange")
 
 
 def test_the_nest_that_is_meant_holds_the_reflector() -> None:

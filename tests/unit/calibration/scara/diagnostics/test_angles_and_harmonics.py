@@ -25,6 +25,7 @@ from tests.unit.calibration.scara.diagnostics.bench import (
     with_noise,
 )
 from tests.unit.calibration.scara.paper import MDEG, NOMINAL_REFLECTORS, random_truth
+from tests.unit.calibration.scara.reversal import HALF_TURN, AxisMotion, mounted
 
 TRUTH = random_truth(8)
 NOMINAL = (325.0, 225.0)
@@ -80,6 +81,22 @@ def test_radial_motion_of_j4_is_no_harmonic_beside_its_budget() -> None:
     assert best is not None
     assert (best.order, best.significant) == (3, True)
     assert not any(one.significant for one in stated.harmonics)
+
+
+def test_a_motion_of_j4_is_one_harmonic_in_both_mountings() -> None:
+    motion = AxisMotion([(0.0, 0.0)] * 3, [(0.0, 0.0)] * 2 + [(0.012, 0.0)])
+    points = mounted(TRUTH, motion.longer, [0.0, HALF_TURN], 0.008, 2)
+    identified = problem(replace(points, sigma_mm=np.full(len(points), 0.008))).solve()
+    projection = projection_of(identified)
+    length = harmonic_series(projection, NOMINAL, NOMINAL_REFLECTORS, 8)[-1]
+    # Order 3 of the motion, in y alone, is half in order 2 and half in order 4 of the distance.
+    for order in (2, 4):
+        (found,) = (one for one in length.harmonics if one.order == order)
+        assert found.significant
+        assert found.amplitude == pytest.approx(0.006, abs=4.0 * found.u)
+    *_, pattern = angle_patterns(projection, NOMINAL, NOMINAL_REFLECTORS)
+    assert pattern.significant
+    assert np.abs(pattern.angle_deg).max() <= 180.0
 
 
 def test_white_noise_raises_no_alarm() -> None:

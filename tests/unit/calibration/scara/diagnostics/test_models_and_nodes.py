@@ -13,6 +13,7 @@ from catseye.calibration.scara.diagnostics.nested_models import ComparedModel, E
 from catseye.calibration.scara.diagnostics.node_spacing import node_spacing
 from catseye.calibration.scara.extension import crosstalk, j4_map, periodic, thermal_drift
 from catseye.calibration.scara.points import Points
+from catseye.calibration.scara.radial import RadialBudget
 from tests.unit.calibration.scara.diagnostics.bench import (
     Extra,
     commands_between,
@@ -21,6 +22,8 @@ from tests.unit.calibration.scara.diagnostics.bench import (
     problem,
 )
 from tests.unit.calibration.scara.paper import MDEG, NODES1_DEG, NODES2_DEG, Truth, random_truth
+from tests.unit.calibration.scara.samples import radial_motions
+from tests.unit.calibration.scara.test_radial_budget import radial_errors
 
 TRUTH = random_truth(10)
 EXTENSIONS = [
@@ -78,6 +81,56 @@ def test_what_the_budget_states_is_not_significant() -> None:
     assert plain.explained_um == pytest.approx(12.0 / math.sqrt(2.0), rel=0.2)
 
 
+def test_what_is_tested_does_not_feed_the_covariance_it_is_tested_against() -> None:
+    """A map of 12 µm beside a stated 1 µm: amplitudes learnt without the map would take it for J4's motion."""
+    extra = Extra(length=lambda p: 0.012 * math.cos(3 * p.beam))
+    budget = Budget((Contributor("J4", "radial", 0.001, "axis-angle", "j4"),))
+    found = models(on_nodes(extra), budget)["J4 map"]
+    assert found.significant
+    assert not found.as_stated
+    at = [term.name for term in found.terms].index("Δd cos 3θ4")
+    assert found.coefficients[at] == pytest.approx(0.012, abs=4.0 * found.u[at])
+
+
+def test_a_map_that_the_budget_explains_is_there_as_stated() -> None:
+    extra = Extra(length=lambda p: 0.012 * math.cos(3 * p.beam))
+    budget = Budget((Contributor("J4", "radial", 0.010, "axis-angle", "j4"),))
+    found = models(on_nodes(extra), budget)["J4 map"]
+    assert found.as_stated
+
+
+def test_all_models_have_one_covariance() -> None:
+    """Then nothing that a larger model contains can fit worse, and F follows from both sums of squares."""
+    budget = radial_motions(RadialBudget(0.005, 0.005, 0.010))
+    for seed in range(3):
+        errors = radial_errors(np.random.default_rng(seed), TRUTH, RadialBudget(0.005, 0.005, 0.010), 3)
+        points = on_nodes(seed=seed)
+        found = models(replace(points, displacement_mm=points.displacement_mm + errors), budget)
+        base, rows = found["error map"], len(points)
+        for name in ("crosstalk", "thermal drift", "J4 map", "all together"):
+            larger, k = found[name], base.n_parameters + 1
+            extra = larger.n_parameters - base.n_parameters
+            # BIC is n log(S / n) + K log n: both sums of squares are in it.
+            gone = math.exp((larger.bic - base.bic - extra * math.log(rows)) / rows)
+            assert 0.9 < gone < 1.0
+            ratio = (1.0 / gone - 1.0) / extra * (rows - k + 1 - extra)
+            assert larger.ratio == pytest.approx(ratio, rel=1e-9)
+
+
+def test_probabilities_beside_learnt_amplitudes_are_spread() -> None:
+    """Sixteen draws: the campaign has two hundred."""
+    stated, values = RadialBudget(0.005, 0.005, 0.010), []
+    for seed in range(16):
+        errors = radial_errors(np.random.default_rng(40 + seed), TRUTH, stated, 3)
+        points = on_nodes(seed=40 + seed)
+        moved = replace(points, displacement_mm=points.displacement_mm + errors)
+        found = compare_models(
+            replace(problem(moved), budget=radial_motions(stated)), [Extension("J4 map", j4_map())]
+        )
+        values.append(found[2].probability)
+    assert stats.kstest(values, "uniform").pvalue > 0.01
+
+
 def test_nothing_is_significant_on_white_noise() -> None:
     for seed in range(4):
         found = models(on_nodes(seed=seed))
@@ -130,3 +183,12 @@ def test_finer_nodes_are_judged_where_commands_stand_between_them() -> None:
     assert found.between1
     assert found.by_aicc.nodes1_rad.size == 21
     assert found.by_aicc.nodes2_rad.size == 8
+
+
+def test_a_finest_grid_that_nothing_determines_is_refused_alone() -> None:
+    """Commands of J2 every 17.1° leave some of its nodes every 10° untouched."""
+    points = measured(TRUTH, commands_between(13.3, 17.1), noise_mm=0.008, sigma_mm=0.008)
+    found = node_spacing(replace(problem(points), budget=radial_motions(RadialBudget(0.005, 0.005, 0.010))))
+    assert found.between2
+    assert "no point touches" in str(found.grids[-1].refused)
+    assert np.isfinite(found.grids[0].aicc)

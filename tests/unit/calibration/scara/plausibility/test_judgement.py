@@ -16,6 +16,7 @@ from catseye.calibration.scara.plausibility.findings import (
     DisplacementSignReversed,
     LinksExchanged,
     Mistake,
+    MountingForgotten,
     NamesExchanged,
     OtherLinks,
     PlaceOff,
@@ -83,7 +84,7 @@ def named(mistake: Mistake, name: str) -> bool:
             return name == "places mirrored" and mirror == "y"
         case ZeroLost(reflector, _, row, _):
             return name == "a zero lost inside a segment" and (reflector, row) == ("P2", LOST_AT)
-        case ReflectorMoved():
+        case ReflectorMoved() | MountingForgotten():
             return False
 
 

@@ -1,0 +1,85 @@
+"""identify with a table of two mountings of the interferometer."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from catseye.app.cli.report import report
+from catseye.app.cli.scara.identify import identify
+from catseye.app.results.scara import scan
+from catseye.app.results.scara.identification_report import identification_report
+from catseye.app.results.scara.plausible import ImplausibleError
+from catseye.app.results.scara.result import Result, read_result
+from catseye.calibration.scara.points import Points
+from tests.unit.app.cli.distances import write_points
+from tests.unit.calibration.scara.paper import random_truth
+from tests.unit.calibration.scara.reversal import HALF_TURN, AxisMotion, mounted
+
+MOTION = AxisMotion.drawn(np.random.default_rng(3), 0.03, 0.005)
+TRUTH = random_truth(3)
+
+
+@pytest.fixture(scope="module")
+def points() -> Points:
+    return mounted(TRUTH, MOTION.longer, [0.0, HALF_TURN], 0.010, 3)
+
+
+def identified(points: Points, folder: Path) -> Result:
+    identify(folder / "result.json", [], write_points(points, folder), folder / "cell.toml")
+    return read_result(folder / "result.json")
+
+
+def test_result_states_the_orders_of_j4_with_their_uncertainty(points: Points, tmp_path: Path) -> None:
+    found = identified(points, tmp_path).j4_orders
+    assert found is not None
+    assert [one.order for one in found] == [2, 4, 6]
+    for one in found:
+        cosine, sine = MOTION.along_first_beam(one.order)
+        assert abs(one.cosine_um.value - 1e3 * cosine) < 4.0 * one.cosine_um.u
+        assert abs(one.sine_um.value - 1e3 * sine) < 4.0 * one.sine_um.u
+        assert one.amplitude_um.value == pytest.approx(np.hypot(one.cosine_um.value, one.sine_um.value))
+        assert 0.1 < one.amplitude_um.u < 1.0
+
+
+def test_json_text_and_page_show_them(
+    points: Points, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    result = identified(points, tmp_path)
+    assert result.j4_orders is not None
+    capsys.readouterr()
+    identify(tmp_path / "again.json", [], tmp_path / "points.csv", tmp_path / "cell.toml", as_json=True)
+    document = json.loads(capsys.readouterr().out)
+    assert [one["order"] for one in document["j4_orders"]] == [2, 4, 6]
+    verdict = identification_report(result).sections[0]
+    second = result.j4_orders[0].amplitude_um
+    assert f"{second.value:.2f} ± {second.u:.2f} µm in order 2" in str(verdict)
+    report(str(tmp_path / "result.json"), tmp_path / "page.html")
+    assert "What J4 adds to a distance" in (tmp_path / "page.html").read_text(encoding="utf-8")
+
+
+def test_a_table_of_one_mounting_states_none(tmp_path: Path) -> None:
+    result = identified(mounted(TRUTH, MOTION.longer, [0.0], 0.010, 3), tmp_path)
+    assert result.j4_orders is None
+    assert "turned on J4" not in str(identification_report(result))
+
+
+def test_a_scan_of_two_mountings_gives_the_same_arm(
+    points: Points, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = identified(points, tmp_path)
+    monkeypatch.setattr(scan, "SCAN_ROWS", 100)
+    monkeypatch.setattr(scan, "_SHORTEST_LINE_BYTES", 1)
+    streamed = identified(points, tmp_path)
+    assert streamed.scan is not None
+    assert streamed.link2_mm.value == pytest.approx(whole.link2_mm.value, abs=1e-6)
+    assert streamed.link2_mm.u == pytest.approx(whole.link2_mm.u, rel=1e-6)
+
+
+def test_a_forgotten_column_is_refused_with_what_to_state(points: Points, tmp_path: Path) -> None:
+    with pytest.raises(
+        ImplausibleError, match=r"from distance 1057 on \(P1, segment 1\).* state mount_deg = 180"
+    ):
+        identified(replace(points, mount_rad=None), tmp_path)
