@@ -11,12 +11,14 @@ component: it exceeds the likeliest one by what the rows leave open, so that the
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
-from scipy import linalg, optimize
+from scipy import linalg, optimize, special
 
 from catseye.calibration.core.budget import Shared
+from catseye.calibration.core.errors import ConvergenceError
+from catseye.calibration.core.least_squares import column_space
 from catseye.calibration.core.model import Model
 from catseye.calibration.core.residuals import NORMAL_MAD
 from catseye.calibration.core.types import Bools, Floats, Ints
@@ -45,11 +47,26 @@ _MOST_ROWS = 40_000
 """So many rows, evenly spread, say how large the components are; further ones cost time."""
 
 _STEEPEST = math.log(1e4)
-"""Logarithm of a ratio beyond which the likelihood is level: no digits are left there, and none are needed."""
+"""Logarithm of a ratio that ratios approach but do not exceed: no digits are left there, and none are needed."""
+
+_BEND = 4.0
+"""How sharply they do: a ratio of 1 is changed by less than 1e-16. A kink would keep the search from settling."""
 
 _FAR = 4.0
 """Residuals beyond so many robust standard deviations count as if they were that: single wrong rows say nothing of a
 contributor."""
+
+_MOST_STEPS = 200
+"""Ten are usual."""
+
+_SETTLED = 0.01
+"""Standard deviations of the posterior that the maximum may be off by."""
+
+_UNSETTLED = (
+    "how large the errors are that several rows share cannot be estimated: the search for their likeliest sizes does "
+    "not settle. Look at the rows (catseye diagnose), or state the spectrum of the budget's axis-angle contributors "
+    "(1 for each order keeps the stated size; a single 1 for what lies between nodes)"
+)
 
 _WIDEST = 5.0
 """Variance of a logarithm beyond which the mean of a variance is no longer raised."""
@@ -88,8 +105,7 @@ class Compressed:
         # In the order of Fortran, for LAPACK to work in place: there may be a hundred megabytes of it.
         columns = (model.parameters.basis.T @ jacobian.T).T
         del jacobian
-        columns /= np.linalg.norm(columns, axis=0)
-        basis = linalg.qr(columns, mode="economic", overwrite_a=True, check_finite=False)[0]
+        basis = column_space(columns)
         left = effects - basis @ (basis.T @ effects)
         weighted = model.residuals(values)[every] * weights
         residuals = _winsorised(weighted - basis @ (basis.T @ weighted))
@@ -103,8 +119,14 @@ class Compressed:
 
     def variances(self, logarithms: Floats) -> Floats:
         """Return the sources' variances relative to the stated ones, shape (m,)."""
-        ratios = np.exp(np.minimum(logarithms, _STEEPEST))[self.component]
+        ratios = np.exp(_levelled(logarithms)[0])[self.component]
         return np.asarray(np.where(self.component >= 0, ratios, 1.0), dtype=np.float64)
+
+
+def _levelled(logarithms: Floats) -> tuple[Floats, Floats]:
+    """Return logarithms that stay below the steepest one, and their derivatives, shape (k,) each."""
+    beyond = _BEND * (logarithms - _STEEPEST)
+    return logarithms - np.logaddexp(0.0, beyond) / _BEND, np.asarray(special.expit(-beyond))
 
 
 def _winsorised(weighted: Floats) -> Floats:
@@ -164,20 +186,28 @@ def _fitted(rows: Compressed, spread: float, *, for_test: bool) -> _Fitted:
     centre = np.where(rows.assumed, -0.5 * _ASSUMED**2, stated)
     root = linalg.cholesky(prior, lower=True)
 
-    def posterior(z: Floats) -> tuple[float, Floats, Floats]:
+    @cache
+    def posterior(place: bytes) -> tuple[float, Floats, Floats]:
+        z = np.frombuffer(place)
         value, slope, second = restricted_likelihood(rows, centre + root @ z)
         return value + 0.5 * float(z @ z), root.T @ slope + z, root.T @ second @ root + np.eye(z.size)
 
     def objective(z: Floats) -> tuple[float, Floats]:
-        return posterior(z)[:2]
+        return posterior(z.tobytes())[:2]
 
     def curvature(z: Floats) -> Floats:
-        return posterior(z)[2]
+        return posterior(z.tobytes())[2]
 
     start = np.zeros(rows.contributor.size)
-    found = optimize.minimize(objective, start, (), "trust-exact", jac=True, hess=curvature)
+    found = optimize.minimize(
+        objective, start, (), "trust-exact", jac=True, hess=curvature, options={"maxiter": _MOST_STEPS}
+    )
     values, vectors = linalg.eigh(curvature(found.x))
     steep = np.maximum(values, _FLATTEST)
+    # Near the maximum rounding may stop the search, and it calls that a failure.
+    left = (vectors.T @ objective(found.x)[1]) / np.sqrt(steep)
+    if float(left @ left) > _SETTLED**2:
+        raise ConvergenceError(_UNSETTLED)
     # What estimates scatter by is what rows say; what they leave open adds to it the uncertainty of each variance.
     shares = np.maximum(steep - 1.0, 0.0) / steep**2 if for_test else 1.0 / steep
     spreads = np.sum((root @ (vectors * np.sqrt(shares))) ** 2, axis=1)
@@ -238,7 +268,7 @@ def restricted_likelihood(rows: Compressed, logarithms: Floats) -> tuple[float, 
     inner = np.eye(half.size) - linalg.cho_solve(factor, np.eye(half.size))
     members = rows.members
     slope = 0.5 * members @ (np.diag(inner) - known**2)
-    pairs = members @ (np.outer(known, known) * inner - 0.5 * inner**2) @ members.T
-    grows = (logarithms < _STEEPEST).astype(np.float64)
-    slope *= grows
-    return value, slope, pairs * np.outer(grows, grows) + np.diag(slope)
+    pairs = members @ (np.outer(known, known) * inner - 0.5 * inner**2) @ members.T + np.diag(slope)
+    grows = _levelled(logarithms)[1]
+    bent = np.diag(slope * _BEND * grows * (1.0 - grows))
+    return value, slope * grows, pairs * np.outer(grows, grows) - bent

@@ -72,6 +72,18 @@ def factorise(jacobian: Floats) -> Factor:
     return Factor(padded, right, scale)
 
 
+def column_space(columns: Floats) -> Floats:
+    """Return an orthonormal basis of what columns of shape (n, k) span, shape (n, rank); the columns are overwritten.
+
+    Columns that rows leave undetermined, such as those of a segment without rows, are none of its directions.
+    """
+    columns /= _column_norms(columns)
+    basis, triangle = linalg.qr(columns, mode="economic", overwrite_a=True, check_finite=False)
+    left, values, _ = linalg.svd(triangle, check_finite=False)
+    known = values > RANK_TOLERANCE * values[0]
+    return np.asarray(basis if known.all() else basis @ left[:, : values.size][:, known], dtype=np.float64)
+
+
 @dataclass(frozen=True)
 class Solution:
     """Where the iteration ended.

@@ -12,6 +12,7 @@ from typing import Self
 import numpy as np
 from scipy import linalg
 
+from catseye.calibration.core.least_squares import column_space
 from catseye.calibration.core.model import Model, whitening_at
 from catseye.calibration.core.significance import FTest, Judged, f_test
 from catseye.calibration.core.types import Floats
@@ -123,15 +124,13 @@ def project(model: Model, values: Floats, residuals_mm: Floats) -> Projection:
 
 
 def off_columns(whitening: Whitening, whitened: Floats, residuals_mm: Floats) -> Projection:
-    """Return a fit as a projection off the columns of its model, which are all different.
+    """Return a fit as a projection off the columns of its model.
 
     Args:
         whitened: derivatives of the residuals, shape (n, free).
         residuals_mm: its residuals, shape (n,).
     """
-    scaled = whitened / np.linalg.norm(whitened, axis=0)
-    basis: Floats = linalg.qr(scaled, mode="economic", overwrite_a=True, check_finite=False)[0]
-    return Projection(whitening, basis, whitening.rows(residuals_mm))
+    return Projection(whitening, column_space(whitened.copy()), whitening.rows(residuals_mm))
 
 
 @dataclass(frozen=True)

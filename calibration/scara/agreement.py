@@ -10,14 +10,12 @@ from catseye.calibration.core.budget import White
 from catseye.calibration.core.quadratic_form import SumOfSquares
 from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.budget import INSTRUMENT
 from catseye.calibration.scara.comparison import Comparison
 from catseye.calibration.scara.prediction_errors import PredictionErrors
 
 WITHIN = 2.0
 """A normalised error within ±2 is expected of 95 in 100."""
-
-INSTRUMENT = "instrument"
-"""What the part of the measurement is called."""
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,9 @@ size alone: rms and band of orders. The nodes contain the ripple's values there,
 way between two nodes the error has the variance σ²(1 + ¼ + ¼).
 """
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 
 from catseye.calibration.core.types import Bools, Floats, Ints
@@ -18,34 +21,88 @@ _AT_NODE = 1e-9
 """Share of an interval by which rounding may move a command off its node."""
 
 
-def between_nodes(nodes_rad: Floats, theta_rad: Floats, direction: Ints) -> Floats:
-    """Return what independent unit-variance sources do to a joint's angle at commands.
+_MOST_PLACES = 100
+"""Places between the nodes of a joint beyond which a measurement is a scan: a plan has a few on purpose."""
 
-    Both directions of approach have sources of their own: a gear rests on other flanks.
 
-    Args:
+@dataclass(frozen=True)
+class Places:
+    """Different commands of a joint between its nodes; both directions of approach have a ripple of their own.
+
+    A gear rests on other flanks in each direction.
+
+    Attributes:
         nodes_rad: nodes of the map, rad, strictly increasing; a joint without a map has nothing between its nodes.
-        theta_rad: command angles inside the nodes, rad, shape (n,).
-        direction: states of approach, 1 or -1, shape (n,).
-
-    Returns:
-        Effects for a ripple of rms 1, shape (n, k); e eᵀ is the covariance. k is at most the number of different
-        commands between the nodes.
-
-    Raises:
-        MapRangeError: a command lies outside the nodes.
+        commands: angle, rad, and direction of each, sorted, shape (k, 2).
     """
-    if nodes_rad.size < 2:
-        return np.zeros((theta_rad.size, 0))
-    commands, place = np.unique(np.column_stack([theta_rad, direction]), axis=0, return_inverse=True)
-    effects = _of_commands(nodes_rad, commands[:, 0], commands[:, 1])
-    off = np.any(effects != 0.0, axis=1)
-    if off.sum() < effects.shape[1]:
+
+    nodes_rad: Floats
+    commands: Floats
+
+    @classmethod
+    def of(cls, nodes_rad: Floats, theta_rad: Floats, direction: Ints) -> "Places":
+        """Find those among commands; angles and states of approach, 1 or -1, have shape (n,).
+
+        Raises:
+            MapRangeError: a command lies outside the nodes.
+        """
+        if nodes_rad.size < 2:
+            return cls(nodes_rad, np.zeros((0, 2)))
+        off = ~at_nodes(nodes_rad, theta_rad)
+        return cls(nodes_rad, np.unique(np.column_stack([theta_rad, direction])[off], axis=0))
+
+    def __len__(self) -> int:
+        """Return their number."""
+        return len(self.commands)
+
+    def joined(self, other: "Places") -> "Places":
+        """Return these places and others of the same joint."""
+        return Places(self.nodes_rad, np.unique(np.vstack([self.commands, other.commands]), axis=0))
+
+    def effects(self, theta_rad: Floats, direction: Ints) -> Floats:
+        """Return what independent unit-variance sources do to the joint's angle at some of the places or at nodes.
+
+        Returns:
+            Effects for a ripple of rms 1, shape (n, m); e eᵀ is the covariance. m is at most the number of places,
+            and the same sources act wherever these places are asked.
+        """
+        effects = np.zeros((theta_rad.size, self._effects.shape[1]))
+        if len(self):
+            off = ~at_nodes(self.nodes_rad, theta_rad)
+            asked = np.vstack([self.commands, np.column_stack([theta_rad, direction])[off]])
+            place = np.unique(asked, axis=0, return_inverse=True)[1].ravel()[len(self) :]
+            effects[off] = self._effects[place]
+        return effects
+
+    @cached_property
+    def _effects(self) -> Floats:
+        """Effects at the places, shape (k, m)."""
+        if not len(self):
+            return np.zeros((0, 0))
+        effects = _of_commands(self.nodes_rad, self.commands[:, 0], self.commands[:, 1])
+        if len(effects) >= effects.shape[1]:
+            return effects
         # Fewer commands than sources: a square root of their covariance says the same in fewer columns.
-        triangle = np.asarray(np.linalg.qr(effects[off].T, mode="r"), dtype=np.float64)
-        effects = np.zeros((off.size, len(triangle)))
-        effects[off] = triangle.T
-    return np.asarray(effects[place], dtype=np.float64)
+        return np.asarray(np.linalg.qr(effects.T, mode="r"), dtype=np.float64).T
+
+
+@dataclass(frozen=True)
+class MeasuredPlaces:
+    """Where both joints stood between their nodes during a measurement."""
+
+    joints: tuple[Places, Places]
+
+    @property
+    def average_out(self) -> bool:
+        """A joint stood at so many places that what lies between its nodes averages out, as over a scan."""
+        return any(len(places) > _MOST_PLACES for places in self.joints)
+
+    def joined(self, other: "MeasuredPlaces") -> "MeasuredPlaces":
+        """Return these places and others; once so many that they average out, no more are kept."""
+        if self.average_out:
+            return self
+        (one, two), (further_one, further_two) = self.joints, other.joints
+        return MeasuredPlaces((one.joined(further_one), two.joined(further_two)))
 
 
 def ripple_between_nodes(nodes_rad: Floats, theta_rad: Floats) -> Floats:
@@ -65,14 +122,6 @@ def ripple_between_nodes(nodes_rad: Floats, theta_rad: Floats) -> Floats:
     return np.where(at_nodes(nodes_rad, theta_rad), 0.0, deviation)
 
 
-def different_places(nodes_rad: Floats, theta_rad: Floats, direction: Ints) -> int:
-    """Return at how many different commands a joint stands between its nodes; arguments as of between_nodes."""
-    if nodes_rad.size < 2:
-        return 0
-    off = ~at_nodes(nodes_rad, theta_rad)
-    return len(np.unique(np.column_stack([theta_rad, direction])[off], axis=0))
-
-
 def at_nodes(nodes_rad: Floats, theta_rad: Floats) -> Bools:
     """Return which command angles are nodes, shape (n,)."""
     alpha = interpolate(nodes_rad, theta_rad).alpha
@@ -83,7 +132,6 @@ def _of_commands(nodes_rad: Floats, theta_rad: Floats, direction: Floats) -> Flo
     found = interpolate(nodes_rad, theta_rad)
     waves, alpha = _waves(nodes_rad), found.alpha[:, None]
     ripple = _waves(theta_rad) - (1.0 - alpha) * waves[found.lower] - alpha * waves[found.lower + 1]
-    ripple[at_nodes(nodes_rad, theta_rad)] = 0.0
     return np.hstack([np.where(direction[:, None] == state, ripple, 0.0) for state in (1.0, -1.0)])
 
 

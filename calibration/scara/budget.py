@@ -26,12 +26,12 @@ from catseye.calibration.core.budget import (
     per_group,
     stacked,
 )
-from catseye.calibration.core.errors import ArgumentError
+from catseye.calibration.core.errors import ArgumentError, BudgetError
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.between_nodes import between_nodes, ripple_between_nodes
+from catseye.calibration.scara.between_nodes import MeasuredPlaces, Places, ripple_between_nodes
 from catseye.calibration.scara.extension import Term, term_values
 from catseye.calibration.scara.layout import Layout
-from catseye.calibration.scara.points import Points
+from catseye.calibration.scara.points import Commands, Points
 from catseye.calibration.scara.radial import axis_frame
 
 Kind = Literal["length", "scale", "position", "angle", "between-nodes", "radial", "direction"]
@@ -131,6 +131,12 @@ class Contributor:
         return 1 if self.kind == "between-nodes" else self.orders
 
     @property
+    def sources(self) -> int:
+        """How many sources of unit variance it has where it comes again (`Budget.repeating`)."""
+        columns = 2 if self.kind in {"position", "radial"} else 1
+        return columns * (2 * self.orders if self.correlation == "axis-angle" else 1)
+
+    @property
     def open(self) -> bool:
         """Distances have not been asked yet how large its parts are."""
         return self.parts > 0 and not self.spectrum and self.u > 0.0
@@ -141,11 +147,37 @@ class Contributor:
         return tuple(ratio / self.orders for ratio in self.spectrum or (1.0,) * self.orders)
 
 
+IDENTIFIED = "identified parameters"
+"""What the part of a prediction's uncertainty is called that the identification leaves."""
+
+INSTRUMENT = "instrument"
+"""What the part of a comparison's uncertainty is called that comes from the instrument compared with."""
+
+
 @dataclass(frozen=True)
 class Budget:
-    """All contributors."""
+    """All contributors, each under a name of its own.
+
+    Raises:
+        ArgumentError: two have one name, or one has the name of a part that is added to the budget.
+    """
 
     contributors: tuple[Contributor, ...]
+
+    def __post_init__(self) -> None:
+        names = [one.name for one in self.contributors]
+        twice = list(dict.fromkeys(name for name in names if names.count(name) > 1))
+        if twice:
+            raise ArgumentError(
+                f"the budget has more than one contributor named {', '.join(twice)}: give each a name of its own, "
+                "for parts of an uncertainty are told apart by their names"
+            )
+        for name in (IDENTIFIED, INSTRUMENT):
+            if name in names:
+                raise ArgumentError(
+                    f"a contributor is named {name}, as the part of an uncertainty that is added to the budget: "
+                    "give it another name"
+                )
 
     @property
     def white(self) -> tuple[Contributor, ...]:
@@ -171,11 +203,6 @@ class Budget:
             if one.correlation in {"axis-angle", "common"} and one.kind != "between-nodes" and one.u > 0.0
         )
 
-    @property
-    def away_from_nodes(self) -> "Budget":
-        """All but what lies between nodes."""
-        return Budget(tuple(one for one in self.contributors if one.kind != "between-nodes"))
-
 
 @dataclass(frozen=True)
 class Geometry:
@@ -188,7 +215,8 @@ class Geometry:
         turn_mm: derivatives of the row by θ1 and θ2, mm/rad, shape (n, 2).
         theta4_rad: angle of the tool against link 2, rad, shape (n,); J4 itself stands at that less the mounting.
         layout: of the arm: nodes, and functions beyond the maps that are identified with it.
-        averaged: what lies between nodes averages out over the rows.
+        places: where the joints stand between their nodes in all rows that are estimated from together; None where
+            these rows are judged alone.
         alone: what rows of different commands have in common does not matter.
     """
 
@@ -198,7 +226,7 @@ class Geometry:
     turn_mm: Floats
     theta4_rad: Floats
     layout: Layout
-    averaged: bool = False
+    places: MeasuredPlaces | None = None
     alone: bool = False
 
     @property
@@ -228,6 +256,37 @@ def combined_white_mm(budget: Budget, geometry: Geometry) -> Floats:
     """Return the standard uncertainty of each distance from all white contributors, mm, shape (n,)."""
     squares = [white_mm(one, geometry) ** 2 for one in budget.white]
     return np.sqrt(np.sum(squares, axis=0)) if squares else np.zeros(len(geometry.points))
+
+
+def stated_sigma_mm(budget: Budget, geometry: Geometry) -> Floats | None:
+    """Return the standard uncertainty that the budget alone gives each distance, mm, shape (n,).
+
+    Returns:
+        None where it states no error at all: then the scatter of the fit says how good a distance is.
+
+    Raises:
+        BudgetError: it states shared errors only, or leaves some distances without an error of their own.
+    """
+    if not any(one.u > 0.0 for one in budget.white):
+        _require_nothing_shared(budget)
+        return None
+    sigma = combined_white_mm(budget, geometry)
+    if not sigma.all():
+        raise BudgetError(
+            f"{', '.join(one.name for one in budget.white)}: what differs from reading to reading leaves some "
+            "distances without an uncertainty: add a contributor of kind length or position"
+        )
+    return sigma
+
+
+def _require_nothing_shared(budget: Budget) -> None:
+    shared = [one.name for one in budget.systematic if one.u > 0.0]
+    if shared:
+        raise BudgetError(
+            f"the budget states {', '.join(shared)}, which several distances share, but nothing that differs from "
+            'reading to reading: add a contributor with correlation = "reading", as the repeatability of the robot, '
+            "or state sigma_mm with the points"
+        )
 
 
 def effects(contributor: Contributor, geometry: Geometry) -> Floats:
@@ -354,12 +413,23 @@ def _angle(axis: Axis | None, geometry: Geometry) -> Floats:
 
 
 def _between_nodes(axis: Axis | None, geometry: Geometry) -> Floats:
-    commands, layout = geometry.points.commands, geometry.layout
-    if geometry.averaged:
+    commands, measured = geometry.points.commands, geometry.places
+    if measured is not None and measured.average_out:
         return np.zeros((len(commands), 0))
     first = axis == "j1"
-    nodes_rad = layout.nodes1_rad if first else layout.nodes2_rad
     theta_rad = commands.theta1_rad if first else commands.theta2_rad
     if geometry.alone:
+        nodes_rad = geometry.layout.nodes1_rad if first else geometry.layout.nodes2_rad
         return ripple_between_nodes(nodes_rad, theta_rad)[:, None]
-    return between_nodes(nodes_rad, theta_rad, commands.direction1 if first else commands.direction2)
+    places = (measured or measured_places(geometry.layout, commands)).joints[0 if first else 1]
+    return places.effects(theta_rad, commands.direction1 if first else commands.direction2)
+
+
+def measured_places(layout: Layout, commands: Commands) -> MeasuredPlaces:
+    """Return where both joints stand between their nodes.
+
+    Raises:
+        MapRangeError: a command lies outside the nodes.
+    """
+    one = Places.of(layout.nodes1_rad, commands.theta1_rad, commands.direction1)
+    return MeasuredPlaces((one, Places.of(layout.nodes2_rad, commands.theta2_rad, commands.direction2)))

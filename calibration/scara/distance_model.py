@@ -9,20 +9,18 @@ from catseye.calibration.core.budget import Shared, White
 from catseye.calibration.core.model import Parameters
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.arm import ArmDesign, arm_design
-from catseye.calibration.scara.between_nodes import different_places
+from catseye.calibration.scara.between_nodes import MeasuredPlaces
 from catseye.calibration.scara.budget import (
     Budget,
     Geometry,
     combined_white_mm,
+    measured_places,
     seen_along,
     shared_errors,
     white_errors,
 )
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.points import Points
-
-_MOST_PLACES = 100
-"""Places between the nodes of a joint beyond which a measurement is a scan: a plan has a few on purpose."""
 
 
 @dataclass(frozen=True)
@@ -49,12 +47,15 @@ class DistanceModel:
         points: what was measured, n rows.
         design: the points' commands, prepared.
         budget: contributors to the uncertainty of a distance; None for what the points state alone.
+        places: where the joints stand between their nodes in these and all further points of the measurement; None
+            where these points are all.
     """
 
     layout: Layout
     points: Points
     design: ArmDesign
     budget: Budget | None = None
+    places: MeasuredPlaces | None = None
 
     @cached_property
     def parameters(self) -> Parameters:
@@ -107,17 +108,12 @@ class DistanceModel:
 
     def shared(self, parameters: Floats) -> tuple[Shared, ...]:
         """Return the errors that several distances have in common."""
-        return shared_errors(self.budget, replace(self.geometry(parameters), averaged=self._stands_nowhere))
+        return shared_errors(self.budget, replace(self.geometry(parameters), places=self._places))
 
     @cached_property
-    def _stands_nowhere(self) -> bool:
-        """Whether the commands of a joint stand between its nodes at so many places that these average out."""
-        commands = self.points.commands
-        joints = (
-            (self.layout.nodes1_rad, commands.theta1_rad, commands.direction1),
-            (self.layout.nodes2_rad, commands.theta2_rad, commands.direction2),
-        )
-        return any(different_places(*joint) > _MOST_PLACES for joint in joints)
+    def _places(self) -> MeasuredPlaces:
+        """Where the joints stand between their nodes."""
+        return measured_places(self.layout, self.points.commands) if self.places is None else self.places
 
     def residuals(self, parameters: Floats) -> Floats:
         """Return predicted minus measured displacement, mm, shape (n,)."""

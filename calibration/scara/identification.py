@@ -8,19 +8,19 @@ import numpy as np
 
 from catseye.calibration.core.amplitudes import Compressed, variance_ratios
 from catseye.calibration.core.arguments import require_finite, require_shape
-from catseye.calibration.core.errors import BudgetError, InsufficientPointsError
+from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.calibration.core.estimation import Estimate, estimate
 from catseye.calibration.core.fit_statistics import FitStatistics
 from catseye.calibration.core.gain import Gain
 from catseye.calibration.core.rank import require_identifiable
-from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import Budget, Contributor, combined_white_mm, effects
+from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.scara.budget import Budget, Contributor, effects, stated_sigma_mm
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.layout import Layout, ModelName
 from catseye.calibration.scara.planar import require_links
 from catseye.calibration.scara.pointing import beam_turn_rad
-from catseye.calibration.scara.points import Points, without_short_segments
+from catseye.calibration.scara.points import Points, rows_of_long_segments, without_short_segments
 
 TakenUp = Mapping[Contributor, Floats]
 """What contributors have moved estimates by: a column a source of unit variance, shape (p, m) each."""
@@ -58,6 +58,8 @@ class Identification:
         fit: quality of the fit.
         rejected: sentences about what was left out.
         budget: the contributors that its uncertainties were propagated from; None for the points' own sigma_mm.
+        rows: which of all distances that were given the points are, from 0, shape (n,).
+        summed: `taken_up`, where it follows from more distances than are kept; None where the points are all.
     """
 
     layout: Layout
@@ -68,6 +70,8 @@ class Identification:
     fit: FitStatistics
     rejected: list[str]
     budget: Budget | None = None
+    rows: Ints | None = None
+    summed: TakenUp | None = None
 
     @property
     def arm(self) -> IdentifiedArm:
@@ -87,8 +91,8 @@ class Identification:
 
         What the estimates have taken up of an error is none where it comes again.
         """
-        if self.budget is None:
-            return {}
+        if self.budget is None or self.summed is not None:
+            return self.summed or {}
         model = self.model
         moved = Gain.at(model, self.parameters).matrix
         geometry = model.geometry(self.parameters)
@@ -164,6 +168,7 @@ def identify(
         found.fit,
         rejected,
         distances.budget,
+        np.flatnonzero(rows_of_long_segments(points)),
     )
 
 
@@ -234,21 +239,8 @@ def require_nominal(link1_mm: float, link2_mm: float, reflectors_mm: Floats, nam
 
 def _weighted(distances: DistanceModel, start: Floats, budget: Budget) -> DistanceModel:
     """Give the points the standard uncertainty that follows from the white contributors."""
-    sigma = combined_white_mm(budget, distances.geometry(start))
-    if not sigma.all():
-        _require_nothing_shared(budget)
-        return distances
+    sigma = stated_sigma_mm(budget, distances.geometry(start))
     return replace(distances, points=replace(distances.points, sigma_mm=sigma))
-
-
-def _require_nothing_shared(budget: Budget) -> None:
-    shared = [one.name for one in budget.systematic if one.u > 0.0]
-    if shared:
-        raise BudgetError(
-            f"the budget states {', '.join(shared)}, which several distances share, but nothing that differs from "
-            'reading to reading: add a contributor with correlation = "reading", as the repeatability of the robot, '
-            "or state sigma_mm with the points"
-        )
 
 
 def _require_points(points: Points, layout: Layout) -> None:

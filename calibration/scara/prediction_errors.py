@@ -13,12 +13,9 @@ import numpy as np
 from catseye.calibration.core.budget import Shared, White
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.arm import arm_design
-from catseye.calibration.scara.budget import Budget, Geometry, shared_errors, white_errors
+from catseye.calibration.scara.budget import IDENTIFIED, Budget, Geometry, shared_errors, white_errors
 from catseye.calibration.scara.identification import IdentifiedArm, TakenUp
 from catseye.calibration.scara.points import Commands, Points
-
-IDENTIFIED = "identified parameters"
-"""What the part of a prediction's uncertainty is called that the identification leaves."""
 
 
 @dataclass(frozen=True)

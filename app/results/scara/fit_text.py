@@ -62,6 +62,13 @@ def _range(joint: int, table: MapTable) -> str:
     )
 
 
+_UNTESTED = (
+    "Not tested for lack of fit: streamed distances are not searched for repeats, for a joint that moves makes none. "
+    "What the model misses at a pose widens no uncertainty here unless χ² shows it; if poses were repeated, identify "
+    "a table of at most 100 000 of the distances too."
+)
+
+
 def fit_statements(result: Result) -> list[Statement]:
     """Return whether the arm can be the one measured, whether it explains the distances, what is not observable."""
     statements = _kept_statements(result)
@@ -69,6 +76,8 @@ def fit_statements(result: Result) -> list[Statement]:
     if result.fit.null_directions:
         named = "; ".join(", ".join(names) for names in result.fit.null_directions)
         statements.append(Statement(Sign.BAD, f"Not observable, and therefore without numbers: {named}."))
+    if result.scan is not None and not result.scan.lack_of_fit_tested:
+        statements.append(Statement(Sign.NEUTRAL, _UNTESTED))
     return statements
 
 

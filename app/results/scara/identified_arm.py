@@ -58,10 +58,21 @@ def _taken_up(part: Covariance, budget: Budget | None, size: int) -> TakenUp:
     if budget is None:
         return {}
     found: dict[Contributor, Floats] = {}
-    for one in part.taken_up or []:
-        if not 0 <= one.contributor < len(budget.contributors) or len(one.matrix) != size:
-            raise UsageError("the result's covariance does not belong to its error budget; identify again")
-        found[budget.contributors[one.contributor]] = np.array(one.matrix, dtype=np.float64)
+    for place, one in enumerate(part.taken_up or []):
+        name = f"covariance.taken_up[{place}] of the result"
+        if not 0 <= one.contributor < len(budget.contributors):
+            raise UsageError(f"{name} belongs to no contributor of its error budget; identify again")
+        contributor = budget.contributors[one.contributor]
+        if contributor not in budget.repeating or contributor in found:
+            raise UsageError(
+                f"{name} is of {contributor.name}, which does not come again or stands there twice; identify again"
+            )
+        if [len(row) for row in one.matrix] != [contributor.sources] * size:
+            raise UsageError(
+                f"{name}, of {contributor.name}, has to be {size} rows of {contributor.sources} numbers; "
+                "identify again"
+            )
+        found[contributor] = np.array(one.matrix, dtype=np.float64)
     return found
 
 

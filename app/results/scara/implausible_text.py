@@ -95,10 +95,11 @@ def mistake_text(mistake: Mistake) -> str:
 
 def _jump_text(mistake: ZeroLost | ReflectorMoved) -> str:
     match mistake:
-        case ZeroLost(reflector, segment, row, jump_mm):
+        case ZeroLost(reflector, segment, after, row, jump_mm):
             return (
-                f"the count of {reflector}, segment {segment}, jumps by {jump_mm:+.3f} mm before distance {row + 1}: "
-                "the zero was lost; give the rows from there on a segment number of their own"
+                f"the count of {reflector}, segment {segment}, jumps by {jump_mm:+.3f} mm between distances "
+                f"{after + 1} and {row + 1}: the zero was lost; give the rows from there on a segment number of "
+                "their own"
             )
         case ReflectorMoved(reflector, row, (x_mm, y_mm)):
             return (

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from catseye.app.errors import CatseyeError
 from catseye.app.results.scara.implausible_text import finding_texts, implausible_text
 from catseye.app.results.scara.result import Implausible
-from catseye.calibration.core.errors import CalibrationError, InsufficientPointsError
+from catseye.calibration.core.errors import CalibrationError, ConvergenceError, InsufficientPointsError
 from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.plausibility.bounds import Bounds
@@ -56,10 +56,10 @@ def require_plausible(
 
 @contextmanager
 def failures_explained(problem: Problem, bounds: Bounds) -> Iterator[None]:
-    """Let a failing identification say which mistake in the distances explains it.
+    """Let a failing identification say which mistake in the distances explains it, or what they leave open.
 
     Raises:
-        ImplausibleError: a mistake does.
+        ImplausibleError: a mistake does, or it does not settle as links are hardly determined.
         CalibrationError: none does, for what it failed.
     """
     try:
@@ -67,8 +67,8 @@ def failures_explained(problem: Problem, bounds: Bounds) -> Iterator[None]:
     except InsufficientPointsError:
         # So few distances fit many an arm; whatever explained them would be a guess.
         raise
-    except CalibrationError:
+    except CalibrationError as error:
         verdict = judge(problem, None, bounds)
-        if verdict.mistakes:
+        if verdict.mistakes or (verdict.vague and isinstance(error, ConvergenceError)):
             raise ImplausibleError(verdict) from None
         raise

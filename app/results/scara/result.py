@@ -213,8 +213,12 @@ class ScanSegments(_Columns):
 
 
 class ScanPart(ResultPart):
-    """Residuals of all distances, summed up; `residuals` of the result holds an even sample of them."""
+    """Residuals of all distances, summed up; `residuals` of the result holds an even sample of them.
 
+    Without a search for distances that repeat each other nothing is tested for lack of fit.
+    """
+
+    lack_of_fit_tested: bool = False
     n_points: int
     n_sample: int
     segments: ScanSegments

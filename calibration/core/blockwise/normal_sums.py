@@ -21,6 +21,10 @@ leaves. A Jacobian itself separates directions down to 1e-10; what lies between 
 rows themselves could solve it, for the squares of such values carry too few digits for an uncertainty."""
 
 
+_ROUNDING = 1e-13
+"""Share of its largest sums that a difference of sums may be off by."""
+
+
 @dataclass
 class NormalSums:
     """Sums over the rows of a pass; W are the squares of the weights.
@@ -98,6 +102,15 @@ class NormalSums:
         """rᵀV⁻¹r."""
         return float(self.white_cost - self.effect_residuals @ self._sources)
 
+    def taken_up(self, covariance: Floats) -> Floats:
+        """Return what sources of unit variance move an estimate by, C JᵀV⁻¹E, shape (p, m).
+
+        Args:
+            covariance: (JᵀV⁻¹J)⁻¹ within the gauge, shape (p, p).
+        """
+        inner = self.effect_matrix + np.eye(self.effect_residuals.size)
+        return np.asarray(covariance @ np.linalg.solve(inner, self.effect_gradient.T).T, dtype=np.float64)
+
     @property
     def _sources(self) -> Floats:
         """What the residuals say of the sources, shape (m,)."""
@@ -109,8 +122,11 @@ class NormalSums:
         return through_sources(self.white_matrix(), self.effect_gradient, self.effect_matrix)
 
     def change_mm(self, step: Floats) -> float:
-        """Return the rms change of the residuals that is expected of a step of shape (p,): √(sᵀJᵀWJs / Σw)."""
-        return float(np.sqrt(max(float(step @ self.white_matrix() @ step), 0.0) / self.weight))
+        """Return the rms change of the residuals that is expected of a step of shape (p,), mm: √(sᵀJᵀV⁻¹Js / Σw).
+
+        What shared errors explain as well does not count: there rounding alone makes steps of their size.
+        """
+        return float(np.sqrt(max(float(step @ self.matrix() @ step), 0.0) / self.weight))
 
     def white_matrix(self) -> Floats:
         """Return JᵀWJ, shape (p, p)."""
@@ -122,27 +138,40 @@ class NormalSums:
         return np.asarray(upper + upper.T, dtype=np.float64)
 
 
-def covariance_of(matrix: Floats, parameters: Parameters, gauge: Gauge) -> Floats:
-    """Return the covariance that a normal matrix gives, shape (p, p).
+def covariance_of(sums: NormalSums, parameters: Parameters, gauge: Gauge) -> Floats:
+    """Return the covariance that normal equations give, shape (p, p).
 
-    Args:
-        matrix: JᵀV⁻¹J, shape (p, p).
+    White errors alone say which directions are determined: shared errors, however large, take none away, but what
+    they leave of the matrix is a difference that may be all rounding.
 
     Raises:
         UnidentifiableError: directions that the normal matrix does not separate from null directions.
     """
-    reduced = gauge.reduced(matrix)
+    white = sums.white_matrix()
+    reduced = gauge.reduced(white)
     scale = 1.0 / np.sqrt(np.where(np.diag(reduced) > 0.0, np.diag(reduced), 1.0))
     scaled = reduced * np.outer(scale, scale)
     try:
         inverse = _inverse(scaled)
     except linalg.LinAlgError:
-        require_identifiable(parameters, _square_root(matrix), SQUARED_RANK_TOLERANCE)
+        require_identifiable(parameters, _square_root(white), SQUARED_RANK_TOLERANCE)
         raise
     # Norms bound the condition from above; eigenvalues, which take ten times as long, are left for what is doubtful.
     if SQUARED_RANK_TOLERANCE**2 * linalg.norm(scaled, 1) * linalg.norm(inverse, 1) > 1.0:
-        require_identifiable(parameters, _square_root(matrix), SQUARED_RANK_TOLERANCE)
-    return gauge.expanded(inverse * np.outer(scale, scale))
+        require_identifiable(parameters, _square_root(white), SQUARED_RANK_TOLERANCE)
+    return _widened(gauge.expanded(inverse * np.outer(scale, scale)), sums)
+
+
+def _widened(covariance: Floats, sums: NormalSums) -> Floats:
+    """Add what shared errors make of a covariance of white errors alone, shape (p, p) (Woodbury)."""
+    moved = covariance @ sums.effect_gradient
+    if not moved.size:
+        return covariance
+    # What rows say of the sources beside the parameters. Rounding is nothing that they say.
+    known, directions = linalg.eigh(sums.effect_matrix - sums.effect_gradient.T @ moved)
+    rounding = _ROUNDING * linalg.norm(sums.effect_matrix, 2)
+    half = (moved @ directions) / np.sqrt(1.0 + np.where(known > rounding, known, 0.0))
+    return np.asarray(covariance + half @ half.T, dtype=np.float64)
 
 
 def _inverse(matrix: Floats) -> Floats:

@@ -99,7 +99,7 @@ def reject(problem: Problem, limit: float, most: float = MOST_REJECTED) -> Clean
         size = np.abs(np.nan_to_num(deleted))
         far = size > max(limit, 0.5 * float(size.max()))
         if not far.any():
-            return _cleaned(identified, gone, limit)
+            return _cleaned(replace(identified, rows=kept), gone, limit)
         for i in np.flatnonzero(far).tolist():
             row = int(kept[i])
             gone[row] = _of_row(projection, row, i, float(deleted[i]), leans)
@@ -114,7 +114,9 @@ def reject(problem: Problem, limit: float, most: float = MOST_REJECTED) -> Clean
 
 def _of_row(projection: DistanceProjection, row: int, i: int, studentised: float, leans: bool) -> Rejected:
     points, commands = projection.points, projection.points.commands
-    own = float(projection.own[i]) if leans else 1.0
+    # At parameters that do not lean on the row, only what it shares with the others is left to be predicted by them.
+    shares = projection.reach[i] if leans else projection.whitening.reach[i]
+    own = 1.0 - float(shares @ shares)
     name, segment = points.dead_paths[int(points.dead_path[i])]
     return Rejected(
         row=row + 1,

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from catseye.calibration.core.errors import ConvergenceError
-from catseye.calibration.core.least_squares import Solution, minimise
+from catseye.calibration.core.least_squares import Solution, factorise, minimise
 from catseye.calibration.core.types import Floats
 from catseye.calibration.core.whitening import Whitening
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
@@ -55,6 +55,13 @@ class BoundedFit:
     def u_scale(self) -> float:
         """Standard uncertainty of the scale for distances as good as the case says."""
         return float(np.sqrt(self.solution.factor.covariance()[-1, -1]))
+
+    @property
+    def u_links_mm(self) -> Floats:
+        """Standard uncertainties of the links from the distances alone, without what was known before, shape (2,)."""
+        distances, basis = distance_model(self.layout, self.case.points), self.layout.gauge_basis()
+        slopes = distances.jacobian(self.parameters) * self.case.weights[:, None]
+        return np.sqrt(np.diag(factorise(slopes @ basis).covariance_on(basis))[:2])
 
     @property
     def places_mm(self) -> Floats:

@@ -126,17 +126,18 @@ class PlacesMirrored:
 
 @dataclass(frozen=True)
 class ZeroLost:
-    """The count jumped inside a segment: between the row before and this one, from 0, of the distances used."""
+    """The count jumped inside a segment: after one row and before another, from 0, of the distances given."""
 
     reflector: str
     segment: int
+    after: int
     row: int
     jump_mm: float
 
 
 @dataclass(frozen=True)
 class ReflectorMoved:
-    """A reflector stood somewhere else from a row on, counted from 0 among the distances used."""
+    """A reflector stood somewhere else from a row on, counted from 0 among the distances given."""
 
     reflector: str
     row: int

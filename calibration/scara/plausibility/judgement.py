@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import systematic_effects
 from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.identification import Identification
@@ -15,7 +16,7 @@ from catseye.calibration.scara.plausibility.explanations import mistakes_of
 from catseye.calibration.scara.plausibility.findings import Joint, VagueLink, Verdict
 from catseye.calibration.scara.plausibility.mounting import forgotten_mounting
 from catseye.calibration.scara.plausibility.other_solutions import other_solution, other_solutions
-from catseye.calibration.scara.points import without_short_segments
+from catseye.calibration.scara.points import rows_of_long_segments, without_short_segments
 
 _FAR_BEYOND: Final = 2.0
 """Residuals beyond so many times what was stated lead to corrections being tried; none need explain them."""
@@ -32,22 +33,28 @@ def judge(problem: Problem, found: Identification | None, bounds: Bounds = BOUND
         found: what was identified; None where that failed.
     """
     case = _case(problem, found)
-    off = () if found is None else offsets(found.layout, found.parameters, case, bounds)
-    breaks = tuple(one for one in off if one.share > 1.0)
     asis = fitted(case.thinned(MOST_ROWS), bounds)
     left_mm = _left_mm(asis, found)
-    sound = asis is not None and asis.strain(bounds) <= 1.0
-    if found is not None and (turned := forgotten_mounting(problem, found)) is not None:
-        return Verdict(breaks, (turned,), rms_mm=left_mm)
-    if found is None or not sound or left_mm > _FAR_BEYOND * _stated_mm(problem, found):
+    if found is None:
         mistakes = mistakes_of(case, bounds)
-        if mistakes or found is None:
+        open_links = () if mistakes or asis is None else _vague(asis.u_links_mm, bounds)
+        return Verdict(mistakes=mistakes, vague=open_links, rms_mm=left_mm)
+    off = offsets(found.layout, found.parameters, case, bounds)
+    breaks, vague = (
+        tuple(one for one in off if one.share > 1.0),
+        _vague(found.standard_uncertainty[:2], bounds),
+    )
+    if (turned := forgotten_mounting(problem, found)) is not None:
+        return Verdict(breaks, (turned,), rms_mm=left_mm)
+    sound = asis is not None and asis.strain(bounds) <= 1.0
+    if not sound or left_mm > _FAR_BEYOND * _stated_mm(problem, found):
+        if mistakes := mistakes_of(case, bounds):
             return Verdict(breaks, mistakes, rms_mm=left_mm)
     elif asis is not None and breaks:
         # What is known of the arm makes another one of it, and the distances do not mind.
         other = other_solution(asis, 1e-3 * found.fit.rms_um)
-        return Verdict(breaks, others=(other,), vague=_vague(found, bounds), rms_mm=left_mm)
-    return Verdict(breaks, (), tuple(other_solutions(case, found, bounds)), _vague(found, bounds), left_mm)
+        return Verdict(breaks, others=(other,), vague=vague, rms_mm=left_mm)
+    return Verdict(breaks, (), tuple(other_solutions(case, found, bounds)), vague, left_mm)
 
 
 def _left_mm(asis: BoundedFit | None, found: Identification | None) -> float:
@@ -62,21 +69,24 @@ def _case(problem: Problem, found: Identification | None) -> Case:
     points = without_short_segments(problem.points)[0] if found is None else found.points
     places = problem.reflectors_mm[[problem.points.reflector_names.index(n) for n in points.reflector_names]]
     nodes = problem.nodes1_rad, problem.nodes2_rad
-    return Case(points, nodes, (problem.link1_mm, problem.link2_mm), places).of_points(points)
+    rows = np.flatnonzero(rows_of_long_segments(problem.points)) if found is None else found.rows
+    links = problem.link1_mm, problem.link2_mm
+    return Case(points, nodes, links, places, rows=rows).of_points(points)
 
 
-def _stated_mm(problem: Problem, found: Identification | None) -> float:
+def _stated_mm(problem: Problem, found: Identification) -> float:
     """Return the root mean square of the errors that were stated for the distances, whatever they have shown."""
-    if found is None or found.points.sigma_mm is None:
+    if found.points.sigma_mm is None:
         return _UNSTATED_MM
     shared = systematic_effects(problem.budget, found.model.geometry(found.parameters))
     return math.sqrt(float(np.mean(found.points.sigma_mm**2) + np.mean(np.sum(shared**2, axis=1))))
 
 
-def _vague(found: Identification, bounds: Bounds) -> tuple[VagueLink, ...]:
+def _vague(u_mm: Floats, bounds: Bounds) -> tuple[VagueLink, ...]:
     """Return the links that the distances leave open by more than their bound."""
     links: tuple[Joint, ...] = (1, 2)
-    u_mm = found.standard_uncertainty[:2].tolist()
     return tuple(
-        VagueLink(link, u, bounds.link_mm) for link, u in zip(links, u_mm, strict=True) if u > bounds.link_mm
+        VagueLink(link, u, bounds.link_mm)
+        for link, u in zip(links, u_mm.tolist(), strict=True)
+        if u > bounds.link_mm
     )

@@ -152,15 +152,17 @@ def _with_place(case: Case, step: _Step) -> Case:
 
 def _zero_lost(found: BoundedFit, step: _Step) -> ZeroLost:
     points = found.case.points
-    before = next(
-        int(points.dead_path[i])
+    after = next(
+        i
         for i in range(step.row - 1, -1, -1)
         if points.dead_paths[points.dead_path[i]] == points.dead_paths[-1]
     )
+    before = int(points.dead_path[after])
     paths = found.parameters[found.layout.dead_path]
     name, segment = points.dead_paths[-1]
     # Displacements are relative to the zero: a longer dead path makes them smaller.
-    return ZeroLost(name, segment, found.case.number(step.row), float(paths[before] - paths[-1]))
+    number, jump_mm = found.case.number, float(paths[before] - paths[-1])
+    return ZeroLost(name, segment, number(after), number(step.row), jump_mm)
 
 
 def _moved(found: BoundedFit, step: _Step) -> ReflectorMoved | ZeroLost:

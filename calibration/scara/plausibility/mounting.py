@@ -44,7 +44,7 @@ def forgotten_mounting(problem: Problem, found: Identification) -> MountingForgo
     if left is None or left > _LEFT * misfit:
         return None
     name, segment = points.dead_paths[int(points.dead_path[row])]
-    return MountingForgotten(name, segment, row)
+    return MountingForgotten(name, segment, row if found.rows is None else int(found.rows[row]))
 
 
 def _follows_j4(problem: Problem) -> bool:

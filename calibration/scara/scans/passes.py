@@ -8,10 +8,12 @@ import numpy as np
 from catseye.calibration.core.blockwise.normal_sums import NormalSums
 from catseye.calibration.core.blockwise.residual_sums import ResidualSums
 from catseye.calibration.core.blockwise.sparse_rows import Slot, SparseRows
+from catseye.calibration.core.budget import stacked
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.arm import LOCAL, arm_design
-from catseye.calibration.scara.budget import Budget, combined_white_mm, systematic_effects
+from catseye.calibration.scara.between_nodes import MeasuredPlaces
+from catseye.calibration.scara.budget import Budget, stated_sigma_mm
 from catseye.calibration.scara.distance_model import Beams, DistanceModel
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.pointing import beam_turn_rad
@@ -29,6 +31,7 @@ class Passes:
         nominal_mm: nominal links, mm.
         rough_mm: rough places of the reflectors, mm, shape (reflectors, 2).
         budget: contributors; None for what the points state alone.
+        places: where the joints stand between their nodes in all rows.
         estimate: where the contributors are taken, shape (p,); None for the nominal arm.
     """
 
@@ -37,6 +40,7 @@ class Passes:
     nominal_mm: tuple[float, float]
     rough_mm: Floats
     budget: Budget | None
+    places: MeasuredPlaces | None
     estimate: Floats | None = None
 
     def __post_init__(self) -> None:
@@ -48,11 +52,6 @@ class Passes:
                 f"{', '.join(common)}: an error common to a pose cannot be separated from a reading's own in a scan, "
                 "which repeats no pose; state it per reading"
             )
-
-    @property
-    def repeating(self) -> Budget | None:
-        """Contributors without what lies between nodes: over a scan, which stands nowhere, it averages out."""
-        return None if self.budget is None else self.budget.away_from_nodes
 
     def start(self, few: Points) -> Floats:
         """Return starting values from rows of each segment, shape (p,)."""
@@ -68,14 +67,10 @@ class Passes:
         if any(term.source == "theta4" for term in self.layout.terms):
             block = replace(block, theta4_rad=beam_turn_rad(block, self.nominal_mm, self.rough_mm))
         design = arm_design(self.layout, block.commands, block.theta4_rad, elapsed, block.mount_rad)
-        model = DistanceModel(self.layout, block, design, self.repeating)
-        if not weighted or block.sigma_mm is not None or self.budget is None or not self.budget.white:
+        model = DistanceModel(self.layout, block, design, self.budget, self.places)
+        if not weighted or block.sigma_mm is not None or self.budget is None:
             return model
-        sigma = combined_white_mm(self.budget, model.geometry(self._known))
-        if not sigma.all():
-            raise CalibrationError(
-                "the white contributors leave some distances without an uncertainty: add one of kind length"
-            )
+        sigma = stated_sigma_mm(self.budget, model.geometry(self.known))
         return replace(model, points=replace(block, sigma_mm=sigma))
 
     def sums(self, parameters: Floats, blocks: Iterable[Points], half_width_mm: float) -> NormalSums:
@@ -88,14 +83,15 @@ class Passes:
             beams = model.beams(parameters)
             rows = sparse_rows(model, beams, parameters, weights)
             sums.add(rows, weights, block.dead_path)
-            if self.repeating is not None and self.repeating.systematic:
+            if self.budget is not None and self.budget.systematic:
                 # Taken at the same parameters in each pass, for the sum of squares to be one and the same.
-                effects = systematic_effects(self.repeating, model.geometry(self._known))
-                sums.add_effects(rows, weights, effects * weights[:, None])
+                shared = stacked(model.shared(self.known), len(block))
+                sums.add_effects(rows, weights, shared * weights[:, None])
         return sums
 
     @property
-    def _known(self) -> Floats:
+    def known(self) -> Floats:
+        """Where the contributors are taken, shape (p,)."""
         return self._nominal_parameters() if self.estimate is None else self.estimate
 
     def _nominal_parameters(self) -> Floats:

@@ -2,21 +2,25 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from catseye.calibration.core.blockwise.descent import Minimum, descend
-from catseye.calibration.core.blockwise.normal_sums import covariance_of
+from catseye.calibration.core.blockwise.descent import Minimum, descend, improved
+from catseye.calibration.core.blockwise.normal_sums import NormalSums, covariance_of
 from catseye.calibration.core.blockwise.residual_sums import ResidualSums
 from catseye.calibration.core.errors import CalibrationError, InsufficientPointsError
 from catseye.calibration.core.fit_statistics import FitSums, summed_statistics
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget
+from catseye.calibration.scara.distance_model import DistanceModel
 from catseye.calibration.scara.error_map import interpolate
 from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.identification import (
     Identification,
+    TakenUp,
+    counted_budget,
     require_nominal,
     require_separable,
     with_spectra,
@@ -25,7 +29,7 @@ from catseye.calibration.scara.layout import UNSETTLED, Layout, ModelName
 from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.scans.passes import Passes
 from catseye.calibration.scara.scans.source import PointSource
-from catseye.calibration.scara.scans.used_rows import used_rows
+from catseye.calibration.scara.scans.used_rows import FewRows, UsedRows, used_rows
 
 _MOST_PARAMETERS = 4_000
 """The normal matrix holds the square of their number: more need gigabytes and minutes."""
@@ -102,24 +106,59 @@ def identify_scan(
     layout = replace(arm, reflector_names=used.reflector_names, dead_paths=used.dead_paths)
     _require_size(layout)
     _require_rows(used.rows, layout.gauge.free, model)
-    passes = Passes(used, layout, (link1_mm, link2_mm), rough, budget)
-    few, even = used.few()
-    require_separable(passes.model(few, weighted=False), passes.start(few))
-    passes, first = _settled(passes, few, passes.start(few))
-    if budget is not None and model == "error-map":
-        # As identify does, from the same rows.
-        learnt = with_spectra(budget, passes.model(few.rows(even)), first.parameters)
-        passes, first = _settled(replace(passes, budget=learnt), few, first.parameters)
-    half_width_mm = max(_HISTOGRAM_RMS * first.sums.residuals.rms_mm, _FINEST_MM)
+    few = used.few(arm)
+    counted = counted_budget(few.points, budget)
+    passes = Passes(used, layout, (link1_mm, link2_mm), rough, counted, few.places)
+    start = passes.start(few.points)
+    require_separable(passes.model(few.points, weighted=False), start)
+    passes, first = _settled(passes, few.points, start)
     counter = _Counter(used.rows, progress)
-    minimum = descend(
-        lambda parameters: passes.sums(parameters, counter.counted(used.blocks()), half_width_mm),
-        first.parameters,
-        layout.gauge,
-        UNSETTLED,
-    )
+    over_all = _OverAll(used, counter, max(_HISTOGRAM_RMS * first.sums.residuals.rms_mm, _FINEST_MM))
+    passes, start = _near_all(passes, few, first.parameters, over_all)
+    minimum = descend(partial(over_all.sums, passes), start, layout.gauge, UNSETTLED)
     counter.finish()
-    return _judged(passes, minimum, few)
+    return _judged(passes, minimum, few, counter.passes)
+
+
+@dataclass(frozen=True)
+class _OverAll:
+    """Sums over all rows."""
+
+    used: UsedRows
+    counter: "_Counter"
+    half_width_mm: float
+
+    def sums(self, passes: Passes, parameters: Floats) -> NormalSums:
+        return passes.sums(parameters, self.counter.counted(self.used.blocks()), self.half_width_mm)
+
+
+def _near_all(passes: Passes, few: FewRows, some: Floats, over_all: _OverAll) -> tuple[Passes, Floats]:
+    """Return passes whose contributors are those of all rows, as identify finds them, and a start.
+
+    Weights, shared errors and what the budget learns are taken where all rows put the arm, not some of them.
+
+    Args:
+        some: estimate from some of the rows, shape (p,).
+    """
+    budget = passes.budget
+    if budget is None:
+        return passes, some
+
+    def improve(passes: Passes, start: Floats) -> Floats:
+        if len(few.points) == over_all.used.rows:
+            return start
+        return improved(start, over_all.sums(passes, start), passes.layout.gauge)
+
+    start = improve(passes, some)
+    passes = replace(passes, estimate=start)
+    if passes.layout.model == "error-map":
+        asked = passes.model(few.points.rows(few.even))
+        passes = replace(passes, budget=with_spectra(budget, asked, start))
+        # What the budget learns moves both estimates alike.
+        start = start + _settled(passes, few.points, some)[1].parameters - some
+        passes = replace(passes, estimate=start)
+    start = improve(passes, start)
+    return replace(passes, estimate=start), start
 
 
 @dataclass
@@ -129,6 +168,11 @@ class _Counter:
     rows: int
     progress: Callable[[int, int], None] | None
     done: int = 0
+
+    @property
+    def passes(self) -> int:
+        """Those that are done."""
+        return self.done // self.rows
 
     def counted(self, blocks: Iterable[Points]) -> Iterator[Points]:
         """Hand the blocks of a pass on; each is counted when the next is asked for."""
@@ -164,11 +208,12 @@ def _settled(passes: Passes, few: Points, start: Floats) -> tuple[Passes, Minimu
     return passes, first
 
 
-def _judged(passes: Passes, minimum: Minimum, few: Points) -> ScanIdentification:
+def _judged(passes: Passes, minimum: Minimum, few: FewRows, iterations: int) -> ScanIdentification:
     """Attach covariance, statistics and a sample of the residuals to a minimum."""
     sums, layout = minimum.sums, passes.layout
-    covariance = covariance_of(sums.matrix(), layout.parameters(), layout.gauge)
-    sample = passes.model(few.rows(np.arange(0, len(few), -(-len(few) // _SAMPLE))))
+    covariance = covariance_of(sums, layout.parameters(), layout.gauge)
+    rows = np.arange(0, len(few.points), -(-len(few.points) // _SAMPLE))
+    sample = passes.model(few.points.rows(rows))
     fit = summed_statistics(
         FitSums(
             n_points=sums.residuals.rows,
@@ -177,7 +222,7 @@ def _judged(passes: Passes, minimum: Minimum, few: Points) -> ScanIdentification
             square_mm2=float(sums.residuals.square_mm2.sum()),
             weight=sums.weight,
             stated=sample.points.sigma_mm is not None,
-            iterations=minimum.passes,
+            iterations=iterations,
         ),
         None,
     )
@@ -190,8 +235,21 @@ def _judged(passes: Passes, minimum: Minimum, few: Points) -> ScanIdentification
         fit,
         passes.used.rejected,
         passes.budget,
+        few.numbers[rows],
+        _taken_up(passes, sums.taken_up(covariance), sample),
     )
     return ScanIdentification(identified, sums.residuals)
+
+
+def _taken_up(passes: Passes, moved: Floats, sample: DistanceModel) -> TakenUp:
+    """Tell the contributors apart in what all sources have moved the estimate by, shape (p, m)."""
+    if passes.budget is None:
+        return {}
+    sizes = [one.effects_mm.shape[1] for one in sample.shared(passes.known)]
+    parts = np.split(moved, np.cumsum(sizes)[:-1], axis=1) if sizes else []
+    repeating = passes.budget.repeating
+    pairs = zip(passes.budget.systematic, parts, strict=True)
+    return {one: part for one, part in pairs if one in repeating}
 
 
 def _require_range(nodes_rad: tuple[Floats, Floats], block: Points, first: int) -> None:

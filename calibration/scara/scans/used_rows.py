@@ -7,6 +7,9 @@ import numpy as np
 
 from catseye.calibration.core.amplitudes import even_step
 from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.scara.between_nodes import MeasuredPlaces
+from catseye.calibration.scara.budget import measured_places
+from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.points import Points, concatenated, short_segments
 from catseye.calibration.scara.scans.source import PointSource
 
@@ -42,11 +45,17 @@ class UsedRows:
 
     def blocks(self) -> Iterator[Points]:
         """Return the used distances in measuring order, each with a time."""
-        first = 0
+        for block, _ in self._numbered():
+            yield block
+
+    def _numbered(self) -> Iterator[tuple[Points, Ints]]:
+        """Return the blocks, and which of all distances theirs are, from 0."""
+        first, asked = 0, 0
         for block in self.source.blocks():
-            kept = block if not self.rejected else block.rows(self.dead_path[block.dead_path] >= 0)
+            used = np.flatnonzero(self.dead_path[block.dead_path] >= 0)
+            kept = block if used.size == len(block) else block.rows(used)
             if len(kept):
-                yield replace(
+                numbered = replace(
                     kept,
                     dead_path=self.dead_path[kept.dead_path],
                     reflector=self.reflector[kept.reflector],
@@ -56,7 +65,8 @@ class UsedRows:
                     if kept.time_s is None
                     else kept.time_s,
                 )
-            first += len(kept)
+                yield numbered, asked + used
+            first, asked = first + len(kept), asked + len(block)
 
     def elapsed_share(self, block: Points) -> Floats:
         """Return the share of the measurement that had passed, less a half, shape (n,)."""
@@ -65,20 +75,45 @@ class UsedRows:
             return np.zeros(len(block))
         return (block.time_s - begin) / span - 0.5
 
-    def few(self) -> tuple[Points, Ints]:
-        """Return evenly spread rows with some of each segment, and the numbers of those that are evenly spread.
+    def few(self, arm: Layout) -> "FewRows":
+        """Return evenly spread rows with some of each segment.
 
         So many rows give starting values that one full pass improves to the end.
+
+        Args:
+            arm: its nodes.
         """
-        every, first, chosen, even, count = even_step(self.rows), 0, [], [], 0
-        for block in self.blocks():
+        every, first, chosen, even, asked, count = even_step(self.rows), 0, [], [], [], 0
+        places: MeasuredPlaces | None = None
+        for block, numbers in self._numbered():
             rows = np.arange(-first % every, len(block), every)
             beginnings = np.unique(block.dead_path, return_index=True)[1]
             kept = np.union1d(rows, beginnings)
             chosen.append(block.rows(kept))
+            asked.append(numbers[kept])
             even.append(count + np.flatnonzero(np.isin(kept, rows)))
             first, count = first + len(block), count + kept.size
-        return concatenated(chosen), np.concatenate(even)
+            if places is None or not places.average_out:
+                own = measured_places(arm, block.commands)
+                places = own if places is None else places.joined(own)
+        return FewRows(concatenated(chosen), np.concatenate(asked), np.concatenate(even), places)
+
+
+@dataclass(frozen=True)
+class FewRows:
+    """Some rows of a scan, and what had to be looked for in all of them.
+
+    Attributes:
+        points: evenly spread rows with some of each segment.
+        numbers: which of all distances they are, from 0.
+        even: numbers of those that are evenly spread among them.
+        places: where the joints stand between their nodes in all rows.
+    """
+
+    points: Points
+    numbers: Ints
+    even: Ints
+    places: MeasuredPlaces | None
 
 
 def used_rows(source: PointSource, check: Callable[[Points, int], None]) -> UsedRows:

@@ -66,7 +66,7 @@ class Remount:
         """Have the interferometer turned and its beam aligned; what is done already is not asked for again.
 
         Raises:
-            AlignmentError: it was not turned, or the beam could not be aligned.
+            AlignmentError: it was not turned, is not turned any more, or the beam could not be aligned.
             BeamLostError: the beam is lost during the alignment.
         """
         turned = await self._ctx.step(
@@ -74,6 +74,7 @@ class Remount:
         )
         if not self._asked:
             await self._ctx.remounted(number_of(turned, "turned_deg"))
+            await self._require_turned()
         level = await levelling(self._ctx, self._plan.level, alone=False).align()
         stage_plan = replace(
             self._plan.stage, bench=replace(self._plan.stage.bench, j3_mm=self._height_mm(level))
@@ -96,12 +97,27 @@ class Remount:
 
         return begun
 
-    async def _turned(self) -> Row:
-        """Stand where the turned beam meets the reflector, send hands, and look where the beam comes back."""
-        self._asked = True
-        pose, trouble = self._plan.pose, ""
+    async def _require_turned(self) -> None:
+        """Look whether the interferometer is still turned: whoever interrupted the run may have put it back."""
+        j4_deg = await self._stood()
+        if await self._sought(j4_deg) is None:
+            raise AlignmentError(
+                f"{await self._trouble(None)}. It was turned before the interruption: mount it so again, then go on "
+                "with catseye resume; if its seat was touched, start a new run"
+            )
+
+    async def _stood(self) -> float:
+        """Stand where the turned beam meets the reflector; return J4 there."""
+        pose = self._plan.pose
         await Nests(self._ctx, self._bench).place(pose.reflector, target=self._at(pose.j4_deg))
         await Arrival(self._ctx, self._bench).at(self._at(pose.j4_deg))
+        return pose.j4_deg
+
+    async def _turned(self) -> Row:
+        """Send hands, and look where the beam comes back."""
+        self._asked = True
+        pose, trouble = self._plan.pose, ""
+        await self._stood()
         for number in range(1, _TRIES + 1):
             await self._ask(number)
             # The beam is looked for where a good mounting has it.
@@ -178,7 +194,7 @@ class Remount:
             )
         if former_deg is not None and await self._sought(former_deg) is not None:
             return (
-                f"the interferometer was not turned: its beam returns from {name} at J4 = {former_deg:.1f}°, where "
+                f"the interferometer is not turned: its beam returns from {name} at J4 = {former_deg:.1f}°, where "
                 "it did before; turn it by half a turn"
             )
         return (

@@ -172,6 +172,18 @@ CASES: dict[str, tuple[Callable[[], object], str]] = {
     "u not a number": (lambda: contributor(u=NAN), "laser: u is nan"),
     "orders": (lambda: contributor(orders=2.5), "laser: orders is 2.5: use a whole number from 1 on"),
     "dof": (lambda: contributor(dof=0.0), "laser: dof is 0: it has to be positive"),
+    "name of two contributors": (
+        lambda: Budget((contributor(), contributor(name="beam"), contributor(kind="scale"))),
+        "the budget has more than one contributor named laser: give each a name of its own",
+    ),
+    "name of what is identified": (
+        lambda: Budget((contributor(name="identified parameters"),)),
+        "a contributor is named identified parameters.*give it another name",
+    ),
+    "name of the instrument": (
+        lambda: Budget((contributor(name="instrument"),)),
+        "a contributor is named instrument.*give it another name",
+    ),
     "radial budget": (lambda: RadialBudget(0.005, -0.005, 0.01), "entry 2 of radial error motions is -0.005"),
     "draws of no distribution": (
         lambda: standard_draws(typo("gauss"), np.random.default_rng(1), 3),
@@ -401,4 +413,4 @@ def test_bodies_without_meaning_are_refused(case: str) -> None:
 
 
 def test_a_budget_of_any_sound_contributor_stands() -> None:
-    assert Budget((contributor(u=0.0), contributor(dof=math.inf))).white
+    assert Budget((contributor(u=0.0), contributor(name="beam", dof=math.inf))).white

@@ -41,18 +41,23 @@ class RemountContext(MountContext):
     after: tuple[float, float, float] = (0.4, 0.9, 0.0)
     mounted: int = 0
     dark_before: list[bool] = field(default_factory=list)
+    moved_while_asked: list[int] = field(default_factory=list)
 
     async def ask(self, prompt: Prompt, watch: Any = None) -> str:
         """Mount first what is to be mounted."""
         if isinstance(prompt.task, MountInterferometer) and self.answers.get(prompt.id) != "no":
             self.mounted += 1
             self.dark_before.append(self.length_mm() is None)
+            before = len(self.moves)
             self.theta40_deg = prompt.task.turned_deg + self.off_deg(self.mounted)
             offset_mm, pitch_mrad, height_mm = self.after
             self.offset_mm += offset_mm
             self.pitch_mrad += pitch_mrad
             self.height_mm += height_mm
             self.lost = True
+            answer = await super().ask(prompt, watch)
+            self.moved_while_asked.append(len(self.moves) - before)
+            return answer
         return await super().ask(prompt, watch)
 
 
@@ -228,7 +233,7 @@ async def test_the_arm_waits_where_the_turned_beam_returns() -> None:
 async def test_an_interferometer_that_was_not_turned_is_named() -> None:
     context = await ran(RemountContext(off_deg=lambda number: -180.0 if number == 1 else 0.5))
     assert mounts(context) == ["mount/1", "mount/2"]
-    assert "was not turned: its beam returns from" in context.warnings[0]
+    assert "is not turned: its beam returns from" in context.warnings[0]
     assert len(points(context)) == 4 * COUNT
 
 
@@ -277,6 +282,30 @@ async def test_a_run_goes_on_wherever_the_turning_stopped(last: str) -> None:
     assert len(rows) == 2 * COUNT - sum(step.startswith("turned/P") for step in done)
     assert set(values(rows, "mount_deg")) == {later.mountings[-1]}
     assert later.mountings[-1] == pytest.approx(178.75, abs=0.05)
+
+
+async def test_a_carried_reflector_is_asked_for_in_both_halves() -> None:
+    base = small_bench()
+    carried = replace(base, optics=replace(base.optics, one_reflector=True))
+    context = await ran(RemountContext(), planned(base=carried))
+    asked = [prompt.id for prompt in context.prompts if prompt.id.startswith("place/")]
+    assert asked[:2] == ["place/P1", "place/P2"]
+    assert asked[-2:] == ["place/turned/P1", "place/turned/P2"]
+    assert len(points(context)) == 4 * COUNT
+
+
+async def test_nothing_moves_while_the_interferometer_is_turned() -> None:
+    context = await ran(RemountContext())
+    assert context.moved_while_asked == [0]
+
+
+async def test_an_interferometer_put_back_meanwhile_is_named() -> None:
+    whole = await ran(RemountContext())
+    done = dict(list(whole.stored.items())[: list(whole.stored).index("turned/P1/0005") + 1])
+    back = RemountContext(stored=dict(done), resumed=True)
+    with pytest.raises(AlignmentError, match=r"is not turned: .* turned before the interruption"):
+        await ran(back)
+    assert points(back) == []
 
 
 async def test_a_beam_that_lies_higher_is_measured_at_its_height() -> None:

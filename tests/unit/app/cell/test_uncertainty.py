@@ -11,6 +11,7 @@ from catseye.app.cell.model import Cell
 from catseye.app.cell.plausible import implausible
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.cell.scara.uncertainty import PAPER_WAVELENGTH_PPM, Uncertainty, table_2
+from catseye.app.cell.section import RECORD
 from catseye.app.errors import ConfigError
 
 HEAD = TEMPLATE[: TEMPLATE.index("# The error budget")]
@@ -104,3 +105,32 @@ def test_a_wrong_line_is_refused_with_its_place(tmp_path: Path, line: str, compl
     first = HEAD.count("\n") + 1
     lines = [int(part.split(":")[0]) for part in str(caught.value).split("cell.toml:")[1:]]
     assert all(first <= number <= first + 5 for number in lines)
+
+
+TWICE = """
+[[uncertainty.contributor]]
+name = "radial"
+kind = "radial"
+value_um = 5.0
+correlation = "axis-angle"
+axis = "j1"
+
+[[uncertainty.contributor]]
+name = "radial"
+kind = "radial"
+value_um = 10.0
+correlation = "axis-angle"
+axis = "j4"
+"""
+
+
+def test_a_name_that_occurs_twice_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(
+        ConfigError, match="more than one contributor named radial: give each a name of its own"
+    ):
+        loaded(tmp_path, TWICE)
+
+
+def test_runs_whose_contributors_share_a_name_are_read() -> None:
+    cell = Cell.model_validate(tomllib.loads(HEAD + TWICE), context=RECORD)
+    assert [one.name for one in cell.uncertainty.contributor] == ["radial", "radial"]

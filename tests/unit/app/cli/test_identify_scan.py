@@ -75,6 +75,8 @@ def test_streamed_or_not_the_result_file_is_the_same(
     assert streamed.scan is not None
     assert streamed.scan.n_points == sum(streamed.scan.segments.n_points) == ROWS
     assert re.search(r"Streamed: 3\d\d\d of 9000 residuals", said.err)
+    assert "Not tested for lack of fit: streamed distances are not searched" in said.err
+    assert streamed.scan.lack_of_fit_tested is False
     assert "solving 100%" in said.err
     assert "L1" in said.out
     assert "Δθ1" not in said.out

@@ -84,7 +84,7 @@ TEXTS: dict[str, tuple[Callable[[Table], Table], str]] = {
     "mirrored": (MISTAKES["places mirrored"], "their y has the wrong sign"),
     "zero": (
         MISTAKES["a zero lost inside a segment"],
-        r"count of P2, segment 0, jumps .* before distance 524",
+        r"count of P2, segment 0, jumps .* between distances 523 and 524",
     ),
 }
 

@@ -5,11 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.between_nodes import between_nodes, ripple_between_nodes
+from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.scara.between_nodes import Places, ripple_between_nodes
 from tests.unit.calibration.scara.paper import NODES1_DEG
 
 NODES = np.deg2rad(NODES1_DEG)
+
+
+def between_nodes(nodes: Floats, angle: Floats, direction: Ints) -> Floats:
+    return Places.of(nodes, angle, direction).effects(angle, direction)
 
 
 def ups(count: int) -> "np.ndarray[tuple[int, ...], np.dtype[np.int64]]":

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import Budget, Contributor
+from catseye.calibration.scara.budget import IDENTIFIED, Budget, Contributor
 from catseye.calibration.scara.identification import IdentifiedArm
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.points import Commands
 from catseye.calibration.scara.prediction import predict
-from catseye.calibration.scara.prediction_errors import IDENTIFIED, position_errors
+from catseye.calibration.scara.prediction_errors import position_errors
 from tests.unit.calibration.scara.paper import NODES1_DEG, NODES2_DEG
 
 LAYOUT = Layout("error-map", np.deg2rad(NODES1_DEG), np.deg2rad(NODES2_DEG), (), ())

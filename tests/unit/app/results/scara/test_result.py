@@ -227,3 +227,67 @@ def test_a_variance_factor_of_earlier_files_is_read(
     earlier = sample.fit(chi2=None).model_dump(exclude={"variance_ratio", "row_variance_mm2"})
     found = Fit.model_validate(earlier | {"sigma0_um": 12.0, "variance_factor": factor} | changes)
     assert (found.variance_ratio, found.row_variance_mm2) == (ratio, row_mm2)
+
+
+def with_taken_up(change: Callable[[list[dict[str, Any]]], object]) -> Result:
+    """Return a result with what its parameters have taken up of two contributors, changed."""
+    document = json.loads(result_text(result()))
+    rows = len(document["covariance"]["names"])
+    document["budget"] = {
+        "source": "cell",
+        "name": "cell.toml",
+        "contributor": [
+            {"name": "wavelength", "kind": "scale", "value_ppm": 1.5, "correlation": "common"},
+            {"name": "noise", "kind": "length", "value_um": 5.0},
+            {
+                "name": "J2",
+                "kind": "radial",
+                "value_um": 5.0,
+                "correlation": "axis-angle",
+                "axis": "j2",
+                "orders": 3,
+            },
+        ],
+    }
+    parts = [
+        {"contributor": 0, "matrix": [[0.1]] * rows},
+        {"contributor": 2, "matrix": [[0.1] * 12] * rows},
+    ]
+    change(parts)
+    document["covariance"]["taken_up"] = parts
+    return Result.model_validate(document)
+
+
+def test_what_parameters_have_taken_up_is_read() -> None:
+    found = arm_of(with_taken_up(lambda _: None))
+    assert {one.name: moved.shape[1] for one, moved in found.taken_up.items()} == {"wavelength": 1, "J2": 12}
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (
+            lambda parts: parts[1].update(matrix=parts[1]["matrix"][1:]),
+            r"taken_up\[1\].*J2.*rows of 12 numbers",
+        ),
+        (
+            lambda parts: parts[1].update(matrix=[[0.1] * 11] * len(parts[1]["matrix"])),
+            r"taken_up\[1\] of the result, of J2, has to be .* rows of 12 numbers",
+        ),
+        (
+            lambda parts: parts[0].update(matrix=[[0.1, 0.2], *parts[0]["matrix"][1:]]),
+            r"taken_up\[0\] of the result, of wavelength, has to be .* rows of 1 numbers",
+        ),
+        (lambda parts: parts[0].update(contributor=1), r"taken_up\[0\] of the result is of noise"),
+        (
+            lambda parts: parts[1].update(contributor=7),
+            r"taken_up\[1\] of the result belongs to no contributor",
+        ),
+        (lambda parts: parts.append(parts[0]), r"taken_up\[2\] of the result is of wavelength.*twice"),
+    ],
+)
+def test_damage_of_what_was_taken_up_is_located(
+    change: Callable[[list[dict[str, Any]]], object], text: str
+) -> None:
+    with pytest.raises(UsageError, match=text):
+        arm_of(with_taken_up(change))

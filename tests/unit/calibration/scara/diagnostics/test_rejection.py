@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from catseye.calibration.core.errors import RejectionError
+from catseye.calibration.scara.budget import systematic_effects
 from catseye.calibration.scara.diagnostics.rejection import reject
 from catseye.calibration.scara.points import Points
+from catseye.calibration.scara.radial import RadialBudget
 from tests.unit.calibration.scara.diagnostics.bench import commands_on_nodes, measured, problem, split
 from tests.unit.calibration.scara.paper import random_truth
+from tests.unit.calibration.scara.samples import radial_motions
 
 TRUTH = random_truth(4)
 COMMANDS = commands_on_nodes()
@@ -60,3 +63,22 @@ def test_losing_a_whole_segment_keeps_row_numbers() -> None:
     short = replace(points, dead_path=own, dead_paths=(*points.dead_paths, ("P1", 2)))
     cleaned = reject(problem(short), 5.0)
     assert 701 in [one.row for one in cleaned.rejected]
+
+
+def test_an_outlier_beside_shared_errors_misses_what_others_predict() -> None:
+    """Truth: the fit without it, and the dense covariance of its error with those of the others."""
+    row = 500
+    motions = radial_motions(RadialBudget(0.02, 0.02, 0.04), learnt=True)
+    known = replace(problem(with_errors({row: 5.0})), budget=motions)
+    (rejected,) = reject(known, 5.0).rejected
+    others = np.arange(1056) != row
+    without = known.of_rows(others).solve()
+    rows = known.solve().model
+    residuals = rows.residuals(without.parameters)
+    shared = systematic_effects(motions, rows.geometry(without.parameters))
+    covariance = np.diag(1.0 / rows.weights**2) + shared @ shared.T
+    known_mm = covariance[row, others] @ np.linalg.solve(
+        covariance[np.ix_(others, others)], residuals[others]
+    )
+    # At most 1.345 standard deviations of 10 µm times the leverage of 2 % are what it pulls a Huber fit by.
+    assert rejected.residual_um == pytest.approx(1e3 * (residuals[row] - known_mm), abs=0.4)

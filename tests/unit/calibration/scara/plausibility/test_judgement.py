@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.core.errors import CalibrationError, ConvergenceError
 from catseye.calibration.scara.budget import Budget
 from catseye.calibration.scara.layout import ModelName
 from catseye.calibration.scara.plausibility.bounds import Bounds
@@ -27,6 +27,8 @@ from catseye.calibration.scara.plausibility.findings import (
     ZeroLost,
 )
 from catseye.calibration.scara.plausibility.judgement import judge
+from catseye.calibration.scara.scans.scan_identification import identify_scan
+from catseye.calibration.scara.scans.source import SlicedPoints
 from tests.unit.calibration.scara.plausibility.tables import (
     LOST_AT,
     MISTAKES,
@@ -82,7 +84,7 @@ def named(mistake: Mistake, name: str) -> bool:
             return name == "names exchanged" and {first, second} == {"P1", "P2"}
         case PlacesMirrored(mirror):
             return name == "places mirrored" and mirror == "y"
-        case ZeroLost(reflector, _, row, _):
+        case ZeroLost(reflector, _, _, row, _):
             return name == "a zero lost inside a segment" and (reflector, row) == ("P2", LOST_AT)
         case ReflectorMoved() | MountingForgotten():
             return False
@@ -154,6 +156,48 @@ def test_a_zero_lost_in_a_long_table_is_named() -> None:
     assert mistake.jump_mm == pytest.approx(-table.displacement[row], abs=0.1)
 
 
+def test_rows_are_numbered_as_they_were_given() -> None:
+    """Two distances of a segment of their own are left out, and count all the same."""
+    table = measured(14)
+    later = (table.reflector == 1) & (np.arange(len(table.displacement)) >= LOST_AT)
+    segment = table.segment.copy()
+    segment[10:12] = 7
+    spoiled = replace(table, segment=segment, displacement=table.displacement + 0.3 * later)
+    problem = spoiled.problem(table_2())
+    for found in (None, problem.solve()):
+        (mistake,) = judge(problem, found).mistakes
+        assert isinstance(mistake, ZeroLost)
+        assert (mistake.reflector, mistake.segment) == ("P2", 0)
+        assert (mistake.after, mistake.row) == (LOST_AT - 1, LOST_AT)
+
+
+def test_a_zero_lost_in_a_scan_is_located() -> None:
+    table = measured(14, Faults(off_nodes=True))
+    row = LOST_AT + 40
+    later = (table.reflector == 1) & (np.arange(len(table.displacement)) >= row)
+    many = np.repeat(np.arange(len(later)), 12)
+    rng = np.random.default_rng(2)
+    spoiled = Table(
+        table.theta_deg[many],
+        table.direction[many],
+        table.reflector[many],
+        table.segment[many],
+        (table.displacement - 5.0 * later)[many] + rng.normal(0.0, 0.01, many.size),
+        table.rough_mm,
+    )
+    problem = spoiled.problem(None)
+    nodes = problem.nodes1_rad, problem.nodes2_rad
+    source = SlicedPoints(problem.points, 1_000)
+    found = identify_scan(source, "error-map", *nodes, 325.0, 225.0, problem.reflectors_mm).identified
+    assert len(found.points) < 4_001 < many.size
+    (mistake,) = judge(replace(problem, points=found.points), found).mistakes
+    assert isinstance(mistake, ZeroLost)
+    assert mistake.reflector == "P2"
+    assert mistake.jump_mm == pytest.approx(-5.0, abs=0.1)
+    assert mistake.after < 12 * row <= mistake.row
+    assert mistake.row - mistake.after < 12
+
+
 def test_misfit_that_nothing_explains_is_not_refused() -> None:
     table = measured(15)
     noise = np.random.default_rng(1).normal(0.0, 0.3, len(table.displacement))
@@ -190,7 +234,9 @@ def test_two_angles_of_j2_do_not_let_the_start_decide(nodes_deg: tuple[float, fl
     problem = replace(table, rough_mm=table.rough_mm + np.array([off_mm, -off_mm])).problem(None)
     try:
         found = problem.solve()
-    except CalibrationError:
+    except ConvergenceError:
+        # The same arm near what was known, and the reason why no other one is found.
+        assert judge(problem, None).vague
         return
     judged = judge(problem, found)
     assert judged.mistakes == ()
