@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from catseye.calibration.scara.extension import j4_map as j4_map
     from catseye.calibration.scara.extension import periodic as periodic
     from catseye.calibration.scara.extension import thermal_drift as thermal_drift
+    from catseye.calibration.scara.found_drift import found_drifts as found_drifts
     from catseye.calibration.scara.identification import Identification as Identification
     from catseye.calibration.scara.identification import IdentifiedArm as IdentifiedArm
     from catseye.calibration.scara.identification import identify as identify
@@ -73,6 +74,7 @@ _HOMES = {
     "scara.diagnostics.robust": ("robust_fit",),
     "scara.error_map": ("BidirectionalMap",),
     "scara.extension": ("Term", "crosstalk", "j4_map", "periodic", "thermal_drift"),
+    "scara.found_drift": ("found_drifts",),
     "scara.identification": ("Identification", "IdentifiedArm", "identify"),
     "scara.planar": ("forward", "inverse"),
     "scara.plausibility.bounds": ("Bounds",),

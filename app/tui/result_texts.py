@@ -13,6 +13,7 @@ from catseye.app.results.scara.budget_text import budget_statements
 from catseye.app.results.scara.comparison import ResultComparison
 from catseye.app.results.scara.comparison_report import comparison_report
 from catseye.app.results.scara.diagnosis_document import DiagnosisDocument
+from catseye.app.results.scara.drift_text import drift_statements
 from catseye.app.results.scara.fit_text import (
     fit_statements,
     identified_text,
@@ -90,6 +91,7 @@ def fit_sentences(result: Result, diagnosis: DiagnosisDocument | None) -> list[S
     # After many losses of the beam these are more lines than a small screen has.
     return [
         *statements,
+        *drift_statements(result),
         *separated_statements(result),
         *nodes_only_statements(result),
         *left_out_statements(result),

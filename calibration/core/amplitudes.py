@@ -168,7 +168,7 @@ def variance_ratios(rows: Compressed, *, for_test: bool = False) -> Floats:
     evidence = np.array([one.evidence for one in fits])
     share = np.exp(evidence - evidence.max())
     mean = sum(s * one.mean for s, one in zip(share / share.sum(), fits, strict=True))
-    return np.asarray(np.minimum(mean, _LARGEST))
+    return np.asarray(np.where(rows.assumed, mean, np.minimum(mean, _LARGEST)))
 
 
 @dataclass(frozen=True)

@@ -175,17 +175,18 @@ def harmonic_of_source(columns: int, orders: int) -> Ints:
     return np.tile(np.repeat(np.arange(orders), 2), columns)
 
 
-def per_group(columns: Floats, group: Ints) -> Floats:
+def per_group(columns: Floats, group: Ints, groups: int | None = None) -> Floats:
     """Give each group a source of its own for each column.
 
     Args:
         columns: what a unit error does to each row, shape (n, k).
         group: number of the group that shares an error, shape (n,).
+        groups: how many there are, where rows belong to some of them only.
 
     Returns:
         Effects, shape (n, k · groups).
     """
-    own = np.zeros((columns.shape[0], columns.shape[1], int(group.max()) + 1))
+    own = np.zeros((columns.shape[0], columns.shape[1], int(group.max()) + 1 if groups is None else groups))
     own[np.arange(group.size), :, group] = columns
     return own.reshape(columns.shape[0], -1)
 

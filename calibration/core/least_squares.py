@@ -23,6 +23,9 @@ STEP_TOLERANCE = 1e-8
 
 MAX_ITERATIONS = 50
 
+ROUNDING = 1e-12
+"""Share by which rounding may change a sum of squares."""
+
 _SHORT_MM = 1e-6
 """A step that changes residuals by less, rms, leaves the derivatives: they are good to a hundred-millionth."""
 
@@ -208,7 +211,8 @@ def _improve(
             trial = residuals(parameters + step)
             change = float(np.sqrt(np.mean((trial - current) ** 2)))
             # At the minimum rounding decides whether the cost still falls; the gradient is better than that.
-            if _cost(trial, whitening) < cost or (change < STEP_TOLERANCE and damping == 0.0):
+            rounding = 0.0 if damping else ROUNDING * cost
+            if _cost(trial, whitening) < cost + rounding or (change < STEP_TOLERANCE and damping == 0.0):
                 return parameters + step, trial, change
             if change < STEP_TOLERANCE:
                 return parameters, current, change

@@ -1,7 +1,7 @@
 """The error budget of a distance: contributors, what each does to the distances, and what it has in common.
 
 Distances that share an error do not average it out. Each contributor therefore says what it is common to: nothing
-(every reading draws anew), the pose, the angle of an axis, or the whole measurement.
+(every reading draws anew), the pose, the angle of an axis, neighbouring times, the segment, or the whole measurement.
 """
 
 import math
@@ -27,30 +27,37 @@ from catseye.calibration.core.budget import (
     stacked,
 )
 from catseye.calibration.core.errors import ArgumentError, BudgetError
-from catseye.calibration.core.types import Floats
+from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.between_nodes import MeasuredPlaces, Places, ripple_between_nodes
+from catseye.calibration.scara.drift_process import cosines, octaves, shares
 from catseye.calibration.scara.extension import Term, term_values
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.points import Commands, Points
 from catseye.calibration.scara.radial import axis_frame
 
-Kind = Literal["length", "scale", "position", "angle", "between-nodes", "radial", "direction"]
+Kind = Literal[
+    "length", "scale", "position", "angle", "between-nodes", "radial", "direction", "links", "reflector"
+]
 """What is uncertain: the distance, its scale, the position of the J4 axis, a joint's angle, what lies between the
-nodes of its map, the place of a joint's axis, the direction of the beam."""
+nodes of its map, the place of a joint's axis, the direction of the beam, how much both links have grown, the place of
+a reflector."""
 
-Correlation = Literal["reading", "pose", "axis-angle", "common"]
-"""What shares one and the same error: nothing, a pose, an angle of an axis, the whole measurement."""
+Correlation = Literal["reading", "pose", "axis-angle", "time", "segment", "common"]
+"""What shares one and the same error: nothing, a pose, an angle of an axis, a time (and less and less of it what is
+measured earlier or later), a segment, the whole measurement."""
 
 Axis = Literal["j1", "j2", "j4"]
 
 _ALLOWED: dict[Kind, tuple[Correlation, ...]] = {
-    "length": ("reading", "pose", "axis-angle", "common"),
-    "scale": ("reading", "common"),
+    "length": ("reading", "pose", "axis-angle", "time", "common"),
+    "scale": ("reading", "time", "common"),
     "position": ("reading", "pose", "common"),
     "angle": ("reading", "axis-angle", "common"),
     "between-nodes": ("axis-angle",),
     "radial": ("axis-angle",),
     "direction": ("reading",),
+    "links": ("time",),
+    "reflector": ("segment",),
 }
 
 _OF_ARM: dict[Kind, tuple[Correlation, ...]] = {
@@ -58,8 +65,12 @@ _OF_ARM: dict[Kind, tuple[Correlation, ...]] = {
     "angle": ("reading",),
     "between-nodes": ("axis-angle",),
     "radial": ("axis-angle",),
+    "links": ("time",),
 }
 """What moves the arm itself, again wherever it goes. An angle that errs the same way every time is in its map."""
+
+
+_PASSING: tuple[Correlation, ...] = ("time", "segment")
 
 
 @dataclass(frozen=True)
@@ -69,14 +80,15 @@ class Contributor:
     Attributes:
         name: what a reader calls it.
         kind: what is uncertain.
-        u: standard uncertainty: mm (length, position, radial), rad (angle, between-nodes, direction), a share
-            (scale).
+        u: standard uncertainty: mm (length, position, radial, reflector in x and in y), rad (angle, between-nodes,
+            direction), a share (scale, links); of what changes with time, its rms over the measurement.
         correlation: what shares the error.
         axis: whose angle repeats it (axis-angle), or whose angle is uncertain (angle).
-        orders: harmonics 1…orders of the angle share an axis-angle error evenly, as far as is known beforehand.
+        orders: harmonics 1…orders of the angle share an axis-angle error evenly, as far as is known beforehand; what
+            changes with time has up to so many half periods in the measurement.
         dof: degrees of freedom of u.
-        spectrum: variance of each part over what is stated for it, as distances have shown it: of each harmonic, or
-            of all that lies between nodes; empty as long as none have been asked.
+        spectrum: variance of each part over what is stated for it, as distances have shown it: of each harmonic, of
+            all that lies between nodes, or of each octave of a drift; empty as long as none have been asked.
     """
 
     name: str
@@ -114,7 +126,8 @@ class Contributor:
         if len(self.spectrum) not in {0, self.parts}:
             raise ArgumentError(
                 f"{self.name}: a spectrum of {len(self.spectrum)} values instead of {self.parts}; an axis-angle "
-                "error has one for each of its orders, a ripple between nodes a single one, any other error none"
+                "error has one for each of its orders, a ripple between nodes a single one, what changes with time "
+                "one for each octave of its orders, any other error none"
             )
         if self.kind == "between-nodes" and self.axis == "j4":
             raise ArgumentError(f"{self.name}: J4 has no map, and so no nodes: say j1 or j2")
@@ -126,9 +139,18 @@ class Contributor:
     @property
     def parts(self) -> int:
         """How many parts it has whose sizes distances can show."""
-        if self.correlation != "axis-angle":
-            return 0
-        return 1 if self.kind == "between-nodes" else self.orders
+        match self.correlation:
+            case "axis-angle":
+                return 1 if self.kind == "between-nodes" else self.orders
+            case "time":
+                return int(octaves(self.orders)[-1]) + 1
+            case _:
+                return 0
+
+    @property
+    def assumed(self) -> bool:
+        """Whether nobody knows its size beforehand."""
+        return self.kind == "between-nodes" or self.correlation == "time"
 
     @property
     def sources(self) -> int:
@@ -143,7 +165,10 @@ class Contributor:
 
     @property
     def shares(self) -> tuple[float, ...]:
-        """Share of each harmonic in u²; they add up to 1 as long as no distances have been asked."""
+        """Share of each order in u²; they add up to 1 as long as no distances have been asked."""
+        if self.correlation == "time":
+            shown = np.array(self.spectrum or (1.0,) * self.parts)[octaves(self.orders)]
+            return tuple((shown * shares(self.orders)).tolist())
         return tuple(ratio / self.orders for ratio in self.spectrum or (1.0,) * self.orders)
 
 
@@ -203,6 +228,16 @@ class Budget:
             if one.correlation in {"axis-angle", "common"} and one.kind != "between-nodes" and one.u > 0.0
         )
 
+    @property
+    def passing(self) -> "Budget":
+        """Contributors of the measurement's own times and segments: those of another measurement differ."""
+        return Budget(tuple(one for one in self.contributors if one.correlation in _PASSING))
+
+    @property
+    def lasting(self) -> "Budget":
+        """All others."""
+        return Budget(tuple(one for one in self.contributors if one.correlation not in _PASSING))
+
 
 @dataclass(frozen=True)
 class Geometry:
@@ -215,6 +250,9 @@ class Geometry:
         turn_mm: derivatives of the row by θ1 and θ2, mm/rad, shape (n, 2).
         theta4_rad: angle of the tool against link 2, rad, shape (n,); J4 itself stands at that less the mounting.
         layout: of the arm: nodes, and functions beyond the maps that are identified with it.
+        growth_mm: what the rows grow by when both links grow by the same share, mm for a share of 1, shape (n,).
+        elapsed: share of the measurement that had passed, less a half, shape (n,).
+        later: the rows belong to another time than those that the arm was identified from.
         places: where the joints stand between their nodes in all rows that are estimated from together; None where
             these rows are judged alone.
         alone: what rows of different commands have in common does not matter.
@@ -226,6 +264,9 @@ class Geometry:
     turn_mm: Floats
     theta4_rad: Floats
     layout: Layout
+    growth_mm: Floats
+    elapsed: Floats
+    later: bool = False
     places: MeasuredPlaces | None = None
     alone: bool = False
 
@@ -236,11 +277,20 @@ class Geometry:
         return self.theta4_rad if mount is None else self.theta4_rad - mount
 
 
-def seen_along(points: Points, unit: Floats, length_mm: Floats, turn_mm: Floats, layout: Layout) -> Geometry:
-    """Return how distances answer to the arm; the tool carries the beam. Arguments as in Geometry."""
-    commands = points.commands
-    beam = np.arctan2(-unit[:, 1], -unit[:, 0]) - commands.theta1_rad - commands.theta2_rad
-    return Geometry(points, unit, length_mm, turn_mm, beam, layout)
+def seen_along(
+    points: Points, position_mm: Floats, beam: tuple[Floats, Floats], turn_mm: Floats, layout: Layout
+) -> Geometry:
+    """Return how distances answer to the arm; the tool carries the beam.
+
+    Args:
+        position_mm: of the J4 axis, shape (n, 2).
+        beam: unit vectors and lengths, as in Geometry.
+        turn_mm: as in Geometry.
+    """
+    commands, (unit, length_mm) = points.commands, beam
+    theta4 = np.arctan2(-unit[:, 1], -unit[:, 0]) - commands.theta1_rad - commands.theta2_rad
+    growth = np.einsum("ni,ni->n", unit, position_mm)
+    return Geometry(points, unit, length_mm, turn_mm, theta4, layout, growth, points.elapsed_share)
 
 
 def white_mm(contributor: Contributor, geometry: Geometry) -> Floats:
@@ -304,6 +354,10 @@ def effects(contributor: Contributor, geometry: Geometry) -> Floats:
             return columns
         case "pose":
             return per_group(columns, geometry.points.commands.poses())
+        case "segment":
+            return per_group(columns, geometry.points.dead_path, len(geometry.points.dead_paths))
+        case "time":
+            return _over_time(contributor, columns, geometry)
         case _ if contributor.kind == "between-nodes":
             shown = math.sqrt(contributor.spectrum[0]) if contributor.spectrum else 1.0
             return shown * columns * _between_nodes(contributor.axis, geometry)
@@ -316,6 +370,14 @@ def effects(contributor: Contributor, geometry: Geometry) -> Floats:
                 known, {"theta4": geometry.theta4_rad}, len(repeated), geometry.points.mount_rad
             )
             return repeated - values @ described(contributor, known)
+
+
+def _over_time(contributor: Contributor, columns: Floats, geometry: Geometry) -> Floats:
+    sizes = np.sqrt(contributor.shares)
+    if geometry.later and contributor.kind == "links":
+        # As warm as at any time of the measurement, and all the same throughout.
+        return columns * np.linalg.norm(sizes)
+    return np.asarray(columns * sizes * cosines(geometry.elapsed, contributor.orders), dtype=np.float64)
 
 
 def _describing(contributor: Contributor, geometry: Geometry) -> tuple[Term, ...]:
@@ -368,15 +430,20 @@ def shared_errors(budget: Budget | None, geometry: Geometry) -> tuple[Shared, ..
 
 
 def _shared(contributor: Contributor, effects_mm: Floats) -> Shared:
-    sources, part = effects_mm.shape[1], None
-    if contributor.open and sources:
-        orders = contributor.orders
-        harmonic = contributor.kind != "between-nodes"
-        part = (
-            harmonic_of_source(sources // (2 * orders), orders) if harmonic else np.zeros(sources, np.int64)
-        )
-    assumed = contributor.kind == "between-nodes"
-    return Shared(contributor.name, effects_mm, contributor.distribution, contributor.dof, part, assumed)
+    part = None
+    if contributor.open and effects_mm.shape[1]:
+        part = _part_of_source(contributor, effects_mm.shape[1])
+    return Shared(
+        contributor.name, effects_mm, contributor.distribution, contributor.dof, part, contributor.assumed
+    )
+
+
+def _part_of_source(contributor: Contributor, sources: int) -> Ints:
+    if contributor.kind == "between-nodes":
+        return np.zeros(sources, np.int64)
+    if contributor.correlation == "time":
+        return octaves(contributor.orders)
+    return harmonic_of_source(sources // (2 * contributor.orders), contributor.orders)
 
 
 def systematic_effects(budget: Budget | None, geometry: Geometry) -> Floats:
@@ -393,6 +460,10 @@ def _columns(contributor: Contributor, geometry: Geometry) -> Floats:
             return geometry.points.displacement_mm[:, None]
         case "position":
             return geometry.unit
+        case "links":
+            return geometry.growth_mm[:, None]
+        case "reflector":
+            return -geometry.unit
         case "angle" | "between-nodes":
             return geometry.turn_mm[:, [0 if contributor.axis == "j1" else 1]]
         case "direction":

@@ -30,11 +30,13 @@ class Beams:
     Attributes:
         length_mm: shape (n,).
         unit: unit vectors from the reflector to the arm, shape (n, 2).
+        position_mm: where the arm stands, shape (n, 2).
         slopes: derivatives of the lengths by L1, L2, θ1 and θ2, shape (n, 4), mm/mm and mm/rad.
     """
 
     length_mm: Floats
     unit: Floats
+    position_mm: Floats
     slopes: Floats
 
 
@@ -49,6 +51,7 @@ class DistanceModel:
         budget: contributors to the uncertainty of a distance; None for what the points state alone.
         places: where the joints stand between their nodes in these and all further points of the measurement; None
             where these points are all.
+        elapsed: share of the measurement that had passed, less a half, shape (n,); None for that of the points.
     """
 
     layout: Layout
@@ -56,6 +59,7 @@ class DistanceModel:
     design: ArmDesign
     budget: Budget | None = None
     places: MeasuredPlaces | None = None
+    elapsed: Floats | None = None
 
     @cached_property
     def parameters(self) -> Parameters:
@@ -82,10 +86,11 @@ class DistanceModel:
         moved = self.design.local_jacobian(parameters)
         # J1 moves the end of the arm at a right angle to where it stands.
         places = parameters[self.layout.reflectors].reshape(-1, 2)[self.points.reflector]
-        beam = np.stack([moved[:, 1, 2], -moved[:, 0, 2]], axis=1) - places
+        position = np.stack([moved[:, 1, 2], -moved[:, 0, 2]], axis=1)
+        beam = position - places
         length = np.hypot(beam[:, 0], beam[:, 1])
         unit = beam / length[:, None]
-        return Beams(length, unit, np.einsum("ni,nij->nj", unit, moved))
+        return Beams(length, unit, position, np.einsum("ni,nij->nj", unit, moved))
 
     def geometry(self, parameters: Floats) -> Geometry:
         """Return how the distances answer to the arm at parameters of shape (p,)."""
@@ -93,7 +98,9 @@ class DistanceModel:
 
     def geometry_of(self, beams: Beams) -> Geometry:
         """Return how the distances answer to the arm."""
-        return seen_along(self.points, beams.unit, beams.length_mm, beams.slopes[:, 2:], self.layout)
+        beam, turn = (beams.unit, beams.length_mm), beams.slopes[:, 2:]
+        geometry = seen_along(self.points, beams.position_mm, beam, turn, self.layout)
+        return geometry if self.elapsed is None else replace(geometry, elapsed=self.elapsed)
 
     def white(self, parameters: Floats) -> tuple[White, ...]:
         """Return the errors that differ from reading to reading."""

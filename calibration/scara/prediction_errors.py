@@ -113,7 +113,7 @@ def position_errors(
         arm.covariance,
         _but_j4(arm.taken_up),
         budget,
-        replace(_coordinates(arm, commands, local[:, :, 2:].reshape(rows, 2)), alone=alone),
+        replace(_coordinates(arm, commands, local.reshape(rows, 4)), alone=alone),
         arrivals,
     )
 
@@ -123,11 +123,13 @@ def _but_j4(taken_up: TakenUp) -> TakenUp:
     return {one: moved for one, moved in taken_up.items() if one.axis != "j4"}
 
 
-def _coordinates(arm: IdentifiedArm, commands: Commands, turn_mm: Floats) -> Geometry:
+def _coordinates(arm: IdentifiedArm, commands: Commands, slopes: Floats) -> Geometry:
     twice = commands.select(np.repeat(np.arange(len(commands)), 2))
     nothing = np.zeros(len(twice), dtype=np.int64)
     zeros = np.zeros(len(twice))
     points = Points(twice, nothing, nothing, zeros, None, ("",), (("", 0),))
     axes = np.tile(np.eye(2), (len(commands), 1))
     # A J4 map describes beams; it does not act on positions.
-    return Geometry(points, axes, zeros, turn_mm, zeros, replace(arm.layout, terms=()))
+    layout = replace(arm.layout, terms=())
+    growth = slopes[:, :2] @ arm.parameters[:2]
+    return Geometry(points, axes, zeros, slopes[:, 2:], zeros, layout, growth, zeros, later=True)

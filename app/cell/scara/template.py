@@ -141,10 +141,11 @@ link_mm = 2.0                           # of a link from its nominal length
 place_mm = 100.0                        # of a reflector from its rough place
 
 # The error budget: Table 2 of the SCARA paper (k = 1) with the laser of [air]. Each contributor says what shares its
-# error: nothing (reading), a pose, the angle of an axis, or the whole measurement (common). What is shared does not
-# average out. What the arm does (position, radial, between-nodes) counts in predictions as well.
-# kind: length, position, radial: value_um; scale: value_ppm; angle of j1 or j2, between-nodes: value_mdeg;
-# direction: value_mrad.
+# error: nothing (reading), a pose, the angle of an axis, neighbouring times, a segment, or the whole measurement
+# (common). What is shared does not average out. What the arm does (position, radial, between-nodes, links) counts in
+# predictions as well.
+# kind: length, position, radial, reflector (per segment: may have moved between them): value_um; scale, links:
+# value_ppm; angle of j1 or j2, between-nodes: value_mdeg; direction: value_mrad.
 # value: standard uncertainty (distribution = "normal") or half width ("uniform", "triangular", "arcsine").
 [[uncertainty.contributor]]
 name = "wavelength"                     # any helium-neon laser's; else its certificate's, the paper's: 0.054
@@ -212,4 +213,18 @@ kind = "between-nodes"
 axis = "j2"
 value_mdeg = 2.0
 correlation = "axis-angle"
+
+[[uncertainty.contributor]]
+name = "drift of the zero"              # rms over the measurement: an assumption; the distances show how large it is
+kind = "length"
+value_um = 2.0
+correlation = "time"
+orders = 31                             # half periods in the measurement, up to so many
+
+[[uncertainty.contributor]]
+name = "warmth of the links"            # both grow by one share; rms about their mean: an assumption
+kind = "links"
+value_ppm = 2.0
+correlation = "time"
+orders = 3
 """

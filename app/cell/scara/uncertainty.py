@@ -18,6 +18,8 @@ _UNITS: dict[str, tuple[str, float]] = {
     "angle": ("value_mdeg", 1e-3 * math.pi / 180.0),
     "between-nodes": ("value_mdeg", 1e-3 * math.pi / 180.0),
     "direction": ("value_mrad", 1e-3),
+    "links": ("value_ppm", 1e-6),
+    "reflector": ("value_um", 1e-3),
 }
 """Key that a kind's value stands under, and what makes mm, rad or a share of it."""
 
@@ -43,8 +45,20 @@ _TOTALS: dict[str, Any] = {
 _ROUGHNESS_MDEG = 2.0
 """Rms of what a joint does between the nodes of its map: an assumption."""
 
+_DRIFT_UM, _WARMTH_PPM = 2.0, 2.0
+"""Rms over the measurement of what the zero drifts by and of what the links grow by: assumptions."""
+
+_MOST_HARMONICS = 20
+
 _TYPICAL_BEAM_MM = 743.3
 """Beam of the paper's example: from (100, 100) mm to the reflector at (650, -400) mm."""
+
+
+def _usual_orders(given: dict[str, Any]) -> int:
+    """Return how many orders a contributor has: metal warms slowly, air and clamps change within minutes."""
+    if given.get("correlation") != "time":
+        return 5
+    return 3 if given.get("kind") == "links" else 31
 
 
 class ContributorEntry(Section):
@@ -59,12 +73,14 @@ class ContributorEntry(Section):
     distribution: Distribution = "normal"
     correlation: Correlation = "reading"
     axis: Literal["j1", "j2", "j4"] | None = None
-    orders: Annotated[int, Field(ge=1, le=20)] = 5
+    orders: Annotated[int, Field(ge=1, le=255)] = Field(default_factory=_usual_orders)
     degrees_of_freedom: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] | None = None
     spectrum: tuple[NotNegative, ...] = Field(default=(), exclude_if=lambda spectrum: not spectrum)
 
     @model_validator(mode="after")
     def _sound(self) -> Self:
+        if self.correlation != "time" and self.orders > _MOST_HARMONICS:
+            raise ValueError(f"{self.name}: an angle has up to {_MOST_HARMONICS} orders, not {self.orders}")
         wanted, _ = _UNITS[self.kind]
         keys = ("value_um", "value_ppm", "value_mdeg", "value_mrad")
         given = [key for key in keys if getattr(self, key) is not None]
@@ -110,7 +126,8 @@ def table_2(
     """Return Table 2 of the SCARA paper.
 
     The table states micrometres in one distance of 743 mm. Wavelength and its correction are a scale that all
-    distances share; the others are as they stand there. What lies between nodes is not in the table.
+    distances share; the others are as they stand there. What lies between nodes and what changes with time is not in
+    the table.
 
     Args:
         wavelength_ppm: of the laser; by default that of any helium-neon laser, whose wavelength is the default of
@@ -143,6 +160,12 @@ def table_2(
                 axis=axis,
             )
             for axis in _AXES[:2]
+        ),
+        ContributorEntry(
+            name="drift of the zero", kind="length", value_um=_DRIFT_UM, correlation="time", orders=31
+        ),
+        ContributorEntry(
+            name="warmth of the links", kind="links", value_ppm=_WARMTH_PPM, correlation="time", orders=3
         ),
     ]
 
@@ -188,8 +211,8 @@ class Uncertainty(Section):
 
     @property
     def distance_um(self) -> float:
-        """Standard uncertainty of a single distance of 0.74 m, everything included, µm."""
-        return math.hypot(*(_typical_um(one) for one in self.budget.contributors))
+        """Standard uncertainty of a single distance of 0.74 m, everything included but what is assumed, µm."""
+        return math.hypot(*(_typical_um(one) for one in self.budget.contributors if not one.assumed))
 
     def radial_um(self, axis: Literal["j1", "j2", "j4"]) -> float:
         """Return the radial error motion of an axis, µm."""
@@ -213,9 +236,6 @@ def _typical_um(one: Contributor) -> float:
         case "angle":
             # The arm's reach is about half of the beam of the example.
             return 1e3 * one.u * 0.5 * _TYPICAL_BEAM_MM
-        case "between-nodes":
-            # The distances are measured at nodes.
-            return 0.0
         case "direction":
             return 1e3 * _TYPICAL_BEAM_MM * one.u**2 / math.sqrt(2.0)
         case _:

@@ -16,6 +16,7 @@ from catseye.app.results.runs.trace import trace_section
 from catseye.app.results.scara.budget_text import budget_statements
 from catseye.app.results.scara.diagnosis_report import diagnosis_section
 from catseye.app.results.scara.distance_report import distance_section, distance_statement
+from catseye.app.results.scara.drift_text import drift_statements
 from catseye.app.results.scara.figures.layout import layout_figure
 from catseye.app.results.scara.findings import Findings
 from catseye.app.results.scara.fit_text import fit_statements, identified_text, nodes_only_statements
@@ -69,7 +70,7 @@ def verdict(findings: Findings, incidents: int = 0) -> list[Statement]:
     )
     if findings.truth is not None and best.model == "error-map":
         statements.append(truth_statement(best, findings.truth))
-    statements += [*separated_statements(best), *nodes_only_statements(best)]
+    statements += [*separated_statements(best), *drift_statements(best), *nodes_only_statements(best)]
     # Segments that are too short, and single distances.
     left_out = [f"{len(best.fit.rejected)} left out"] if best.fit.rejected else []
     left_out += [f"{counted(incidents, 'incident')} on the way"] if incidents else []

@@ -29,6 +29,11 @@ def budget_statements(part: BudgetPart) -> list[Statement]:
 
 def _learnt_text(entry: ContributorEntry) -> str:
     """Return how large the distances show an error that is stated by its size."""
+    if entry.correlation == "time":
+        times = math.sqrt(sum(entry.contributor().shares))
+        return (
+            f"{entry.name}: the distances suggest {number(times, fixed(1))} times the stated {entry.stated}."
+        )
     times = math.sqrt(sum(entry.spectrum) / len(entry.spectrum))
     listed = ", ".join(number(math.sqrt(ratio), fixed(1)) for ratio in entry.spectrum)
     orders = f" (orders 1 to {len(entry.spectrum)}: {listed})" if len(entry.spectrum) > 1 else ""

@@ -158,7 +158,7 @@ def _on_distances(path: DistancePath, identified: Identification, compared: Bool
         identified.covariance[:known, :known],
         {one: moved[:known] for one, moved in identified.taken_up.items()},
         identified.budget,
-        model.geometry(parameters),
+        replace(model.geometry(parameters), later=True),
     )
     variance = _relative_variance(points, errors)
     deviation, u = np.full(compared.size, np.nan), np.full(compared.size, np.nan)

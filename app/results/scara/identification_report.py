@@ -2,6 +2,7 @@
 
 from catseye.app.results.model import Report, Sign, Statement, section
 from catseye.app.results.scara.budget_text import budget_statements
+from catseye.app.results.scara.drift_text import drift_statements
 from catseye.app.results.scara.fit_text import fit_statements, left_out_statements, nodes_only_statements
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.separated_text import separated_statements
@@ -17,7 +18,7 @@ def identification_report(result: Result) -> Report:
         f"gauge: {result.gauge}."
     )
     statements = [Statement(Sign.NEUTRAL, size), *fit_statements(result), *left_out_statements(result)]
-    statements += [*separated_statements(result), *nodes_only_statements(result)]
+    statements += [*separated_statements(result), *drift_statements(result), *nodes_only_statements(result)]
     if result.budget is not None:
         statements += budget_statements(result.budget)
     if result.uncertainty is not None:

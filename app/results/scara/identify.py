@@ -17,6 +17,7 @@ from catseye.app.errors import UsageError
 from catseye.app.results.model import Origin
 from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.budget_part import BudgetPart
+from catseye.app.results.scara.drift_text import drift_part
 from catseye.app.results.scara.plausible import failures_explained, require_plausible
 from catseye.app.results.scara.points import point_columns, to_points
 from catseye.app.results.scara.result import Covariance, Result, TakenUpPart
@@ -28,6 +29,7 @@ from catseye.app.store.software import SOFTWARE
 from catseye.calibration.scara.budget import Budget
 from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.extension import Term, crosstalk, j4_map, periodic, thermal_drift
+from catseye.calibration.scara.found_drift import found_drifts
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.layout import ModelName
 from catseye.calibration.scara.reversal import separated_orders
@@ -134,8 +136,11 @@ def identified_result(
     result = result_of(identified, nominal, sources, SOFTWARE, created, simulated)
     budget = budget.learnt(identified.budget)
     covariance = _with_taken_up(result.covariance, identified, budget)
+    drift = [drift_part(one) for one in found_drifts(identified)] or None
     j4_orders = [separated_part(one) for one in separated_orders(identified)] or None
-    return result.model_copy(update={"budget": budget, "covariance": covariance, "j4_orders": j4_orders})
+    return result.model_copy(
+        update={"budget": budget, "covariance": covariance, "drift": drift, "j4_orders": j4_orders}
+    )
 
 
 def _with_taken_up(

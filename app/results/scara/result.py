@@ -14,6 +14,7 @@ from catseye.app.results.model import Origin
 from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.budget_part import BudgetPart
 from catseye.app.results.uncertainty_part import Finite, ResultPart, UncertaintyPart
+from catseye.calibration.scara.budget import Kind
 from catseye.calibration.scara.extension import Part, Source, Target, Term
 from catseye.drivers.roles.user_file import read_regular
 
@@ -227,6 +228,27 @@ class ScanPart(ResultPart):
     histogram: list[int]
 
 
+class DriftPart(ResultPart):
+    """What a contributor that changes with time did during the measurement.
+
+    Attributes:
+        contributor: its name in the budget.
+        unit: of what changed; ppm for links and scale.
+        change: from the beginning to the end.
+        rms: about its mean.
+        probability: of distances that show so much when nothing changed.
+        significant: it did change.
+    """
+
+    contributor: str
+    kind: Kind
+    unit: Literal["um", "ppm"]
+    change: Estimate
+    rms: Estimate
+    probability: Uncertainty
+    significant: bool
+
+
 class J4OrderPart(ResultPart):
     """An order of J4's angle in the distance that the interferometer in two mountings has separated from the maps.
 
@@ -275,6 +297,7 @@ class Result(ResultPart):
     residuals: Residuals | None = None
     uncertainty: UncertaintyPart | None = None
     budget: BudgetPart | None = None
+    drift: list[DriftPart] | None = None
     j4_orders: list[J4OrderPart] | None = None
     scan: ScanPart | None = None
     implausible: Implausible | None = None

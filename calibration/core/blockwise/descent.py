@@ -6,14 +6,11 @@ from dataclasses import dataclass
 from catseye.calibration.core.blockwise.normal_sums import NormalSums
 from catseye.calibration.core.errors import ConvergenceError
 from catseye.calibration.core.gauge import Gauge
-from catseye.calibration.core.least_squares import MAX_ITERATIONS, STEP_TOLERANCE, NormalEquations
+from catseye.calibration.core.least_squares import MAX_ITERATIONS, ROUNDING, STEP_TOLERANCE, NormalEquations
 from catseye.calibration.core.types import Floats
 
 _LARGEST_DAMPING = 1e-6
 """A step that is damped more than this may be short although the minimum is far."""
-
-_ROUNDING = 1e-12
-"""Share by which rounding may change a sum of squares."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +52,7 @@ def descend(sums_at: Callable[[Floats], NormalSums], start: Floats, gauge: Gauge
             return Minimum(parameters + step, sums, passes)
         trial = sums_at(parameters + step)
         # The cost is what shared errors leave of the white one, and has the rounding of that.
-        if trial.cost <= sums.cost + _ROUNDING * sums.white_cost:
+        if trial.cost <= sums.cost + ROUNDING * sums.white_cost:
             parameters, sums, damping = parameters + step, trial, 0.0
             equations = NormalEquations.of(gauge.reduced(sums.matrix()), sums.gradient, gauge.basis)
         else:

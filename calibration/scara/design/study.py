@@ -11,6 +11,7 @@ from catseye.calibration.core.design.information import Information, Rows
 from catseye.calibration.core.errors import BudgetError
 from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.types import Floats
+from catseye.calibration.core.whitening import Whitening
 from catseye.calibration.scara.arm import ArmDesign, arm_design
 from catseye.calibration.scara.budget import (
     Budget,
@@ -86,35 +87,41 @@ class Study:
         return np.stack([design.spread(local[:, axis]) @ self.basis for axis in range(2)], axis=1)
 
     def rows(self, sight: Sight) -> Rows:
-        """Return the weighted rows of the distances to a reflector.
+        """Return the weighted rows of the distances to a reflector, in measuring order.
+
+        Rows of a reflector are made independent of what passes; they keep what they share otherwise.
 
         Raises:
             BudgetError: the budget has no white contributor, so that a distance would be exact.
         """
-        _, positions, gradient = self._prepared
+        geometry, weight = self._seen(sight)
+        # When a reflector will be measured is open: what passes is another for each of them.
+        own = Whitening(np.ones(len(weight)), weight * systematic_effects(self.budget.passing, geometry))
+        return Rows(
+            own.again(weight * np.einsum("ni,nif->nf", geometry.unit, self._prepared[2])),
+            own.again(_nuisance(sight, geometry, weight)),
+            own.again(weight * systematic_effects(self.budget.lasting, geometry)),
+        )
+
+    def _seen(self, sight: Sight) -> tuple[Geometry, Floats]:
+        """Return how the distances to a reflector answer to the arm, and their weights, 1/mm, shape (n, 1)."""
+        positions = self._prepared[1]
         beam = positions - sight.xy_mm
         length = np.hypot(beam[:, 0], beam[:, 1])
         # A place that the J4 axis passes over has no beam there; it is not seen from there either.
         unit = beam / np.where(length > 0.0, length, 1.0)[:, None]
-        geometry = self._geometry(unit, length)
+        nothing = np.zeros(len(self.commands), dtype=np.int64)
+        # A remounted interferometer begins a segment, whatever breaks the beam.
+        mounts = nothing if self.mount_rad is None else self.mount_rad
+        series = np.unique(np.column_stack([sight.segment, mounts]), axis=0, return_inverse=True)[1].ravel()
+        paths = tuple(("", number) for number in range(int(series.max()) + 1))
+        points = Points(self.commands, nothing, series, length, None, ("",), paths, mount_rad=self.mount_rad)
+        turn = np.einsum("ni,nij->nj", unit, self._local[:, :, 2:])
+        geometry = seen_along(points, positions, (unit, length), turn, self.layout)
         sigma = combined_white_mm(self.budget, geometry)
         if not sigma.all():
             raise BudgetError("a distance without white uncertainty would be exact; state one in the budget")
-        weight = np.where(sight.seen, 1.0 / sigma, 0.0)[:, None]
-        segments = sight.segment[:, None] == np.arange(sight.segments)
-        return Rows(
-            weight * np.einsum("ni,nif->nf", unit, gradient),
-            weight * np.hstack([unit, segments]),
-            weight * systematic_effects(self.budget, geometry),
-        )
-
-    def _geometry(self, unit: Floats, length: Floats) -> Geometry:
-        nothing, alone = np.zeros(len(self.commands), dtype=np.int64), np.arange(len(self.commands))
-        # Each row on its own: segments are the sight's affair.
-        paths = (("", 0),) * len(self.commands)
-        points = Points(self.commands, nothing, alone, length, None, ("",), paths, mount_rad=self.mount_rad)
-        local = np.einsum("ni,nij->nj", unit, self._local)
-        return seen_along(points, unit, length, local[:, 2:], self.layout)
+        return geometry, np.where(sight.seen, 1.0 / sigma, 0.0)[:, None]
 
     def require_determined(self, sights: Sequence[Sight]) -> None:
         """Refuse a layout that leaves parameters undetermined.
@@ -128,7 +135,7 @@ class Study:
             reflector_names=tuple(name for name, _ in named),
             dead_paths=tuple((name, part) for name, sight in named for part in range(sight.segments)),
         )
-        nuisances = [self.rows(sight).nuisance for sight in sights]
+        nuisances = [_nuisance(sight, *self._seen(sight)) for sight in sights]
         places = linalg.block_diag(*(one[:, :2] for one in nuisances))
         dead_paths = linalg.block_diag(*(one[:, 2:] for one in nuisances))
         # All parameters, not the free directions: a value that no command touches is known by its column of zeros.
@@ -149,3 +156,9 @@ class Study:
     def arm(self, covariance: Floats) -> IdentifiedArm:
         """Return the nominal arm with a covariance in the free directions, as if it had been identified."""
         return IdentifiedArm(self.layout, self.parameters, self.basis @ covariance @ self.basis.T)
+
+
+def _nuisance(sight: Sight, geometry: Geometry, weight: Floats) -> Floats:
+    """Return the weighted derivatives by a reflector's place and dead paths, shape (n, 2 + segments)."""
+    segments = sight.segment[:, None] == np.arange(sight.segments)
+    return np.asarray(weight * np.hstack([geometry.unit, segments]))

@@ -13,7 +13,7 @@ from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.arm import LOCAL, arm_design
 from catseye.calibration.scara.between_nodes import MeasuredPlaces
-from catseye.calibration.scara.budget import Budget, stated_sigma_mm
+from catseye.calibration.scara.budget import Budget, Correlation, stated_sigma_mm
 from catseye.calibration.scara.distance_model import Beams, DistanceModel
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.pointing import beam_turn_rad
@@ -44,14 +44,20 @@ class Passes:
     estimate: Floats | None = None
 
     def __post_init__(self) -> None:
-        common = (
-            [one.name for one in self.budget.systematic if one.correlation == "pose"] if self.budget else []
-        )
-        if common:
+        if common := self._correlated("pose"):
             raise CalibrationError(
-                f"{', '.join(common)}: an error common to a pose cannot be separated from a reading's own in a scan, "
+                f"{common}: an error common to a pose cannot be separated from a reading's own in a scan, "
                 "which repeats no pose; state it per reading"
             )
+        if moved := self._correlated("segment"):
+            raise CalibrationError(
+                f"{moved}: a scan has too many segments for places of their own; leave the contributor out, or "
+                "give a reflector that was moved another name"
+            )
+
+    def _correlated(self, how: Correlation) -> str:
+        systematic = () if self.budget is None else self.budget.systematic
+        return ", ".join(one.name for one in systematic if one.correlation == how)
 
     def start(self, few: Points) -> Floats:
         """Return starting values from rows of each segment, shape (p,)."""
@@ -67,7 +73,7 @@ class Passes:
         if any(term.source == "theta4" for term in self.layout.terms):
             block = replace(block, theta4_rad=beam_turn_rad(block, self.nominal_mm, self.rough_mm))
         design = arm_design(self.layout, block.commands, block.theta4_rad, elapsed, block.mount_rad)
-        model = DistanceModel(self.layout, block, design, self.budget, self.places)
+        model = DistanceModel(self.layout, block, design, self.budget, self.places, elapsed)
         if not weighted or block.sigma_mm is not None or self.budget is None:
             return model
         sigma = stated_sigma_mm(self.budget, model.geometry(self.known))

@@ -55,7 +55,7 @@ async def test_every_route_gives_the_same_values_and_u(
     for route, result in found.items():
         assert max(differences(result, found["run"])) < EQUAL, route
         assert result.budget is not None
-        assert len(result.budget.contributor) == 11
+        assert len(result.budget.contributor) == 13
     sources = {route: result.budget.source for route, result in found.items() if result.budget}
     assert sources == {"run": "run"} | {route: "table" for route in found if route != "run"}
 
@@ -273,7 +273,7 @@ async def test_a_table_keeps_what_speaks_against_its_run(tmp_path: Path) -> None
 
 async def test_json_of_a_run_has_its_budget_too(tmp_path: Path, run: RunReader) -> None:
     document = json.loads(exported(tmp_path, run, "points.json").read_text())
-    assert len(document["catseye-budget"]["contributor"]) == 11
+    assert len(document["catseye-budget"]["contributor"]) == 13
     # Table 2's white part on 743 mm, by hand.
     assert document["points"][0]["sigma_mm"] == pytest.approx(0.010007, abs=1e-6)
 
@@ -283,7 +283,7 @@ async def test_diagnose_names_the_budget(
 ) -> None:
     exported(tmp_path, run)
     diagnose([], tmp_path / "points.csv", tmp_path / "cell.toml")
-    assert "Error budget: that of the table points.csv, 11 contributors." in capsys.readouterr().err
+    assert "Error budget: that of the table points.csv, 13 contributors." in capsys.readouterr().err
 
 
 async def test_runs_with_different_budgets_are_named(

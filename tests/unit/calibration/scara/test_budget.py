@@ -151,6 +151,7 @@ def test_every_combination_is_propagated_or_refused(kind: Kind, correlation: Cor
         ("position", "reading"), ("position", "pose"), ("position", "common"),
         ("angle", "reading"), ("angle", "axis-angle"), ("angle", "common"),
         ("between-nodes", "axis-angle"), ("radial", "axis-angle"), ("direction", "reading"),
+        ("length", "time"), ("scale", "time"), ("links", "time"), ("reflector", "segment"),
     }  # fmt: skip
     if (kind, correlation) not in possible:
         with pytest.raises(ValueError, match="cannot be correlated per"):

@@ -1,0 +1,35 @@
+"""Errors that change with time, as a process: cosines of the share of the measurement that has passed.
+
+A drift has no known form. Its cosines over the measurement, of uncorrelated sizes that fall with the square of
+their order as those of a random walk do, describe what has no steps (Karhunen and Loève). How fast a drift really
+changes is not known beforehand, so octaves of orders have sizes of their own, which distances show. The mean over the
+measurement is none of its business: zeros and links are what they are on the average.
+"""
+
+import numpy as np
+
+from catseye.calibration.core.types import Floats, Ints
+
+
+def octaves(orders: int) -> Ints:
+    """Return the octave that each order 1…orders belongs to, from 0: 1; 2, 3; 4 to 7; …, shape (orders,)."""
+    return np.array([order.bit_length() - 1 for order in range(1, orders + 1)], dtype=np.int64)
+
+
+def shares(orders: int) -> Floats:
+    """Return what orders 1…orders give to the variance as stated; they add up to 1, shape (orders,)."""
+    falling = 1.0 / np.arange(1.0, orders + 1.0) ** 2
+    return np.asarray(falling / falling.sum())
+
+
+def cosines(elapsed: Floats, orders: int) -> Floats:
+    """Return cosines of rms 1 over the measurement.
+
+    Args:
+        elapsed: share of the measurement that has passed, −½…½, shape (n,).
+
+    Returns:
+        One column an order, shape (n, orders).
+    """
+    phase = np.pi * (elapsed + 0.5)[:, None] * np.arange(1.0, orders + 1.0)
+    return np.asarray(np.sqrt(2.0) * np.cos(phase), dtype=np.float64)
