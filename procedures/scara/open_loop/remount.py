@@ -219,25 +219,31 @@ class Remount:
         return height_mm
 
     async def _result(self, level: Row, stage: Row) -> Row:
-        """Look where the aligned beam comes back over the longest way: there a wrong place matters least."""
-        pose, bench, j3_mm = self._plan.farthest, self._bench, self._height_mm(level)
-        near = self._plan.stage.pose
-        roughly_deg = pose.j4_deg + number_of(stage, "j4_deg") - near.j4_deg
-        at = (pose.theta1_deg, pose.theta2_deg, j3_mm, roughly_deg)
-        await Nests(self._ctx, bench).place(pose.reflector, target=at)
-        await Arrival(self._ctx, replace(bench, j3_mm=j3_mm)).at(at)
-        window = await self._found(pose, at, math.degrees(_DOUBT_MM / near.beam_mm))
-        if window is None:
+        """Look from all over the workspace where the aligned beam comes back: its angle is what fits them best."""
+        near, j3_mm, offset_mm = self._plan.stage.pose, self._height_mm(level), number_of(stage, "value")
+        shift_deg = number_of(stage, "j4_deg") - near.j4_deg
+        doubt_deg = math.degrees(_DOUBT_MM / near.beam_mm)
+        off, weight, nests = 0.0, 0.0, Nests(self._ctx, self._bench)
+        for pose in self._plan.sights:
+            at = (pose.theta1_deg, pose.theta2_deg, j3_mm, pose.j4_deg + shift_deg)
+            await nests.place(pose.reflector, target=at)
+            await Arrival(self._ctx, replace(self._bench, j3_mm=j3_mm)).at(at)
+            window = await self._found(pose, at, doubt_deg)
+            if window is not None:
+                # A beam that passes the axis on its left is aimed to the right of what its angle says. What is aimed
+                # wrong misses in proportion to the length of the beam.
+                beside_deg = math.degrees(offset_mm / pose.beam_mm)
+                off += pose.beam_mm**2 * (pose.j4_deg - window.centre_deg - beside_deg)
+                weight += pose.beam_mm**2
+        if not weight:
             raise BeamLostError(
-                f"the aligned beam does not return from {pose.reflector.name} at {pose.beam_mm:.0f} mm: keep it "
-                "free, and look whether the reflector stands where it was found; then go on with catseye resume"
+                "the aligned beam returns from no reflector: keep it free, and look whether they stand where they "
+                "were found; then go on with catseye resume"
             )
-        # A beam that passes the axis on its left is aimed to the right of what its angle says.
-        beside_deg = math.degrees(number_of(stage, "value") / pose.beam_mm)
         return {
-            "mount_deg": HALF_TURN_DEG + pose.j4_deg - window.centre_deg - beside_deg,
+            "mount_deg": HALF_TURN_DEG + off / weight,
             "j3_mm": j3_mm,
-            "offset_mm": number_of(stage, "value"),
+            "offset_mm": offset_mm,
             "pitch_mrad": number_of(level, "value"),
         }
 

@@ -160,7 +160,7 @@ def test_the_time_counts_both_halves_and_the_alignment() -> None:
     plan = planned()
     first, second = (sum(part.duration_s for part in half) for half in (plan.reflectors, plan.turned))
     assert second == pytest.approx(first, rel=0.1)
-    assert plan.duration_s == pytest.approx(first + second + 6 * 60.0)
+    assert plan.duration_s == pytest.approx(first + second + 7 * 60.0)
 
 
 async def test_every_command_is_measured_again_in_new_segments() -> None:

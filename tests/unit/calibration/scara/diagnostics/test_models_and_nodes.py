@@ -81,7 +81,7 @@ def test_what_the_budget_states_is_not_significant() -> None:
     assert plain.explained_um == pytest.approx(12.0 / math.sqrt(2.0), rel=0.2)
 
 
-def test_what_is_tested_does_not_feed_the_covariance_it_is_tested_against() -> None:
+def test_what_is_tested_leaves_its_covariance_alone() -> None:
     """A map of 12 µm beside a stated 1 µm: amplitudes learnt without the map would take it for J4's motion."""
     extra = Extra(length=lambda p: 0.012 * math.cos(3 * p.beam))
     budget = Budget((Contributor("J4", "radial", 0.001, "axis-angle", "j4"),))
