@@ -144,8 +144,7 @@ class Contributor:
                 return 1 if self.kind == "between-nodes" else self.orders
             case "time":
                 return int(octaves(self.orders)[-1]) + 1
-            case _:
-                return 0
+        return 0
 
     @property
     def assumed(self) -> bool:
@@ -280,13 +279,7 @@ class Geometry:
 def seen_along(
     points: Points, position_mm: Floats, beam: tuple[Floats, Floats], turn_mm: Floats, layout: Layout
 ) -> Geometry:
-    """Return how distances answer to the arm; the tool carries the beam.
-
-    Args:
-        position_mm: of the J4 axis, shape (n, 2).
-        beam: unit vectors and lengths, as in Geometry.
-        turn_mm: as in Geometry.
-    """
+    """Return how distances answer to the arm; its J4 axis, at positions of shape (n, 2), carries the beam."""
     commands, (unit, length_mm) = points.commands, beam
     theta4 = np.arctan2(-unit[:, 1], -unit[:, 0]) - commands.theta1_rad - commands.theta2_rad
     growth = np.einsum("ni,ni->n", unit, position_mm)
