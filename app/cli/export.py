@@ -49,7 +49,9 @@ def export(
     for text in table.origin.unverified:
         note(unverified_text(text))
     write_atomically(output, _written(table, chosen))
-    note(f"{output}: {len(table.rows)} rows ({table.content}) of {table.source}")
+    returns = sum(bool(row.get("returned")) for row in table.rows)
+    kind = f"{table.content}, {returns} of them returns" if returns else table.content
+    note(f"{output}: {len(table.rows)} rows ({kind}) of {table.source}")
 
 
 def _of_result(file: Path) -> "Export":

@@ -233,9 +233,16 @@ class RunReader:
 
     def rows(self, table: str) -> list[dict[str, Json]]:
         """Return the rows of a table of data, in order; none where the run has no such table."""
+        return [row for _, row in self.placed_rows(table)]
+
+    def placed_rows(self, table: str) -> list[tuple[int, dict[str, Json]]]:
+        """Return the rows of a table of data with their places among all that was stored.
+
+        A place counts from 1; it is 0 where no journal says it, in a file of an older program.
+        """
         rows = self._rows(table)
         with self._decoding():
-            return [_whole(row) for row in rows]
+            return [(row["place"] or 0, _whole(row)) for row in rows]
 
     def records(self, kind: str | None = None) -> list[dict[str, Json]]:
         """Return what else was observed, in order: all of it, or one kind."""

@@ -15,6 +15,7 @@ from catseye.app.results.scara.comparison_report import comparison_report
 from catseye.app.results.scara.diagnosis_document import DiagnosisDocument
 from catseye.app.results.scara.drift_text import drift_statements
 from catseye.app.results.scara.fit_text import (
+    distances_text,
     fit_statements,
     identified_text,
     left_out_statements,
@@ -54,7 +55,7 @@ def heading(file: ResultFile) -> str:
     parts = [
         file.path.name,
         MODEL_TITLES[result.model],
-        f"{result.fit.n_points} distances",
+        distances_text(result.fit.n_points, result.fit.n_returns),
         f"rms {result.fit.rms_um:.1f} µm",
         simulated,
     ]

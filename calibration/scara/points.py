@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from catseye.calibration.core.arguments import (
 )
 from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.types import Bools, Floats, Ints
+
+_Column = TypeVar("_Column", Floats, Bools)
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,8 @@ class Points:
         time_s: when each distance was measured, shape (n,); None when only the order is known.
         mount_rad: angle by which the interferometer is turned on J4's flange against its first mounting, shape (n,);
             None for 0 everywhere. J4's own angle is the beam's angle against link 2 less this.
+        returned: whether the arm was sent back to a pose measured before, to see the drift, shape (n,); None where
+            nobody says. Such a distance counts as any other.
     """
 
     commands: Commands
@@ -84,9 +89,10 @@ class Points:
     theta4_rad: Floats | None = None
     time_s: Floats | None = None
     mount_rad: Floats | None = None
+    returned: Bools | None = None
 
     def __post_init__(self) -> None:
-        optional = ("sigma_mm", "theta4_rad", "time_s", "mount_rad")
+        optional = ("sigma_mm", "theta4_rad", "time_s", "mount_rad", "returned")
         for name in ("reflector", "dead_path", "displacement_mm", *optional):
             if (column := getattr(self, name)) is not None:
                 require_shape(column, (len(self.commands),), name)
@@ -109,6 +115,11 @@ class Points:
     def __len__(self) -> int:
         """Return the number of distances."""
         return int(self.displacement_mm.size)
+
+    @property
+    def returns(self) -> int | None:
+        """Number of returns among the distances; None where nobody says."""
+        return None if self.returned is None else int(np.count_nonzero(self.returned))
 
     @property
     def weights(self) -> Floats:
@@ -151,6 +162,7 @@ class Points:
             theta4_rad=_rows_of(self.theta4_rad, rows),
             time_s=_rows_of(self.time_s, rows),
             mount_rad=_rows_of(self.mount_rad, rows),
+            returned=_rows_of(self.returned, rows),
         )
 
     def select(self, rows: Bools | Ints) -> "Points":
@@ -167,7 +179,7 @@ class Points:
         )
 
 
-def _rows_of(column: Floats | None, rows: Bools | Ints) -> Floats | None:
+def _rows_of(column: _Column | None, rows: Bools | Ints) -> _Column | None:
     return None if column is None else column[rows]
 
 
@@ -208,10 +220,11 @@ def concatenated(parts: Sequence[Points]) -> Points:
         theta4_rad=_joined([part.theta4_rad for part in parts]),
         time_s=_joined([part.time_s for part in parts]),
         mount_rad=_mounts(parts),
+        returned=_joined([part.returned for part in parts]),
     )
 
 
-def _joined(columns: list[Floats | None]) -> Floats | None:
+def _joined(columns: list[_Column | None]) -> _Column | None:
     present = [column for column in columns if column is not None]
     return np.concatenate(present) if len(present) == len(columns) else None
 

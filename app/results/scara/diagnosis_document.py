@@ -46,6 +46,7 @@ class DiagnosedFit(Document):
     """The error map that was diagnosed."""
 
     n_points: int
+    n_returns: int | None = None
     n_parameters: int
     rms_um: Stated
     chi2_reduced: Stated
@@ -262,6 +263,7 @@ def _fit(diagnosis: Diagnosis) -> DiagnosedFit:
     fit = diagnosis.identified.fit
     return DiagnosedFit(
         n_points=fit.n_points,
+        n_returns=diagnosis.identified.points.returns,
         n_parameters=fit.n_parameters,
         rms_um=fit.rms_um,
         chi2_reduced=fit.chi2_reduced,

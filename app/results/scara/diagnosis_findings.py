@@ -7,6 +7,7 @@ import numpy as np
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import MDEG_PER_RAD, listed
 from catseye.app.results.scara.diagnosis import coefficients, outlying
+from catseye.app.results.scara.fit_text import distances_text
 from catseye.app.results.scara.names import ANGLES, VARYING
 from catseye.calibration.core.cross_validation import CrossValidation
 from catseye.calibration.core.significance import SIGNIFICANCE
@@ -39,7 +40,8 @@ def findings(diagnosis: Diagnosis) -> list[Statement]:
 
 def _fit(diagnosis: Diagnosis) -> Statement:
     fit = diagnosis.identified.fit
-    text = f"The error map leaves {fit.rms_um:.1f} µm rms in {fit.n_points} distances"
+    distances = distances_text(fit.n_points, diagnosis.identified.points.returns)
+    text = f"The error map leaves {fit.rms_um:.1f} µm rms in {distances}"
     if fit.chi2_reduced is None or diagnosis.misfit is None:
         return Statement(Sign.NEUTRAL, f"{text}; no uncertainty is stated that this could be compared with.")
     agrees = diagnosis.misfit >= SIGNIFICANCE

@@ -10,6 +10,7 @@ from catseye.app.files.tabular import Row, table_csv
 from catseye.app.results.model import Origin
 from catseye.app.results.scara.budget_part import BUDGET_KIND, TableBudget
 from catseye.app.results.scara.identify import are_simulated, cell_of_run, origin_of_run
+from catseye.app.results.scara.measured_distances import measured_distances
 from catseye.app.results.scara.path_rows import holds_distances
 from catseye.app.results.scara.points import point_columns, points_csv, with_sigma
 from catseye.app.results.scara.result import Result, read_result
@@ -18,6 +19,7 @@ from catseye.app.results.scara.table_budget import sealed_with
 from catseye.app.results.scara.values import result_values
 from catseye.app.store.reader import RunReader
 from catseye.procedures.kit.columns import Columns
+from catseye.procedures.scara.records import Distance
 
 _MEASURED = ("theta1_deg", "theta2_deg", "direction1", "direction2", "x_meas_mm", "y_meas_mm", "u_mm")
 
@@ -61,7 +63,9 @@ def run_export(reader: RunReader) -> Export:
             f"catseye show {reader.path.name} shows what happened"
         )
     about = {"run": reader.path.name, "meta": reader.meta}
-    if content == "points" or (content == "path" and holds_distances(rows)):
+    if content == Distance.table:
+        return _distances(reader, about, content, measured_distances(reader))
+    if content == "path" and holds_distances(rows):
         return _distances(reader, about, content, rows)
     return Export(reader.path.name, about, content, rows, _run_csv(content, rows), origin_of_run(reader))
 
@@ -90,7 +94,7 @@ def _distances(
         reader.path.name,
         about,
         content,
-        _with_columns(rows, points, ("sigma_mm", "mount_deg")),
+        _with_columns(rows, points, ("sigma_mm", "mount_deg", "returned")),
         points_csv(points, documents),
         origin_of_run(reader),
         documents,

@@ -33,13 +33,19 @@ def no_map_text(result: Result) -> str:
     return f"no map: θ20 = {offset.value:.2f} mdeg, U = {EXPANDED * offset.u:.2f}"
 
 
+def distances_text(count: int, returns: int | None) -> str:
+    """Return how many distances there are, and how many of them are returns to a pose measured before."""
+    return f"{count} distances ({returns} of them returns)" if returns else f"{count} distances"
+
+
 def identified_text(result: Result) -> str:
     """Return what was identified, in a sentence."""
     l1, l2 = result.link1_mm, result.link2_mm
     names = ", ".join(place.name for place in result.reflectors)
     form = fixed(decimals_for((l1.u, l2.u)))
+    distances = distances_text(result.fit.n_points, result.fit.n_returns)
     text = (
-        f"The {MODEL_TITLES[result.model]} was identified from {result.fit.n_points} distances to "
+        f"The {MODEL_TITLES[result.model]} was identified from {distances} to "
         f"{counted(len(result.reflectors), 'reflector')} ({names}): L1 = {number(l1.value, form)} mm "
         f"(u = {1e3 * l1.u:.1f} µm), L2 = {number(l2.value, form)} mm (u = {1e3 * l2.u:.1f} µm)"
     )

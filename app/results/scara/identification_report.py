@@ -3,7 +3,12 @@
 from catseye.app.results.model import Report, Sign, Statement, section
 from catseye.app.results.scara.budget_text import budget_statements
 from catseye.app.results.scara.drift_text import drift_statements
-from catseye.app.results.scara.fit_text import fit_statements, left_out_statements, nodes_only_statements
+from catseye.app.results.scara.fit_text import (
+    distances_text,
+    fit_statements,
+    left_out_statements,
+    nodes_only_statements,
+)
 from catseye.app.results.scara.result import Result
 from catseye.app.results.scara.separated_text import separated_statements
 from catseye.app.results.scara.uncertainty import uncertainty_statements
@@ -14,8 +19,8 @@ def identification_report(result: Result) -> Report:
     """Return the parameters, how they fit, and where their uncertainties come from."""
     fit = result.fit
     size = (
-        f"{fit.n_points} distances, {fit.n_parameters} free parameters, residuals {fit.rms_um:.2f} µm rms, "
-        f"gauge: {result.gauge}."
+        f"{distances_text(fit.n_points, fit.n_returns)}, {fit.n_parameters} free parameters, "
+        f"residuals {fit.rms_um:.2f} µm rms, gauge: {result.gauge}."
     )
     statements = [Statement(Sign.NEUTRAL, size), *fit_statements(result), *left_out_statements(result)]
     statements += [*separated_statements(result), *drift_statements(result), *nodes_only_statements(result)]

@@ -18,6 +18,7 @@ from catseye.app.results.model import Origin
 from catseye.app.results.origin import origin_now
 from catseye.app.results.scara.budget_part import BudgetPart
 from catseye.app.results.scara.drift_text import drift_part
+from catseye.app.results.scara.measured_distances import measured_distances
 from catseye.app.results.scara.plausible import failures_explained, require_plausible
 from catseye.app.results.scara.points import point_columns, to_points
 from catseye.app.results.scara.result import Covariance, Result, TakenUpPart
@@ -36,7 +37,6 @@ from catseye.calibration.scara.reversal import separated_orders
 from catseye.procedures.kit.columns import Columns
 from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.bench import Reflector, ScaraBench
-from catseye.procedures.scara.records import Distance
 
 _SAME_PLACE_MM = 2.0
 """Two searches find one and the same place to much better than this."""
@@ -60,7 +60,7 @@ def cell_of_run(reader: RunReader) -> Cell:
 
 
 def run_points(readers: Sequence[RunReader]) -> Columns:
-    """Return the distances of runs; a segment keeps to its own run.
+    """Return the distances of runs, returns included; a segment keeps to its own run.
 
     They carry no uncertainty of their own: what they are good for is the error budget's affair.
 
@@ -70,7 +70,7 @@ def run_points(readers: Sequence[RunReader]) -> Columns:
     rows: list[dict[str, object]] = []
     first = 0
     for reader in readers:
-        points = reader.rows(Distance.table)
+        points = measured_distances(reader)
         if not points:
             raise UsageError(f"{reader.path.name} holds no points; identify needs runs of open-loop")
         rows += [{**point, "segment": first + int(str(point["segment"]))} for point in points]

@@ -3,6 +3,7 @@
 from catseye.app.results.model import Column, Quantity, Report, Sign, Statement, Table, section
 from catseye.app.results.numbers import OF_UNIT, fixed
 from catseye.app.results.origin import origin_now
+from catseye.app.results.scara.fit_text import distances_text
 from catseye.app.results.scara.result import Fit
 from catseye.app.results.scara.truth import TruthComparison
 from catseye.app.results.scara.validation import PathValidation
@@ -17,7 +18,7 @@ def job_summary(truth: TruthComparison, fit: Fit, validation: PathValidation) ->
         validation: models on an independently measured path.
     """
     quality = (
-        f"{fit.n_points} distances, residuals {fit.rms_um:.1f} µm rms; errors over their u: "
+        f"{distances_text(fit.n_points, fit.n_returns)}, residuals {fit.rms_um:.1f} µm rms; errors over their u: "
         f"{truth.rms_normalised:.2f} rms (1 is honest)."
     )
     left_out = f"{int((~validation.compared).sum())} rows of the path are left out {LEFT_OUT}."

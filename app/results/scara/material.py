@@ -5,10 +5,10 @@ from statistics import fmean
 
 from catseye.app.cell.model import Material as MaterialSection
 from catseye.app.results.scara.identify import cell_of_run
+from catseye.app.results.scara.measured_distances import measured_distances
 from catseye.app.results.scara.result import Estimate, Result
 from catseye.app.store.reader import RunReader
 from catseye.calibration.standards.expansion import Material, at_reference
-from catseye.procedures.scara.records import Distance
 
 
 def with_reference_links(result: Result, readers: Sequence[RunReader]) -> Result:
@@ -18,7 +18,7 @@ def with_reference_links(result: Result, readers: Sequence[RunReader]) -> Result
         result: identified from these runs.
     """
     section = _common_section(readers)
-    temperatures = [point.get("material_c") for reader in readers for point in reader.rows(Distance.table)]
+    temperatures = [point.get("material_c") for reader in readers for point in measured_distances(reader)]
     known = [float(value) for value in temperatures if isinstance(value, int | float)]
     if section is None or not known or len(known) < len(temperatures):
         return result

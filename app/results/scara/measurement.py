@@ -13,11 +13,12 @@ from catseye.app.results.runs.records import (
     Spread,
 )
 from catseye.app.results.runs.timeline import incidents
+from catseye.app.results.scara.measured_distances import measured_distances
 from catseye.app.results.scara.path_rows import holds_distances
 from catseye.app.store.reader import RunReader
 from catseye.app.store.seal import read_manifest
 from catseye.procedures.scara.aiming import search_result
-from catseye.procedures.scara.records import Distance, PathPosition
+from catseye.procedures.scara.records import PathPosition
 
 _MEASURED_WITH = ("python", "numpy", "sqlite", "platform")
 
@@ -54,9 +55,9 @@ def _devices(readers: Sequence[RunReader], cell: Cell) -> list[DeviceRecord]:
 
 
 def _distances(reader: RunReader) -> list[dict[str, Any]]:
-    """Return every row with a distance and the air: points, and those of a path that the interferometer measured."""
+    """Return every distance with the air: points, returns, and those of a path that the interferometer measured."""
     path = reader.rows(PathPosition.table)
-    return [*reader.rows(Distance.table), *(path if holds_distances(path) else [])]
+    return [*measured_distances(reader), *(path if holds_distances(path) else [])]
 
 
 def _environment(points: Sequence[Mapping[str, Any]]) -> EnvironmentSummary | None:

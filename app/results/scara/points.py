@@ -37,11 +37,15 @@ POINTS = TableRule(
                 hint="it seems to be in µm; convert it to mm",
             ),
             ColumnRule("mount_deg", unit="°", optional=True),
+            ColumnRule("returned", "integer", optional=True),
         ),
     ),
 )
 
 COLUMNS = tuple(column.name for column in _REQUIRED)
+
+_WHERE_NOT_ZERO = ("mount_deg", "returned")
+"""Columns that a table without them has with zeros."""
 
 
 def read_points(path: Path, reflectors: Iterable[str]) -> Columns:
@@ -58,9 +62,9 @@ def point_columns(rows: Sequence[Mapping[str, object]]) -> Columns:
     names = tuple(dict.fromkeys(str(row["reflector"]) for row in rows))
     values = {name: np.array([float(str(row[name])) for row in rows]) for name in COLUMNS[1:]}
     reflector = np.array([float(names.index(str(row["reflector"]))) for row in rows])
-    mount = np.array([float(str(row.get("mount_deg") or 0.0)) for row in rows])
-    mounts = {"mount_deg": mount} if mount.any() else {}
-    return Columns({"reflector": reflector, **values, **mounts}, np.arange(1, len(rows) + 1), names)
+    given = {name: np.array([float(str(row.get(name) or 0.0)) for row in rows]) for name in _WHERE_NOT_ZERO}
+    further = {name: column for name, column in given.items() if column.any()}
+    return Columns({"reflector": reflector, **values, **further}, np.arange(1, len(rows) + 1), names)
 
 
 def with_sigma(points: Columns, sigma_mm: float) -> Columns:
@@ -109,6 +113,7 @@ def to_points(table: Columns, reflectors: Iterable[str]) -> Points:
         reflector_names=names,
         dead_paths=tuple((table.names[key[0]], key[1]) for key in number),
         mount_rad=None if (mount := table.get("mount_deg")) is None else np.deg2rad(mount),
+        returned=None if (returned := table.get("returned")) is None else returned != 0.0,
     )
 
 

@@ -100,6 +100,7 @@ class Fit(ResultPart):
     """Quality of the fit."""
 
     n_points: int
+    n_returns: int | None = None
     n_parameters: int
     dof: int
     rms_um: float

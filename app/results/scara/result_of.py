@@ -56,7 +56,7 @@ def result_of(
         theta2_map=None if conventional else _table(identified, layout.nodes2_rad, layout.map2),
         reflectors=_places(identified),
         dead_paths=_dead_paths(identified),
-        fit=_fit(identified.fit, identified.rejected),
+        fit=_fit(identified.fit, identified.points.returns, identified.rejected),
         extension=_extension(identified),
         nominal=Nominal(link1_mm=nominal[0], link2_mm=nominal[1]),
         covariance=Covariance(
@@ -124,10 +124,11 @@ def _dead_paths(identified: Identification) -> list[DeadPath]:
     ]
 
 
-def _fit(fit: FitStatistics, rejected: list[str]) -> Fit:
+def _fit(fit: FitStatistics, returns: int | None, rejected: list[str]) -> Fit:
     lack = fit.lack_of_fit
     return Fit(
         n_points=fit.n_points,
+        n_returns=returns,
         n_parameters=fit.n_parameters,
         dof=fit.dof,
         rms_um=fit.rms_um,

@@ -206,6 +206,7 @@ def _fit_column(model: Result) -> dict[str, Quantity]:
     micrometres = fixed(2)
     rows: dict[str, tuple[float | None, Format]] = {
         "distances": (fit.n_points, COUNT),
+        "of them returns": (fit.n_returns, COUNT),
         "free parameters": (fit.n_parameters, COUNT),
         "degrees of freedom": (fit.dof, COUNT),
         "rms of residuals / µm": (fit.rms_um, micrometres),

@@ -121,14 +121,7 @@ class ReflectorCampaign:
             found = _Distance(segment, number_of(result, "displacement_mm"))
             self._distances[place] = found
             self._counted(visit, segment, found.displacement_mm)
-            await self._knowledge.take(
-                self._name,
-                visit.command,
-                segment,
-                found.displacement_mm,
-                self._bench.mount_deg,
-                fresh=bool(fresh),
-            )
+            await self._known(visit, found, fresh=bool(fresh))
         else:
             self.left_out.append(f"{title} ({result.get('reason', 'no beam')})")
         last = self._part.visits[-1].command.index
@@ -138,9 +131,24 @@ class ReflectorCampaign:
         reference = self._part.visits[closure.reference]
         step_id = f"{self._steps}/closure/{closure.number:02d}"
         title = f"closure visit {closure.number}, planned to {title_of(self._titled, reference.command)}"
-        result = await self._ctx.step(step_id, title, self._noted([], lambda: self._closed(closure)))
+        fresh: list[bool] = []
+        result = await self._ctx.step(step_id, title, self._noted(fresh, lambda: self._closed(closure)))
         self._follower.segment = max(self._follower.segment, integer(result["segment"]))
+        # Earlier versions stored no distance with the step.
+        if "displacement_mm" in result:
+            found = _Distance(integer(result["segment"]), number_of(result, "displacement_mm"))
+            await self._known(self._part.visits[integer(result["place"])], found, fresh=bool(fresh))
         self._passed(closure.duration_s, title)
+
+    async def _known(self, visit: Visit, found: _Distance, *, fresh: bool) -> None:
+        await self._knowledge.take(
+            self._name,
+            visit.command,
+            found.segment,
+            found.displacement_mm,
+            self._bench.mount_deg,
+            fresh=fresh,
+        )
 
     def _noted(self, fresh: list[bool], action: Callable[[], Awaitable[Row]]) -> Callable[[], Awaitable[Row]]:
         """Return the action of a step; it takes note that it runs, and has the reflector put in its place."""
@@ -254,7 +262,13 @@ class ReflectorCampaign:
                 f"{limit_um:.0f} µm: warm the arm up (warmup), keep air and room steady, and see that reflector and "
                 "interferometer are clamped; what was measured meanwhile carries that drift"
             )
-        return {"measured": True, "segment": segment, "drift_um": drift_um}
+        return {
+            "measured": True,
+            "segment": segment,
+            "place": closure.reference,
+            "displacement_mm": measured.displacement_mm,
+            "drift_um": drift_um,
+        }
 
     async def _place(self) -> None:
         """Have the only reflector put where it is needed, before it is measured or after an interruption."""

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from catseye.calibration.scara.live_map import LiveMap
 from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.open_loop.open_loop import OpenLoop, OpenLoopParams
 from catseye.procedures.scara.open_loop.open_loop_plan import OpenLoopPlan, plan_open_loop
@@ -215,6 +216,45 @@ async def test_a_beam_lost_on_a_trip_spoils_no_point() -> None:
         assert len(events(context, "beam-lost")) == 1
         # The overlap at the point before ties what follows to what was before.
         assert [row["kind"] for row in rows(context, "records")].count("overlap") == 1
+
+
+@pytest.fixture
+def taken(monkeypatch: pytest.MonkeyPatch) -> list[tuple[object, ...]]:
+    """Return what the live map takes in: angles, directions, reflector, segment, displacement, mounting."""
+    found: list[tuple[object, ...]] = []
+    add = LiveMap.add
+
+    def noted(live_map: LiveMap, *values: Any) -> Any:
+        found.append(values)
+        return add(live_map, *values)
+
+    monkeypatch.setattr(LiveMap, "add", noted)
+    return found
+
+
+async def test_returns_enter_the_live_map(taken: list[tuple[object, ...]]) -> None:
+    context = await ran(TroubledContext())
+    assert len(taken) == COUNT + 2
+    measured = [row["displacement_mm"] for row in (*rows(context, "points"), *rows(context, "records"))]
+    assert sorted(str(values[6]) for values in taken) == sorted(map(str, measured))
+
+
+async def test_a_resumed_live_map_takes_the_stored_returns(taken: list[tuple[object, ...]]) -> None:
+    whole = await ran(TroubledContext())
+    first = taken[:]
+    taken.clear()
+    await ran(TroubledContext(stored=dict(whole.stored)))
+    assert taken == first
+
+
+async def test_stored_returns_of_early_versions_are_passed_over() -> None:
+    whole = await ran(TroubledContext())
+    early: dict[str, Row] = {
+        name: {key: value for key, value in result.items() if "closure" not in name or key == "segment"}
+        for name, result in whole.stored.items()
+    }
+    again = await ran(TroubledContext(stored=early))
+    assert rows(again, "records") == []
 
 
 async def test_stored_closures_are_not_repeated() -> None:

@@ -1,4 +1,7 @@
-"""Runs of an arm that is written down here, with the errors of Table 2, which the program does not know."""
+"""Runs of an arm that is written down here, with the errors of Table 2, which the program does not know.
+
+Twice in each series the arm returns to its first pose.
+"""
 
 import math
 from pathlib import Path
@@ -24,29 +27,49 @@ WHITE_MM = 0.010
 RADIAL_MM = (0.005, 0.005, 0.010)
 ORDERS = 5
 
+AFTER = (175, 351)
+"""Points of a series, from 0, behind which the arm returns to the first one."""
 
-def rows_of_arm(seed: int) -> list[Row]:
-    """Return the paper's distances to three reflectors, one segment each."""
+
+def rows_of_arm(seed: int) -> list[tuple[str, Row]]:
+    """Return the paper's distances to three reflectors, one segment each, and the returns, with their tables."""
     rng, truth = np.random.default_rng([seed, 5]), random_truth(seed)
     motions = [_Motion(rng, rms_mm) for rms_mm in RADIAL_MM]
-    rows: list[Row] = []
-    for j, name in enumerate(NAMES):
-        for command in sequence():
-            error_mm = _radial_mm(truth, command, j, motions) + float(rng.normal(0.0, WHITE_MM))
-            length_mm = math.dist(true_position(truth, command), truth.reflectors[j]) + error_mm
-            rows.append(
-                {
-                    **point(),
-                    "reflector": name,
-                    "segment": j,
-                    "theta1_deg": NODES1_DEG[command[0]],
-                    "theta2_deg": NODES2_DEG[command[1]],
-                    "direction1": command[2],
-                    "direction2": command[3],
-                    "displacement_mm": length_mm - 400.0,
-                }
-            )
+    commands = sequence()
+    rows: list[tuple[str, Row]] = []
+    for j in range(len(NAMES)):
+        for i, command in enumerate(commands):
+            rows.append(("points", _distance(rng, truth, motions, j, command)))
+            if i in AFTER:
+                rows.append(("records", closure(_distance(rng, truth, motions, j, commands[0]))))
     return rows
+
+
+def _distance(
+    rng: np.random.Generator,
+    truth: Truth,
+    motions: list["_Motion"],
+    j: int,
+    command: tuple[int, int, int, int],
+) -> Row:
+    error_mm = _radial_mm(truth, command, j, motions) + float(rng.normal(0.0, WHITE_MM))
+    length_mm = math.dist(true_position(truth, command), truth.reflectors[j]) + error_mm
+    return {
+        **point(),
+        "reflector": NAMES[j],
+        "segment": j,
+        "theta1_deg": NODES1_DEG[command[0]],
+        "theta2_deg": NODES2_DEG[command[1]],
+        "direction1": command[2],
+        "direction2": command[3],
+        "displacement_mm": length_mm - 400.0,
+    }
+
+
+def closure(distance: Row) -> Row:
+    """Return what is stored of a visit to a reference pose."""
+    visit: Row = {"number": 1, "point": 0, "reference_displacement_mm": 0.0, "overlaps": 0, "drift_um": 0.0}
+    return {"kind": "closure", **visit, **distance}
 
 
 class _Motion:
@@ -83,5 +106,5 @@ async def measured_run(folder: Path, seed: int, **meta: Json) -> RunReader:
     """Store a measurement below folder/runs and write a cell file that fits it."""
     (folder / "cell.toml").write_text(TEMPLATE, encoding="utf-8")
     compensation: Json = {"by": "instrument", "sentence": "The instrument corrects its lengths."}
-    rows = [("points", row) for row in rows_of_arm(seed)]
+    rows = rows_of_arm(seed)
     return await stored(folder / "runs", "open-loop", rows, **{"compensation": compensation, **meta})
