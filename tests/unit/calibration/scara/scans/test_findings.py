@@ -31,7 +31,8 @@ from tests.unit.calibration.scara.scans.test_shared_errors import (
 
 ZERO = Contributor("zero", "length", 0.004, "time", orders=3, spectrum=(4.0, 0.5))
 WARMTH = Contributor("warmth", "links", 4e-6, "time", orders=2, spectrum=(1.0, 2.0))
-KNOWN = Budget((WHITE, ZERO, WARMTH))
+AIR = Contributor("air", "scale", 1e-5, "time", orders=2, spectrum=(0.5, 2.0))
+KNOWN = Budget((WHITE, ZERO, WARMTH, AIR))
 J4 = Contributor("J4", "radial", 0.020, "axis-angle", "j4", spectrum=(1.0, 2.0, 0.5, 1.0, 1.0))
 CABLE = Contributor("cable", "length", 0.005, "axis-angle", "j4", orders=3, spectrum=(1.0, 1.0, 1.0))
 
@@ -47,28 +48,25 @@ def figures(found: FoundDrift) -> list[float]:
 
 
 def processes(points: Points, values: Floats) -> tuple[list[Floats], list[Floats]]:
-    """Return what a unit of each order does to the distances, mm, and its standard deviation, for both processes."""
+    """Return what a unit of each order does to the distances, mm, and its standard deviation, for all processes."""
     grown = np.zeros((1, values.size))
     grown[0, :2] = values[:2]
-    columns = np.ones((len(points), 1)), slopes(points, values, grown)
+    columns = np.ones((len(points), 1)), slopes(points, values, grown), points.displacement_mm[:, None]
     elapsed = np.arange(len(points)) / (len(points) - 1)
-    waves = [
-        [np.sqrt(2.0) * np.cos(k * np.pi * elapsed) for k in range(1, 4)],
-        [np.sqrt(2.0) * np.cos(k * np.pi * elapsed) for k in range(1, 3)],
-    ]
+    effects, sizes = [], []
     # Variances fall as 1/k² and add up to u² as stated; orders 2 and 3 are one octave.
-    falling = [np.array([1.0, 1 / 4, 1 / 9]), np.array([1.0, 1 / 4])]
-    ratios = [np.array([4.0, 0.5, 0.5]), np.array([1.0, 2.0])]
-    sizes = [
-        u * np.sqrt(ratio * share / share.sum())
-        for u, ratio, share in zip((0.004, 4e-6), ratios, falling, strict=True)
-    ]
-    effects = [column * np.column_stack(wave) for column, wave in zip(columns, waves, strict=True)]
+    for column, u, ratios in zip(
+        columns, (0.004, 4e-6, 1e-5), ((4.0, 0.5, 0.5), (1.0, 2.0), (0.5, 2.0)), strict=True
+    ):
+        orders = np.arange(1, len(ratios) + 1)
+        effects.append(column * np.sqrt(2.0) * np.cos(np.pi * elapsed[:, None] * orders))
+        falling = 1.0 / orders**2
+        sizes.append(u * np.sqrt(np.array(ratios) * falling / falling.sum()))
     return effects, sizes
 
 
 def dense(points: Points, found: Identification) -> list[list[float]]:
-    """Return the figures of both drifts, by matrices of rows by rows."""
+    """Return the figures of all drifts, by matrices of rows by rows."""
     values, n = found.parameters, len(points)
     (effects, sizes), residuals = processes(points, values), rows_of(points, values) - points.displacement_mm
     constraint = np.zeros((1, values.size))
@@ -82,17 +80,17 @@ def dense(points: Points, found: Identification) -> list[list[float]]:
         off = inverse - inverse @ columns @ spread @ columns.T @ inverse
         return float(rows @ off @ rows), off @ rows, off
 
-    everything = 0.010**2 * np.eye(n) + covariances[0] + covariances[1]
+    everything = 0.010**2 * np.eye(n) + sum(covariances)
     _, pulls, off = left(everything, jacobian, residuals)
     results = []
-    for own, size, other in zip(effects, sizes, reversed(covariances), strict=True):
+    for own, size, covariance in zip(effects, sizes, covariances, strict=True):
         sources = own * size
         mean, spread = -sources.T @ pulls, np.eye(size.size) - sources.T @ off @ sources
         orders = np.arange(1, size.size + 1)
         change = np.sqrt(2.0) * ((-1.0) ** orders - 1.0) * size
         rms = float(np.sqrt(np.sum((size * mean) ** 2)))
         slope = size**2 * mean / rms
-        without = 0.010**2 * np.eye(n) + other
+        without = everything - covariance
         before, after = (
             left(without, columns, residuals)[0] for columns in (jacobian, np.hstack([jacobian, own]))
         )
@@ -144,9 +142,11 @@ def turned(mounts: list[float]) -> tuple[tuple[SeparatedOrder, ...], tuple[Separ
     points = mounted(paper.random_truth(6), motion.longer, mounts, 0.002, 6)
     budget = Budget((Contributor("repeatability", "position", 0.002), J4, CABLE))
     nodes = np.deg2rad(paper.NODES1_DEG), np.deg2rad(paper.NODES2_DEG)
-    where = (325.0, 225.0, paper.NOMINAL_REFLECTORS, budget)
-    summed = identify_scan(SlicedPoints(points, 300), "error-map", *nodes, *where).identified
-    whole = identify(points, "error-map", *nodes, *where)
+    places = paper.NOMINAL_REFLECTORS
+    summed = identify_scan(
+        SlicedPoints(points, 300), "error-map", *nodes, 325.0, 225.0, places, budget
+    ).identified
+    whole = identify(points, "error-map", *nodes, 325.0, 225.0, places, budget)
     # A scan has no test of the lack of fit, which would widen what is found in memory.
     assert whole.fit.variance_ratio == 1.0
     return separated_orders(summed), separated_orders(whole)
