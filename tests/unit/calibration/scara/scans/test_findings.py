@@ -74,25 +74,25 @@ def dense(points: Points, found: Identification) -> list[list[float]]:
     jacobian = slopes(points, values, np.linalg.svd(constraint)[2][1:])
     covariances = [(one * size) @ (one * size).T for one, size in zip(effects, sizes, strict=True)]
 
-    def left(covariance: Floats, columns: Floats, rows: Floats) -> tuple[float, Floats, Floats]:
+    def left(covariance: Floats, columns: Floats) -> Floats:
         inverse = np.linalg.inv(covariance)
         spread = np.linalg.inv(columns.T @ inverse @ columns)
-        off = inverse - inverse @ columns @ spread @ columns.T @ inverse
-        return float(rows @ off @ rows), off @ rows, off
+        return np.asarray(inverse - inverse @ columns @ spread @ columns.T @ inverse, dtype=np.float64)
 
     everything = 0.010**2 * np.eye(n) + sum(covariances)
-    _, pulls, off = left(everything, jacobian, residuals)
+    off = left(everything, jacobian)
     results = []
     for own, size, covariance in zip(effects, sizes, covariances, strict=True):
         sources = own * size
-        mean, spread = -sources.T @ pulls, np.eye(size.size) - sources.T @ off @ sources
+        mean, spread = -sources.T @ off @ residuals, np.eye(size.size) - sources.T @ off @ sources
         orders = np.arange(1, size.size + 1)
         change = np.sqrt(2.0) * ((-1.0) ** orders - 1.0) * size
         rms = float(np.sqrt(np.sum((size * mean) ** 2)))
         slope = size**2 * mean / rms
         without = everything - covariance
         before, after = (
-            left(without, columns, residuals)[0] for columns in (jacobian, np.hstack([jacobian, own]))
+            float(residuals @ left(without, columns) @ residuals)
+            for columns in (jacobian, np.hstack([jacobian, own]))
         )
         dof = n - jacobian.shape[1] - size.size
         ratio = (before - after) / size.size / (after / dof)
