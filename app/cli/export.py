@@ -1,6 +1,7 @@
 """export: a run's rows or a result's values for other programs."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -100,7 +101,9 @@ def form_of(output: Path, form: Format | None) -> Format:
 def _written(table: "Export", form: Format) -> str | bytes:
     match form:
         case "csv":
-            return comment_lines(table.origin.banners) + table.csv
+            # A points file has comment lines anyway; readers of other tables may know none.
+            origin = table.origin if table.documents else replace(table.origin, simulated=False)
+            return comment_lines(origin.banners) + table.csv
         case "json":
             about = {**table.about, **_beside(table)}
             return json.dumps({**about, table.content: table.rows}, ensure_ascii=False) + "\n"
