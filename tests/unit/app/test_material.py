@@ -25,9 +25,11 @@ class Run:
         self.meta = {"configuration": cell}
         self._temperatures = temperatures
 
-    def rows(self, table: str) -> list[dict[str, object]]:
-        assert table == "points"
-        return [{} if value is None else {"material_c": value} for value in self._temperatures]
+    def placed_rows(self, table: str) -> list[tuple[int, dict[str, object]]]:
+        rows: list[dict[str, object]] = [
+            {} if value is None else {"material_c": value} for value in self._temperatures
+        ]
+        return list(enumerate(rows if table == "points" else [], 1))
 
 
 def readers(*runs: Run) -> list[RunReader]:
