@@ -9,7 +9,7 @@ from catseye.calibration.core.projection import addition, project
 from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget, Contributor, effects
-from catseye.calibration.scara.drift_process import cosines
+from catseye.calibration.scara.drift_process import courses
 from catseye.calibration.scara.identification import Identification
 
 
@@ -54,7 +54,7 @@ def found_drifts(identified: Identification) -> tuple[FoundDrift, ...]:
 def _found(identified: Identification, contributor: Contributor) -> FoundDrift:
     mean, covariance = _sources(identified, contributor)
     sizes = contributor.u * np.sqrt(contributor.shares)
-    ends = cosines(np.array([-0.5, 0.5]), contributor.orders) * sizes
+    ends = courses(np.array([-0.5, 0.5]), contributor.orders) * sizes
     change = ends[1] - ends[0]
     rms = float(np.linalg.norm(sizes * mean))
     slope = sizes**2 * mean / rms if rms > 0.0 else np.zeros(mean.size)
