@@ -1,16 +1,14 @@
 """What changed over a measurement, as the distances show it: the zero drifted, the links grew."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.core.model import whitening_at
-from catseye.calibration.core.projection import addition, project
 from catseye.calibration.core.significance import SIGNIFICANCE
-from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import Budget, Contributor, effects
+from catseye.calibration.scara.budget import Contributor
 from catseye.calibration.scara.drift_process import courses
 from catseye.calibration.scara.identification import Identification
+from catseye.calibration.scara.known_sources import known_sources, place_of
 
 
 @dataclass(frozen=True)
@@ -40,19 +38,16 @@ class FoundDrift:
 
 
 def found_drifts(identified: Identification) -> tuple[FoundDrift, ...]:
-    """Return what the contributors that change with time did, as far as distances were asked about them.
-
-    A scan keeps a sample of its distances, from which nothing is concluded.
-    """
-    budget = identified.budget
-    if budget is None or identified.fit.n_points != len(identified.points):
-        return ()
-    asked = (one for one in budget.systematic if one.correlation == "time" and one.spectrum and one.u > 0.0)
+    """Return what the contributors that change with time did, as far as distances were asked about them."""
+    systematic = () if identified.budget is None else identified.budget.systematic
+    asked = (one for one in systematic if one.correlation == "time" and one.spectrum and one.u > 0.0)
     return tuple(_found(identified, one) for one in asked)
 
 
 def _found(identified: Identification, contributor: Contributor) -> FoundDrift:
-    mean, covariance = _sources(identified, contributor)
+    mean, covariance = known_sources(identified, contributor)
+    # As functions of time that a model with all other contributors lacks.
+    test = identified.sources.test(place_of(identified, contributor))
     sizes = contributor.u * np.sqrt(contributor.shares)
     ends = courses(np.array([-0.5, 0.5]), contributor.orders) * sizes
     change = ends[1] - ends[0]
@@ -64,28 +59,5 @@ def _found(identified: Identification, contributor: Contributor) -> FoundDrift:
         float(np.sqrt(change @ covariance @ change)),
         rms,
         float(np.sqrt(slope @ covariance @ slope)),
-        _probability(identified, contributor),
+        1.0 if test is None else test.probability,
     )
-
-
-def _sources(identified: Identification, contributor: Contributor) -> tuple[Floats, Floats]:
-    """Return the conditional mean of a contributor's sources, shape (m,), and their covariance."""
-    model, values = identified.model, identified.parameters
-    whitening = whitening_at(model, values)
-    own = effects(contributor, model.geometry(values))
-    forces = whitening.forces(own)
-    slopes = forces.T @ model.jacobian(values)
-    known = forces.T @ own - slopes @ identified.covariance @ slopes.T / identified.fit.unit_weight_variance
-    covariance = identified.fit.unit_weight_variance * (np.eye(known.shape[0]) - known)
-    # Residuals are predicted minus measured.
-    return -forces.T @ identified.residuals_mm, covariance
-
-
-def _probability(identified: Identification, contributor: Contributor) -> float:
-    """Test the process against none, as functions of time that a model with the other contributors lacks."""
-    model, values = identified.model, identified.parameters
-    others = tuple(one for one in model.budget.contributors if one != contributor) if model.budget else ()
-    without = replace(model, budget=Budget(others))
-    functions = effects(replace(contributor, u=1.0, spectrum=()), model.geometry(values))
-    found = addition(project(without, values, identified.residuals_mm).settled, functions)
-    return 1.0 if found is None else found.probability

@@ -13,6 +13,7 @@ from catseye.calibration.core.estimation import Estimate, estimate
 from catseye.calibration.core.fit_statistics import FitStatistics
 from catseye.calibration.core.gain import Gain
 from catseye.calibration.core.rank import require_identifiable
+from catseye.calibration.core.source_sums import SourceSums
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.budget import Budget, Contributor, effects, stated_sigma_mm
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
@@ -46,6 +47,21 @@ class IdentifiedArm:
 
 
 @dataclass(frozen=True)
+class SummedUp:
+    """What follows from more distances than are kept.
+
+    Attributes:
+        taken_up: what errors that come again have moved the estimates by.
+        sources: what the distances say of the sources of the systematic contributors.
+        reversed_mountings: the interferometer was mounted both ways round.
+    """
+
+    taken_up: TakenUp
+    sources: SourceSums
+    reversed_mountings: bool
+
+
+@dataclass(frozen=True)
 class Identification:
     """An arm identified from distances.
 
@@ -59,7 +75,7 @@ class Identification:
         rejected: sentences about what was left out.
         budget: the contributors that its uncertainties were propagated from; None for the points' own sigma_mm.
         rows: which of all distances that were given the points are, from 0, shape (n,).
-        summed: `taken_up`, where it follows from more distances than are kept; None where the points are all.
+        summed: what follows from all distances, where some of them are kept only; None where the points are all.
     """
 
     layout: Layout
@@ -71,7 +87,7 @@ class Identification:
     rejected: list[str]
     budget: Budget | None = None
     rows: Ints | None = None
-    summed: TakenUp | None = None
+    summed: SummedUp | None = None
 
     @property
     def arm(self) -> IdentifiedArm:
@@ -91,12 +107,24 @@ class Identification:
 
         What the estimates have taken up of an error is none where it comes again.
         """
-        if self.budget is None or self.summed is not None:
-            return self.summed or {}
+        if self.budget is None:
+            return {}
+        if self.summed is not None:
+            return self.summed.taken_up
         model = self.model
         moved = Gain.at(model, self.parameters).matrix
         geometry = model.geometry(self.parameters)
         return {one: moved @ effects(one, geometry) for one in self.budget.repeating}
+
+    @cached_property
+    def sources(self) -> SourceSums:
+        """What all distances say of the sources of the systematic contributors."""
+        return SourceSums.of(self.model, self.parameters) if self.summed is None else self.summed.sources
+
+    @property
+    def reversed_mountings(self) -> bool:
+        """Whether the interferometer was mounted both ways round."""
+        return self.points.reversed_mountings if self.summed is None else self.summed.reversed_mountings
 
     @property
     def model(self) -> DistanceModel:

@@ -1,10 +1,7 @@
 """What the distances say of the sources of an error that they share."""
 
-import numpy as np
-
-from catseye.calibration.core.model import whitening_at
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import Contributor, effects
+from catseye.calibration.scara.budget import Contributor
 from catseye.calibration.scara.identification import Identification
 
 
@@ -14,12 +11,11 @@ def known_sources(identified: Identification, contributor: Contributor) -> tuple
     Sources have unit variance as long as no distances have been asked; what they are beside identified parameters
     that take up some of them is as uncertain as those.
     """
-    model, values = identified.model, identified.parameters
-    whitening = whitening_at(model, values)
-    own = effects(contributor, model.geometry(values))
-    forces = whitening.forces(own)
-    slopes = forces.T @ model.jacobian(values)
-    factor = identified.fit.unit_weight_variance
-    known = forces.T @ own - slopes @ identified.covariance @ slopes.T / factor
-    # Residuals are predicted minus measured.
-    return -forces.T @ identified.residuals_mm, factor * (np.eye(known.shape[0]) - known)
+    mean, covariance = identified.sources.known(place_of(identified, contributor))
+    return mean, identified.fit.unit_weight_variance * covariance
+
+
+def place_of(identified: Identification, contributor: Contributor) -> int:
+    """Return the number of a contributor among the systematic ones of the budget."""
+    systematic = () if identified.budget is None else identified.budget.systematic
+    return systematic.index(contributor)

@@ -139,6 +139,14 @@ class Points:
         span = float(np.ptp(clock)) if clock.size else 0.0
         return (clock - clock.min()) / span - 0.5 if span > 0.0 else np.zeros(len(self))
 
+    @property
+    def reversed_mountings(self) -> bool:
+        """Whether the interferometer was mounted both ways round."""
+        if self.mount_rad is None:
+            return False
+        facing = np.cos(self.mount_rad)
+        return bool(facing.min() < 0.0 < facing.max())
+
     def rows(self, rows: Bools | Ints) -> "Points":
         """Return the chosen rows; all dead paths and reflectors keep their names and numbers."""
         return replace(

@@ -13,7 +13,6 @@ from catseye.calibration.scara.budget import Contributor, described
 from catseye.calibration.scara.extension import waves
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.known_sources import known_sources
-from catseye.calibration.scara.points import Points
 
 
 @dataclass(frozen=True)
@@ -54,22 +53,13 @@ class SeparatedOrder:
         return float(np.sqrt(along @ self.covariance_mm2 @ along))
 
 
-def reversed_mountings(points: Points) -> bool:
-    """Return whether the interferometer was mounted both ways round."""
-    if points.mount_rad is None:
-        return False
-    facing = np.cos(points.mount_rad)
-    return bool(facing.min() < 0.0 < facing.max())
-
-
 def separated_orders(identified: Identification) -> tuple[SeparatedOrder, ...]:
     """Return the orders of J4 that two mountings have separated from the maps; none where it was not turned.
 
-    Orders that are identified as terms are not among them: they have coefficients of their own. A scan keeps a sample
-    of its distances, from which nothing is concluded.
+    Orders that are identified as terms are not among them: they have coefficients of their own.
     """
-    budget, points = identified.budget, identified.points
-    if budget is None or identified.fit.n_points != len(points) or not reversed_mountings(points):
+    budget = identified.budget
+    if budget is None or not identified.reversed_mountings:
         return ()
     asked = [
         one

@@ -10,6 +10,7 @@ from catseye.calibration.core.blockwise.sparse_rows import Slot, SparseRows
 from catseye.calibration.core.gauge import Gauge
 from catseye.calibration.core.model import Parameters
 from catseye.calibration.core.rank import require_identifiable
+from catseye.calibration.core.source_sums import SourceSums
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.core.whitening import through_sources
 
@@ -138,8 +139,8 @@ class NormalSums:
         return np.asarray(upper + upper.T, dtype=np.float64)
 
 
-def covariance_of(sums: NormalSums, parameters: Parameters, gauge: Gauge) -> Floats:
-    """Return the covariance that normal equations give, shape (p, p).
+def white_covariance(sums: NormalSums, parameters: Parameters, gauge: Gauge) -> Floats:
+    """Return the covariance that normal equations give white errors alone, shape (p, p).
 
     White errors alone say which directions are determined: shared errors, however large, take none away, but what
     they leave of the matrix is a difference that may be all rounding.
@@ -159,10 +160,35 @@ def covariance_of(sums: NormalSums, parameters: Parameters, gauge: Gauge) -> Flo
     # Norms bound the condition from above; eigenvalues, which take ten times as long, are left for what is doubtful.
     if SQUARED_RANK_TOLERANCE**2 * linalg.norm(scaled, 1) * linalg.norm(inverse, 1) > 1.0:
         require_identifiable(parameters, _square_root(white), SQUARED_RANK_TOLERANCE)
-    return _widened(gauge.expanded(inverse * np.outer(scale, scale)), sums)
+    return gauge.expanded(inverse * np.outer(scale, scale))
 
 
-def _widened(covariance: Floats, sums: NormalSums) -> Floats:
+def source_sums(sums: NormalSums, white: Floats, free: int, owner: Ints) -> SourceSums:
+    """Return what the rows say of the shared sources beside the parameters.
+
+    Args:
+        white: covariance of white errors alone, shape (p, p).
+        free: parameters.
+        owner: number of the shared error that each source belongs to, shape (m,).
+    """
+    moved, step = sums.effect_gradient.T @ white, white @ sums.white_gradient
+    whole = np.diag(sums.effect_matrix)
+    scale = np.sqrt(np.where(whole > 0.0, whole, 1.0))
+    left = (sums.effect_matrix - moved @ sums.effect_gradient) / np.outer(scale, scale)
+    # Rounding is nothing that rows say.
+    known, directions = linalg.eigh(0.5 * (left + left.T))
+    left = (directions * np.where(known > _ROUNDING, known, 0.0)) @ directions.T
+    return SourceSums(
+        whole,
+        left * np.outer(scale, scale),
+        sums.effect_residuals - sums.effect_gradient.T @ step,
+        sums.white_cost - float(sums.white_gradient @ step),
+        sums.residuals.rows - free,
+        owner,
+    )
+
+
+def widened(covariance: Floats, sums: NormalSums) -> Floats:
     """Add what shared errors make of a covariance of white errors alone, shape (p, p) (Woodbury)."""
     moved = covariance @ sums.effect_gradient
     if not moved.size:

@@ -7,18 +7,19 @@ from functools import partial
 import numpy as np
 
 from catseye.calibration.core.blockwise.descent import Minimum, descend, improved
-from catseye.calibration.core.blockwise.normal_sums import NormalSums, covariance_of
+from catseye.calibration.core.blockwise.normal_sums import NormalSums, source_sums, white_covariance, widened
 from catseye.calibration.core.blockwise.residual_sums import ResidualSums
 from catseye.calibration.core.errors import CalibrationError, InsufficientPointsError
 from catseye.calibration.core.fit_statistics import FitSums, summed_statistics
-from catseye.calibration.core.types import Floats
+from catseye.calibration.core.source_sums import owners
+from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.budget import Budget
-from catseye.calibration.scara.distance_model import DistanceModel
 from catseye.calibration.scara.error_map import interpolate
 from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.identification import (
     Identification,
+    SummedUp,
     TakenUp,
     counted_budget,
     require_nominal,
@@ -211,9 +212,11 @@ def _settled(passes: Passes, few: Points, start: Floats) -> tuple[Passes, Minimu
 def _judged(passes: Passes, minimum: Minimum, few: FewRows, iterations: int) -> ScanIdentification:
     """Attach covariance, statistics and a sample of the residuals to a minimum."""
     sums, layout = minimum.sums, passes.layout
-    covariance = covariance_of(sums, layout.parameters(), layout.gauge)
+    white = white_covariance(sums, layout.parameters(), layout.gauge)
+    covariance = widened(white, sums)
     rows = np.arange(0, len(few.points), -(-len(few.points) // _SAMPLE))
     sample = passes.model(few.points.rows(rows))
+    owner = owners(sample.shared(passes.known))
     fit = summed_statistics(
         FitSums(
             n_points=sums.residuals.rows,
@@ -236,20 +239,21 @@ def _judged(passes: Passes, minimum: Minimum, few: FewRows, iterations: int) -> 
         passes.used.rejected,
         passes.budget,
         few.numbers[rows],
-        _taken_up(passes, sums.taken_up(covariance), sample),
+        SummedUp(
+            _taken_up(passes, sums.taken_up(covariance), owner),
+            source_sums(sums, white, layout.gauge.free, owner),
+            # A segment has one mounting, and the few rows have some of each.
+            few.points.reversed_mountings,
+        ),
     )
     return ScanIdentification(identified, sums.residuals)
 
 
-def _taken_up(passes: Passes, moved: Floats, sample: DistanceModel) -> TakenUp:
+def _taken_up(passes: Passes, moved: Floats, owner: Ints) -> TakenUp:
     """Tell the contributors apart in what all sources have moved the estimate by, shape (p, m)."""
-    if passes.budget is None:
-        return {}
-    sizes = [one.effects_mm.shape[1] for one in sample.shared(passes.known)]
-    parts = np.split(moved, np.cumsum(sizes)[:-1], axis=1) if sizes else []
-    repeating = passes.budget.repeating
-    pairs = zip(passes.budget.systematic, parts, strict=True)
-    return {one: part for one, part in pairs if one in repeating}
+    budget = passes.budget or Budget(())
+    repeating = budget.repeating
+    return {one: moved[:, owner == k] for k, one in enumerate(budget.systematic) if one in repeating}
 
 
 def _require_range(nodes_rad: tuple[Floats, Floats], block: Points, first: int) -> None:

@@ -14,6 +14,7 @@ from catseye.app.results.scara.path_rows import distance_path, path_measurement
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.calibration.core.errors import InsufficientPointsError
+from catseye.calibration.scara.budget import Budget, Contributor
 from catseye.calibration.scara.extension import j4_map, thermal_drift
 from catseye.calibration.scara.identification import Identification, identify
 from catseye.calibration.scara.layout import ModelName
@@ -110,6 +111,26 @@ def test_the_true_arm_leaves_nothing_and_the_conventional_one_much() -> None:
     assert validation.ratio is not None
     assert validation.ratio < 1e-3
     assert validate_on_distances(path(TRUTH), [EXACT]).ratio is None
+
+
+def test_a_drifting_zero_counts_by_what_zeros_leave() -> None:
+    """Truth: the variance of each order about its mean in a segment, added up in loops."""
+    segments = [0] * 20 + [1] * 40
+    drift = Contributor("zero", "length", 0.004, "time", orders=3, spectrum=(4.0, 0.5))
+    still, drifting = (replace(EXACT, budget=Budget(one)) for one in ((), (drift,)))
+    before, after = (
+        validate_on_distances(path(TRUTH, segments), [one]).models[0] for one in (still, drifting)
+    )
+    falling = 1.0 + 1 / 4 + 1 / 9
+    for i in range(COUNT):
+        together = [j for j in range(COUNT) if segments[j] == segments[i]]
+        added = 0.0
+        # Orders 2 and 3 are one octave.
+        for order, ratio in ((1, 4.0), (2, 0.5), (3, 0.5)):
+            wave = [math.sqrt(2.0) * math.cos(order * math.pi * j / (COUNT - 1)) for j in range(COUNT)]
+            left = wave[i] - sum(wave[j] for j in together) / len(together)
+            added += 0.004**2 * ratio / order**2 / falling * left**2
+        assert after.u_mm[i] ** 2 - before.u_mm[i] ** 2 == pytest.approx(added, rel=1e-9)
 
 
 def test_each_segment_has_a_dead_path_of_its_own() -> None:

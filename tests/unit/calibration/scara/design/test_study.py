@@ -1,9 +1,11 @@
 """Information of places against the dense problem with all its nuisances."""
 
+import math
 from typing import get_args
 
 import numpy as np
 import pytest
+from scipy import linalg
 
 from catseye.calibration.core.design.criteria import CriterionName, covariances
 from catseye.calibration.core.design.information import Information
@@ -14,7 +16,7 @@ from catseye.calibration.scara.design.criterion import Criterion
 from catseye.calibration.scara.design.sight import Sight
 from catseye.calibration.scara.planar import forward
 from tests.unit.calibration.scara.design.cases import RING, SIGMA_MM, SMALL, WHITE, seen_by_all, study
-from tests.unit.calibration.scara.design.dense import DenseArm
+from tests.unit.calibration.scara.design.dense import LINKS, DenseArm
 from tests.unit.calibration.scara.paper import NODES1_DEG, NODES2_DEG, NOMINAL_REFLECTORS
 
 PAPER = DenseArm(tuple(NODES1_DEG), tuple(NODES2_DEG))
@@ -74,6 +76,39 @@ def test_systematic_contributors_match_the_dense_problem() -> None:
     expected = SMALL.covariance(blocks, places, SIGMA_MM, effects)
     scale = np.sqrt(np.diag(expected))
     assert np.abs((mine - expected) / np.outer(scale, scale)).max() < 1e-5
+
+
+def test_drifts_match_the_dense_problem_in_measuring_order() -> None:
+    """Cosines over the rows of each reflector by their definition, for the zero and for both links."""
+    places = RING[[1, 8]]
+    zero = Contributor("zero", "length", 0.02, "time", orders=2)
+    warmth = Contributor("warmth", "links", 2e-5, "time", orders=1)
+    budget = Budget((*WHITE.contributors, zero, warmth))
+    problem = study(SMALL, budget)
+    mine = problem.arm(problem.covariance(information(SMALL, places, budget), systematic=True)).covariance
+    blocks = [SMALL.block(place) for place in places]
+    n = len(SMALL.rows())
+    first, second = (
+        np.array([math.sqrt(2.0) * math.cos(order * math.pi * i / (n - 1)) for i in range(n)])
+        for order in (1, 2)
+    )
+    # Variances of the zero fall as 1 to 1/4 and add up to u².
+    own = [
+        np.column_stack(
+            [
+                0.02 * math.sqrt(0.8) * first,
+                0.02 * math.sqrt(0.2) * second,
+                2e-5 * (block[:, 0] * LINKS[0] + block[:, 1] * LINKS[1]) * first,
+            ]
+        )
+        for block in blocks
+    ]
+    # The order of reflectors is open, so that each has processes of its own.
+    expected = SMALL.covariance(blocks, places, SIGMA_MM, linalg.block_diag(*own))
+    scale = np.sqrt(np.diag(expected))
+    assert np.abs((mine - expected) / np.outer(scale, scale)).max() < 1e-5
+    without = SMALL.covariance(blocks, places, SIGMA_MM)
+    assert float(np.max(scale / np.sqrt(np.diag(without)))) > 1.05
 
 
 def test_a_break_of_the_beam_costs_a_dead_path() -> None:
