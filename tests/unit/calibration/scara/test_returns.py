@@ -1,5 +1,6 @@
 """Returns to the first pose of a series show a drift of the zero; the drift is drawn here, of known size."""
 
+import math
 from dataclasses import replace
 from functools import cache
 
@@ -31,11 +32,13 @@ def with_returns(points: Points, every: int) -> Points:
     return replace(points.rows(np.array(rows)), returned=np.array(returned))
 
 
-def random_walk(seed: int) -> Floats:
-    """Return sizes of cosines whose variances fall with the square of their order, mm."""
+def drawn_drift(seed: int, share: Floats) -> Floats:
+    """Return a drift at shares 0…1 of the measurement, mm: a steady one, and cosines as of a random walk."""
     order = np.arange(1.0, ORDERS + 1.0)
-    variance = DRIFT_MM**2 / order**2 / float(np.sum(1.0 / order**2))
-    return np.asarray(np.random.default_rng(50 + seed).normal(0.0, np.sqrt(2.0 * variance)))
+    rms = DRIFT_MM * np.sqrt(1.0 / order**2 / float(np.sum(1.0 / order**2)))
+    sizes = np.random.default_rng(50 + seed).normal(0.0, rms)
+    steady = math.sqrt(12.0) * (0.5 - share) * sizes[0]
+    return np.asarray(steady + math.sqrt(2.0) * np.cos(np.pi * np.outer(share, order[1:])) @ sizes[1:])
 
 
 @cache
@@ -43,10 +46,9 @@ def drifting(every: int) -> tuple[Floats, Floats, Floats]:
     """Return errors of the drift's change over u, its u, and errors of links and maps over u, of all sets."""
     errors, u, of_tables = [], [], []
     for seed in range(SETS):
-        truth, sizes = random_truth(seed), random_walk(seed)
+        truth = random_truth(seed)
         points = with_returns(paper_points(truth, sigma_mm=WHITE_MM), every)
-        share = np.linspace(0.0, 1.0, len(points))
-        drift = np.cos(np.pi * np.outer(share, np.arange(1, ORDERS + 1))) @ sizes
+        drift = drawn_drift(seed, np.linspace(0.0, 1.0, len(points)))
         noise = np.random.default_rng(90 + seed).normal(0.0, WHITE_MM, len(points))
         measured = replace(points, displacement_mm=points.displacement_mm + drift + noise)
         one = identified(measured, budget=BUDGET)

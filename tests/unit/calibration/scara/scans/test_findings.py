@@ -59,7 +59,10 @@ def processes(points: Points, values: Floats) -> tuple[list[Floats], list[Floats
         columns, (0.004, 4e-6, 1e-5), ((4.0, 0.5, 0.5), (1.0, 2.0), (0.5, 2.0)), strict=True
     ):
         orders = np.arange(1, len(ratios) + 1)
-        effects.append(column * np.sqrt(2.0) * np.cos(np.pi * elapsed[:, None] * orders))
+        courses = np.sqrt(2.0) * np.cos(np.pi * elapsed[:, None] * orders)
+        # A straight line in place of the first cosine.
+        courses[:, 0] = np.sqrt(12.0) * (0.5 - elapsed)
+        effects.append(column * courses)
         falling = 1.0 / orders**2
         sizes.append(u * np.sqrt(np.array(ratios) * falling / falling.sum()))
     return effects, sizes
@@ -87,6 +90,7 @@ def dense(points: Points, found: Identification) -> list[list[float]]:
         mean, spread = -sources.T @ off @ residuals, np.eye(size.size) - sources.T @ off @ sources
         orders = np.arange(1, size.size + 1)
         change = np.sqrt(2.0) * ((-1.0) ** orders - 1.0) * size
+        change[0] = -np.sqrt(12.0) * size[0]
         rms = float(np.sqrt(np.sum((size * mean) ** 2)))
         slope = size**2 * mean / rms
         without = everything - covariance
