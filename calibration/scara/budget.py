@@ -29,7 +29,7 @@ from catseye.calibration.core.budget import (
 from catseye.calibration.core.errors import ArgumentError, BudgetError
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.between_nodes import MeasuredPlaces, Places, ripple_between_nodes
-from catseye.calibration.scara.drift_process import cosines, octaves, shares
+from catseye.calibration.scara.drift_process import courses, octaves, shares
 from catseye.calibration.scara.extension import Term, term_values
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.points import Commands, Points
@@ -370,7 +370,7 @@ def _over_time(contributor: Contributor, columns: Floats, geometry: Geometry) ->
     if geometry.later and contributor.kind == "links":
         # As warm as at any time of the measurement, and all the same throughout.
         return columns * np.linalg.norm(sizes)
-    return np.asarray(columns * sizes * cosines(geometry.elapsed, contributor.orders), dtype=np.float64)
+    return np.asarray(columns * sizes * courses(geometry.elapsed, contributor.orders), dtype=np.float64)
 
 
 def _describing(contributor: Contributor, geometry: Geometry) -> tuple[Term, ...]:

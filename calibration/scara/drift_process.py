@@ -1,9 +1,10 @@
-"""Errors that change with time, as a process: cosines of the share of the measurement that has passed.
+"""Errors that change with time, as a process: functions of the share of the measurement that has passed.
 
-A drift has no known form. Its cosines over the measurement, of uncorrelated sizes that fall with the square of
-their order as those of a random walk do, describe what has no steps (Karhunen and Loève). How fast a drift really
-changes is not known beforehand, so octaves of orders have sizes of their own, which distances show. The mean over the
-measurement is none of its business: zeros and links are what they are on the average.
+A drift has no known form. Cosines over the measurement, of uncorrelated sizes that fall with the square of their
+order as those of a random walk do, describe what has no steps (Karhunen and Loève). They are level at both ends,
+though, and a steady drift would take all the odd ones: a straight line takes the place of the first. How fast a drift
+really changes is not known beforehand, so octaves of orders have sizes of their own, which distances show. The mean
+over the measurement is none of its business: zeros and links are what they are on the average.
 """
 
 import numpy as np
@@ -22,8 +23,8 @@ def shares(orders: int) -> Floats:
     return np.asarray(falling / falling.sum())
 
 
-def cosines(elapsed: Floats, orders: int) -> Floats:
-    """Return cosines of rms 1 over the measurement.
+def courses(elapsed: Floats, orders: int) -> Floats:
+    """Return a straight line and the cosines from order 2, of rms 1 over the measurement.
 
     Args:
         elapsed: share of the measurement that has passed, −½…½, shape (n,).
@@ -32,4 +33,6 @@ def cosines(elapsed: Floats, orders: int) -> Floats:
         One column an order, shape (n, orders).
     """
     phase = np.pi * (elapsed + 0.5)[:, None] * np.arange(1.0, orders + 1.0)
-    return np.asarray(np.sqrt(2.0) * np.cos(phase), dtype=np.float64)
+    columns = np.sqrt(2.0) * np.cos(phase)
+    columns[:, 0] = -np.sqrt(12.0) * elapsed
+    return np.asarray(columns, dtype=np.float64)

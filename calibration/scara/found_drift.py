@@ -6,7 +6,7 @@ import numpy as np
 
 from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.scara.budget import Contributor
-from catseye.calibration.scara.drift_process import cosines
+from catseye.calibration.scara.drift_process import courses
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.known_sources import known_sources, place_of
 
@@ -49,7 +49,7 @@ def _found(identified: Identification, contributor: Contributor) -> FoundDrift:
     # As functions of time that a model with all other contributors lacks.
     test = identified.sources.test(place_of(identified, contributor))
     sizes = contributor.u * np.sqrt(contributor.shares)
-    ends = cosines(np.array([-0.5, 0.5]), contributor.orders) * sizes
+    ends = courses(np.array([-0.5, 0.5]), contributor.orders) * sizes
     change = ends[1] - ends[0]
     rms = float(np.linalg.norm(sizes * mean))
     slope = sizes**2 * mean / rms if rms > 0.0 else np.zeros(mean.size)

@@ -75,7 +75,9 @@ class ContributorEntry(Section):
     axis: Literal["j1", "j2", "j4"] | None = None
     orders: Annotated[int, Field(ge=1, le=255)] = Field(default_factory=_usual_orders)
     degrees_of_freedom: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] | None = None
-    spectrum: tuple[NotNegative, ...] = Field(default=(), exclude_if=lambda spectrum: not spectrum)
+    spectrum: tuple[NotNegative, ...] = Field(
+        default=(), strict=False, exclude_if=lambda spectrum: not spectrum
+    )
 
     @model_validator(mode="after")
     def _sound(self) -> Self:

@@ -107,6 +107,27 @@ def test_a_wrong_line_is_refused_with_its_place(tmp_path: Path, line: str, compl
     assert all(first <= number <= first + 5 for number in lines)
 
 
+SPECTRUM = """
+[[uncertainty.contributor]]
+name = "run-out"
+kind = "radial"
+value_um = 5.0
+correlation = "axis-angle"
+axis = "j1"
+orders = 2
+spectrum = [0.5, 1.5]
+"""
+
+
+def test_a_spectrum_is_a_list_of_numbers(tmp_path: Path) -> None:
+    (one,) = loaded(tmp_path, SPECTRUM).uncertainty.budget.contributors
+    assert one.spectrum == (0.5, 1.5)
+    cell = Cell.model_validate(tomllib.loads(HEAD + SPECTRUM), context=RECORD)
+    assert cell.uncertainty.contributor[0].spectrum == (0.5, 1.5)
+    with pytest.raises(ConfigError, match="spectrum"):
+        loaded(tmp_path, SPECTRUM.replace("1.5]", '"1.5"]'))
+
+
 TWICE = """
 [[uncertainty.contributor]]
 name = "radial"

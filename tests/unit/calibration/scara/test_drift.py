@@ -110,6 +110,20 @@ def test_a_drifting_zero_is_found_and_stays_covered(rows: float) -> None:
         assert 0.5 * size < drift.rms < 0.030
 
 
+@pytest.mark.parametrize("drift_mm", [0.1, 0.5])
+def test_a_steady_drift_is_measured_and_covered(drift_mm: float) -> None:
+    errors, changes = [], []
+    for seed in range(2 * SETS):
+        points, truth = measured(seed, WHITE_MM, drift_mm * np.linspace(-0.5, 0.5, ROWS))
+        one = identified(points, budget=CHANGING)
+        errors.append(normalised(one, truth))
+        zero = of("length", found_drifts(one))
+        changes.append((zero.change - drift_mm) / zero.u_change)
+    assert float(np.mean(np.abs(np.concatenate(errors)) < 1.96)) >= 0.90
+    # The rms of 8 independent normal values lies below 1.6 in 99.5 of 100 cases.
+    assert rms(np.array(changes)) < 1.6
+
+
 def test_a_calm_zero_costs_nothing() -> None:
     for one, z in zip(*drifting(None)[:2], strict=True):
         still = identified(one.points, budget=STILL)
