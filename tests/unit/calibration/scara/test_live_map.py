@@ -16,6 +16,7 @@ from catseye.calibration.scara.identification import identify
 from catseye.calibration.scara.live_map import Changes, Innovation, LiveMap
 from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.radial import RadialBudget
+from tests.unit.calibration.scara.drifting import course
 from tests.unit.calibration.scara.paper import (
     NAMES,
     NODES1_DEG,
@@ -146,8 +147,7 @@ def changing(count: int, rows: int) -> Floats:
         column = 0
         for size, parts, total in ((0.005, shares[0], whole[0]), (longer, shares[1], whole[1])):
             for k, share in enumerate(parts, 1):
-                wave = math.sqrt(2.0) * math.cos(k * math.pi * i / (rows - 1))
-                effects[i, column] = size * math.sqrt(share / total) * wave
+                effects[i, column] = size * math.sqrt(share / total) * course(k, i / (rows - 1))
                 column += 1
     return effects
 
