@@ -11,7 +11,7 @@ from typing import Final
 from catseye.app.files.csv_text import uncommented
 
 _KIND: Final = "catseye-"
-_LINE: Final = re.compile(rf"#\s*({_KIND}[a-z]+)\s+(\{{.*\}})")
+_LINE: Final = re.compile(rf"#\s*({_KIND}[a-z]+)\s+(.*)")
 _STRING: Final = re.compile(r'"(?:[^"\\]|\\.)*"')
 _UNSAFE: Final = re.compile(r"\\.|['=+@;]|(?<!\w)-")
 """Escapes, apostrophes, and what begins a formula in some cell that a spreadsheet makes of a comment."""
@@ -37,9 +37,12 @@ def _escaped(found: re.Match[str]) -> str:
 
 
 def attached_documents(comments: Iterable[str]) -> dict[str, str]:
-    """Return the documents that comments hold, JSON by kind."""
-    found = (_LINE.fullmatch(comment.strip()) for comment in comments)
-    return {one[1]: uncommented(one[2]) for one in found if one}
+    """Return the documents that comments hold, by kind; a damaged one is no JSON, and so are two of a kind."""
+    documents: dict[str, str] = {}
+    for comment in comments:
+        if found := _LINE.fullmatch(comment.strip()):
+            documents[found[1]] = documents.get(found[1], "") + uncommented(found[2])
+    return documents
 
 
 def attached_metadata(metadata: Mapping[bytes, bytes]) -> dict[str, str]:

@@ -211,6 +211,8 @@ async def test_other_line_ends_and_columns_change_nothing(tmp_path: Path, run: R
         ("# catseye-budget {'format': 'catseye-budget/2'}", "of format catseye-budget/2; this version reads"),
         ("# catseye-budget {'format': 'catseye-budget/1'}", "cannot be read: source: Field required"),
         ("# catseye-budget {'format':}", "catseye-budget: not a JSON file"),
+        ("# catseye-budget {'format': 'catseye-budget/1', 'sou", "catseye-budget: not a JSON file"),
+        ("# catseye-budget {}\n# catseye-budget {}", "catseye-budget: not a JSON file"),
     ],
 )
 async def test_a_budget_that_cannot_be_read_is_reported(tmp_path: Path, line: str, complaint: str) -> None:
