@@ -42,7 +42,7 @@ def require_output(output: Path | None, *inputs: Path | None) -> None:
 
 
 def write_atomically(path: Path, data: str | bytes) -> None:
-    """Write a file through a temporary neighbour and a rename.
+    """Write a file through a temporary neighbour and a rename; a device or a pipe is written to, never replaced.
 
     Raises:
         StorageError: the folder is missing, full or not writable; nothing is left behind.
@@ -51,6 +51,9 @@ def write_atomically(path: Path, data: str | bytes) -> None:
     raw = data.encode("utf-8", "backslashreplace") if isinstance(data, str) else data
     temporary: str | None = None
     try:
+        if path.exists() and not path.is_file():
+            path.write_bytes(raw)
+            return
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
         with os.fdopen(handle, "wb") as file:
             file.write(raw)
