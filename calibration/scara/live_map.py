@@ -1,24 +1,25 @@
 """What the distances measured so far say about the maps, kept up to date while measuring.
 
 Information is summed row by row. The dead path of a segment is eliminated by taking its rows from their mean, which
-is updated with every row. The radial error motions are unknowns with a known spread beside the parameters:
-predictions and standard uncertainties are those of the identification's generalised least squares.
+is updated with every row. Radial error motions and what changes with time are unknowns with a known spread beside
+the parameters: predictions and standard uncertainties are those of the identification's generalised least squares.
 """
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import linalg
 
-from catseye.calibration.core.arguments import require_finite, require_positive
+from catseye.calibration.core.arguments import require_count, require_finite, require_positive
 from catseye.calibration.core.centred_sums import CentredSums
 from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.rank import known_variances
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.core.whitening import through_sources
 from catseye.calibration.scara.arm import arm_design
+from catseye.calibration.scara.budget import Budget, Contributor, seen_along, systematic_effects
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.planar import require_links
 from catseye.calibration.scara.points import Commands, Points
@@ -66,6 +67,33 @@ class Innovation:
 
 
 @dataclass(frozen=True)
+class Changes:
+    """What changes while distances are measured one after the other.
+
+    Attributes:
+        contributors: those that change with time, as large as they state.
+        rows: distances expected in all: the share that has passed follows from them.
+    """
+
+    contributors: tuple[Contributor, ...]
+    rows: int
+
+    def __post_init__(self) -> None:
+        require_count(self.rows, "rows of a measurement")
+        if other := [one.name for one in self.contributors if one.correlation != "time"]:
+            raise ArgumentError(f"{', '.join(other)}: no contributor that changes with time")
+
+    @property
+    def sources(self) -> int:
+        """How many sources of unit variance there are."""
+        return sum(one.orders for one in self.contributors)
+
+    def elapsed(self, number: int) -> float:
+        """Return the share of the measurement that had passed at a distance, less a half."""
+        return number / max(self.rows - 1, 1) - 0.5
+
+
+@dataclass(frozen=True)
 class MapKnowledge:
     """How well both maps are known, in the gauge "mean of the Δθ1 table over both directions = 0".
 
@@ -97,6 +125,7 @@ class LiveMap:
         reflectors_mm: Mapping[str, tuple[float, float]],
         white_mm: float,
         radial: RadialBudget | None = None,
+        changes: Changes | None = None,
     ) -> None:
         """Begin without a distance.
 
@@ -108,6 +137,7 @@ class LiveMap:
             reflectors_mm: rough places by name, mm.
             white_mm: standard uncertainty of a distance that differs from distance to distance, mm.
             radial: radial error motions, which repeat with the angles; None for none.
+            changes: what changes with time; None for nothing.
 
         Raises:
             ArgumentError: white_mm or a link is not positive, or nodes do not increase.
@@ -118,12 +148,13 @@ class LiveMap:
         self._layout = Layout("error-map", nodes1_rad, nodes2_rad, tuple(reflectors_mm), ())
         self._white_mm = white_mm
         self._radial = radial
+        self._changes = changes
         self._reach_mm = link1_mm + link2_mm
         self._start = np.zeros(self._layout.size)
         self._start[:2] = link1_mm, link2_mm
         self._start[self._layout.reflectors] = np.ravel(list(reflectors_mm.values()))
         self._origin = self._start.copy()
-        self._table = np.empty((_GROWTH, 7))
+        self._table = np.empty((_GROWTH, 8))
         self._keys: list[tuple[int, int]] = []
         self._nearest_mm = math.inf
         self._sums = CentredSums.empty(self._columns)
@@ -144,6 +175,7 @@ class LiveMap:
         segment: int,
         displacement_mm: float,
         mount_rad: float = 0.0,
+        number: int | None = None,
     ) -> Innovation | None:
         """Take a distance in.
 
@@ -153,6 +185,7 @@ class LiveMap:
             segment: number of the segment; it counts within its reflector.
             displacement_mm: distance relative to the zero of the segment, mm.
             mount_rad: by how much the interferometer is turned on J4's flange.
+            number: among all distances of the measurement, from 0; None where all of them are taken in.
 
         Returns:
             Measured minus predicted from all distances before; None when they do not determine it.
@@ -169,7 +202,12 @@ class LiveMap:
         require_finite(displacement_mm, f"displacement_mm to reflector {reflector}")
         index = self._layout.reflector_names.index(reflector)
         key = (index, segment)
-        row = np.array([theta1_rad, theta2_rad, direction1, direction2, index, displacement_mm, mount_rad])
+        elapsed = (
+            0.0 if self._changes is None else self._changes.elapsed(len(self) if number is None else number)
+        )
+        row = np.array(
+            [theta1_rad, theta2_rad, direction1, direction2, index, displacement_mm, mount_rad, elapsed]
+        )
         stacked = self._stacked(row[None, :])[0]
         innovation = self._innovation(stacked, key)
         self._keep(row, key)
@@ -200,7 +238,8 @@ class LiveMap:
     @property
     def _columns(self) -> int:
         radial = 0 if self._radial is None else 12 * self._radial.orders
-        return self._layout.size + radial
+        changing = 0 if self._changes is None else self._changes.sources
+        return self._layout.size + radial + changing
 
     def _information(self) -> Floats:
         """Return what the distances say of the parameters, shape (p, p)."""
@@ -220,7 +259,7 @@ class LiveMap:
         return np.asarray(np.diag(self._sums.matrix)[: self._layout.size] > (_TOUCH * lever) ** 2)
 
     def _prior_information(self) -> Floats:
-        """Return the information of the start and of the radial error motions, diagonal, shape (columns,)."""
+        """Return the information of the start and of the shared errors, diagonal, shape (columns,)."""
         spread = np.ones(self._columns)
         spread[:2] = _PRIOR_LINK_MM
         spread[2 : self._layout.arm_size] = _PRIOR_MAP_RAD
@@ -228,7 +267,7 @@ class LiveMap:
         return spread**-2
 
     def _solve(self) -> None:
-        """Solve for parameters and radial error motions relative to the origin of the derivatives."""
+        """Solve for parameters and shared errors relative to the origin of the derivatives."""
         size, scale = self._layout.size, self._white_mm**-2
         matrix = self._sums.matrix[:-1, :-1] * scale
         matrix.flat[:: self._columns + 1] += self._prior
@@ -280,11 +319,12 @@ class LiveMap:
         self._keys.append(key)
 
     def _stacked(self, table: Floats) -> Floats:
-        """Return derivatives, effects of the radial error motions and residual of rows, shape (n, columns + 1)."""
+        """Return derivatives, effects of shared errors and residual of rows, shape (n, columns + 1)."""
         points = _points(table, self._layout)
         layout, origin = self._layout, self._origin
         design = arm_design(layout, points.commands)
-        beam = design.positions(origin) - origin[layout.reflectors].reshape(-1, 2)[points.reflector]
+        position = design.positions(origin)
+        beam = position - origin[layout.reflectors].reshape(-1, 2)[points.reflector]
         length = np.hypot(beam[:, 0], beam[:, 1])
         self._nearest_mm = min(self._nearest_mm, float(length.min()))
         unit = beam / length[:, None]
@@ -295,8 +335,14 @@ class LiveMap:
         number = np.arange(len(table))
         stacked[number, place] = -unit[:, 0]
         stacked[number, place + 1] = -unit[:, 1]
+        changing = self._columns - (0 if self._changes is None else self._changes.sources)
         if self._radial is not None:
-            stacked[:, layout.size : -1] = radial_effects(points, unit, self._radial)
+            stacked[:, layout.size : changing] = radial_effects(points, unit, self._radial)
+        if self._changes is not None:
+            seen = seen_along(points, position, (unit, length), local[:, 2:], layout)
+            stacked[:, changing:-1] = systematic_effects(
+                Budget(self._changes.contributors), replace(seen, elapsed=table[:, 7])
+            )
         stacked[:, -1] = length - points.displacement_mm
         return stacked
 
@@ -311,7 +357,7 @@ class LiveMap:
 
 
 def _points(table: Floats, layout: Layout) -> Points:
-    """Return rows of θ1, θ2, directions, reflector, displacement and mounting as points without dead paths."""
+    """Return rows of θ1, θ2, directions, reflector, displacement, mounting and time as points without dead paths."""
     whole = table[:, 2:5].astype(np.int64)
     commands = Commands(table[:, 0], table[:, 1], whole[:, 0], whole[:, 1])
     # Each row on its own: what a segment has in common is taken off later.

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catseye.calibration.kinematics.bodies import Capsule, Point
+from catseye.calibration.scara.budget import Contributor
 from catseye.calibration.scara.plausibility.bounds import BOUNDS, Bounds
 from catseye.drivers.roles.pose import Range
 from catseye.procedures.kit.bench import Bench, Stand
@@ -96,11 +97,13 @@ class Noise:
         white_mm: differs from distance to distance.
         radial_mm: radial error motions of J1, J2 and J4: they repeat with the angles.
         radial_orders: harmonics of the axis angle that the radial error motions are taken to have.
+        changing: contributors that change with time.
     """
 
     white_mm: float = 0.010
     radial_mm: tuple[float, float, float] = (0.005, 0.005, 0.010)
     radial_orders: int = 5
+    changing: tuple[Contributor, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

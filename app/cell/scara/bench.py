@@ -73,7 +73,8 @@ def _at_height(arm: Arm, j3_mm: float) -> Arm:
 
 def _noise(stated: Uncertainty) -> Noise:
     one, two, four = (1e-3 * stated.radial_um(axis) for axis in ("j1", "j2", "j4"))
-    return Noise(stated.white_um * 1e-3, (one, two, four), stated.radial_orders)
+    changing = tuple(one for one in stated.budget.contributors if one.correlation == "time")
+    return Noise(stated.white_um * 1e-3, (one, two, four), stated.radial_orders, changing)
 
 
 def _bounds(stated: Plausibility) -> Bounds:

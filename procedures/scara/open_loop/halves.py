@@ -26,7 +26,7 @@ class Halves:
         self._plan = plan
         self._time = BenchTime(ctx, plan.duration_s)
         reflectors = tuple(part.reflector for part in plan.reflectors)
-        self._knowledge = Knowledge(ctx, plan.bench, reflectors, plan.rules.stop_at_mdeg)
+        self._knowledge = Knowledge(ctx, plan.bench, reflectors, plan.rules.stop_at_mdeg, plan.n_distances)
         self._counter = CounterWatch(plan.bench)
         self._segments: dict[str, int] = {}
         self._left_out: list[str] = []

@@ -5,7 +5,7 @@ from collections import deque
 
 import numpy as np
 
-from catseye.calibration.scara.live_map import LiveMap, MapKnowledge
+from catseye.calibration.scara.live_map import Changes, LiveMap, MapKnowledge
 from catseye.calibration.scara.radial import RadialBudget
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.live import Live
@@ -29,15 +29,22 @@ class Knowledge:
 
     Args:
         stop_at_mdeg: standard uncertainty of both maps that is good enough to end with; 0 never ends.
+        expected: distances planned; drifts count by the share of them that has passed.
     """
 
     def __init__(
-        self, ctx: Context, bench: ScaraBench, reflectors: tuple[Reflector, ...], stop_at_mdeg: float
+        self,
+        ctx: Context,
+        bench: ScaraBench,
+        reflectors: tuple[Reflector, ...],
+        stop_at_mdeg: float,
+        expected: int,
     ) -> None:
         self._ctx = ctx
         self._stop_at_mdeg = stop_at_mdeg
         self._outside: dict[str, deque[bool]] = {}
         self._warned: set[str] = set()
+        self._number = -1
         self._nodes1_deg, self._nodes2_deg = bench.nodes1_deg, bench.nodes2_deg
         noise = bench.noise
         self._map = LiveMap(
@@ -48,6 +55,7 @@ class Knowledge:
             {reflector.name: (reflector.x_mm, reflector.y_mm) for reflector in reflectors},
             max(noise.white_mm, _LEAST_WHITE_MM),
             RadialBudget(*noise.radial_mm, noise.radial_orders),
+            Changes(noise.changing, expected),
         )
 
     async def take(
@@ -64,6 +72,7 @@ class Knowledge:
 
         Points between the nodes are left out: what lies there is not in the maps, and its size is not known yet.
         """
+        self._number += 1
         if command.theta1_deg not in self._nodes1_deg or command.theta2_deg not in self._nodes2_deg:
             return
         found = self._map.add(
@@ -75,6 +84,7 @@ class Knowledge:
             segment,
             displacement_mm,
             math.radians(mount_deg),
+            self._number,
         )
         if found is None or not fresh:
             return

@@ -111,8 +111,13 @@ class OpenLoopPlan:
 
     @property
     def n_points(self) -> int:
-        """Number of distances."""
+        """Number of points."""
         return sum(len(plan.visits) for plan in (*self.reflectors, *self.turned))
+
+    @property
+    def n_distances(self) -> int:
+        """Number of points and returns."""
+        return self.n_points + sum(len(plan.closures) for plan in (*self.reflectors, *self.turned))
 
 
 def plan_open_loop(

@@ -21,6 +21,7 @@ from catseye.calibration.scara.layout import ModelName
 from catseye.calibration.scara.points import Commands, Points
 from catseye.procedures.kit.records import Row
 from tests.unit.app.store.fakes import RECORDS, TickingClock
+from tests.unit.calibration.scara.drifting import course
 from tests.unit.calibration.scara.paper import (
     NODES1_DEG,
     NODES2_DEG,
@@ -127,7 +128,7 @@ def test_a_drifting_zero_counts_by_what_zeros_leave() -> None:
         added = 0.0
         # Orders 2 and 3 are one octave.
         for order, ratio in ((1, 4.0), (2, 0.5), (3, 0.5)):
-            wave = [math.sqrt(2.0) * math.cos(order * math.pi * j / (COUNT - 1)) for j in range(COUNT)]
+            wave = [course(order, j / (COUNT - 1)) for j in range(COUNT)]
             left = wave[i] - sum(wave[j] for j in together) / len(together)
             added += 0.004**2 * ratio / order**2 / falling * left**2
         assert after.u_mm[i] ** 2 - before.u_mm[i] ** 2 == pytest.approx(added, rel=1e-9)

@@ -220,7 +220,7 @@ async def test_a_beam_lost_on_a_trip_spoils_no_point() -> None:
 
 @pytest.fixture
 def taken(monkeypatch: pytest.MonkeyPatch) -> list[tuple[object, ...]]:
-    """Return what the live map takes in: angles, directions, reflector, segment, displacement, mounting."""
+    """Return what the live map takes in: angles, directions, reflector, segment, displacement, mounting, number."""
     found: list[tuple[object, ...]] = []
     add = LiveMap.add
 
@@ -234,7 +234,8 @@ def taken(monkeypatch: pytest.MonkeyPatch) -> list[tuple[object, ...]]:
 
 async def test_returns_enter_the_live_map(taken: list[tuple[object, ...]]) -> None:
     context = await ran(TroubledContext())
-    assert len(taken) == COUNT + 2
+    assert [values[8] for values in taken] == list(range(COUNT + 2))
+    assert small_plan().n_distances == COUNT + 2
     measured = [row["displacement_mm"] for row in (*rows(context, "points"), *rows(context, "records"))]
     assert sorted(str(values[6]) for values in taken) == sorted(map(str, measured))
 

@@ -26,6 +26,13 @@ CHANGING = Budget((*STILL.contributors, DRIFT, WARMTH))
 ROWS = 1056
 
 
+def course(order: int, share: float) -> float:
+    """Return an order of a drift of rms 1, once a share of the measurement has passed: a line, then cosines."""
+    if order == 1:
+        return math.sqrt(12.0) * (0.5 - share)
+    return math.sqrt(2.0) * math.cos(order * math.pi * share)
+
+
 def autoregressive(rng: np.random.Generator, rms_mm: float, rows: float, count: int = ROWS) -> Floats:
     """Draw a stationary process whose correlation falls to 1/e over so many rows."""
     kept = math.exp(-1.0 / rows)

@@ -8,13 +8,15 @@ from functools import cache
 import numpy as np
 import pytest
 
-from catseye.calibration.core.errors import UnidentifiableError
+from catseye.calibration.core.errors import ArgumentError, UnidentifiableError
 from catseye.calibration.core.types import Floats
+from catseye.calibration.scara.budget import Budget, Contributor
 from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.identification import identify
-from catseye.calibration.scara.live_map import Innovation, LiveMap
+from catseye.calibration.scara.live_map import Changes, Innovation, LiveMap
 from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.radial import RadialBudget
+from tests.unit.calibration.scara.drifting import course
 from tests.unit.calibration.scara.paper import (
     NAMES,
     NODES1_DEG,
@@ -36,8 +38,12 @@ BUDGET = RadialBudget(0.005, 0.005, 0.010)
 PLACES = {name: (float(x), float(y)) for name, (x, y) in zip(NAMES, NOMINAL_REFLECTORS, strict=True)}
 
 
-def live_map(radial: RadialBudget | None = None) -> LiveMap:
-    return LiveMap(NODES1, NODES2, 325.0, 225.0, PLACES, WHITE_MM, radial)
+ZERO = Contributor("zero", "length", 0.005, "time", orders=15, spectrum=(1.0, 2.0, 0.5, 1.0))
+WARMTH = Contributor("warmth", "links", 1e-5, "time", orders=3, spectrum=(1.0, 1.0))
+
+
+def live_map(radial: RadialBudget | None = None, changes: Changes | None = None) -> LiveMap:
+    return LiveMap(NODES1, NODES2, 325.0, 225.0, PLACES, WHITE_MM, radial, changes)
 
 
 def add_row(live: LiveMap, points: Points, row: int) -> Innovation | None:
@@ -127,6 +133,72 @@ def test_it_knows_how_the_interferometer_is_mounted() -> None:
     assert other.u1_rad > 1.2 * first.max()
 
 
+def changing(count: int, rows: int) -> Floats:
+    """Return what independent sources of the zero and of both links do to the first distances, mm, in loops."""
+    truth, effects = random_truth(2), np.zeros((count, 18))
+    octaves = (1.0, 2.0, 2.0, *[0.5] * 4, *[1.0] * 8)
+    shares = [[ratio / k**2 for k, ratio in enumerate(octaves, 1)], [1.0, 1 / 4, 1 / 9]]
+    whole = [sum(1.0 / k**2 for k in range(1, orders + 1)) for orders in (15, 3)]
+    for i in range(count):
+        place = truth.reflectors[i // 352]
+        row = sequence()[i % 352]
+        grown = replace(truth, link1_mm=truth.link1_mm * 1.00001, link2_mm=truth.link2_mm * 1.00001)
+        longer = math.dist(true_position(grown, row), place) - math.dist(true_position(truth, row), place)
+        column = 0
+        for size, parts, total in ((0.005, shares[0], whole[0]), (longer, shares[1], whole[1])):
+            for k, share in enumerate(parts, 1):
+                effects[i, column] = size * math.sqrt(share / total) * course(k, i / (rows - 1))
+                column += 1
+    return effects
+
+
+def dense_u(count: int) -> tuple[float, float]:
+    """Return the largest u of either map from the first distances, by matrices of rows by rows."""
+    effects = changing(count, 1056)
+    reflectors = -(-count // 352)
+    jacobian = np.zeros((count, 40 + 3 * reflectors))
+    for j in range(reflectors):
+        rows = slice(352 * j, min(352 * (j + 1), count))
+        block = derivatives(rows.stop - rows.start, 2, j)
+        jacobian[rows, :40], jacobian[rows, 40 + 3 * j : 43 + 3 * j] = block[:, :40], block[:, 40:]
+    constraint = np.zeros((1, jacobian.shape[1]))
+    constraint[0, 2:24] = 1.0
+    free = np.linalg.svd(constraint)[2][1:].T
+    covariance = WHITE_MM**2 * np.eye(count) + effects @ effects.T
+    reduced = jacobian @ free
+    known = free @ np.linalg.inv(reduced.T @ np.linalg.solve(covariance, reduced)) @ free.T
+    u = np.sqrt(np.diag(known))
+    return float(u[2:24].max()), float(u[24:40].max())
+
+
+@pytest.mark.parametrize("count", [352, 704, 1056])
+def test_what_changes_with_time_counts_as_in_dense_matrices(count: int) -> None:
+    points, live = measured(2, None), live_map(None, Changes((ZERO, WARMTH), 1056))
+    for row in range(count):
+        add_row(live, points, row)
+    known = live.known()
+    # The derivatives are taken at the estimate here and at the truth there.
+    assert (known.u1_rad, known.u2_rad) == pytest.approx(dense_u(count), rel=1e-3)
+
+
+def test_in_the_end_drifts_count_as_in_the_identification() -> None:
+    points, budget = measured(2, BUDGET), radial_motions(BUDGET, learnt=True)
+    live = live_map(BUDGET, Changes((ZERO, WARMTH), len(points)))
+    for row in range(len(points)):
+        add_row(live, points, row)
+    everything = Budget((*budget.contributors, ZERO, WARMTH))
+    found = identify(points, "error-map", NODES1, NODES2, 325.0, 225.0, NOMINAL_REFLECTORS, everything)
+    u = found.standard_uncertainty / math.sqrt(found.fit.variance_ratio)
+    largest = u[found.layout.map1].max(), u[found.layout.map2].max()
+    known = live.known()
+    assert (known.u1_rad, known.u2_rad) == pytest.approx(largest, rel=1e-4)
+
+
+def test_only_what_changes_with_time_is_taken_as_such() -> None:
+    with pytest.raises(ArgumentError, match="noise: no contributor that changes with time"):
+        Changes((Contributor("noise", "length", 0.01),), 10)
+
+
 def test_segments_have_dead_paths_of_their_own() -> None:
     whole = measured(3, None)
     number = np.arange(len(whole)) // 44
@@ -194,10 +266,10 @@ def test_nothing_is_predicted_that_the_points_before_do_not_determine() -> None:
     assert max(found.u_mm for found in innovations if found is not None) < 10.0
 
 
-def derivatives(count: int) -> Floats:
+def derivatives(count: int, seed: int = 7, reflector: int = 0) -> Floats:
     """Return central differences of the first distances by links, tables, place and dead path of one reflector."""
-    truth = random_truth(7)
-    vector = np.array([*truth.table_vector(), *truth.reflectors[0], 0.0])
+    truth = random_truth(seed)
+    vector = np.array([*truth.table_vector(), *truth.reflectors[reflector], 0.0])
 
     def distances(values: Floats) -> Floats:
         tables = np.split(values[2:40], [11, 22, 30])

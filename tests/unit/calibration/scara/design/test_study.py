@@ -17,6 +17,7 @@ from catseye.calibration.scara.design.sight import Sight
 from catseye.calibration.scara.planar import forward
 from tests.unit.calibration.scara.design.cases import RING, SIGMA_MM, SMALL, WHITE, seen_by_all, study
 from tests.unit.calibration.scara.design.dense import LINKS, DenseArm
+from tests.unit.calibration.scara.drifting import course
 from tests.unit.calibration.scara.paper import NODES1_DEG, NODES2_DEG, NOMINAL_REFLECTORS
 
 PAPER = DenseArm(tuple(NODES1_DEG), tuple(NODES2_DEG))
@@ -79,7 +80,7 @@ def test_systematic_contributors_match_the_dense_problem() -> None:
 
 
 def test_drifts_match_the_dense_problem_in_measuring_order() -> None:
-    """Cosines over the rows of each reflector by their definition, for the zero and for both links."""
+    """A line and a cosine over the rows of each reflector, for the zero and for both links."""
     places = RING[[1, 8]]
     zero = Contributor("zero", "length", 0.02, "time", orders=2)
     warmth = Contributor("warmth", "links", 2e-5, "time", orders=1)
@@ -88,10 +89,7 @@ def test_drifts_match_the_dense_problem_in_measuring_order() -> None:
     mine = problem.arm(problem.covariance(information(SMALL, places, budget), systematic=True)).covariance
     blocks = [SMALL.block(place) for place in places]
     n = len(SMALL.rows())
-    first, second = (
-        np.array([math.sqrt(2.0) * math.cos(order * math.pi * i / (n - 1)) for i in range(n)])
-        for order in (1, 2)
-    )
+    first, second = (np.array([course(order, i / (n - 1)) for i in range(n)]) for order in (1, 2))
     # Variances of the zero fall as 1 to 1/4 and add up to u².
     own = [
         np.column_stack(

@@ -16,6 +16,7 @@ from catseye.calibration.scara.reversal import SeparatedOrder, separated_orders
 from catseye.calibration.scara.scans.scan_identification import identify_scan
 from catseye.calibration.scara.scans.source import SlicedPoints
 from tests.unit.calibration.scara import paper
+from tests.unit.calibration.scara.drifting import course
 from tests.unit.calibration.scara.reversal import HALF_TURN, AxisMotion, mounted
 from tests.unit.calibration.scara.scans.scan import scan
 from tests.unit.calibration.scara.scans.test_shared_errors import (
@@ -59,10 +60,8 @@ def processes(points: Points, values: Floats) -> tuple[list[Floats], list[Floats
         columns, (0.004, 4e-6, 1e-5), ((4.0, 0.5, 0.5), (1.0, 2.0), (0.5, 2.0)), strict=True
     ):
         orders = np.arange(1, len(ratios) + 1)
-        courses = np.sqrt(2.0) * np.cos(np.pi * elapsed[:, None] * orders)
-        # A straight line in place of the first cosine.
-        courses[:, 0] = np.sqrt(12.0) * (0.5 - elapsed)
-        effects.append(column * courses)
+        waves = [[course(k, share) for k in range(1, len(ratios) + 1)] for share in elapsed]
+        effects.append(column * np.array(waves))
         falling = 1.0 / orders**2
         sizes.append(u * np.sqrt(np.array(ratios) * falling / falling.sum()))
     return effects, sizes
@@ -88,9 +87,8 @@ def dense(points: Points, found: Identification) -> list[list[float]]:
     for own, size, covariance in zip(effects, sizes, covariances, strict=True):
         sources = own * size
         mean, spread = -sources.T @ off @ residuals, np.eye(size.size) - sources.T @ off @ sources
-        orders = np.arange(1, size.size + 1)
-        change = np.sqrt(2.0) * ((-1.0) ** orders - 1.0) * size
-        change[0] = -np.sqrt(12.0) * size[0]
+        orders = range(1, size.size + 1)
+        change = size * np.array([course(k, 1.0) - course(k, 0.0) for k in orders])
         rms = float(np.sqrt(np.sum((size * mean) ** 2)))
         slope = size**2 * mean / rms
         without = everything - covariance
