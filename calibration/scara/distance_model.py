@@ -10,8 +10,8 @@ from catseye.calibration.core.model import Parameters
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.arm import ArmDesign, arm_design
 from catseye.calibration.scara.between_nodes import MeasuredPlaces
-from catseye.calibration.scara.budget import (
-    Budget,
+from catseye.calibration.scara.budget import Budget
+from catseye.calibration.scara.budget_effects import (
     Geometry,
     combined_white_mm,
     measured_places,

@@ -15,7 +15,8 @@ from catseye.calibration.core.gain import Gain
 from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.source_sums import SourceSums
 from catseye.calibration.core.types import Floats, Ints
-from catseye.calibration.scara.budget import Budget, Contributor, effects, stated_sigma_mm
+from catseye.calibration.scara.budget import Budget, Contributor
+from catseye.calibration.scara.budget_effects import effects, stated_sigma_mm
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.layout import Layout, ModelName

@@ -19,7 +19,8 @@ from catseye.calibration.core.rank import known_variances
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.core.whitening import through_sources
 from catseye.calibration.scara.arm import arm_design
-from catseye.calibration.scara.budget import Budget, Contributor, seen_along, systematic_effects
+from catseye.calibration.scara.budget import Budget, Contributor
+from catseye.calibration.scara.budget_effects import seen_along, systematic_effects
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.planar import require_links
 from catseye.calibration.scara.points import Commands, Points

@@ -13,7 +13,8 @@ import numpy as np
 from catseye.calibration.core.budget import Shared, White
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.arm import arm_design
-from catseye.calibration.scara.budget import IDENTIFIED, Budget, Geometry, shared_errors, white_errors
+from catseye.calibration.scara.budget import IDENTIFIED, Budget
+from catseye.calibration.scara.budget_effects import Geometry, shared_errors, white_errors
 from catseye.calibration.scara.identification import IdentifiedArm, TakenUp
 from catseye.calibration.scara.points import Commands, Points
 

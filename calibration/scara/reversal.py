@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import Contributor, described
+from catseye.calibration.scara.budget import Contributor
+from catseye.calibration.scara.budget_effects import described
 from catseye.calibration.scara.extension import waves
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.known_sources import known_sources

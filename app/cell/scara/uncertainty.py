@@ -8,7 +8,12 @@ from pydantic import Field, StringConstraints, ValidationInfo, model_validator
 from catseye.app.cell.section import RECORD, NotNegative, Section
 from catseye.calibration.air import HE_NE_RELATIVE_U
 from catseye.calibration.core.budget import Distribution
-from catseye.calibration.scara.budget import Budget, Contributor, Correlation, Kind
+from catseye.calibration.scara.budget import (
+    Budget,
+    Contributor,
+    Correlation,
+    Kind,
+)
 
 _UNITS: dict[str, tuple[str, float]] = {
     "length": ("value_um", 1e-3),

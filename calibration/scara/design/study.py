@@ -13,8 +13,8 @@ from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.types import Floats
 from catseye.calibration.core.whitening import Whitening
 from catseye.calibration.scara.arm import ArmDesign, arm_design
-from catseye.calibration.scara.budget import (
-    Budget,
+from catseye.calibration.scara.budget import Budget
+from catseye.calibration.scara.budget_effects import (
     Geometry,
     combined_white_mm,
     seen_along,

@@ -7,7 +7,7 @@ import numpy as np
 
 from catseye.calibration.core.projection import Projection, project
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import Geometry
+from catseye.calibration.scara.budget_effects import Geometry
 from catseye.calibration.scara.extension import Source
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.planar import wrap_rad

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import systematic_effects
+from catseye.calibration.scara.budget_effects import systematic_effects
 from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.plausibility.bounded_fit import BoundedFit, fitted, offsets

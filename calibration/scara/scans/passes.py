@@ -13,7 +13,8 @@ from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.arm import LOCAL, arm_design
 from catseye.calibration.scara.between_nodes import MeasuredPlaces
-from catseye.calibration.scara.budget import Budget, Correlation, stated_sigma_mm
+from catseye.calibration.scara.budget import Budget, Correlation
+from catseye.calibration.scara.budget_effects import stated_sigma_mm
 from catseye.calibration.scara.distance_model import Beams, DistanceModel
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.pointing import beam_turn_rad

@@ -8,7 +8,7 @@ import numpy as np
 from catseye.calibration.core.amplitudes import even_step
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.scara.between_nodes import MeasuredPlaces
-from catseye.calibration.scara.budget import measured_places
+from catseye.calibration.scara.budget_effects import measured_places
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.points import Points, concatenated, short_segments
 from catseye.calibration.scara.scans.source import PointSource

@@ -12,8 +12,10 @@ from catseye.calibration.scara.budget import (
     Budget,
     Contributor,
     Correlation,
-    Geometry,
     Kind,
+)
+from catseye.calibration.scara.budget_effects import (
+    Geometry,
     combined_white_mm,
     effects,
     systematic_effects,

@@ -9,7 +9,8 @@ import pytest
 
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import Budget, Contributor, effects
+from catseye.calibration.scara.budget import Budget, Contributor
+from catseye.calibration.scara.budget_effects import effects
 from catseye.calibration.scara.found_drift import FoundDrift, found_drifts
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.planar import forward

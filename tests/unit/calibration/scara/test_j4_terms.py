@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import Budget, Contributor, Kind, effects
+from catseye.calibration.scara.budget import Budget, Contributor, Kind
+from catseye.calibration.scara.budget_effects import effects
 from catseye.calibration.scara.extension import Term, j4_map
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.uncertainty import draw_estimates

@@ -8,7 +8,8 @@ import pytest
 
 from catseye.calibration.core.errors import UnidentifiableError
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget import Budget, Contributor, effects
+from catseye.calibration.scara.budget import Budget, Contributor
+from catseye.calibration.scara.budget_effects import effects
 from catseye.calibration.scara.extension import Term, j4_map
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.points import Points

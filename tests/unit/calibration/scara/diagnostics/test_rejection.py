@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from catseye.calibration.core.errors import RejectionError
-from catseye.calibration.scara.budget import systematic_effects
+from catseye.calibration.scara.budget_effects import systematic_effects
 from catseye.calibration.scara.diagnostics.rejection import reject
 from catseye.calibration.scara.points import Points
 from catseye.calibration.scara.radial import RadialBudget
