@@ -76,6 +76,12 @@ def test_a_scan_of_two_mountings_gives_the_same_arm(
     assert streamed.scan is not None
     assert streamed.link2_mm.value == pytest.approx(whole.link2_mm.value, abs=1e-6)
     assert streamed.link2_mm.u == pytest.approx(whole.link2_mm.u, rel=1e-6)
+    assert streamed.j4_orders is not None
+    assert whole.j4_orders is not None
+    for scans, table in zip(streamed.j4_orders, whole.j4_orders, strict=True):
+        assert (scans.contributor, scans.order) == (table.contributor, table.order)
+        found = [(part.amplitude_um.value, part.amplitude_um.u) for part in (scans, table)]
+        assert found[0] == pytest.approx(found[1], rel=1e-6)
 
 
 def test_a_forgotten_column_is_refused_with_what_to_state(points: Points, tmp_path: Path) -> None:

@@ -72,6 +72,12 @@ def test_streamed_or_not_the_result_file_is_the_same(
         assert getattr(streamed.fit, name) == getattr(whole.fit, name)
     for name in ("rms_um", "sigma0_um", "chi2_reduced", "chi2_probability", "variance_ratio"):
         assert getattr(streamed.fit, name) == pytest.approx(getattr(whole.fit, name), rel=1e-7)
+    assert streamed.drift is not None
+    assert whole.drift is not None
+    assert [part.contributor for part in streamed.drift] == [part.contributor for part in whole.drift]
+    for scans, tables in zip(streamed.drift, whole.drift, strict=True):
+        found = [(part.rms.value, part.rms.u, part.change.u, part.probability) for part in (scans, tables)]
+        assert found[0] == pytest.approx(found[1], rel=1e-6)
     assert streamed.scan is not None
     assert streamed.scan.n_points == sum(streamed.scan.segments.n_points) == ROWS
     assert re.search(r"Streamed: 3\d\d\d of 9000 residuals", said.err)
