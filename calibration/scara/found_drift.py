@@ -8,7 +8,7 @@ from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.scara.budget import Contributor
 from catseye.calibration.scara.drift_process import courses
 from catseye.calibration.scara.identification import Identification
-from catseye.calibration.scara.known_sources import known_sources, place_of
+from catseye.calibration.scara.known_sources import contributors_asked, known_sources, place_of
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class FoundDrift:
 
 def found_drifts(identified: Identification) -> tuple[FoundDrift, ...]:
     """Return what the contributors that change with time did, as far as distances were asked about them."""
-    systematic = () if identified.budget is None else identified.budget.systematic
+    systematic = contributors_asked(identified)
     asked = (one for one in systematic if one.correlation == "time" and one.spectrum and one.u > 0.0)
     return tuple(_found(identified, one) for one in asked)
 

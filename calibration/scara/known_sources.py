@@ -5,6 +5,13 @@ from catseye.calibration.scara.budget import Contributor
 from catseye.calibration.scara.identification import Identification
 
 
+def contributors_asked(identified: Identification) -> tuple[Contributor, ...]:
+    """Return the systematic contributors; none after a robust loss, which weights rows otherwise than the budget."""
+    if identified.budget is None or identified.fit.robust is not None:
+        return ()
+    return identified.budget.systematic
+
+
 def known_sources(identified: Identification, contributor: Contributor) -> tuple[Floats, Floats]:
     """Return the conditional mean of a contributor's sources, shape (m,), and their covariance, shape (m, m).
 

@@ -13,7 +13,7 @@ from catseye.calibration.scara.budget import Contributor
 from catseye.calibration.scara.budget_effects import described
 from catseye.calibration.scara.extension import waves
 from catseye.calibration.scara.identification import Identification
-from catseye.calibration.scara.known_sources import known_sources
+from catseye.calibration.scara.known_sources import contributors_asked, known_sources
 
 
 @dataclass(frozen=True)
@@ -59,12 +59,11 @@ def separated_orders(identified: Identification) -> tuple[SeparatedOrder, ...]:
 
     Orders that are identified as terms are not among them: they have coefficients of their own.
     """
-    budget = identified.budget
-    if budget is None or not identified.reversed_mountings:
+    if not identified.reversed_mountings:
         return ()
     asked = [
         one
-        for one in budget.systematic
+        for one in contributors_asked(identified)
         if one.axis == "j4" and one.correlation == "axis-angle" and one.u > 0.0
     ]
     return tuple(order for one in asked for order in _orders(identified, one))

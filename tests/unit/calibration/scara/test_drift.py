@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.core.fit_statistics import RobustLoss
 from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Budget, Contributor
 from catseye.calibration.scara.budget_effects import effects
@@ -157,6 +158,13 @@ def test_without_a_contributor_growing_links_go_uncovered() -> None:
         for points, truth in (warmed(seed, 11.5, 0.002) for seed in range(SETS))
     ]
     assert float(np.mean(np.abs(np.concatenate(errors)) < 1.96)) < 0.85
+
+
+def test_a_robust_fit_says_nothing_of_drifts() -> None:
+    found = drifting(300.0)[0][0]
+    assert found_drifts(found)
+    weighted = replace(found.fit, robust=RobustLoss("huber", 10.0, 1.345, 3))
+    assert found_drifts(replace(found, fit=weighted)) == ()
 
 
 def test_no_distances_asked_no_drift_found() -> None:
