@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 
-from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.app.results.scara.design.design import Design, node_uncertainties
 from catseye.app.results.scara.design.layouts import Layout
 from catseye.app.results.scara.design.report import CRITERIA
@@ -98,13 +97,8 @@ def _reversal(reversal: Reversal) -> dict[str, Json]:
 
 
 def _arm(layout: Layout) -> dict[str, Json]:
-    u, arm = layout.u(systematic=True), layout.problem.study.layout
-    return {
-        "u_link1_um": _finite(1e3 * float(u[0])),
-        "u_link2_um": _finite(1e3 * float(u[1])),
-        "u_theta1_mdeg": _finite(MDEG_PER_RAD * float(u[arm.map1].max())),
-        "u_theta2_mdeg": _finite(MDEG_PER_RAD * float(u[arm.map2].max())),
-    }
+    keys = ("u_link1_um", "u_link2_um", "u_theta1_mdeg", "u_theta2_mdeg")
+    return {key: _finite(u) for key, u in zip(keys, layout.u_of_arm(systematic=True), strict=True)}
 
 
 def _layout(layout: Layout) -> dict[str, Json]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from catseye.app.cluster.share import Share
 from catseye.app.errors import UsageError
+from catseye.app.results.numbers import MDEG_PER_RAD
 from catseye.app.results.scara.design.bench_time import BenchCost, bench_cost
 from catseye.app.results.scara.design.problem import PAPER_MM, Problem, with_reflectors
 from catseye.calibration.core.design.criteria import CriterionName, covariances
@@ -68,6 +69,12 @@ class Layout:
             return np.full(self.problem.study.layout.arm_size, np.inf)
         arm = self.problem.study.arm(self.covariance(systematic=systematic))
         return np.sqrt(np.diag(arm.covariance))
+
+    def u_of_arm(self, *, systematic: bool) -> list[float]:
+        """Return the standard uncertainties of both links, µm, and the largest of each map, mdeg."""
+        arm, u = self.problem.study.layout, self.u(systematic=systematic)
+        links = [1e3 * float(value) for value in u[:2]]
+        return links + [MDEG_PER_RAD * float(u[part].max()) for part in (arm.map1, arm.map2)]
 
 
 def layout_of(problem: Problem, name: str, sights: list[Sight]) -> Layout:

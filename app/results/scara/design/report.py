@@ -17,7 +17,6 @@ from catseye.app.results.model import (
 from catseye.app.results.numbers import (
     COUNT,
     DURATION,
-    MDEG_PER_RAD,
     PLAIN,
     counted,
     duration_text,
@@ -153,15 +152,8 @@ def _uncertain(layout: Layout, *, systematic: bool) -> tuple[Cell, ...]:
         layout.name,
         _errors(systematic=systematic),
         *(layout.shown(name, systematic=systematic) for name in CRITERIA),
-        *_of_arm(layout, systematic=systematic),
+        *layout.u_of_arm(systematic=systematic),
     )
-
-
-def _of_arm(layout: Layout, *, systematic: bool) -> list[float]:
-    """Return the standard uncertainties of both links, µm, and the largest of each map, mdeg."""
-    arm, u = layout.problem.study.layout, layout.u(systematic=systematic)
-    links = [1e3 * float(value) for value in u[:2]]
-    return links + [MDEG_PER_RAD * float(u[part].max()) for part in (arm.map1, arm.map2)]
 
 
 def _chosen(design: Design, choice: CommandChoice, *, systematic: bool) -> tuple[Cell, ...]:
@@ -238,7 +230,7 @@ def _reversal(design: Design) -> Section:
         "Standard uncertainties (k = 1) from all errors, the whole plan measured once or twice",
         (Column("layout", "layout"), Column("measured", "measured"), *_ARM),
         tuple(
-            (one.once.name, way, *_of_arm(layout, systematic=True))
+            (one.once.name, way, *layout.u_of_arm(systematic=True))
             for one in design.reversals
             for way, layout in one.ways
         ),
@@ -249,7 +241,7 @@ def _reversal(design: Design) -> Section:
 
 def _worth_text(reversal: Reversal) -> str:
     """Return what the turn brings beyond a second measurement without it."""
-    again, turned = (np.array(_of_arm(one, systematic=True)) for one in (reversal.again, reversal.turned))
+    again, turned = (np.array(one.u_of_arm(systematic=True)) for one in (reversal.again, reversal.turned))
     with np.errstate(invalid="ignore"):
         shares = np.where(np.isfinite(turned), turned / again, 1.0)
     names = ("u(L1)", "u(L2)", "largest u(Δθ1)", "largest u(Δθ2)")
