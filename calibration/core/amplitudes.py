@@ -96,8 +96,12 @@ class Compressed:
     assumed: Bools
 
     @classmethod
-    def of(cls, model: Model, values: Floats) -> "Compressed":
-        """Reduce a model's rows, or evenly spread ones of very many, at parameters of shape (p,)."""
+    def of(cls, model: Model, values: Floats, beside: Floats | None = None) -> "Compressed":
+        """Reduce a model's rows, or evenly spread ones of very many, at parameters of shape (p,).
+
+        Args:
+            beside: further columns that are eliminated with the parameters', mm, shape (n, k).
+        """
         shared, every = model.shared(values), slice(None, None, even_step(model.weights.size))
         whitening = Whitening.of(model.weights, shared)
         weights, effects = whitening.weights[every], whitening.effects[every]
@@ -105,6 +109,8 @@ class Compressed:
         # In the order of Fortran, for LAPACK to work in place: there may be a hundred megabytes of it.
         columns = (model.parameters.basis.T @ jacobian.T).T
         del jacobian
+        if beside is not None:
+            columns = np.hstack([columns, beside[every] * weights[:, None]])
         basis = column_space(columns)
         left = effects - basis @ (basis.T @ effects)
         weighted = model.residuals(values)[every] * weights
@@ -169,6 +175,17 @@ def variance_ratios(rows: Compressed, *, for_test: bool = False) -> Floats:
     share = np.exp(evidence - evidence.max())
     mean = sum(s * one.mean for s, one in zip(share / share.sum(), fits, strict=True))
     return np.asarray(np.where(rows.assumed, mean, np.minimum(mean, _LARGEST)))
+
+
+def log_evidence(rows: Compressed) -> float:
+    """Return the logarithm of how likely rows are, parameters and variances averaged over what the prior allows.
+
+    What does not depend on the shared effects is left out: it compares effects of the same rows.
+    """
+    if not rows.contributor.size:
+        return -restricted_likelihood(rows, np.zeros(0))[0]
+    evidence = [_fitted(rows, spread, for_test=False).evidence for spread in _SPREADS]
+    return float(special.logsumexp(evidence)) - math.log(len(evidence))
 
 
 @dataclass(frozen=True)

@@ -82,5 +82,9 @@ class ReflectorSearch(Procedure):
             ctx.progress((number + 1) * POSE_S, len(plan.poses) * POSE_S, f"search {pose.reflector.name}")
         reported = await look_further(ctx, plan, looks)
         if not checked:
-            await check_counter(ctx, plan, looks)
-        await ctx.step("solve", "Eq. 2 for all reflectors", lambda: solve(ctx, plan, looks, reported))
+            checked = await check_counter(ctx, plan, looks)
+        await ctx.step(
+            "solve",
+            "Eq. 2 for all reflectors",
+            lambda: solve(ctx, plan, looks, reported, counter_shown=checked),
+        )
