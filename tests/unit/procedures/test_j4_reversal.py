@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from catseye.calibration.kinematics.bodies import Box
-from catseye.calibration.scara.live_map import Innovation, LiveMap
+from catseye.calibration.scara.live_map import Innovation, LiveMap, MapKnowledge
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import AlignmentError, PlanError, PlanLimitError
 from catseye.procedures.kit.records import Row
@@ -202,6 +202,19 @@ async def test_the_live_map_knows_how_it_was_mounted(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("catseye.procedures.scara.open_loop.live_knowledge.LiveMap", Watched)
     context = await ran(RemountContext())
     assert seen == pytest.approx(values(points(context), "mount_deg"))
+
+
+async def test_only_the_turned_half_ends_early(monkeypatch: pytest.MonkeyPatch) -> None:
+    good = MapKnowledge(math.radians(1e-3), math.radians(1e-3), "")
+    monkeypatch.setattr("catseye.procedures.scara.open_loop.live_knowledge.LiveMap.known", lambda _self: good)
+    plan = planned(PARAMS.model_copy(update={"stop_at_mdeg": 2.0}))
+    context = await ran(RemountContext(), plan)
+    mount_deg = values(points(context), "mount_deg")
+    assert mount_deg[: 2 * COUNT] == [0.0] * (2 * COUNT)
+    # The turned half ends with its first row of J2: three nodes, from both sides.
+    assert len(mount_deg[2 * COUNT :]) == 6
+    assert all(mount_deg[2 * COUNT :])
+    assert [kind for kind, _ in context.events].count("early-stop") == 1
 
 
 async def test_the_beam_is_aligned_before_it_is_measured_with() -> None:
