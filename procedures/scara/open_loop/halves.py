@@ -55,9 +55,9 @@ class Halves:
                 await self._report_enough()
                 return
 
-    async def remounted(self, plan: RemountPlan) -> Mounting:
-        """Have the interferometer turned and aligned."""
-        return await Remount(self._ctx, self._plan.bench, plan, self._time).guide()
+    def remount(self, plan: RemountPlan) -> Remount:
+        """Return who has the interferometer turned and aligned."""
+        return Remount(self._ctx, self._plan.bench, plan, self._time)
 
     def turned(self, mounting: Mounting) -> tuple[ScaraBench, tuple[ReflectorPlan, ...]]:
         """Return bench and plans of the second half as the interferometer is really mounted."""

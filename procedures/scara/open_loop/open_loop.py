@@ -107,7 +107,9 @@ class OpenLoop(Procedure):
         halves = Halves(ctx, plan)
         await halves.measure(plan.bench, plan.reflectors, last=plan.remount is None)
         if plan.remount is not None:
-            mounting = await halves.remounted(plan.remount)
+            remount = halves.remount(plan.remount)
+            self._turned_deg = await remount.turn()
+            mounting = await remount.align()
             self._turned_deg = mounting.turned_deg
             await halves.measure(*halves.turned(mounting), last=True)
         await halves.judge()
