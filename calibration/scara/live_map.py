@@ -113,8 +113,8 @@ class LiveMap:
     """Links, maps and reflectors of an arm while it is being measured.
 
     A point takes less than a twentieth of an `identify` all over again, and what is known less than a quarter, at
-    1056 points of the paper's layout with 60 radial contributors (tests/benchmarks/test_live_map.py). The default budget's
-    34 sources of what changes with time make a point take half as long again.
+    1056 points of the paper's layout with 60 radial contributors (tests/benchmarks/test_live_map.py). The
+    default budget's 34 sources of what changes with time make a point take half as long again.
     """
 
     def __init__(
