@@ -96,13 +96,16 @@ class Compressed:
     assumed: Bools
 
     @classmethod
-    def of(cls, model: Model, values: Floats, beside: Floats | None = None) -> "Compressed":
+    def of(
+        cls, model: Model, values: Floats, shared: Sequence[Shared], beside: Floats | None = None
+    ) -> "Compressed":
         """Reduce a model's rows, or evenly spread ones of very many, at parameters of shape (p,).
 
         Args:
+            shared: what the rows have in common there.
             beside: further columns that are eliminated with the parameters', mm, shape (n, k).
         """
-        shared, every = model.shared(values), slice(None, None, even_step(model.weights.size))
+        every = slice(None, None, even_step(model.weights.size))
         whitening = Whitening.of(model.weights, shared)
         weights, effects = whitening.weights[every], whitening.effects[every]
         jacobian = model.jacobian(values)[every] * weights[:, None]

@@ -135,7 +135,8 @@ class _Mountings:
         mount = np.zeros(len(points)) if points.mount_rad is None else points.mount_rad
         turned = replace(points, theta4_rad=None, mount_rad=mount + turn_rad * self.later)
         model = distance_model(found.layout, turned.rows(self._asked), self.problem.asked)
-        rows = Compressed.of(model, found.parameters, self._meanwhile)
+        shared = model.shared(found.parameters)
+        rows = Compressed.of(model, found.parameters, shared, self._meanwhile)
         # Errors beyond the stated ones make no angle more certain.
         widened = math.sqrt(max(found.fit.chi2_reduced or 1.0, 1.0))
         return log_evidence(replace(rows, vector=rows.vector / widened))
