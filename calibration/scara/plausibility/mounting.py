@@ -143,9 +143,9 @@ class _Mountings:
 
 
 def _reread(stated_rad: float) -> float | None:
-    """Return a stated angle if its number was in rad; None where it is too large for that."""
+    """Return a stated angle if its number was in rad; None where it is 0 or too large for that."""
     number = math.degrees(stated_rad)
-    return number if abs(number) <= 2.0 * math.pi else None
+    return number if 0.0 < abs(number) <= 2.0 * math.pi else None
 
 
 def _wrapped(angle_rad: float) -> float:

@@ -1,5 +1,6 @@
 """A short way with the beam kept, on which the counter shows its sign and scale."""
 
+import asyncio
 from collections import Counter
 from typing import Final
 
@@ -41,8 +42,11 @@ async def check_counter(ctx: Context, plan: SearchPlan, run: SightingRun) -> boo
         CounterError: its sign or its scale is wrong.
     """
     seen = run.just_seen
-    trip = None if seen is None else _trip(plan, seen, run.sightings)
-    if seen is None or trip is None:
+    if seen is None:
+        return False
+    # Beside the loop: ways from many poses take longer to plan than the guard waits for a sign of life.
+    trip = await asyncio.to_thread(_trip, plan, seen, list(run.sightings))
+    if trip is None:
         return False
 
     async def action() -> Row:
