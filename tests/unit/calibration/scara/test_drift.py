@@ -90,12 +90,12 @@ def test_neighbouring_times_share_more_than_distant_ones() -> None:
     assert far < 0.0
 
 
-def test_time_counts_where_the_points_state_it() -> None:
+def test_a_stated_share_of_the_measurement_counts() -> None:
     points = noisy_points()
     start = np.r_[325.0, 225.0, np.zeros(38), NOMINAL_REFLECTORS.ravel(), 0, 0, 0]
-    timed = replace(points, time_s=np.linspace(0.0, 1.0, ROWS) ** 2)
-    drift = effects(DRIFT, identified(timed).model.geometry(start))[:, 0]
-    # Half of the time has passed at the square root of a half of the rows; there the first cosine is zero.
+    part = replace(points, elapsed=np.linspace(0.0, 1.0, ROWS) ** 2 - 0.5)
+    drift = effects(DRIFT, identified(part).model.geometry(start))[:, 0]
+    # Half of it has passed at the square root of a half of the rows; there the first cosine is zero.
     place = round(math.sqrt(0.5) * (ROWS - 1))
     assert abs(drift[place]) < 0.01 * abs(drift[0])
 
