@@ -96,9 +96,13 @@ class Compressed:
     assumed: Bools
 
     @classmethod
-    def of(cls, model: Model, values: Floats) -> "Compressed":
-        """Reduce a model's rows, or evenly spread ones of very many, at parameters of shape (p,)."""
-        shared, every = model.shared(values), slice(None, None, even_step(model.weights.size))
+    def of(cls, model: Model, values: Floats, shared: Sequence[Shared]) -> "Compressed":
+        """Reduce a model's rows, or evenly spread ones of very many, at parameters of shape (p,).
+
+        Args:
+            shared: what the rows have in common there.
+        """
+        every = slice(None, None, even_step(model.weights.size))
         whitening = Whitening.of(model.weights, shared)
         weights, effects = whitening.weights[every], whitening.effects[every]
         jacobian = model.jacobian(values)[every] * weights[:, None]

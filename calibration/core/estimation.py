@@ -6,11 +6,14 @@ import numpy as np
 
 from catseye.calibration.core.fit_statistics import FitStatistics, fit_statistics
 from catseye.calibration.core.lack_of_fit import WhitenedFit
-from catseye.calibration.core.least_squares import Solution, minimise
+from catseye.calibration.core.least_squares import STEP_TOLERANCE, Solution, minimise
 from catseye.calibration.core.model import Model, whitening_at
 from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.types import Floats
 from catseye.calibration.core.whitening import Whitening
+
+_ROUGH_MM = 0.01
+"""A step that changes residuals by less, rms, ends where shared errors are known to a billionth of themselves."""
 
 
 @dataclass(frozen=True)
@@ -44,19 +47,22 @@ def estimate(model: Model, start: Floats) -> Estimate:
         ConvergenceError: the iteration does not settle.
     """
     parameters = model.parameters
-    solution = _solved(model, start, Whitening.of(model.weights))
-    for _ in range(2):
+    solution = _solved(model, start, Whitening.of(model.weights), None, _ROUGH_MM)
+    whitening = whitening_at(model, solution.parameters)
+    if whitening.effects.shape[1]:
+        solution = _solved(model, solution.parameters, whitening, solution.jacobian, _ROUGH_MM)
         whitening = whitening_at(model, solution.parameters)
-        if whitening.effects.shape[1]:
-            solution = _solved(model, solution.parameters, whitening, solution.jacobian)
+    solution = _solved(model, solution.parameters, whitening, solution.jacobian, STEP_TOLERANCE)
     if not solution.factor.regular.all():
         require_identifiable(parameters, solution.whitening.rows(solution.jacobian))
     return _judged(model, solution)
 
 
-def _solved(model: Model, start: Floats, whitening: Whitening, near: Floats | None = None) -> Solution:
+def _solved(
+    model: Model, start: Floats, whitening: Whitening, near: Floats | None, tolerance_mm: float
+) -> Solution:
     basis, unsettled = model.parameters.basis, model.parameters.unsettled
-    return minimise(model.residuals, model.jacobian, start, basis, whitening, unsettled, near)
+    return minimise(model.residuals, model.jacobian, start, basis, whitening, unsettled, near, tolerance_mm)
 
 
 def _judged(model: Model, solution: Solution) -> Estimate:

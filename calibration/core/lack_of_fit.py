@@ -42,8 +42,7 @@ class WhitenedFit:
     @cached_property
     def square(self) -> float:
         """Sum of squares of the whitened residuals."""
-        whitened = self.whitening.rows(self.residuals_mm)
-        return float(whitened @ whitened)
+        return self.whitening.square(self.residuals_mm)
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ Steps come from the normal equations in scaled columns, which the iteration corr
 from QR and singular values of the Jacobian itself, where squaring would hide a null direction.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -28,6 +29,9 @@ ROUNDING = 1e-12
 
 _SHORT_MM = 1e-6
 """A step that changes residuals by less, rms, leaves the derivatives: they are good to a hundred-millionth."""
+
+_FAST = 0.01
+"""Steps that shrink to less than this from one to the next leave the normal matrix; the gradient must be exact."""
 
 
 @dataclass(frozen=True)
@@ -131,6 +135,7 @@ def minimise(
     whitening: Whitening,
     unsettled: str = "check the starting values",
     near: Floats | None = None,
+    tolerance_mm: float = STEP_TOLERANCE,
 ) -> Solution:
     """Minimise the sum of squares of the whitened residuals.
 
@@ -142,6 +147,7 @@ def minimise(
         whitening: of the residuals.
         unsettled: advice for an iteration that does not settle.
         near: derivatives at a minimum of nearly the same rows, to begin with, shape (n, p).
+        tolerance_mm: end after a step that changes the residuals by less, rms.
 
     Raises:
         ConvergenceError: no convergence within the iteration limit, or no step lowers the residuals.
@@ -149,14 +155,17 @@ def minimise(
     parameters, current = start, residuals(start)
     slopes = jacobian(start) if near is None else near
     matrix = basis.T @ whitening.products(slopes) @ basis
+    before = 0.0 if near is None else math.inf
     for iteration in range(1, MAX_ITERATIONS + 1):
         equations = NormalEquations.of(matrix, slopes.T @ whitening.forces(current), basis)
         parameters, current, change = _improve(residuals, parameters, current, whitening, equations)
-        if change < STEP_TOLERANCE:
+        if change < tolerance_mm:
             return Solution(parameters, current, iteration, jacobian, whitening, basis)
         if change > _SHORT_MM:
             slopes = jacobian(parameters)
+        if change > _FAST * before:
             matrix = basis.T @ whitening.products(slopes) @ basis
+        before = change
     raise ConvergenceError(
         f"no convergence after {MAX_ITERATIONS} iterations (last change {change:.3g} mm rms): {unsettled}"
     )
@@ -203,7 +212,7 @@ def _improve(
     equations: NormalEquations,
 ) -> tuple[Floats, Floats, float]:
     """Return better parameters, their residuals and the rms change of the residuals."""
-    cost = _cost(current, whitening)
+    cost = whitening.square(current)
     damping = 0.0
     for _ in range(30):
         step = equations.step(damping)
@@ -212,7 +221,7 @@ def _improve(
             change = float(np.sqrt(np.mean((trial - current) ** 2)))
             # At the minimum rounding decides whether the cost still falls; the gradient is better than that.
             rounding = 0.0 if damping else ROUNDING * cost
-            if _cost(trial, whitening) < cost + rounding or (change < STEP_TOLERANCE and damping == 0.0):
+            if whitening.square(trial) < cost + rounding or (change < STEP_TOLERANCE and damping == 0.0):
                 return parameters + step, trial, change
             if change < STEP_TOLERANCE:
                 return parameters, current, change
@@ -220,12 +229,6 @@ def _improve(
     raise ConvergenceError(
         "the residuals do not fall in any direction; look for rows that are not finite or mixed up"
     )
-
-
-def _cost(residuals: Floats, whitening: Whitening) -> float:
-    whitened = whitening.rows(residuals)
-    cost = float(whitened @ whitened)
-    return cost if np.isfinite(cost) else np.inf
 
 
 def _column_norms(matrix: Floats) -> Floats:

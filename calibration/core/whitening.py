@@ -35,22 +35,28 @@ class Whitening:
         return cls(weights, stacked(shared, weights.size) * weights[:, None])
 
     @cached_property
-    def _spectrum(self) -> tuple[Floats, Floats]:
-        """Return √(1 + eigenvalues of FᵀF), shape (m,), and the eigenvectors, shape (m, m)."""
-        values, vectors = linalg.eigh(self.effects.T @ self.effects, check_finite=False)
-        return np.sqrt(1.0 + np.maximum(values, 0.0)), vectors
+    def _sources(self) -> Floats:
+        """Return FᵀF, shape (m, m)."""
+        return np.asarray(self.effects.T @ self.effects, dtype=np.float64)
 
     @cached_property
     def _core(self) -> Floats:
         """Return K with V^(-1/2) = I − F K Fᵀ, shape (m, m)."""
-        root, vectors = self._spectrum
+        values, vectors = linalg.eigh(self._sources, check_finite=False)
+        root = np.sqrt(1.0 + np.maximum(values, 0.0))
         return np.asarray((vectors / (root * (root + 1.0))) @ vectors.T, dtype=np.float64)
+
+    @cached_property
+    def _triangle(self) -> Floats:
+        """Return the lower triangle R of I + FᵀF = R Rᵀ, shape (m, m)."""
+        identity = np.eye(len(self._sources))
+        return np.asarray(linalg.cholesky(self._sources + identity, lower=True, check_finite=False))
 
     @cached_property
     def reach(self) -> Floats:
         """A with V⁻¹ = I − A Aᵀ: what the shared sources take of a row, shape (n, m)."""
-        root, vectors = self._spectrum
-        return np.asarray(self.effects @ (vectors / root), dtype=np.float64)
+        taken = linalg.solve_triangular(self._triangle, self.effects.T, lower=True, check_finite=False)
+        return np.asarray(taken.T, dtype=np.float64)
 
     def rows(self, columns_mm: Floats) -> Floats:
         """Return whitened columns, V^(-1/2) W times columns of shape (n,) or (n, k)."""
@@ -67,16 +73,33 @@ class Whitening:
         """Return the inverse of the rows' covariance times columns in mm, of shape (n,) or (n, k)."""
         weighted = (columns_mm.T * self.weights).T
         if self.effects.shape[1]:
-            weighted -= self.reach @ (self.reach.T @ weighted)
-        weighted = (weighted.T * self.weights).T
-        return np.asarray(weighted, dtype=np.float64)
+            weighted -= self.effects @ self._sources_behind(weighted)
+        return np.asarray((weighted.T * self.weights).T, dtype=np.float64)
+
+    def square(self, residuals_mm: Floats) -> float:
+        """Return the sum of squares of the whitened residuals, of shape (n,).
+
+        It is what is left beside the likeliest sources, and these: nothing that is large cancels.
+        """
+        weighted = residuals_mm * self.weights
+        if not self.effects.shape[1]:
+            return float(weighted @ weighted)
+        sources = self._sources_behind(weighted)
+        left = weighted - self.effects @ sources
+        return float(left @ left + sources @ sources)
+
+    def _sources_behind(self, weighted: Floats) -> Floats:
+        """Return the likeliest sources of weighted columns of shape (n,) or (n, k), shape (m,) or (m, k)."""
+        sources = linalg.cho_solve((self._triangle, True), self.effects.T @ weighted, check_finite=False)
+        return np.asarray(sources, dtype=np.float64)
 
     def products(self, columns_mm: Floats) -> Floats:
         """Return the sums of products of whitened columns of shape (n, k), shape (k, k)."""
         weighted = columns_mm * self.weights[:, None]
         if not self.effects.shape[1]:
             return np.asarray(weighted.T @ weighted, dtype=np.float64)
-        taken = self.reach.T @ weighted
+        known = self.effects.T @ weighted
+        taken = linalg.solve_triangular(self._triangle, known, lower=True, check_finite=False)
         return np.asarray(weighted.T @ weighted - taken.T @ taken, dtype=np.float64)
 
 

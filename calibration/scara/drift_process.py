@@ -9,6 +9,7 @@ over the measurement is none of its business: zeros and links are what they are 
 
 import numpy as np
 
+from catseye.calibration.core.budget import harmonics
 from catseye.calibration.core.types import Floats, Ints
 
 
@@ -32,7 +33,6 @@ def courses(elapsed: Floats, orders: int) -> Floats:
     Returns:
         One column an order, shape (n, orders).
     """
-    phase = np.pi * (elapsed + 0.5)[:, None] * np.arange(1.0, orders + 1.0)
-    columns = np.sqrt(2.0) * np.cos(phase)
+    columns = np.sqrt(2.0) * harmonics(np.pi * (elapsed + 0.5), orders)[:, ::2]
     columns[:, 0] = -np.sqrt(12.0) * elapsed
     return np.asarray(columns, dtype=np.float64)

@@ -248,9 +248,10 @@ def with_spectra(
         values: an estimate, shape (p,).
         for_test: take the variances that a test needs, not those of an uncertainty.
     """
-    if not any(one.open for one in budget.systematic):
+    shared = distances.shared(values)
+    if all(one.part is None for one in shared):
         return budget
-    compressed = Compressed.of(distances, values)
+    compressed = Compressed.of(distances, values, shared)
     ratios = variance_ratios(compressed, for_test=for_test)
     asked = () if distances.budget is None else distances.budget.systematic
     spectra = {one: tuple(ratios[compressed.contributor == k].tolist()) for k, one in enumerate(asked)}

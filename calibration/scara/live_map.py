@@ -112,10 +112,9 @@ class MapKnowledge:
 class LiveMap:
     """Links, maps and reflectors of an arm while it is being measured.
 
-    Measured by tests/benchmarks/test_live_map.py on a busy machine, at 1056 points of the paper's layout with 60
-    radial contributors: a point 0.26 ms in the median, what is known 3.8 ms with derivatives taken anew (0.5 ms
-    without), `identify` all over again 11 to 15 ms. The default budget's 34 sources of what changes with time make a
-    point take half as long again.
+    A point takes less than a twentieth of an `identify` all over again, and what is known less than a quarter, at
+    1056 points of the paper's layout with 60 radial contributors (tests/benchmarks/test_live_map.py). The
+    default budget's 34 sources of what changes with time make a point take half as long again.
     """
 
     def __init__(

@@ -168,7 +168,7 @@ def test_parameters_that_the_taken_rows_leave_open_are_none(monkeypatch: pytest.
     matrix[:, 4] = matrix[:, 0] + matrix[:, 3]
     weights = rng.uniform(0.5, 2.0, ROWS)
     rows = Lines(matrix, rng.normal(size=ROWS), weights, rng.normal(size=(ROWS, 4)))
-    found = Compressed.of(rows, np.zeros(5))
+    found = Compressed.of(rows, np.zeros(5), rows.shared(np.zeros(5)))
     some, weight = matrix[::3], weights[::3, None]
     off = np.eye(40) - (weight * some) @ np.linalg.pinv(weight * some)
     effects = weight * rows.effects_mm[::3]

@@ -44,6 +44,19 @@ def test_forces_are_those_of_the_inverse_covariance() -> None:
     assert whitening().forces(columns) == pytest.approx(linalg.inv(COVARIANCE) @ columns, rel=1e-8)
 
 
+def test_squares_and_products_are_those_of_the_inverse_covariance() -> None:
+    columns = RNG.normal(size=(ROWS, 3))
+    products = columns.T @ linalg.inv(COVARIANCE) @ columns
+    assert whitening().products(columns) == pytest.approx(products, rel=1e-9)
+    assert whitening().square(columns[:, 0]) == pytest.approx(products[0, 0], rel=1e-9)
+
+
+def test_nothing_cancels_in_a_square_beside_huge_sources() -> None:
+    huge = Whitening.of(WEIGHTS, (Shared("scale", 1e6 * EFFECTS[:, :1]),))
+    # What lies along the source costs its own size only: one standard deviation of it is 1, however large.
+    assert huge.square(1e6 * EFFECTS[:, 0]) == pytest.approx(1.0, rel=1e-9)
+
+
 def test_without_sources_rows_are_weighted() -> None:
     column = RNG.normal(size=ROWS)
     assert Whitening.of(WEIGHTS).rows(column) == pytest.approx(column * WEIGHTS)
