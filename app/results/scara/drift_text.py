@@ -42,7 +42,9 @@ def _text(part: DriftPart) -> str:
     ends = f"{number(abs(change), _ONE)} ± {number(part.change.u, _ONE)} {unit}"
     match part.kind:
         case "links":
-            what = f"The links {'grew' if change > 0.0 else 'shrank'} by {ends} from first to last row ({rms})"
+            what = (
+                f"The links {'grew' if change > 0.0 else 'shrank'} by {ends} from first to last row ({rms})"
+            )
             where = "the result states their mean, and predictions count it as uncertain"
         case "scale":
             what = f"The scale of the distances drifted by {rms} during the measurement"
