@@ -85,7 +85,9 @@ def pauses() -> Course:
 
 def undisturbed() -> Course:
     """Return a run without any pause, for comparison."""
-    return Course(np.linspace(0.0, ROW_S * (COUNT - 1), COUNT), np.zeros(COUNT), SERIES, SERIES, in_sequence(SERIES))
+    return Course(
+        np.linspace(0.0, ROW_S * (COUNT - 1), COUNT), np.zeros(COUNT), SERIES, SERIES, in_sequence(SERIES)
+    )
 
 
 def warmed(since_s: Floats, growth: float, constant_s: float) -> Floats:
