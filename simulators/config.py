@@ -171,7 +171,7 @@ class Remounting:
     turn_deg: float = 1.0
     offset_mm: float = 0.5
     pitch_mrad: float = 0.8
-    height_mm: float = 0.1
+    height_mm: float = 0.9
     ahead_mm: float = 0.5
 
 

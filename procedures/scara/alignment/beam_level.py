@@ -17,12 +17,7 @@ from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import numbers_of
 from catseye.procedures.scara import texts
 from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw, ScrewRounds
-from catseye.procedures.scara.beam.beam_scan import (
-    find_height,
-    find_return,
-    half_window_deg,
-    scan_offsets_deg,
-)
+from catseye.procedures.scara.beam.beam_scan import find_at_heights, find_height, half_window_deg
 from catseye.procedures.scara.before import COUNTER, LEVELLING, REFLECTORS
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
@@ -278,20 +273,13 @@ class _Rounds(ScrewRounds):
         self, pose: SearchPose, nearer: list[_Found], before: _Found | None, change_mrad: float
     ) -> _Found:
         """Find the return from a pose in J4 and in height, from the likeliest height outwards."""
-        optics, (low, high) = self._bench.optics, self._plan.j3_range_mm
+        low, high = self._plan.j3_range_mm
         around_deg, half_range_deg = self._direction(pose, nearer, before)
         likely = min(max(self._likely_mm(pose, nearer, before, change_mrad), low), high)
-        for offset in scan_offsets_deg(high - low, 1.4 * optics.acceptance_mm):
-            if not low <= likely + offset <= high:
-                continue
-            start = (pose.theta1_deg, pose.theta2_deg, likely + offset, around_deg)
-            half_window = half_window_deg(optics.acceptance_mm, pose.beam_mm)
-            limits = self._bench.j4_limits_deg
-            window = await find_return(
-                self._ctx, start, half_range_deg, half_window, limits, optics.signal_min
-            )
-            if window is not None:
-                return await self._centred(pose, (*start[:3], window.centre_deg))
+        start = (pose.theta1_deg, pose.theta2_deg, likely, around_deg)
+        at = await find_at_heights(self._ctx, start, half_range_deg, pose.beam_mm, self._bench, (low, high))
+        if at is not None:
+            return await self._centred(pose, at)
         raise BeamLostError(
             f"reflector {pose.reflector.name} does not return the beam at θ1 = {pose.theta1_deg:g}°, "
             f"θ2 = {pose.theta2_deg:g}° ({pose.beam_mm:.0f} mm away) at any height of J3 from {low:g} to {high:g} "

@@ -28,6 +28,9 @@ _BESIDE = 0.25
 _TRIES = 3
 """Something that passes through the beam while an edge is looked for feigns an edge: both are looked for again."""
 
+_WIDTHS = (1.0, 0.4)
+"""Of the return window, as shares of the full one: a beam at the wrong height has a narrower one."""
+
 _NAMES: dict[int, tuple[str, str]] = {_J3: ("J3", "mm"), _J4: ("J4", "deg")}
 
 
@@ -132,6 +135,46 @@ async def find_return(
     scan = _Scan(ctx, pose, _J4, j4_limits_deg, half_window, signal_min)
     window = await scan.search(half_range_deg)
     return None if window is None else ReturnWindow(*window)
+
+
+async def find_narrow_return(
+    ctx: Context, pose: Pose, half_range_deg: float, beam_mm: float, bench: ScaraBench
+) -> ReturnWindow | None:
+    """Do the same for a beam that may be as far too high or low as the acceptance allows."""
+    optics, limits = bench.optics, bench.j4_limits_deg
+    half_window = half_window_deg(optics.acceptance_mm, beam_mm)
+    for width in _WIDTHS:
+        window = await find_return(ctx, pose, half_range_deg, width * half_window, limits, optics.signal_min)
+        if window is not None:
+            return window
+    return None
+
+
+async def find_at_heights(
+    ctx: Context,
+    pose: Pose,
+    half_range_deg: float,
+    beam_mm: float,
+    bench: ScaraBench,
+    j3_range_mm: tuple[float, float],
+) -> Pose | None:
+    """Turn J4 about a pose at its height and, outwards from there, at others until the beam returns.
+
+    Returns:
+        The pose with J4 in the middle of the window; None when the beam does not return at any height of the range.
+    """
+    optics, (low, high) = bench.optics, j3_range_mm
+    half_window = half_window_deg(optics.acceptance_mm, beam_mm)
+    for offset in scan_offsets_deg(high - low, 1.4 * optics.acceptance_mm):
+        start = with_joint(pose, _J3, pose[_J3] + offset)
+        if not low <= start[_J3] <= high:
+            continue
+        window = await find_return(
+            ctx, start, half_range_deg, half_window, bench.j4_limits_deg, optics.signal_min
+        )
+        if window is not None:
+            return with_joint(start, _J4, window.centre_deg)
+    return None
 
 
 async def find_height(

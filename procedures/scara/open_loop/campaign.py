@@ -293,7 +293,9 @@ class ReflectorCampaign:
 
     async def _row_done(self, visit: Visit) -> bool:
         fresh, self._row_is_fresh = self._row_is_fresh, False
-        return await self._knowledge.row_done(self._name, visit.command, fresh=fresh)
+        return await self._knowledge.row_done(
+            self._name, visit.command, self._rules.stop_at_mdeg, fresh=fresh
+        )
 
     def _passed(self, planned_s: float, text: str) -> None:
         extra_s = self._follower.extra_s - self._counted_s

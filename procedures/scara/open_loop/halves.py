@@ -26,19 +26,21 @@ class Halves:
         self._plan = plan
         self._time = BenchTime(ctx, plan.duration_s)
         reflectors = tuple(part.reflector for part in plan.reflectors)
-        self._knowledge = Knowledge(ctx, plan.bench, reflectors, plan.rules.stop_at_mdeg, plan.n_distances)
+        self._knowledge = Knowledge(ctx, plan.bench, reflectors, plan.n_distances)
         self._counter = CounterWatch(plan.bench)
         self._segments: dict[str, int] = {}
         self._left_out: list[str] = []
         self._visited = 0
 
-    async def measure(self, bench: ScaraBench, parts: tuple[ReflectorPlan, ...]) -> bool:
-        """Measure reflectors; return whether the maps are known so well that nothing more is needed.
+    async def measure(self, bench: ScaraBench, parts: tuple[ReflectorPlan, ...], *, last: bool) -> None:
+        """Measure reflectors.
 
         Args:
             bench: as the interferometer is mounted.
+            last: no other half follows, so it may end as soon as the maps are known well enough.
         """
-        plan = replace(self._plan, bench=bench)
+        rules = self._plan.rules
+        plan = replace(self._plan, bench=bench, rules=rules if last else replace(rules, stop_at_mdeg=0.0))
         for part in parts:
             name = part.reflector.name
             segment = self._segments.get(name, -1)
@@ -51,12 +53,11 @@ class Halves:
             self._visited += len(part.visits)
             if enough:
                 await self._report_enough()
-                return True
-        return False
+                return
 
-    async def remounted(self, plan: RemountPlan) -> Mounting:
-        """Have the interferometer turned and aligned."""
-        return await Remount(self._ctx, self._plan.bench, plan, self._time).guide()
+    def remount(self, plan: RemountPlan) -> Remount:
+        """Return who has the interferometer turned and aligned."""
+        return Remount(self._ctx, self._plan.bench, plan, self._time)
 
     def turned(self, mounting: Mounting) -> tuple[ScaraBench, tuple[ReflectorPlan, ...]]:
         """Return bench and plans of the second half as the interferometer is really mounted."""

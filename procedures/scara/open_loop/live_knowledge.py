@@ -28,7 +28,6 @@ class Knowledge:
     """Takes the points of a run in, fresh and stored ones, and reports what they are good for.
 
     Args:
-        stop_at_mdeg: standard uncertainty of both maps that is good enough to end with; 0 never ends.
         expected: distances planned; drifts count by the share of them that has passed.
     """
 
@@ -37,11 +36,9 @@ class Knowledge:
         ctx: Context,
         bench: ScaraBench,
         reflectors: tuple[Reflector, ...],
-        stop_at_mdeg: float,
         expected: int,
     ) -> None:
         self._ctx = ctx
-        self._stop_at_mdeg = stop_at_mdeg
         self._outside: dict[str, deque[bool]] = {}
         self._warned: set[str] = set()
         self._number = -1
@@ -114,14 +111,15 @@ class Knowledge:
             "was moved needs a new search and a new run; if nothing was, the arm does not repeat: diagnose shows more"
         )
 
-    async def row_done(self, reflector: str, command: Command, *, fresh: bool) -> bool:
+    async def row_done(self, reflector: str, command: Command, stop_at_mdeg: float, *, fresh: bool) -> bool:
         """Report how well the maps are known after a row of J2; return whether that is good enough to end with.
 
         Args:
             command: last one of the row.
+            stop_at_mdeg: standard uncertainty of both maps that is good enough; 0 never is.
             fresh: a point of the row was measured now.
         """
-        if not fresh and not self._stop_at_mdeg:
+        if not fresh and not stop_at_mdeg:
             return False
         known = self._map.known()
         u1_mdeg, u2_mdeg = _mdeg(known.u1_rad), _mdeg(known.u2_rad)
@@ -136,17 +134,13 @@ class Knowledge:
                 u_theta2_mdeg=u2_mdeg,
                 text=text,
             )
-            self._show("Δθ1", u1_mdeg, text)
-            self._show("Δθ2", u2_mdeg, text)
-        if u1_mdeg is None or u2_mdeg is None or not self._stop_at_mdeg:
+            for name, u_mdeg in (("Δθ1", u1_mdeg), ("Δθ2", u2_mdeg)):
+                if u_mdeg is not None:
+                    high = stop_at_mdeg or None
+                    self._ctx.show(Live(f"largest u({name})", u_mdeg, "mdeg", high=high, text=text))
+        if u1_mdeg is None or u2_mdeg is None or not stop_at_mdeg:
             return False
-        return max(u1_mdeg, u2_mdeg) <= self._stop_at_mdeg
-
-    def _show(self, name: str, u_mdeg: float | None, text: str) -> None:
-        if u_mdeg is not None:
-            self._ctx.show(
-                Live(f"largest u({name})", u_mdeg, "mdeg", high=self._stop_at_mdeg or None, text=text)
-            )
+        return max(u1_mdeg, u2_mdeg) <= stop_at_mdeg
 
 
 def _mdeg(u_rad: float | None) -> float | None:

@@ -51,7 +51,8 @@ class OpenLoopParams(BaseModel):
         0.0,
         ge=0.0,
         le=100.0,
-        description="largest standard uncertainty of both maps to stop early at, mdeg; 0 never",
+        description="largest standard uncertainty of both maps to stop early at, mdeg; 0 never; with j4_reversal in "
+        "the turned half alone",
     )
 
 
@@ -104,11 +105,13 @@ class OpenLoop(Procedure):
         for text in plan.warnings:
             await ctx.warn(text)
         halves = Halves(ctx, plan)
-        enough = await halves.measure(plan.bench, plan.reflectors)
-        if plan.remount is not None and not enough:
-            mounting = await halves.remounted(plan.remount)
+        await halves.measure(plan.bench, plan.reflectors, last=plan.remount is None)
+        if plan.remount is not None:
+            remount = halves.remount(plan.remount)
+            self._turned_deg = await remount.turn()
+            mounting = await remount.align()
             self._turned_deg = mounting.turned_deg
-            await halves.measure(*halves.turned(mounting))
+            await halves.measure(*halves.turned(mounting), last=True)
         await halves.judge()
 
     async def teardown(self, ctx: Context) -> None:

@@ -5,7 +5,6 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
 from typing import Final
 
-from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import AlignmentError, BeamLostError
 from catseye.procedures.kit.live import Live
@@ -15,21 +14,15 @@ from catseye.procedures.kit.stored import number_of
 from catseye.procedures.kit.tasks import MountInterferometer
 from catseye.procedures.scara.alignment.beam_level import fitted_height, levelling
 from catseye.procedures.scara.alignment.beam_to_j4 import centring
-from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
+from catseye.procedures.scara.beam.beam_scan import find_narrow_return, signal_live
 from catseye.procedures.scara.beam.nests import Nests
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.arrival import Arrival
 from catseye.procedures.scara.open_loop.remount_plan import HALF_TURN_DEG, MOST_OFF_DEG, RemountPlan
-from catseye.procedures.scara.search.search_plan import SearchPose
+from catseye.procedures.scara.open_loop.turned_beam import DOUBT_MM, Seen, TurnedBeam
 
 _TRIES: Final = 3
 """So often hands are sent before it is given up."""
-
-_STRIDES: Final = (1.0, 0.4)
-"""Steps of the scan in half widths of the return window: a beam at the wrong height has a narrower one."""
-
-_DOUBT_MM: Final = 3.0
-"""What a place that was searched may be wrong by at most, for the range of a scan."""
 
 _HEIGHT_SHARE: Final = 0.1
 """Of the acceptance: a beam that lies higher or lower by less is measured with as it is."""
@@ -60,22 +53,42 @@ class Remount:
         self._bench = bench
         self._plan = plan
         self._time = time
-        self._asked = False
+        self._beam = TurnedBeam(ctx, bench, plan)
+        self._seen_mm = bench.j3_mm
+        self._stands = False
+        self._looked = False
 
-    async def guide(self) -> Mounting:
-        """Have the interferometer turned and its beam aligned; what is done already is not asked for again.
+    async def turn(self) -> float:
+        """Have the interferometer turned; what is done already is not asked for again.
+
+        Returns:
+            Its angle as far as a beam shows it that is not aligned yet.
 
         Raises:
-            AlignmentError: it was not turned, is not turned any more, or the beam could not be aligned.
+            AlignmentError: it was not turned, or is not turned any more.
+        """
+        name = self._plan.pose.reflector.name
+        await self._ctx.step(
+            "turned/stand", f"arm where the turned beam meets {name}", self._begun(self._stand)
+        )
+        row = await self._ctx.step(
+            "turned/mount", "interferometer turned by half a turn", self._begun(self._mount)
+        )
+        turned_deg, self._seen_mm = number_of(row, "turned_deg"), number_of(row, "j3_mm")
+        await self._ctx.remounted(turned_deg)
+        if not self._looked:
+            await self._require_turned()
+        return turned_deg
+
+    async def align(self) -> Mounting:
+        """Have the beam of the turned interferometer aligned; what is done already is not asked for again.
+
+        Raises:
+            AlignmentError: the beam could not be aligned.
             BeamLostError: the beam is lost during the alignment.
         """
-        turned = await self._ctx.step(
-            "turned/mount", "interferometer turned by half a turn", self._begun(self._turned)
-        )
-        if not self._asked:
-            await self._ctx.remounted(number_of(turned, "turned_deg"))
-            await self._require_turned()
-        level = await levelling(self._ctx, self._plan.level, alone=False).align()
+        level_plan = replace(self._plan.level, bench=replace(self._plan.level.bench, j3_mm=self._seen_mm))
+        level = await levelling(self._ctx, level_plan, alone=False).align()
         stage_plan = replace(
             self._plan.stage, bench=replace(self._plan.stage.bench, j3_mm=self._height_mm(level))
         )
@@ -99,40 +112,51 @@ class Remount:
 
     async def _require_turned(self) -> None:
         """Look whether the interferometer is still turned: whoever interrupted the run may have put it back."""
-        j4_deg = await self._stood()
-        if await self._sought(j4_deg) is None:
+        await self._stand()
+        seen = await self._beam.look(self._seen_mm)
+        if not seen.turned:
             raise AlignmentError(
-                f"{await self._trouble(None)}. It was turned before the interruption: mount it so again, then go on "
-                "with catseye resume; if its seat was touched, start a new run"
+                f"{seen.trouble}. It was turned before the interruption: mount it so again, then go on with catseye "
+                "resume; if its seat was touched, start a new run"
             )
 
-    async def _stood(self) -> float:
-        """Stand where the turned beam meets the reflector; return J4 there."""
-        pose = self._plan.pose
-        await Nests(self._ctx, self._bench).place(pose.reflector, target=self._at(pose.j4_deg))
-        await Arrival(self._ctx, self._bench).at(self._at(pose.j4_deg))
-        return pose.j4_deg
+    async def _stand(self) -> Row:
+        """Stand where the turned beam meets the reflector."""
+        if not self._stands:
+            await Nests(self._ctx, self._bench).place(self._plan.pose.reflector, target=self._beam.stand)
+            await Arrival(self._ctx, self._bench).at(self._beam.stand)
+        self._stands = True
+        return {"reflector": self._plan.pose.reflector.name}
 
-    async def _turned(self) -> Row:
+    async def _mount(self) -> Row:
         """Send hands, and look where the beam comes back."""
-        self._asked = True
-        pose, trouble = self._plan.pose, ""
-        await self._stood()
+        self._looked = True
+        seen = Seen(self._plan.pose.reflector.name, None, self._bench.j3_mm)
+        if not self._stands:
+            # Whoever was asked before the interruption may have turned it since.
+            await self._stand()
+            seen = await self._beam.look(self._bench.j3_mm)
         for number in range(1, _TRIES + 1):
-            await self._ask(number)
-            # The beam is looked for where a good mounting has it.
-            await self._ctx.remounted(HALF_TURN_DEG)
-            window = await self._sought(pose.j4_deg)
-            turned_deg = None if window is None else HALF_TURN_DEG + pose.j4_deg - window.centre_deg
-            if turned_deg is not None and abs(turned_deg - HALF_TURN_DEG) <= MOST_OFF_DEG:
-                return {"turned_deg": turned_deg}
-            trouble = await self._trouble(turned_deg)
-            await self._ctx.warn(trouble)
-            await self._ctx.move(self._at(pose.j4_deg))
+            if not seen.turned:
+                seen = await self._tried(number)
+        if seen.turned:
+            return {"turned_deg": seen.turned_deg, "j3_mm": seen.j3_mm}
         raise AlignmentError(
-            f"the interferometer was not turned by half a turn after {_TRIES} tries; at last: {trouble}. All points "
-            "so far are kept: go on with catseye resume"
+            f"the interferometer was not turned by half a turn after {_TRIES} tries; at last: {seen.trouble}. All "
+            "points so far are kept: go on with catseye resume"
         )
+
+    async def _tried(self, number: int) -> Seen:
+        """Send hands once; return what they have done."""
+        await self._ask(number)
+        # Until its beam is found it is taken to be mounted as it was asked for.
+        await self._ctx.remounted(HALF_TURN_DEG)
+        seen = await self._beam.look(self._bench.j3_mm)
+        if not seen.turned:
+            await self._ctx.warn(seen.trouble)
+        if seen.former_deg is not None:
+            await self._ctx.remounted(0.0)
+        return seen
 
     async def _ask(self, number: int) -> None:
         pose = self._plan.pose
@@ -145,7 +169,7 @@ class Remount:
                 f"where its beam then meets {pose.reflector.name}: the signal comes back.",
                 task=MountInterferometer(turned_deg=HALF_TURN_DEG),
                 motion=True,
-                target=self._at(pose.j4_deg),
+                target=self._beam.stand,
             ),
             self._watch,
         )
@@ -157,51 +181,6 @@ class Remount:
 
     async def _watch(self) -> Live:
         return signal_live((await self._ctx.beam()).signal, self._bench.optics.signal_min)
-
-    async def _sought(self, j4_deg: float) -> ReturnWindow | None:
-        """Look for the beam of the interferometer where it is turned, about an angle of J4."""
-        return await self._found(self._plan.pose, self._at(j4_deg), self._plan.level.params.half_range_deg)
-
-    async def _found(self, pose: SearchPose, at: Pose, half_range_deg: float) -> ReturnWindow | None:
-        optics = self._bench.optics
-        half_window = half_window_deg(optics.acceptance_mm, pose.beam_mm)
-        for stride in _STRIDES:
-            window = await find_return(
-                self._ctx,
-                at,
-                half_range_deg,
-                stride * half_window,
-                self._bench.j4_limits_deg,
-                optics.signal_min,
-            )
-            if window is not None:
-                return window
-        return None
-
-    async def _trouble(self, turned_deg: float | None) -> str:
-        """Return what is wrong with a mounting.
-
-        Args:
-            turned_deg: as far as it was found turned; None where the beam was not found.
-        """
-        name, former_deg = self._plan.pose.reflector.name, self._plan.former_j4_deg
-        if turned_deg is not None:
-            more_deg = HALF_TURN_DEG - turned_deg
-            way = "anticlockwise" if more_deg > 0.0 else "clockwise"
-            return (
-                f"the interferometer is turned by {turned_deg:.1f}°: turn it by {abs(more_deg):.1f}° {way}, as "
-                "seen from above"
-            )
-        if former_deg is not None and await self._sought(former_deg) is not None:
-            return (
-                f"the interferometer is not turned: its beam returns from {name} at J4 = {former_deg:.1f}°, where "
-                "it did before; turn it by half a turn"
-            )
-        return (
-            f"the beam returns from {name} neither where an interferometer turned by half a turn has it nor where it "
-            "was before: look that it is turned by 180°, that its seat is clean, so that the beam keeps its height, "
-            "and that nothing stands in the beam"
-        )
 
     def _height_mm(self, level: Row) -> float:
         """Return the height at which the levelled beam meets the reflectors."""
@@ -222,13 +201,13 @@ class Remount:
         """Look from all over the workspace where the aligned beam comes back: its angle is what fits them best."""
         near, j3_mm, offset_mm = self._plan.stage.pose, self._height_mm(level), number_of(stage, "value")
         shift_deg = number_of(stage, "j4_deg") - near.j4_deg
-        doubt_deg = math.degrees(_DOUBT_MM / near.beam_mm)
+        doubt_deg = math.degrees(DOUBT_MM / near.beam_mm)
         off, weight, nests = 0.0, 0.0, Nests(self._ctx, self._bench)
         for pose in self._plan.sights:
             at = (pose.theta1_deg, pose.theta2_deg, j3_mm, pose.j4_deg + shift_deg)
             await nests.place(pose.reflector, target=at)
             await Arrival(self._ctx, replace(self._bench, j3_mm=j3_mm)).at(at)
-            window = await self._found(pose, at, doubt_deg)
+            window = await find_narrow_return(self._ctx, at, doubt_deg, pose.beam_mm, self._bench)
             if window is not None:
                 # A beam that passes the axis on its left is aimed to the right of what its angle says. What is aimed
                 # wrong misses in proportion to the length of the beam.
@@ -246,7 +225,3 @@ class Remount:
             "offset_mm": offset_mm,
             "pitch_mrad": number_of(level, "value"),
         }
-
-    def _at(self, j4_deg: float) -> Pose:
-        pose = self._plan.pose
-        return (pose.theta1_deg, pose.theta2_deg, self._bench.j3_mm, j4_deg)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from catseye.calibration.kinematics.bodies import Box
-from catseye.calibration.scara.live_map import Innovation, LiveMap
+from catseye.calibration.scara.live_map import Innovation, LiveMap, MapKnowledge
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import AlignmentError, PlanError, PlanLimitError
 from catseye.procedures.kit.records import Row
@@ -204,13 +204,26 @@ async def test_the_live_map_knows_how_it_was_mounted(monkeypatch: pytest.MonkeyP
     assert seen == pytest.approx(values(points(context), "mount_deg"))
 
 
+async def test_only_the_turned_half_ends_early(monkeypatch: pytest.MonkeyPatch) -> None:
+    good = MapKnowledge(math.radians(1e-3), math.radians(1e-3), "")
+    monkeypatch.setattr("catseye.procedures.scara.open_loop.live_knowledge.LiveMap.known", lambda _self: good)
+    plan = planned(PARAMS.model_copy(update={"stop_at_mdeg": 2.0}))
+    context = await ran(RemountContext(), plan)
+    mount_deg = values(points(context), "mount_deg")
+    assert mount_deg[: 2 * COUNT] == [0.0] * (2 * COUNT)
+    # The turned half ends with its first row of J2: three nodes, from both sides.
+    assert len(mount_deg[2 * COUNT :]) == 6
+    assert all(mount_deg[2 * COUNT :])
+    assert [kind for kind, _ in context.events].count("early-stop") == 1
+
+
 async def test_the_beam_is_aligned_before_it_is_measured_with() -> None:
     context = await ran(RemountContext())
     assert abs(context.offset_mm) < 0.1
     assert abs(context.pitch_mrad) < 0.2
     order = [step for step in context.ran if not step.startswith(("P", "turned/P"))]
-    assert order[0] == "turned/mount"
-    assert order[1] == "level/1/measure"
+    assert order[:2] == ["turned/stand", "turned/mount"]
+    assert order[2] == "level/1/measure"
     assert order[-1] == "turned/result"
     assert context.ran.index("turned/result") < context.ran.index("turned/P1/0000")
     kinds = {row.get("quantity") for table, row in context.rows if table == "records"}
@@ -282,6 +295,66 @@ async def test_a_run_goes_on_wherever_the_turning_stopped(last: str) -> None:
     assert len(rows) == 2 * COUNT - sum(step.startswith("turned/P") for step in done)
     assert set(values(rows, "mount_deg")) == {later.mountings[-1]}
     assert later.mountings[-1] == pytest.approx(178.75, abs=0.05)
+
+
+def interrupted(whole: RemountContext, last: str) -> RemountContext:
+    """Return the bench of a run that was interrupted after a step, as it is in the end."""
+    steps = list(whole.stored.items())
+    return RemountContext(
+        stored=dict(steps[: list(whole.stored).index(last) + 1]),
+        resumed=True,
+        theta40_deg=whole.theta40_deg,
+        offset_mm=whole.offset_mm,
+        pitch_mrad=whole.pitch_mrad,
+        height_mm=whole.height_mm,
+    )
+
+
+@pytest.mark.parametrize("after", [(0.0, 3.0, 1.2), (0.0, 5.0, 1.6), (0.0, -2.0, -3.0)])
+async def test_a_turned_beam_at_another_height_is_found_again(after: tuple[float, float, float]) -> None:
+    whole = await ran(RemountContext(after=after))
+    later = await ran(interrupted(whole, "turned/P1/0005"))
+    assert mounts(later) == []
+    assert len(points(later)) == 2 * COUNT - 6
+
+
+@pytest.mark.parametrize("height_mm", [-3.0, -1.3, 1.2, 2.1])
+async def test_a_beam_that_comes_back_higher_or_lower_is_found(height_mm: float) -> None:
+    context = await ran(RemountContext(after=(0.4, 0.9, height_mm)))
+    assert mounts(context) == ["mount/1"]
+    assert context.warnings == [context.warnings[-1]]
+    assert len(points(context)) == 4 * COUNT
+
+
+async def test_hands_that_were_done_are_not_sent_again() -> None:
+    whole = await ran(RemountContext())
+    later = await ran(interrupted(whole, "turned/stand"))
+    assert mounts(later) == []
+    assert len(points(later)) == 2 * COUNT
+
+
+async def test_hands_that_were_not_done_are_sent_again() -> None:
+    whole = await ran(RemountContext())
+    before = interrupted(whole, "turned/stand")
+    later = await ran(RemountContext(stored=before.stored, resumed=True))
+    assert mounts(later) == ["mount/1"]
+    assert later.warnings == [later.warnings[-1]]
+    assert len(points(later)) == 2 * COUNT
+
+
+async def test_a_failed_alignment_says_how_the_interferometer_is_mounted() -> None:
+    context = RemountContext(answers={"level/1": "no"})
+    with pytest.raises(AlignmentError, match="did not turn the level screw"):
+        await ran(context)
+    assert re.search(r"stays turned by 178\.[5-9]°", context.warnings[-1])
+
+
+async def test_a_return_of_another_reflector_is_not_taken_for_it() -> None:
+    # As seen from where the arm stands P2 is 83.5° anticlockwise of P1: as P1 would with 186.5°.
+    context = await ran(RemountContext(off_deg=lambda number: 90.0 if number == 1 else 0.0))
+    assert mounts(context) == ["mount/1", "mount/2"]
+    assert "another reflector answers" in context.warnings[0]
+    assert len(points(context)) == 4 * COUNT
 
 
 async def test_a_carried_reflector_is_asked_for_in_both_halves() -> None:
