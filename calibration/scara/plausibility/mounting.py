@@ -26,7 +26,7 @@ def forgotten_mounting(problem: Problem, found: Identification) -> MountingForgo
     """
     points, misfit = found.points, found.fit.chi2_reduced
     row = _second_pass(points)
-    if misfit is None or misfit < _MISFIT or row is None or not _follows_j4(problem):
+    if misfit is None or misfit < _MISFIT or row is None or not _shows_j4(problem):
         return None
     mount = np.where(np.arange(len(points)) < row, 0.0, np.pi)
     # Uncertainties that follow from the budget follow anew.
@@ -47,9 +47,8 @@ def forgotten_mounting(problem: Problem, found: Identification) -> MountingForgo
     return MountingForgotten(name, segment, row if found.rows is None else int(found.rows[row]))
 
 
-def _follows_j4(problem: Problem) -> bool:
-    shared = () if problem.budget is None else problem.budget.systematic
-    return problem.model == "error-map" and any(one.axis == "j4" and one.u > 0.0 for one in shared)
+def _shows_j4(problem: Problem) -> bool:
+    return problem.model == "error-map" and problem.budget is not None and problem.budget.follows_j4
 
 
 def _second_pass(points: Points) -> int | None:
