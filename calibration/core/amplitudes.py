@@ -21,6 +21,7 @@ from catseye.calibration.core.errors import ConvergenceError
 from catseye.calibration.core.least_squares import column_space
 from catseye.calibration.core.model import Model
 from catseye.calibration.core.residuals import NORMAL_MAD
+from catseye.calibration.core.source_sums import beside_others
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.core.whitening import Whitening
 
@@ -243,7 +244,7 @@ def _mean_of_assumed(rows: Compressed, logarithms: Floats, place: int, centre: f
     What rows allow ends on the side of large variances, while small ones are all alike to them.
     """
     tried = centre + _ASSUMED * np.linspace(-3.0, 6.0, _TRIED)
-    size, pull = beside_others(rows, logarithms, place)
+    size, pull = beside_other_components(rows, logarithms, place)
     grown = np.exp(tried)[:, None] * size
     likelihood = 0.5 * np.sum(np.log1p(grown) - np.exp(tried)[:, None] * pull**2 / (1.0 + grown), axis=1)
     values = likelihood + 0.5 * ((tried - centre) / _ASSUMED) ** 2
@@ -251,19 +252,17 @@ def _mean_of_assumed(rows: Compressed, logarithms: Floats, place: int, centre: f
     return float(weights @ np.exp(tried) / weights.sum())
 
 
-def beside_others(rows: Compressed, logarithms: Floats, place: int) -> tuple[Floats, Floats]:
+def beside_other_components(rows: Compressed, logarithms: Floats, place: int) -> tuple[Floats, Floats]:
     """Return what rows say of one component's sources beside all others, along its principal directions.
 
     Returns:
         Eigenvalues of FᵀQF and the parts of FᵀQr along its eigenvectors, Q without the component, shape (k,) each.
     """
     own = rows.component == place
-    half = np.where(own, 0.0, np.sqrt(rows.variances(logarithms)))
-    factor = linalg.cho_factor(np.eye(half.size) + half[:, None] * rows.matrix * half, lower=True)
-    others = linalg.cho_solve(factor, half[:, None] * np.column_stack([rows.matrix[:, own], rows.vector]))
-    left = (rows.matrix[own] * half) @ others
-    size, directions = linalg.eigh(rows.matrix[np.ix_(own, own)] - left[:, :-1])
-    return np.maximum(size, 0.0), directions.T @ (rows.vector[own] - left[:, -1])
+    scale = np.where(own, 1.0, np.sqrt(rows.variances(logarithms)))
+    left, pulls, _ = beside_others(scale[:, None] * rows.matrix * scale, scale * rows.vector, own)
+    size, directions = linalg.eigh(left)
+    return np.maximum(size, 0.0), directions.T @ pulls
 
 
 def _raised(variance: Floats) -> Floats:

@@ -49,7 +49,7 @@ def mounting_mistake(problem: Problem, found: Identification) -> MountingMistake
     Args:
         problem: that the identification solves.
     """
-    if not _follows_j4(problem):
+    if not _shows_j4(problem):
         return None
     try:
         mountings = _Mountings.of(problem, found)
@@ -152,9 +152,8 @@ def _wrapped(angle_rad: float) -> float:
     return math.remainder(angle_rad, 2.0 * math.pi)
 
 
-def _follows_j4(problem: Problem) -> bool:
-    shared = () if problem.budget is None else problem.budget.systematic
-    return problem.model == "error-map" and any(one.axis == "j4" and one.u > 0.0 for one in shared)
+def _shows_j4(problem: Problem) -> bool:
+    return problem.model == "error-map" and problem.budget is not None and problem.budget.follows_j4
 
 
 def _other_mounting(points: Points) -> Bools | None:

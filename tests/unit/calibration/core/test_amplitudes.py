@@ -9,7 +9,7 @@ from scipy import linalg, stats
 from catseye.calibration.core import amplitudes
 from catseye.calibration.core.amplitudes import (
     Compressed,
-    beside_others,
+    beside_other_components,
     restricted_likelihood,
     variance_ratios,
 )
@@ -51,7 +51,7 @@ def test_the_likelihood_is_that_of_the_contrasts() -> None:
 
 def test_one_component_beside_the_others_has_their_likelihood() -> None:
     rows, at = compressed(RNG.normal(size=ROWS)), np.array([0.3, -0.4, 0.9])
-    size, pull = beside_others(rows, at, 1)
+    size, pull = beside_other_components(rows, at, 1)
 
     def alone(logarithm: float) -> float:
         grown = np.exp(logarithm) * size
