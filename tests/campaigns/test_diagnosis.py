@@ -176,7 +176,7 @@ def test_faults_are_found_as_often_as_stated(name: str) -> None:
 
 
 @pytest.mark.timeout(60 + 20 * SETS)
-def test_a_jump_of_the_zero_is_no_growth_of_the_links() -> None:
+def test_a_jump_is_no_growth_of_links() -> None:
     """30 µm, as a slip of the counter makes, from a row on to the end of its segment."""
     sets, seen = max(SETS // 10, 1), Counter[str]()
     for seed in range(sets):
