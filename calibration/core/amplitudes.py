@@ -3,9 +3,10 @@
 A budget says how large an error is on the whole, not how it is spread over its harmonics; a generalised least squares
 that trusts a wrong spectrum is not honest. The variance of each component (a contributor's harmonic) is therefore
 estimated by restricted maximum likelihood, on a logarithmic scale relative to what is stated, with a prior in which
-all components, those of one contributor, and each alone may differ from it. How far they may is itself averaged over
-a few scales, weighted by their evidence (Laplace's approximation). What is returned is the mean variance of each
-component: it exceeds the likeliest one by what the rows leave open, so that the uncertainties stay honest.
+all components, those of one contributor, and each alone may differ from it, and in which all spectra may fall with the
+order alike. How far they may is itself averaged over a few scales, weighted by their evidence (Laplace's
+approximation). What is returned is the mean variance of each component: it exceeds the likeliest one by what the rows
+leave open, so that the uncertainties stay honest.
 """
 
 import math
@@ -30,6 +31,10 @@ _SPREADS = (0.15, 0.5, 1.0, 2.0)
 
 _TOGETHER, _OF_CONTRIBUTOR = 1.5, 0.7
 """How far all components, and those of one contributor, differ together, in units of what each does alone."""
+
+_ALIKE = 2.0
+"""How steeply all spectra fall or rise alike, in the same units for each e-fold of the order. Where rows do not show an
+order of one axis, its other orders and the other axes then say what to expect."""
 
 _ASSUMED = 2.5
 """How far a variance may differ from one that is merely assumed, e-folds."""
@@ -272,8 +277,18 @@ def _raised(variance: Floats) -> Floats:
 
 def _prior(rows: Compressed, spread: float) -> Floats:
     same, stated = rows.contributor[:, None] == rows.contributor, ~rows.assumed
-    prior = spread**2 * (_TOGETHER**2 + _OF_CONTRIBUTOR**2 * same + np.eye(stated.size))
+    falling = _falling(rows.contributor)
+    alike = _TOGETHER**2 + _ALIKE**2 * np.outer(falling, falling)
+    prior = spread**2 * (alike + _OF_CONTRIBUTOR**2 * same + np.eye(stated.size))
     return np.asarray(prior * np.outer(stated, stated) + np.diag(_ASSUMED**2 * rows.assumed))
+
+
+def _falling(contributor: Ints) -> Floats:
+    """Return minus the logarithms of the components' orders, of mean 0 in each contributor, shape (k,)."""
+    first = np.searchsorted(contributor, contributor)
+    logarithms = -np.log1p(np.arange(contributor.size) - first)
+    means = np.bincount(contributor, logarithms) / np.maximum(np.bincount(contributor), 1)
+    return np.asarray(logarithms - means[contributor], dtype=np.float64)
 
 
 def restricted_likelihood(rows: Compressed, logarithms: Floats) -> tuple[float, Floats, Floats]:
