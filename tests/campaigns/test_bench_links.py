@@ -2,7 +2,7 @@
 
 True arms and radial error motions are the bench's own, scatter, warming and scale those of its budget; the network
 and the beam are left out. Half of the first harmonic of a motion turns with the link and lengthens it, which no
-distance shows. The bench's motions fall with the order and have none of that half; the budget expects an even spread.
+distance shows. The bench's motions fall with the order; the budget expects an even spread.
 
 `CATSEYE_LINK_SETS` sets how many arms [60].
 """

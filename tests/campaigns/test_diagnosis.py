@@ -78,11 +78,29 @@ class FaultyArm(Arm):
         self.motions[2] = self.motions[2] * fault.j4_share
         self._phases = np.random.default_rng([seed, 17]).uniform(0.0, 2.0 * math.pi, 8)
         self._measured = 0
+        drawn = np.random.default_rng([seed, 18])
+        self._warmth, self._drift = (self._process(drawn, orders) for orders in (3, 31))
+
+    def _process(self, rng: np.random.Generator, orders: int) -> list[float]:
+        """Return what changes with time at each distance: a line and cosines, 1 rms as an average over arms."""
+        sizes = rng.normal(size=orders) / np.arange(1, orders + 1)
+        sizes /= math.sqrt(sum(k**-2 for k in range(1, orders + 1)))
+        last = len(NAMES) * len(SEQUENCE) - 1
+        return [
+            float(sizes[0]) * math.sqrt(12.0) * (i / last - 0.5)
+            + sum(
+                math.sqrt(2.0) * float(sizes[k - 1]) * math.cos(math.pi * k * i / last)
+                for k in range(2, orders + 1)
+            )
+            for i in range(last + 1)
+        ]
 
     def stands(self, one: float, two: float, s1: int, s2: int, beam_to: complex | None) -> complex:
         """Return where the J4 axis comes to rest at the next command of the sequence."""
         fault, first, both = self.fault, math.radians(one), math.radians(one + two)
         grown = 1.0 + fault.growth * (self._measured / (len(NAMES) * len(SEQUENCE) - 1) - 0.5)
+        grown += 2e-6 * self._warmth[self._measured]
+        drifted = 2e-3 * self._drift[self._measured]
         self._measured += 1
         a = self._joint(0, one, s1) + math.radians(1e-3 * fault.periodic_mdeg) * math.sin(
             36 * first + self._phases[7]
@@ -94,7 +112,7 @@ class FaultyArm(Arm):
         axis += self._motion(0, first) + cmath.rect(1.0, first) * self._motion(1, math.radians(two))
         axis += cmath.rect(1.0, both) * self._motion(2, beam - both)
         longer = sum(math.cos(k * (beam - both) + self._phases[k]) for k in range(2, 7))
-        axis -= cmath.rect(1e-3 * fault.j4_um * longer, beam)
+        axis -= cmath.rect(1e-3 * fault.j4_um * longer + drifted, beam)
         return axis + complex(*self.rng.normal(0.0, 0.010, 2))
 
 
