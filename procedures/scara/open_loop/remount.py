@@ -113,9 +113,8 @@ class Remount:
     async def _require_turned(self) -> None:
         """Look whether the interferometer is still turned: whoever interrupted the run may have put it back."""
         await self._stand()
-        seen = await self._beam.look(self._seen_mm)
+        seen = await self._look(self._seen_mm)
         if not seen.turned:
-            await self._disproved(seen)
             raise AlignmentError(
                 f"{seen.trouble}. It was turned before the interruption: mount it so again, then go on with catseye "
                 "resume; if its seat was touched, start a new run"
@@ -137,7 +136,7 @@ class Remount:
         else:
             # Whoever was asked before the interruption may have turned it since.
             await self._stand()
-            tried, seen = 0, await self._beam.look(self._bench.j3_mm)
+            tried, seen = 0, await self._look(self._bench.j3_mm)
         for number in range(tried + 1, _TRIES + 1):
             if not seen.turned:
                 seen = await self._tried(number, seen.trouble)
@@ -157,24 +156,25 @@ class Remount:
         await self._ask(number, trouble)
         # Until its beam is found it is taken to be mounted as it was asked for.
         await self._known(HALF_TURN_DEG)
-        seen = await self._beam.look(self._bench.j3_mm)
+        seen = await self._look(self._bench.j3_mm)
         if not seen.turned:
             await self._ctx.warn(seen.trouble)
-            await self._disproved(seen)
         return seen
 
     async def _known(self, turned_deg: float) -> None:
         self.turned_deg = turned_deg
         await self._ctx.remounted(turned_deg)
 
-    async def _disproved(self, seen: Seen) -> None:
-        """Take note of a mounting that is not as it has to be, where the beam shows how it is."""
+    async def _look(self, likely_mm: float) -> Seen:
+        """Look for the beam, and take note of a mounting that is not as it has to be."""
+        seen = await self._beam.look(likely_mm)
         if seen.former_deg is not None:
             await self._known(0.0)
-        elif seen.again and seen.turned_deg is not None:
+        elif seen.again and seen.turned_deg is not None and not seen.turned:
             await self._known(seen.turned_deg)
-        else:
+        elif not seen.turned:
             self.turned_deg = 0.0
+        return seen
 
     async def _ask(self, number: int, trouble: str) -> None:
         pose = self._plan.pose

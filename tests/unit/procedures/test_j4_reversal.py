@@ -276,6 +276,19 @@ async def test_a_mounting_given_up_on_is_stated_as_it_is() -> None:
     assert context.mountings[-1] == pytest.approx(171.0, abs=0.5)
 
 
+async def test_a_resume_asks_for_what_the_mounting_lacks() -> None:
+    whole = await ran(RemountContext())
+    before = interrupted(whole, "turned/stand")
+    later = replace(before, theta40_deg=171.0, answers={"mount/1": "no"})
+    with pytest.raises(AlignmentError, match="was not turned"):
+        await ran(later)
+    (prompt,) = (one for one in later.prompts if isinstance(one.task, MountInterferometer))
+    assert re.match(
+        r"The interferometer is turned by 171\.\d°: turn it by [89]\.\d° anticlockwise", prompt.text
+    )
+    assert re.search(r"stays turned by 171\.\d°", later.warnings[-1])
+
+
 async def test_a_beam_that_returns_nowhere_is_named() -> None:
     context = RemountContext(off_deg=lambda _number: -70.0)
     with pytest.raises(AlignmentError, match=r"after 3 tries.*neither where .* nor where it\s*was before"):
