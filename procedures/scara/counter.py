@@ -90,7 +90,11 @@ def _text(scale: CounterScale, count: int) -> str:
     faults = []
     if abs(factor - 1.0) > SCALE_BOUND:
         unit = unit_of(factor)
-        like = "" if unit is None else f" (as if {_CONFUSED.get(unit, f'{unit} were read as mm')})"
+        like = (
+            ", unless link1_mm and link2_mm of the cell are those of another arm"
+            if unit is None
+            else f", as if {_CONFUSED.get(unit, f'{unit} were read as mm')}"
+        )
         faults.append(f"gives {1.0 / factor:.4g} mm where the beam changes by 1 mm{like}")
     if scale.mm_per_unit < 0.0:
         faults.append("falls where the beam grows longer: its sign is reversed")

@@ -189,10 +189,10 @@ class Remount:
                 id=f"mount/{number}",
                 kind="confirm",
                 text=f"{what}, within {MOST_OFF_DEG:g}°, with its cable free, step back, then confirm. The arm "
-                f"stands where its beam then meets {pose.reflector.name}: the signal comes back.",
+                f"stands where its beam then meets {pose.reflector.name}: the signal comes back. Then it looks for "
+                "the beam with J4, also from elsewhere and at other heights.",
                 task=MountInterferometer(turned_deg=HALF_TURN_DEG),
                 motion=True,
-                target=self._beam.stand,
             ),
             self._watch,
         )

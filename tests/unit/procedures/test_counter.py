@@ -53,13 +53,13 @@ class SkippingContext(MiscountingContext):
 
 FACTORS = {
     "its sign is reversed": -1.0,
-    r"as if m were read as mm, or mm as µm\)": 1e-3,
+    r"as if m were read as mm, or mm as µm \(from": 1e-3,
     "as if inches were read as mm": 1.0 / 25.4,
     "as if µm were read as mm, or nm as µm": 1e3,
-    r"as if counts of λ/4 were read as mm\)": 1.0 / 158.2e-6,
+    r"as if counts of λ/4 were read as mm \(from": 1.0 / 158.2e-6,
     "gives 1.05 mm where": 1.05,
     "gives 0.95": 0.95,
-    r"mm as µm\) and falls": -1e-3,
+    "mm as µm and falls": -1e-3,
 }
 
 

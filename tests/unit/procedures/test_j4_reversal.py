@@ -234,7 +234,9 @@ async def test_the_arm_waits_where_the_turned_beam_returns() -> None:
     context = await ran(RemountContext(off_deg=lambda _number: 0.1))
     (prompt,) = (one for one in context.prompts if isinstance(one.task, MountInterferometer))
     assert prompt.motion
-    assert prompt.target is not None
+    # It looks for the beam then, from more than one pose: no single target says where the arm goes.
+    assert prompt.target is None
+    assert "looks for the beam" in prompt.text
     assert prompt.task == MountInterferometer(turned_deg=180.0)
     # Beside the question hands see the signal come back when it is turned as it should be.
     assert context.dark_before == [True]

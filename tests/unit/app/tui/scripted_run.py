@@ -39,9 +39,9 @@ TURNED: Final[dict[str, Any]] = {
     "id": "mount/1",
     "text": "Take the interferometer off the flange of J4, mount it turned by half a turn (180°) about the J4 axis, "
     "within 5°, with its cable free, step back, then confirm. The arm stands where its beam then meets P1: the "
-    "signal comes back.",
+    "signal comes back. Then it looks for the beam with J4, also from elsewhere and at other heights.",
     "task": {"do": "mount-interferometer", "turned_deg": 180.0},
-    "target": [-37.5, 20.0, 50.0, 159.57],
+    "target": None,
 }
 
 REHEARSAL: Final = Done(
