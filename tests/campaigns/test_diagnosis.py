@@ -174,7 +174,7 @@ POWER: dict[str, tuple[Fault, float, str, float]] = {
     "crosstalk of 3 mdeg": (Fault(crosstalk_mdeg=3.0), 1.0, "crosstalk", 0.0),
     "crosstalk of 8 mdeg": (Fault(crosstalk_mdeg=8.0), 1.0, "crosstalk", 0.9),
     "links that grow by 11.5 ppm": (Fault(growth=11.5e-6), 1.0, "thermal drift", 0.0),
-    "links that grow by 46 ppm": (Fault(growth=46e-6), 1.0, "thermal drift", 0.9),
+    "links that grow by 46 ppm": (Fault(growth=46e-6), 1.0, "thermal drift", 0.6),
     "36 periods of 12 mdeg in a turn of J1": (Fault(periodic_mdeg=12.0), 1.0, "periodic", 0.0),
 }
 """Fault, what is stated of J4 over the default, the model that is to be found, and the least share that finds it."""
