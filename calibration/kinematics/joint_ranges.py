@@ -1,0 +1,47 @@
+"""Ranges of an arm's joints: whole turns that bring a joint into its range, and what is said of one outside."""
+
+import numpy as np
+
+from catseye.calibration.kinematics.chain import Chain
+from catseye.calibration.kinematics.types import Bools, Floats
+
+_ROUNDING = 1e-6
+"""deg or mm beyond the end of a range that a calculated joint may lie."""
+
+
+def ranges_of(chain: Chain) -> tuple[Floats, Floats]:
+    """Return the smallest and the largest value of each joint, deg or mm, shape (joints,) each."""
+    low, high = np.array([(joint.low, joint.high) for joint in chain.joints]).T
+    return low, high
+
+
+def turned_nearest(q: Floats, reference: Floats, low: Floats, high: Floats) -> Floats:
+    """Return angles with the whole turns that bring them nearest to a reference within their range.
+
+    An angle of which no turn is in the range is returned beyond the end of the range that it is nearest to.
+
+    Args:
+        q: deg, any shape.
+        reference: deg, broadcast against the angles, as are the ends of the range.
+        low: smallest, deg.
+        high: largest, deg.
+    """
+    turned = q + 360.0 * np.round((reference - q) / 360.0)
+    turned = turned + 360.0 * np.ceil(np.maximum(low - _ROUNDING - turned, 0.0) / 360.0)
+    turned = turned - 360.0 * np.ceil(np.maximum(turned - high - _ROUNDING, 0.0) / 360.0)
+    other = turned + 360.0
+    nearer = (turned < low - _ROUNDING) & (other - high < low - turned)
+    return np.where(nearer, other, turned)
+
+
+def within(q: Floats, low: Floats, high: Floats) -> Bools:
+    """Return whether joints are in their ranges, but for rounding, of the broadcast shape."""
+    return (q >= low - _ROUNDING) & (q <= high + _ROUNDING)
+
+
+def beyond_text(chain: Chain, pose: Floats) -> str:
+    """Return which joint of a pose is farthest beyond its range, shape (joints,), and by how much."""
+    low, high = ranges_of(chain)
+    first = int(np.argmax(np.maximum(low - pose, pose - high)))
+    joint, unit = chain.joints[first], "deg" if chain.joints[first].kind == "revolute" else "mm"
+    return f"{joint.name} would be at {pose[first]:.6g} {unit}, outside {joint.low:g}…{joint.high:g} {unit}"
