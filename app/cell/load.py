@@ -10,6 +10,7 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from catseye.app.cell.arm import is_path
 from catseye.app.cell.model import Cell
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import document_text, parse_toml, read_document
@@ -49,6 +50,7 @@ def load_cell(path: Path) -> LoadedCell:
     raw = read_document(path, f"there is no such file; write one with: catseye init {path}")
     text = document_text(raw, path)
     data = parse_toml(text, path)
+    _find_arm(data, path)
     try:
         cell = Cell.model_validate(data)
     except ValidationError as error:
@@ -58,6 +60,14 @@ def load_cell(path: Path) -> LoadedCell:
             faults += f"\n  and {len(found) - _MOST_FAULTS} further faults"
         raise ConfigError(f"the cell file cannot be used:\n{faults}") from error
     return LoadedCell(cell, path, hashlib.sha256(raw).hexdigest(), _origins(cell, data, ""))
+
+
+def _find_arm(data: dict[str, Any], path: Path) -> None:
+    """Put the whole path of an arm's description in place of one that is relative to the cell file."""
+    robot = data.get("robot")
+    arm = robot.get("arm") if isinstance(robot, dict) else None
+    if isinstance(robot, dict) and isinstance(arm, str) and is_path(arm):
+        robot["arm"] = str((path.parent / arm).absolute())
 
 
 def _sentence(path: Path, text: str, fault: ErrorDetails) -> str:
