@@ -15,7 +15,7 @@ from catseye.calibration.kinematics.solution import Inverse
 from catseye.calibration.kinematics.spherical_wrist import SphericalWrist
 from catseye.calibration.kinematics.types import Floats
 
-_AT_ONCE = 4000
+_AT_ONCE = 2000
 """Poses that are solved together: memory stays bounded, and arrays in the cache."""
 
 

@@ -26,12 +26,20 @@ def turned_nearest(q: Floats, reference: Floats, low: Floats, high: Floats) -> F
         low: smallest, deg.
         high: largest, deg.
     """
-    turned = q + 360.0 * np.round((reference - q) / 360.0)
-    turned = turned + 360.0 * np.ceil(np.maximum(low - _ROUNDING - turned, 0.0) / 360.0)
-    turned = turned - 360.0 * np.ceil(np.maximum(turned - high - _ROUNDING, 0.0) / 360.0)
-    other = turned + 360.0
-    nearer = (turned < low - _ROUNDING) & (other - high < low - turned)
-    return np.where(nearer, other, turned)
+    turned: Floats = q + 360.0 * np.round((reference - q) / 360.0)
+    out = np.nonzero(~within(turned, low, high))
+    if out[0].size:
+        low, high = np.broadcast_to(low, turned.shape)[out], np.broadcast_to(high, turned.shape)[out]
+        turned[out] = _brought_in(turned[out], low, high)
+    return turned
+
+
+def _brought_in(q: Floats, low: Floats, high: Floats) -> Floats:
+    """Return angles outside their ranges by as many turns inside as it takes, shape (n,) as all arguments."""
+    q = q + 360.0 * np.ceil(np.maximum(low - _ROUNDING - q, 0.0) / 360.0)
+    q = q - 360.0 * np.ceil(np.maximum(q - high - _ROUNDING, 0.0) / 360.0)
+    over = q + 360.0
+    return np.where((q < low - _ROUNDING) & (over - high < low - q), over, q)
 
 
 def within(q: Floats, low: Floats, high: Floats) -> Bools:

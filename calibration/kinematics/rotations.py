@@ -9,7 +9,7 @@ _LOCK = 1e-9
 """Cosine of the second angle below which the first and the third turn about the same axis."""
 
 _SKEW = 1e-6
-"""Largest difference of R·Rᵀ from the identity in a rotation as files round it."""
+"""How far axes of a rotation that files have rounded may be from unit length and right angles."""
 
 
 def rotation_of(angles_deg: Floats) -> Floats:
@@ -125,12 +125,17 @@ def require_poses(poses: Floats, what: str) -> None:
         raise KinematicsError(
             f"{what}: shape {poses.shape} instead of (n, 4, 4): give homogeneous transforms"
         )
-    turn = poses[:, :3, :3]
-    with np.errstate(invalid="ignore"):
-        skew = np.abs(turn @ turn.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2), initial=0.0)
-        last = np.abs(poses[:, 3] - [0.0, 0.0, 0.0, 1.0]).max(axis=1, initial=0.0)
-        sound = (skew <= _SKEW) & (last <= _SKEW) & (np.linalg.det(turn) > 0.0)
-    sound &= np.isfinite(poses).all(axis=(1, 2))
+    x, y, z = poses[:, :3, :3].transpose(2, 1, 0)
+    with np.errstate(invalid="ignore", over="ignore"):
+        # Of a right-handed rotation the third axis is the product of the others; lengths and angle follow.
+        odd = np.abs(
+            np.stack([y[2] * x[1] - y[1] * x[2], y[0] * x[2] - y[2] * x[0], y[1] * x[0] - y[0] * x[1]]) - z
+        )
+        odd = np.maximum(odd.max(axis=0, initial=0.0), np.abs(np.einsum("in,in->n", x, y)))
+        odd = np.maximum(odd, np.abs(np.einsum("in,in->n", x, x) - 1.0))
+        odd = np.maximum(odd, np.abs(np.einsum("in,in->n", z, z) - 1.0))
+        sound = (odd <= _SKEW) & np.isfinite(poses[:, :3, 3]).all(axis=1)
+    sound &= (poses[:, 3] == [0.0, 0.0, 0.0, 1.0]).all(axis=1)
     if not sound.all():
         raise KinematicsError(
             f"{what}: row {int(np.argmin(sound))} is no rigid transform: its rotation has to be orthonormal and "

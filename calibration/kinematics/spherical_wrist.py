@@ -151,13 +151,15 @@ class SphericalWrist:
         ax, ay, az = self._into_wrist(upright[:, 2], pitch)
         sine = np.hypot(ax, ay)
         free: Bools = sine < _IN_LINE
-        for wrist, way in enumerate((1.0, -1.0)):
-            angle4 = np.where(free, fourth, np.arctan2(way * self._s6 * ay, way * self._s6 * ax))
-            angle5 = np.arctan2(way * sine, -self._s5 * self._s6 * az)
-            c4, s4 = np.cos(angle4), np.sin(angle4)
-            cosine6 = np.cos(angle5) * (c4 * mx + s4 * my) + self._s5 * np.sin(angle5) * mz
-            theta[wrist, 3], theta[wrist, 4] = angle4, angle5
-            theta[wrist, 5] = np.arctan2(self._s5 * self._s6 * (s4 * mx - c4 * my), cosine6)
+        angle4 = np.where(free, fourth, np.arctan2(self._s6 * ay, self._s6 * ax))
+        angle5 = np.arctan2(sine, -self._s5 * self._s6 * az)
+        c4, s4 = np.cos(angle4), np.sin(angle4)
+        cosine6 = np.cos(angle5) * (c4 * mx + s4 * my) + self._s5 * np.sin(angle5) * mz
+        angle6 = np.arctan2(self._s5 * self._s6 * (s4 * mx - c4 * my), cosine6)
+        # The other wrist is bent the other way, with half a turn before and behind the bend.
+        half = np.where(free, 0.0, math.pi)
+        theta[0, 3:] = angle4, angle5, angle6
+        theta[1, 3:] = angle4 + half, -angle5, angle6 + half
         return free
 
     def _into_wrist(self, vector: Floats, pitch: Floats) -> tuple[Floats, Floats, Floats]:
