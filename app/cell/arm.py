@@ -168,24 +168,21 @@ def shipped_arm(name: str) -> ArmDescription:
     return read_described(ArmDescription, Path(str(_SHIPPED / f"{name}.toml")))
 
 
-def arm_description(arm: str) -> ArmDescription:
+def arm_description(arm: str | ArmDescription) -> ArmDescription:
     """Return the description of an arm.
 
     Args:
-        arm: name of a shipped arm, or path of a file.
+        arm: name of a shipped arm, or path of a file; a description is returned as it is.
 
     Raises:
         ConfigError: the file cannot be read or is no description; the fault is named with its key.
         ValueError: there is no such arm.
     """
-    return _read(Path(arm)) if is_path(arm) else shipped_arm(arm)
+    if isinstance(arm, ArmDescription):
+        return arm
+    return read_described(ArmDescription, Path(arm)) if is_path(arm) else shipped_arm(arm)
 
 
 def is_path(arm: str) -> bool:
     """Return whether text means a file, and not the name of a shipped arm."""
     return arm.endswith(".toml") or "/" in arm or "\\" in arm
-
-
-@lru_cache
-def _read(path: Path) -> ArmDescription:
-    return read_described(ArmDescription, path)

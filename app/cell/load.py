@@ -63,7 +63,7 @@ def load_cell(path: Path) -> LoadedCell:
 
 
 def _find_arm(data: dict[str, Any], path: Path) -> None:
-    """Put the whole path of an arm's description in place of one that is relative to the cell file."""
+    """Put the whole path of an arm's description in place of one from the cell file's folder."""
     robot = data.get("robot")
     arm = robot.get("arm") if isinstance(robot, dict) else None
     if isinstance(robot, dict) and isinstance(arm, str) and is_path(arm):

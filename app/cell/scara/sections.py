@@ -15,7 +15,7 @@ from pydantic import (
     model_validator,
 )
 
-from catseye.app.cell.arm import ArmDescription, arm_description
+from catseye.app.cell.arm import ArmDescription, arm_description, is_path
 from catseye.app.cell.scara.uncertainty import Uncertainty
 from catseye.app.cell.section import RECORD, Finite, Name, NotNegative, Positive, Range, Section
 from catseye.app.errors import ConfigError
@@ -72,7 +72,7 @@ class GearOrders(Section):
 class ScaraRobot(Section):
     """Keys of [robot] about the arm: a SCARA's, and the ranges of any arm's axes."""
 
-    arm: str = "rh-3frh5515"
+    arm: str | ArmDescription = "rh-3frh5515"
     link1_mm: Positive | None = None
     link2_mm: Positive | None = None
     j3_mm: Finite = 0.0
@@ -113,12 +113,13 @@ class ScaraRobot(Section):
 
     @field_validator("arm")
     @classmethod
-    def _described(cls, value: str) -> str:
+    def _described(cls, value: str | ArmDescription) -> str | ArmDescription:
+        """Read a description of one's own at once: a run keeps it, whatever becomes of the file."""
         try:
-            arm_description(value)
+            description = arm_description(value)
         except ConfigError as error:
             raise ValueError(str(error)) from error
-        return value
+        return description if isinstance(value, str) and is_path(value) else value
 
     @model_validator(mode="after")
     def _within_the_arm(self, info: ValidationInfo) -> Self:

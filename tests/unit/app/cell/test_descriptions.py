@@ -9,6 +9,7 @@ import pytest
 from catseye.app.cell.arm import ArmDescription, arm_description, shipped_arm, shipped_arms
 from catseye.app.cell.axes import arm_of
 from catseye.app.cell.load import load_cell
+from catseye.app.cell.model import Cell
 from catseye.app.cell.serial_arm import chain_of, loads_of, tool_frame
 from catseye.app.cell.tool import read_tool
 from catseye.app.errors import ConfigError
@@ -124,6 +125,15 @@ def test_a_cell_finds_its_arm_beside_itself(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.chdir(tmp_path.parent)
     arm = arm_of(load_cell(path).cell.robot)
     assert [(axis.name, axis.range) for axis in arm.axes] == [("A1", (-90.0, 90.0)), ("Z", (0.0, 50.0))]
+
+
+def test_a_stored_cell_keeps_the_description_of_its_arm(tmp_path: Path) -> None:
+    file = written(tmp_path, "two.toml", ARM)
+    cell = load_cell(written(tmp_path, "cell.toml", CELL.format("two.toml"))).cell
+    file.unlink()
+    stored = Cell.model_validate_json(cell.model_dump_json())
+    assert arm_description(stored.robot.arm) == arm_description(cell.robot.arm)
+    assert [axis.name for axis in arm_of(stored.robot).axes] == ["A1", "Z"]
 
 
 def test_a_cell_of_a_kr210_needs_nothing_more(tmp_path: Path) -> None:
