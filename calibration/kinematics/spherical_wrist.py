@@ -74,9 +74,7 @@ class SphericalWrist:
             reference: angles of the frames that stand where they are free, rad, shape (6, n).
         """
         turn = self._into_first(flange[:, :3, :3].transpose(1, 2, 0))
-        centre = flange[:, :3, 3].T - self.chain.joints[5].d_mm * flange[:, :3, 2].T
-        x, y, z = self._into_first(centre)
-        x = x - self.chain.joints[0].a_mm
+        x, y, z = self._wrist_centre(flange)
         theta = np.empty((2, 2, 2, 6, len(flange)))
         reached = np.empty((2, 2, 2, len(flange)), dtype=np.bool_)
         stretched, in_line = np.empty_like(reached), np.empty_like(reached)
@@ -89,16 +87,15 @@ class SphericalWrist:
             first = np.where(away_mm2 <= rounding_mm2, reference[0], first)
             theta[shoulder, :, :, 0] = first
             upright = _turned(turn, first)
-            ahead, up = forward_mm - self.chain.joints[1].a_mm, self._s2 * (z - self.chain.joints[0].d_mm)
+            ahead, up = forward_mm - self.chain.joints[1].a_mm, self._s2 * z
             cosine = self._elbow_cosine(ahead, up)
             bend = np.arccos(np.clip(cosine, -1.0, 1.0))
             reached[shoulder] = (square_mm2 >= -rounding_mm2) & (np.abs(cosine) <= 1.0 + _TOO_FAR)
             stretched[shoulder] = np.abs(cosine) >= 1.0 - _STRAIGHT
             for elbow, angle in enumerate((bend, -bend)):
-                third = angle - self._forearm_rad
                 along = self.chain.joints[2].a_mm + self._forearm_mm * np.cos(angle)
                 across = self._k3 * self._forearm_mm * np.sin(angle)
-                second = np.arctan2(up, ahead) - np.arctan2(across, along)
+                second, third = np.arctan2(up, ahead) - np.arctan2(across, along), angle - self._forearm_rad
                 theta[shoulder, elbow, :, 1], theta[shoulder, elbow, :, 2] = second, third
                 in_line[shoulder, elbow] = self._wrist(
                     upright, second + self._k3 * third, reference[3], theta[shoulder, elbow]
@@ -115,20 +112,26 @@ class SphericalWrist:
     def why_not(self, flange: Floats) -> str:
         """Return why no branch reaches a pose of the flange, shape (4, 4)."""
         joints = self.chain.joints
-        x, y, z = self._into_first((flange[:3, 3] - joints[5].d_mm * flange[:3, 2])[:, None])[:, 0]
-        from_axis_mm = math.hypot(x - joints[0].a_mm, y)
+        x, y, z = (float(each[0]) for each in self._wrist_centre(flange[None]))
+        from_axis_mm = math.hypot(x, y)
         if from_axis_mm < abs(self._side_mm):
             return (
                 f"the wrist centre is {from_axis_mm:.6g} mm from the axis of {joints[0].name}, which the shoulder "
                 f"keeps it {abs(self._side_mm):.6g} mm away from"
             )
         ahead = math.sqrt(from_axis_mm**2 - self._side_mm**2) - joints[1].a_mm
-        distance_mm = math.hypot(ahead, z - joints[0].d_mm)
+        distance_mm = math.hypot(ahead, z)
         low_mm, high_mm = (abs(abs(joints[2].a_mm) + way * self._forearm_mm) for way in (-1.0, 1.0))
         return (
             f"the wrist centre is {distance_mm:.6g} mm from the axis of {joints[1].name}, and the arm reaches "
             f"{low_mm:.6g}…{high_mm:.6g} mm"
         )
+
+    def _wrist_centre(self, flange: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return the wrist centre in the first joint's frame at angle 0, mm, shape (n,) each."""
+        first, last = self.chain.joints[0], self.chain.joints[5]
+        x, y, z = self._into_first(flange[:, :3, 3].T - last.d_mm * flange[:, :3, 2].T)
+        return x - first.a_mm, y, z - first.d_mm
 
     def _elbow_cosine(self, ahead: Floats, up: Floats) -> Floats:
         upper_mm, forearm_mm = self.chain.joints[2].a_mm, self._forearm_mm

@@ -9,11 +9,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from catseye.calibration.kinematics.chain import Chain
+from catseye.calibration.kinematics.chain import Chain, Joint
 from catseye.calibration.kinematics.errors import KinematicsError
 from catseye.calibration.kinematics.inverse import inverse_kinematics
 from catseye.calibration.kinematics.jacobian import jacobian
 from catseye.calibration.kinematics.joint_ranges import ranges_of
+from catseye.calibration.kinematics.refinement import refine
 from catseye.calibration.kinematics.rotations import pose_of
 from catseye.calibration.kinematics.spherical_wrist import BRANCHES, SphericalWrist
 from catseye.calibration.kinematics.types import Floats
@@ -248,6 +249,20 @@ def test_an_arm_as_it_was_made_is_solved_by_newton(number: int, change: dict[str
     assert apart < MISS
 
 
+def test_rows_of_many_poses_keep_their_numbers_and_references() -> None:
+    arm, wide = chain("kr210-r2700"), random_poses("kr210-r2700", 5000, seed=11)
+    targets = arm.flange(wide)
+    targets[[17, 4321], :3, 3] *= 5.0
+    solved = inverse_kinematics(arm, targets, wide)
+    assert [named.row for named in solved.refused] == [17, 4321]
+    reached = np.delete(np.arange(5000), [17, 4321])
+    # Beside singular places rounding moves single joints by more than it moves the flange.
+    assert np.median(np.abs(solved.poses[reached] - wide[reached])) < 1e-10
+    apart_mm, apart = miss(arm.flange(solved.poses[reached]), targets[reached])
+    assert apart_mm < MISS_MM
+    assert apart < MISS
+
+
 def test_no_poses_give_no_joints() -> None:
     assert inverse_kinematics(chain("irb120"), np.empty((0, 4, 4)), np.zeros(6)).required().shape == (0, 6)
     assert inverse_kinematics(chain("rh-3frh5515"), np.empty((0, 4, 4)), np.zeros(4)).required().shape == (
@@ -262,3 +277,57 @@ def test_references_without_a_meaning_are_refused() -> None:
         inverse_kinematics(chain("irb120"), target, np.zeros(4))
     with pytest.raises(KinematicsError, match="reference: a joint is not finite"):
         inverse_kinematics(chain("irb120"), target, np.full(6, np.nan))
+
+
+SEVEN = Chain(
+    tuple(
+        Joint(f"A{n}", "revolute", alpha_deg, 0.0, 0.0, d_mm, 1.0, -170.0, 170.0)
+        for n, (alpha_deg, d_mm) in enumerate(
+            [
+                (0.0, 360.0),
+                (-90.0, 0.0),
+                (90.0, 420.0),
+                (90.0, 0.0),
+                (-90.0, 400.0),
+                (-90.0, 0.0),
+                (90.0, 126.0),
+            ],
+            1,
+        )
+    )
+)
+
+
+def test_an_arm_with_a_joint_too_many_stays_near_its_reference() -> None:
+    near = np.array([10.0, 30.0, -20.0, 70.0, 15.0, 60.0, 5.0])
+    wanted = SEVEN.frames(near[None])[-1]
+    wanted[0, :3, 3] += [20.0, -10.0, 5.0]
+    found = inverse_kinematics(SEVEN, wanted, near).required()
+    apart_mm, apart = miss(SEVEN.frames(found)[-1], wanted)
+    assert apart_mm < MISS_MM
+    assert apart < MISS
+    # The smallest change of the joints that does it, to first order, and 6 deg squared beside it.
+    smallest = np.linalg.pinv(jacobian(SEVEN, near[None])[0]) @ [20.0, -10.0, 5.0, 0.0, 0.0, 0.0]
+    assert np.linalg.norm(found[0] - near - smallest) < 0.2 * np.linalg.norm(smallest)
+
+
+def test_newton_steps_from_given_joints_stay_on_their_branch() -> None:
+    arm = chain("irb120")
+    wide = random_poses("irb120", 300, seed=9)
+    wide[:, 4] = 40.0 * np.sign(wide[:, 4])
+    wide[:, 2] = np.clip(wide[:, 2], -60.0, 40.0)
+    wide[:, 1] = np.clip(wide[:, 1], -100.0, -30.0)
+    started = wide + np.random.default_rng(1).normal(0.0, 0.2, wide.shape)
+    found = refine(arm, arm.frames(wide)[-1] @ TOOL, started, TOOL)
+    assert found.reached.all()
+    assert found.miss_mm.max() < MISS_MM
+    assert found.poses == pytest.approx(wide, abs=1e-6)
+
+
+def test_newton_says_by_how_much_it_misses() -> None:
+    arm = chain("irb120")
+    target = pose_of(np.array([[0.0, 0.0, 2000.0]]), np.zeros((1, 3)))
+    ended = refine(arm, target, np.zeros((1, 6)))
+    # Stretched upwards the flange is at 290 + 270 + sqrt(70² + 302²) + 72 mm at most.
+    assert not ended.reached[0]
+    assert ended.miss_mm[0] >= 2000.0 - 632.0 - math.hypot(70.0, 302.0) - 1e-6
