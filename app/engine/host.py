@@ -5,6 +5,7 @@ import logging
 import os
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
+from dataclasses import replace
 from functools import partial
 
 from catseye.app.engine.announcer import Announcer, Publish
@@ -58,6 +59,7 @@ from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.interferometer import Interferometer
+from catseye.procedures.kit.errors import ProcedureError
 from catseye.procedures.kit.records import Json
 
 _log = logging.getLogger(__name__)
@@ -292,12 +294,14 @@ class _Run:
             )
 
     async def _publish_notes(self, devices: Devices, context: RunContext) -> None:
-        """Publish what the drivers know about their connections, and that no door is watched."""
+        """Publish what the drivers know about their connections, and what of the bench may be unexpected."""
         for name, device in devices.named().items():
             for note in device.notes:
                 await context.warn(f"{name}: {note}", device=name)
         if devices.io is None and not self._handle.simulated:
             await context.warn(NO_DOOR)
+        if self._request.aftermath:
+            await context.warn(self._request.aftermath)
 
     async def _describe(self, facts: dict[str, Json], simulated: bool) -> None:
         stored = RunReader(self._store.path, Accept.UNCHECKED).meta
@@ -338,6 +342,8 @@ class _Run:
         cause = self._control.ending or error
         await self._control.halted()
         ending = ending_of(self._control, cause)
+        if isinstance(error, ProcedureError) and self._request.aftermath:
+            ending = replace(ending, text=f"{ending.text}. {self._request.aftermath}")
         self._report(ending, error)
         if self._context is not None and self._control.state == ControlState.STOPPED and not self._torn_down:
             ending = await self._teardown(self._context, ending)

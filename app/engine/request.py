@@ -49,6 +49,7 @@ class RunRequest:
         keep_drives: leave the drives on at the end, unless the run is aborted.
         on_open: gives a service access to the run while its record is open.
         walk_rule: what a real arm has to be walked first; None where nothing has to be.
+        aftermath: what an earlier run has left the bench like, said at the start and with a failure; empty for none.
     """
 
     procedure: Executable
@@ -75,6 +76,7 @@ class RunRequest:
     keep_drives: bool = False
     on_open: OnOpen | None = None
     walk_rule: WalkRule | None = None
+    aftermath: str = ""
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,7 @@ from catseye.app.protocol.procedures import Runnable
 from catseye.app.service.plan_digest import plan_digest
 from catseye.app.service.walk.fed_robot import fed
 from catseye.app.service.walk.walk import Walk
+from catseye.app.store.aftermath import find_aftermath
 from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
 from catseye.drivers.roles.clock import SystemClock
@@ -179,6 +180,7 @@ def _request_of(planned: PlannedRun, root: Path, speed: float) -> RunRequest:
         unconfirmed=bench.workspace.unconfirmed,
         resume=planned.resume,
         hands=_hands(cell),
+        aftermath=find_aftermath(planned.procedure.needs.aftermath, cell.name, root),
     )
 
 

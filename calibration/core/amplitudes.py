@@ -3,9 +3,10 @@
 A budget says how large an error is on the whole, not how it is spread over its harmonics; a generalised least squares
 that trusts a wrong spectrum is not honest. The variance of each component (a contributor's harmonic) is therefore
 estimated by restricted maximum likelihood, on a logarithmic scale relative to what is stated, with a prior in which
-all components, those of one contributor, and each alone may differ from it. How far they may is itself averaged over
-a few scales, weighted by their evidence (Laplace's approximation). What is returned is the mean variance of each
-component: it exceeds the likeliest one by what the rows leave open, so that the uncertainties stay honest.
+all components, those of one contributor, and each alone may differ from it, and in which all spectra may fall with the
+order alike. How far they may is itself averaged over a few scales, weighted by their evidence (Laplace's
+approximation). What is returned is the mean variance of each component: it exceeds the likeliest one by what the rows
+leave open, so that the uncertainties stay honest.
 """
 
 import math
@@ -21,6 +22,7 @@ from catseye.calibration.core.errors import ConvergenceError
 from catseye.calibration.core.least_squares import column_space
 from catseye.calibration.core.model import Model
 from catseye.calibration.core.residuals import NORMAL_MAD
+from catseye.calibration.core.source_sums import beside_others
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.core.whitening import Whitening
 
@@ -29,6 +31,10 @@ _SPREADS = (0.15, 0.5, 1.0, 2.0)
 
 _TOGETHER, _OF_CONTRIBUTOR = 1.5, 0.7
 """How far all components, and those of one contributor, differ together, in units of what each does alone."""
+
+_ALIKE = 2.0
+"""How steeply all spectra fall or rise alike, in the same units for each e-fold of the order. Where rows do not show an
+order of one axis, its other orders and the other axes then say what to expect."""
 
 _ASSUMED = 2.5
 """How far a variance may differ from one that is merely assumed, e-folds."""
@@ -96,11 +102,14 @@ class Compressed:
     assumed: Bools
 
     @classmethod
-    def of(cls, model: Model, values: Floats, shared: Sequence[Shared]) -> "Compressed":
+    def of(
+        cls, model: Model, values: Floats, shared: Sequence[Shared], beside: Floats | None = None
+    ) -> "Compressed":
         """Reduce a model's rows, or evenly spread ones of very many, at parameters of shape (p,).
 
         Args:
             shared: what the rows have in common there.
+            beside: further columns that are eliminated with the parameters', mm, shape (n, k).
         """
         every = slice(None, None, even_step(model.weights.size))
         whitening = Whitening.of(model.weights, shared)
@@ -109,6 +118,8 @@ class Compressed:
         # In the order of Fortran, for LAPACK to work in place: there may be a hundred megabytes of it.
         columns = (model.parameters.basis.T @ jacobian.T).T
         del jacobian
+        if beside is not None:
+            columns = np.hstack([columns, beside[every] * weights[:, None]])
         basis = column_space(columns)
         left = effects - basis @ (basis.T @ effects)
         weighted = model.residuals(values)[every] * weights
@@ -175,6 +186,17 @@ def variance_ratios(rows: Compressed, *, for_test: bool = False) -> Floats:
     return np.asarray(np.where(rows.assumed, mean, np.minimum(mean, _LARGEST)))
 
 
+def log_evidence(rows: Compressed) -> float:
+    """Return the logarithm of how likely rows are, parameters and variances averaged over what the prior allows.
+
+    What does not depend on the shared effects is left out: it compares effects of the same rows.
+    """
+    if not rows.contributor.size:
+        return -restricted_likelihood(rows, np.zeros(0))[0]
+    evidence = [_fitted(rows, spread, for_test=False).evidence for spread in _SPREADS]
+    return float(special.logsumexp(evidence)) - math.log(len(evidence))
+
+
 @dataclass(frozen=True)
 class _Fitted:
     """Variances at one scale of the prior, shape (k,), and the logarithm of its evidence."""
@@ -227,7 +249,7 @@ def _mean_of_assumed(rows: Compressed, logarithms: Floats, place: int, centre: f
     What rows allow ends on the side of large variances, while small ones are all alike to them.
     """
     tried = centre + _ASSUMED * np.linspace(-3.0, 6.0, _TRIED)
-    size, pull = beside_others(rows, logarithms, place)
+    size, pull = beside_other_components(rows, logarithms, place)
     grown = np.exp(tried)[:, None] * size
     likelihood = 0.5 * np.sum(np.log1p(grown) - np.exp(tried)[:, None] * pull**2 / (1.0 + grown), axis=1)
     values = likelihood + 0.5 * ((tried - centre) / _ASSUMED) ** 2
@@ -235,19 +257,17 @@ def _mean_of_assumed(rows: Compressed, logarithms: Floats, place: int, centre: f
     return float(weights @ np.exp(tried) / weights.sum())
 
 
-def beside_others(rows: Compressed, logarithms: Floats, place: int) -> tuple[Floats, Floats]:
+def beside_other_components(rows: Compressed, logarithms: Floats, place: int) -> tuple[Floats, Floats]:
     """Return what rows say of one component's sources beside all others, along its principal directions.
 
     Returns:
         Eigenvalues of FᵀQF and the parts of FᵀQr along its eigenvectors, Q without the component, shape (k,) each.
     """
     own = rows.component == place
-    half = np.where(own, 0.0, np.sqrt(rows.variances(logarithms)))
-    factor = linalg.cho_factor(np.eye(half.size) + half[:, None] * rows.matrix * half, lower=True)
-    others = linalg.cho_solve(factor, half[:, None] * np.column_stack([rows.matrix[:, own], rows.vector]))
-    left = (rows.matrix[own] * half) @ others
-    size, directions = linalg.eigh(rows.matrix[np.ix_(own, own)] - left[:, :-1])
-    return np.maximum(size, 0.0), directions.T @ (rows.vector[own] - left[:, -1])
+    scale = np.where(own, 1.0, np.sqrt(rows.variances(logarithms)))
+    left, pulls, _ = beside_others(scale[:, None] * rows.matrix * scale, scale * rows.vector, own)
+    size, directions = linalg.eigh(left)
+    return np.maximum(size, 0.0), directions.T @ pulls
 
 
 def _raised(variance: Floats) -> Floats:
@@ -257,8 +277,18 @@ def _raised(variance: Floats) -> Floats:
 
 def _prior(rows: Compressed, spread: float) -> Floats:
     same, stated = rows.contributor[:, None] == rows.contributor, ~rows.assumed
-    prior = spread**2 * (_TOGETHER**2 + _OF_CONTRIBUTOR**2 * same + np.eye(stated.size))
+    falling = _falling(rows.contributor)
+    alike = _TOGETHER**2 + _ALIKE**2 * np.outer(falling, falling)
+    prior = spread**2 * (alike + _OF_CONTRIBUTOR**2 * same + np.eye(stated.size))
     return np.asarray(prior * np.outer(stated, stated) + np.diag(_ASSUMED**2 * rows.assumed))
+
+
+def _falling(contributor: Ints) -> Floats:
+    """Return minus the logarithms of the components' orders, of mean 0 in each contributor, shape (k,)."""
+    first = np.searchsorted(contributor, contributor)
+    logarithms = -np.log1p(np.arange(contributor.size) - first)
+    means = np.bincount(contributor, logarithms) / np.maximum(np.bincount(contributor), 1)
+    return np.asarray(logarithms - means[contributor], dtype=np.float64)
 
 
 def restricted_likelihood(rows: Compressed, logarithms: Floats) -> tuple[float, Floats, Floats]:

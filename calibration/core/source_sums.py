@@ -67,7 +67,7 @@ class SourceSums:
             None where the model absorbs them, or leaves no degree of freedom.
         """
         own = self.owner == error
-        left, pulls, square = self._beside_others(own)
+        left, pulls, explained = beside_others(self.matrix, self.vector, own)
         scale = np.sqrt(np.where(self.whole[own] > 0.0, self.whole[own], 1.0))
         squares, directions = linalg.eigh(left / np.outer(scale, scale))
         shown = squares > _ABSORBED
@@ -76,15 +76,25 @@ class SourceSums:
             return None
         along = directions[:, shown].T @ (pulls / scale) / np.sqrt(squares[shown])
         gain = float(along @ along)
-        return f_test(gain, rank, max(square - gain, 0.0), self.dof - rank)
+        return f_test(gain, rank, max(self.square - explained - gain, 0.0), self.dof - rank)
 
-    def _beside_others(self, own: Bools) -> tuple[Floats, Floats, float]:
-        """Return FᵀQF and FᵀQr of some sources, and rᵀQr, with Q of the model and all other sources."""
-        inner = np.eye(int(np.sum(~own))) + self.matrix[np.ix_(~own, ~own)]
-        across, others = self.matrix[np.ix_(~own, own)], self.vector[~own]
-        taken = linalg.solve(inner, np.column_stack([across, others]), assume_a="pos")
-        left = self.matrix[np.ix_(own, own)] - across.T @ taken[:, :-1]
-        return left, self.vector[own] - across.T @ taken[:, -1], self.square - float(others @ taken[:, -1])
+
+def beside_others(matrix: Floats, vector: Floats, own: Bools) -> tuple[Floats, Floats, float]:
+    """Eliminate all sources but some of unit variance.
+
+    Args:
+        matrix: FᵀPF, shape (m, m).
+        vector: FᵀPr, shape (m,).
+        own: those that stay, k of them, shape (m,).
+
+    Returns:
+        FᵀQF, shape (k, k), and FᵀQr, shape (k,), of those that stay, and rᵀPr − rᵀQr; Q is P with all others.
+    """
+    inner = np.eye(int(np.sum(~own))) + matrix[np.ix_(~own, ~own)]
+    across, others = matrix[np.ix_(~own, own)], vector[~own]
+    taken = linalg.solve(inner, np.column_stack([across, others]), assume_a="pos")
+    left = matrix[np.ix_(own, own)] - across.T @ taken[:, :-1]
+    return left, vector[own] - across.T @ taken[:, -1], float(others @ taken[:, -1])
 
 
 def owners(shared: Sequence[Shared]) -> Ints:

@@ -200,6 +200,11 @@ class Budget:
         return tuple(one for one in self.contributors if one.correlation != "reading")
 
     @property
+    def follows_j4(self) -> bool:
+        """Whether an error that distances have in common comes back with J4's own angle."""
+        return any(one.axis == "j4" and one.u > 0.0 for one in self.systematic)
+
+    @property
     def of_arm(self) -> "Budget":
         """Contributors that move the arm itself, and not what measures it."""
         return Budget(tuple(one for one in self.contributors if one.correlation in _OF_ARM.get(one.kind, ())))

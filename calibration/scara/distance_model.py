@@ -51,7 +51,6 @@ class DistanceModel:
         budget: contributors to the uncertainty of a distance; None for what the points state alone.
         places: where the joints stand between their nodes in these and all further points of the measurement; None
             where these points are all.
-        elapsed: share of the measurement that had passed, less a half, shape (n,); None for that of the points.
     """
 
     layout: Layout
@@ -59,7 +58,6 @@ class DistanceModel:
     design: ArmDesign
     budget: Budget | None = None
     places: MeasuredPlaces | None = None
-    elapsed: Floats | None = None
 
     @cached_property
     def parameters(self) -> Parameters:
@@ -99,8 +97,7 @@ class DistanceModel:
     def geometry_of(self, beams: Beams) -> Geometry:
         """Return how the distances answer to the arm."""
         beam, turn = (beams.unit, beams.length_mm), beams.slopes[:, 2:]
-        geometry = seen_along(self.points, beams.position_mm, beam, turn, self.layout)
-        return geometry if self.elapsed is None else replace(geometry, elapsed=self.elapsed)
+        return seen_along(self.points, beams.position_mm, beam, turn, self.layout)
 
     def white(self, parameters: Floats) -> tuple[White, ...]:
         """Return the errors that differ from reading to reading."""
@@ -172,14 +169,17 @@ class DistanceModel:
         return length, beam / length[:, None]
 
 
-def distance_model(layout: Layout, points: Points, budget: Budget | None = None) -> DistanceModel:
+def distance_model(
+    layout: Layout, points: Points, budget: Budget | None = None, places: MeasuredPlaces | None = None
+) -> DistanceModel:
     """Prepare points for a model.
 
     Args:
         budget: contributors to the uncertainty of a distance; None for what the points state alone.
+        places: where the joints stand between their nodes in all rows; None where these points are all.
 
     Raises:
         MapRangeError: a point lies outside the nodes.
     """
     design = arm_design(layout, points.commands, points.theta4_rad, points.elapsed_share, points.mount_rad)
-    return DistanceModel(layout, points, design, budget)
+    return DistanceModel(layout, points, design, budget, places)

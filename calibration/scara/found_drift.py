@@ -5,10 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from catseye.calibration.core.significance import SIGNIFICANCE
+from catseye.calibration.core.types import Floats
 from catseye.calibration.scara.budget import Contributor
 from catseye.calibration.scara.drift_process import courses
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.known_sources import contributors_asked, known_sources, place_of
+
+_NOTHING = 1e-12
+"""Share of a source's variance that distances take away where they say nothing of it: rounding."""
 
 
 @dataclass(frozen=True)
@@ -17,7 +21,8 @@ class FoundDrift:
 
     Attributes:
         contributor: with the spectrum that the distances have shown.
-        change: from the beginning to the end; mm, or a share for scale and links.
+        change: from the first row to the last, with no expectation of how steady it is; mm, or a share for scale and
+            links.
         u_change: its standard uncertainty.
         rms: over the measurement, about its mean.
         u_rms: its standard uncertainty.
@@ -53,11 +58,32 @@ def _found(identified: Identification, contributor: Contributor) -> FoundDrift:
     change = ends[1] - ends[0]
     rms = float(np.linalg.norm(sizes * mean))
     slope = sizes**2 * mean / rms if rms > 0.0 else np.zeros(mean.size)
+    steady, u_steady = _as_shown(mean, covariance, identified.fit.unit_weight_variance)
     return FoundDrift(
         contributor,
-        float(change @ mean),
-        float(np.sqrt(change @ covariance @ change)),
+        float(change @ steady),
+        float(np.sqrt(change @ u_steady @ change)),
         rms,
         float(np.sqrt(slope @ covariance @ slope)),
         1.0 if test is None else test.probability,
+    )
+
+
+def _as_shown(mean: Floats, covariance: Floats, unit_variance: float) -> tuple[Floats, Floats]:
+    """Return sources and their covariance as they are if nothing is known of the steady one, the first, beforehand.
+
+    Distances say little of a steady drift, which the maps nearly absorb: that it is small, as the budget expects,
+    would draw the change towards zero by more than its uncertainty. Dividing the prior of unit variance out is an
+    update of rank one.
+
+    Args:
+        mean: conditional mean of the sources, shape (m,).
+        covariance: theirs, shape (m, m).
+        unit_variance: what it was widened by.
+    """
+    column = covariance[:, 0] / unit_variance
+    left = max(1.0 - float(column[0]), _NOTHING)
+    return (
+        mean + column * (mean[0] / left),
+        covariance + unit_variance * np.outer(column, column) / left,
     )

@@ -72,7 +72,8 @@ class Points:
         reflector_names: names of the reflectors.
         dead_paths: (reflector name, segment) of each dead path.
         theta4_rad: angle of the beam against link 2, rad, shape (n,); None where nothing depends on it.
-        time_s: when each distance was measured, shape (n,); None when only the order is known.
+        elapsed: share of the measurement that had passed, −½…½, shape (n,), where these rows are a part of it; None
+            where they are all, and their order is the clock.
         mount_rad: angle by which the interferometer is turned on J4's flange against its first mounting, shape (n,);
             None for 0 everywhere. J4's own angle is the beam's angle against link 2 less this.
         returned: whether the arm was sent back to a pose measured before, to see the drift, shape (n,); None where
@@ -87,12 +88,12 @@ class Points:
     reflector_names: tuple[str, ...]
     dead_paths: tuple[tuple[str, int], ...]
     theta4_rad: Floats | None = None
-    time_s: Floats | None = None
+    elapsed: Floats | None = None
     mount_rad: Floats | None = None
     returned: Bools | None = None
 
     def __post_init__(self) -> None:
-        optional = ("sigma_mm", "theta4_rad", "time_s", "mount_rad", "returned")
+        optional = ("sigma_mm", "theta4_rad", "elapsed", "mount_rad", "returned")
         for name in ("reflector", "dead_path", "displacement_mm", *optional):
             if (column := getattr(self, name)) is not None:
                 require_shape(column, (len(self.commands),), name)
@@ -145,10 +146,8 @@ class Points:
 
     @property
     def elapsed_share(self) -> Floats:
-        """Share of the measurement that had passed, less a half, shape (n,): by time or, without, by order."""
-        clock = np.arange(len(self), dtype=np.float64) if self.time_s is None else self.time_s
-        span = float(np.ptp(clock)) if clock.size else 0.0
-        return (clock - clock.min()) / span - 0.5 if span > 0.0 else np.zeros(len(self))
+        """Share of the measurement that had passed, less a half, shape (n,): as stated or, without, by order."""
+        return shares_passed(np.arange(len(self)), len(self)) if self.elapsed is None else self.elapsed
 
     @property
     def reversed_mountings(self) -> bool:
@@ -168,7 +167,7 @@ class Points:
             displacement_mm=self.displacement_mm[rows],
             sigma_mm=_rows_of(self.sigma_mm, rows),
             theta4_rad=_rows_of(self.theta4_rad, rows),
-            time_s=_rows_of(self.time_s, rows),
+            elapsed=_rows_of(self.elapsed, rows),
             mount_rad=_rows_of(self.mount_rad, rows),
             returned=_rows_of(self.returned, rows),
         )
@@ -200,6 +199,18 @@ def two_mounts(dead_path: tuple[str, int]) -> ArgumentError:
     )
 
 
+def shares_passed(numbers: Ints, rows: int) -> Floats:
+    """Return the share of a measurement that had passed at some of its rows, less a half, shape (n,).
+
+    Rows stand for time: a night or a pause in between counts as little as any step to the next row (ADR 27).
+
+    Args:
+        numbers: which rows, from 0, shape (n,).
+        rows: of the whole measurement.
+    """
+    return np.asarray(numbers / (rows - 1.0) - 0.5 if rows > 1 else np.zeros(numbers.shape))
+
+
 FEWEST = 3
 """Distances that a segment needs to carry a dead path of its own."""
 
@@ -226,7 +237,7 @@ def concatenated(parts: Sequence[Points]) -> Points:
         displacement_mm=np.concatenate([part.displacement_mm for part in parts]),
         sigma_mm=_joined([part.sigma_mm for part in parts]),
         theta4_rad=_joined([part.theta4_rad for part in parts]),
-        time_s=_joined([part.time_s for part in parts]),
+        elapsed=_joined([part.elapsed for part in parts]),
         mount_rad=_mounts(parts),
         returned=_joined([part.returned for part in parts]),
     )

@@ -91,6 +91,21 @@ class Basis:
 
 
 @dataclass(frozen=True)
+class Aftermath:
+    """What earlier runs may have left a bench like: whoever does not know it looks for the wrong cause of a failure.
+
+    Attributes:
+        procedure: that may leave it so.
+        left: returns what a run has left and when that matters, to follow the run's name; empty for nothing.
+        settled_by: procedure whose complete run later shows that it does not matter any more.
+    """
+
+    procedure: str
+    left: Callable[[EarlierRun], str]
+    settled_by: str
+
+
+@dataclass(frozen=True)
 class Needs:
     """What a procedure needs.
 
@@ -100,6 +115,7 @@ class Needs:
         equipment: of the bench.
         after: procedures that should have been run.
         basis: earlier run that the plan is made from; None for none.
+        aftermath: of earlier runs, said at the start and with a failure; None for none.
     """
 
     bench: type[Bench] = Bench
@@ -107,3 +123,4 @@ class Needs:
     equipment: tuple[Equipment, ...] = ()
     after: tuple[After, ...] = ()
     basis: Basis | None = None
+    aftermath: Aftermath | None = None

@@ -3,7 +3,7 @@
 from typing import Final
 
 from catseye.drivers.roles.device import Role
-from catseye.procedures.kit.needs import After, Equipment
+from catseye.procedures.kit.needs import After, Aftermath, EarlierRun, Equipment
 from catseye.procedures.kit.procedure import Analysis, Stage
 from catseye.procedures.scara.bench import ScaraBench
 
@@ -54,6 +54,17 @@ def _tracker(bench: ScaraBench) -> str:
     return "in the cell file" if bench.tracker else ""
 
 
+def _left_turned(run: EarlierRun) -> str:
+    angles = [data["turned_deg"] for data in run.data_of("mounted")]
+    if not angles or not angles[-1]:
+        return ""
+    return (
+        f"left the interferometer turned by {angles[-1]:.1f}° against its beginning: unless it was mounted as before "
+        "since, or that angle is in theta40_deg of [optics], no reflector is where its beam is looked for"
+    )
+
+
+TURNED: Final = Aftermath("open-loop", _left_turned, settled_by="reflector-search")
 REFLECTORS: Final = Equipment("reflectors", _reflectors)
 TRACKER: Final = Equipment(
     "tracker", _tracker, without="none: the interferometer measures, or instrument = file"

@@ -14,6 +14,17 @@ _LOOKED_AT: Final = 20
 """Distances of a run whose counts are compared with the arm's geometry."""
 
 
+_SHOWN: Final = 0.05
+"""What is off by so much has to be recognised where a scale is said to have been looked at."""
+
+_CONFUSED: Final = {
+    "m": "m were read as mm, or mm as µm",
+    "µm": "µm were read as mm, or nm as µm",
+    "mm that were taken for inches": "mm were read as inches",
+}
+"""What makes numbers as large as those of a unit: a profile may state another one than mm."""
+
+
 class CounterWatch:
     """Compares the first counts of a run with the way of the arm.
 
@@ -40,11 +51,23 @@ class CounterWatch:
             return
         row = theta1_deg, theta2_deg, self._names.index(reflector), segment, displacement_mm
         self._rows.append(row)
-        bench = self._bench
-        places = np.array([one.xy_mm for one in bench.reflectors])
-        scale = counter_scale(self._points(), (bench.link1_mm, bench.link2_mm), places, self._u_place_mm)
+        scale = self.scale
         if scale is not None and scale.wrong:
             raise CounterError(_text(scale, len(self._rows)))
+
+    @property
+    def scale(self) -> CounterScale | None:
+        """What the counts so far are worth; None while they do not show it."""
+        if not self._rows:
+            return None
+        bench = self._bench
+        places = np.array([one.xy_mm for one in bench.reflectors])
+        return counter_scale(self._points(), (bench.link1_mm, bench.link2_mm), places, self._u_place_mm)
+
+    @property
+    def shows_scale(self) -> bool:
+        """A scale that is off by 5 % would be called wrong."""
+        return self.scale is not None and self.scale.shows(_SHOWN)
 
     def _points(self) -> Points:
         one, two, reflector, segment, displacement = zip(*self._rows, strict=True)
@@ -67,7 +90,7 @@ def _text(scale: CounterScale, count: int) -> str:
     faults = []
     if abs(factor - 1.0) > SCALE_BOUND:
         unit = unit_of(factor)
-        like = "" if unit is None else f" (like numbers in {unit})"
+        like = "" if unit is None else f" (as if {_CONFUSED.get(unit, f'{unit} were read as mm')})"
         faults.append(f"gives {1.0 / factor:.4g} mm where the beam changes by 1 mm{like}")
     if scale.mm_per_unit < 0.0:
         faults.append("falls where the beam grows longer: its sign is reversed")

@@ -175,6 +175,24 @@ def test_faults_are_found_as_often_as_stated(name: str) -> None:
     assert seen["named"] >= least * sets
 
 
+@pytest.mark.timeout(60 + 20 * SETS)
+def test_a_jump_is_no_growth_of_links() -> None:
+    """30 µm, as a slip of the counter makes, from a row on to the end of its segment."""
+    sets, seen = max(SETS // 10, 1), Counter[str]()
+    for seed in range(sets):
+        asked = measured(700 + seed)
+        count = len(asked.points)
+        row = int(np.random.default_rng([5, seed]).integers(count // 8, count - count // 8))
+        later = (np.arange(count) >= row) & (asked.points.dead_path == asked.points.dead_path[row])
+        jumped = replace(asked.points, displacement_mm=asked.points.displacement_mm - 0.030 * later)
+        found = diagnose(replace(asked, points=jumped))
+        seen["jump"] += any(one.significant and one.kind == "jump" for one in found.changes)
+        seen["links"] += any(one.significant and one.name == "thermal drift" for one in found.models)
+    print(f"\njump of 30 µm: {dict(seen)} of {sets} sets")  # noqa: T201  # the figure
+    assert seen["jump"] >= 0.9 * sets
+    assert seen["links"] <= 0.01 * sets
+
+
 def _ripple(phase: float, pose: Pose) -> float:
     return 3.0 * MDEG * math.sin(36 * pose.theta1 + phase)
 

@@ -11,6 +11,7 @@ import pytest
 from catseye.calibration.scara.layout import ModelName
 from tests.unit.calibration.scara.plausibility.tables import MISTAKES, SOUND_BENCHES, measured, table_2
 from tests.unit.calibration.scara.plausibility.test_judgement import named, verdict
+from tests.unit.calibration.scara.plausibility.test_two_mountings import accused
 
 SETS = int(os.environ.get("CATSEYE_GATE_SETS", "500"))
 
@@ -26,6 +27,13 @@ def test_no_sound_set_is_refused() -> None:
             refused[seed] = found
     print(f"\n{len(refused)} of {SETS} sound sets refused")  # noqa: T201  # the figure
     assert refused == {}
+
+
+@pytest.mark.timeout(60 + 2 * SETS)
+def test_no_sound_mounting_is_accused() -> None:
+    found = accused(range(SETS))
+    print(f"\n{len(found)} of {SETS} sound tables of two passes accused of another mounting")  # noqa: T201  # the figure
+    assert found == {}
 
 
 @pytest.mark.timeout(60 + 2 * SETS)

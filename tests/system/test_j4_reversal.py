@@ -81,6 +81,10 @@ def test_the_turned_half_measures_the_same_lengths_again(bench: Emulated) -> Non
     again = catseye(*command(bench), "--dry-run", cwd=folder)
     assert again.returncode != 0
     assert "moved the beam after" in again.stdout + again.stderr
+    # Who searches all the same hears why nothing is found.
+    search = catseye("run", "reflector-search", "--cell", bench.cell, "--speed", "400", cwd=folder)
+    assert search.returncode != 0
+    assert f"{reader.path.name} left the interferometer turned by 1" in search.stdout + search.stderr
 
 
 def test_a_run_killed_around_the_turning_goes_on(bench: Emulated) -> None:

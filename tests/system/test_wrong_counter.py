@@ -18,11 +18,14 @@ DEFAULT = Path(counter.__file__).parent / "profiles" / "default.toml"
 
 FAULTS = {
     ("sign = 1 ", "sign = -1 "): "falls where the beam grows longer: its sign is reversed",
-    ('unit = "mm"', 'unit = "um"'): r"gives 0\.00\d+ mm where the beam changes by 1 mm \(like numbers in m\)",
+    (
+        'unit = "mm"',
+        'unit = "um"',
+    ): r"gives 0\.00\d+ mm where .* \(as if m were read as mm, or mm as µm\)",
     (
         'unit = "mm"',
         'unit = "inch"',
-    ): r"gives 25\.\d+ mm where the beam changes by 1 mm \(like numbers in mm that were",
+    ): r"gives 25\.\d+ mm where the beam changes by 1 mm \(as if mm were read as inches\)",
 }
 """What a profile says of a counter in mm, and what is said of that."""
 

@@ -104,6 +104,11 @@ class ContributorEntry(Section):
         key, _ = _UNITS[self.kind]
         return f"{getattr(self, key):g} {key.removeprefix('value_').replace('um', 'µm')}"
 
+    @property
+    def assumed(self) -> bool:
+        """It stands in the default budget as it is: nobody has measured it on this bench."""
+        return self.model_copy(update={"spectrum": ()}) in table_2()
+
     def contributor(self) -> Contributor:
         """Return the line with its standard uncertainty in mm, rad or as a share."""
         key, factor = _UNITS[self.kind]

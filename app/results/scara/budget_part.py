@@ -9,6 +9,9 @@ from catseye.calibration.scara.budget import Budget
 BUDGET_KIND: Final = "catseye-budget"
 """What a budget is called among the documents that a table carries."""
 
+ORIGIN_KIND: Final = "catseye-origin"
+"""What the mark of a table is called that says where it comes from, budget or not."""
+
 BudgetFormat = Literal["catseye-budget/1"]
 
 CorrectedBy = Literal["program", "instrument"]
@@ -35,6 +38,17 @@ class TableBudget(ResultPart):
     unverified: list[str] | None = None
     contributor: list[ContributorEntry]
     sha256: str
+
+
+class TableOrigin(ResultPart):
+    """Where a points table comes from, beside its budget: whoever takes the budget out leaves this.
+
+    `budget` is the sum of the budget that the table was written with.
+    """
+
+    simulated: bool | None = None
+    unverified: list[str] | None = None
+    budget: str
 
 
 class BudgetPart(ResultPart):

@@ -28,16 +28,14 @@ def budget_statements(part: BudgetPart) -> list[Statement]:
 
 
 def _learnt_text(entry: ContributorEntry) -> str:
-    """Return how large the distances show an error that is stated by its size."""
-    if entry.correlation == "time":
-        times = math.sqrt(sum(entry.contributor().shares))
-        return (
-            f"{entry.name}: the distances suggest {number(times, fixed(1))} times the stated {entry.stated}."
-        )
-    times = math.sqrt(sum(entry.spectrum) / len(entry.spectrum))
+    """Return how large the distances show an error whose size was stated or assumed."""
+    shares = entry.contributor().shares if entry.correlation == "time" else entry.spectrum
+    mean = sum(shares) if entry.correlation == "time" else sum(shares) / len(shares)
+    whose = "assumed" if entry.assumed else "stated"
+    size = f"{number(math.sqrt(mean), fixed(1))} times the {whose} {entry.stated}"
     listed = ", ".join(number(math.sqrt(ratio), fixed(1)) for ratio in entry.spectrum)
-    orders = f" (orders 1 to {len(entry.spectrum)}: {listed})" if len(entry.spectrum) > 1 else ""
-    size = f"{number(times, fixed(1))} times the stated {entry.stated}"
+    several = entry.correlation != "time" and len(entry.spectrum) > 1
+    orders = f" (orders 1 to {len(entry.spectrum)}: {listed})" if several else ""
     return f"{entry.name}: the distances suggest {size}{orders}."
 
 

@@ -43,7 +43,7 @@ def _text(part: DriftPart) -> str:
     match part.kind:
         case "links":
             what = (
-                f"The links {'grew' if change > 0.0 else 'shrank'} by {ends} during the measurement ({rms})"
+                f"The links {'grew' if change > 0.0 else 'shrank'} by {ends} from first to last row ({rms})"
             )
             where = "the result states their mean, and predictions count it as uncertain"
         case "scale":

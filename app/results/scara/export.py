@@ -8,14 +8,14 @@ from typing import Any
 from catseye.app.errors import UsageError
 from catseye.app.files.tabular import Row, table_csv
 from catseye.app.results.model import Origin
-from catseye.app.results.scara.budget_part import BUDGET_KIND, TableBudget
+from catseye.app.results.scara.budget_part import TableBudget
 from catseye.app.results.scara.identify import are_simulated, cell_of_run, origin_of_run
 from catseye.app.results.scara.measured_distances import measured_distances
 from catseye.app.results.scara.path_rows import holds_distances
 from catseye.app.results.scara.points import point_columns, points_csv, with_sigma
 from catseye.app.results.scara.result import Result, read_result
 from catseye.app.results.scara.stated_budget import corrected_by
-from catseye.app.results.scara.table_budget import sealed_with
+from catseye.app.results.scara.table_budget import documents_of
 from catseye.app.results.scara.values import result_values
 from catseye.app.store.reader import RunReader
 from catseye.procedures.kit.columns import Columns
@@ -77,7 +77,7 @@ def _distances(
     stated = cell_of_run(reader).uncertainty
     sigma_mm = 1e-3 * stated.white_um
     points = with_sigma(point_columns(rows), sigma_mm)
-    budget = sealed_with(
+    documents = documents_of(
         points,
         TableBudget(
             format="catseye-budget/1",
@@ -89,7 +89,6 @@ def _distances(
             sha256="",
         ),
     )
-    documents = {BUDGET_KIND: budget}
     return Export(
         reader.path.name,
         about,

@@ -15,6 +15,8 @@ from catseye.calibration.scara.plausibility.findings import (
     Mirror,
     Mistake,
     MountingForgotten,
+    MountingInRadians,
+    MountingOff,
     NamesExchanged,
     Offset,
     OtherLinks,
@@ -86,10 +88,28 @@ def mistake_text(mistake: Mistake) -> str:
             return f"the rough places of the reflectors are wrong in the cell file: {_MIRRORS[mirror]}"
         case ZeroLost() | ReflectorMoved():
             return _jump_text(mistake)
-        case MountingForgotten(reflector, segment, row):
+        case MountingForgotten() | MountingInRadians() | MountingOff():
+            return _mounting_text(mistake)
+
+
+def _mounting_text(mistake: MountingForgotten | MountingInRadians | MountingOff) -> str:
+    where = f"from distance {mistake.row + 1} on ({mistake.reflector}, segment {mistake.segment})"
+    match mistake:
+        case MountingForgotten():
             return (
-                f"from distance {row + 1} on ({reflector}, segment {segment}) the distances are those of an "
-                "interferometer that was turned by half a turn on J4's flange: state mount_deg = 180 from there on"
+                f"{where} the distances are those of an interferometer that was turned by half a turn on J4's "
+                "flange: state mount_deg = 180 from there on"
+            )
+        case MountingInRadians(_, _, _, turned_rad):
+            return (
+                f"mount_deg = {turned_rad:.4g} seems to be in radians {where}: convert it to degrees, "
+                f"{math.degrees(turned_rad):.1f}"
+            )
+        case MountingOff(_, _, _, stated_rad, found_rad):
+            return (
+                f"{where} the distances are those of an interferometer that was turned by about "
+                f"{math.degrees(found_rad):.0f}° on J4's flange, not by mount_deg = {math.degrees(stated_rad):.4g}: "
+                "correct it"
             )
 
 

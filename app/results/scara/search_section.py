@@ -12,7 +12,7 @@ def search_section(searches: Sequence[Mapping[str, Any]]) -> Section:
 
     Args:
         searches: as their last step returns it: `reflectors` (`name`, `x_mm`, `y_mm`, `u_x_mm`, `u_y_mm`,
-            `u_aim_mm`), `theta40_deg`, `u_theta40_deg`, `rms_deg`.
+            `u_aim_mm`), `theta40_deg`, `u_theta40_deg`, `rms_deg`; `counter_shown`, absent in runs of early versions.
     """
     return section("search", "Reflector search", [block for search in searches for block in _search(search)])
 
@@ -40,4 +40,9 @@ def _search(search: Mapping[str, Any]) -> list[Block]:
     )
     theta40, u, rms = (number(search[key], fixed(4)) for key in ("theta40_deg", "u_theta40_deg", "rms_deg"))
     text = f"Beam direction at J4 = 0: θ40 = {theta40}° (u = {u}°); rms of the sightings {rms}°."
+    shown = search.get("counter_shown")
+    if shown is not None:
+        text += (
+            f" The counter has {'' if shown else 'not '}shown its sign and scale on a way with the beam kept."
+        )
     return [table, Paragraph(text)]

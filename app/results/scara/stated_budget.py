@@ -104,11 +104,13 @@ def budget_of_table(
         unverified: take a table with its own budget that was changed since.
 
     Raises:
-        UsageError: its own is asked for and it has none, or it was changed.
+        UsageError: its own is asked for and it has none, or it was changed or taken out.
     """
     own, role = seen.own, _role_of_sigma(seen, stated)
     source, name, entries = "none", seen.file.name, list[ContributorEntry]()
     changes: tuple[str, ...] = ()
+    if seen.lost_budget and choice is None:
+        changes = _changes(seen, unverified=unverified)
     if choice == "none":
         role = "white" if seen.with_sigma else "absent"
     elif own is not None and choice != "cell":
@@ -122,9 +124,7 @@ def budget_of_table(
         source, name, entries = "cell", cell_file, stated.contributor
     air = None if own is None else own.corrected_by
     part = BudgetPart(source=source, name=name, sigma_mm=role, corrected_by=air, contributor=entries)
-    if own is None:
-        return StatedBudget(part)
-    return StatedBudget(part, (*(own.unverified or ()), *changes), own.simulated)
+    return StatedBudget(part, (*seen.unverified, *changes), seen.simulated)
 
 
 def corrected_by(reader: RunReader) -> CorrectedBy | None:
@@ -160,7 +160,10 @@ def _changes(seen: SeenTable, *, unverified: bool) -> tuple[str, ...]:
     """
     if seen.intact:
         return ()
-    text = f"{seen.file.name}: its rows or its error budget were changed after they were written together"
+    done = (
+        "its error budget was taken out" if seen.lost_budget else "its rows or its error budget were changed"
+    )
+    text = f"{seen.file.name}: {done} after they were written together"
     if unverified:
         return (text,)
     raise UsageError(

@@ -5,22 +5,24 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from pydantic import ValidationError
 
 from catseye.app.errors import UsageError
 from catseye.app.files.documents import parse_json
-from catseye.app.results.scara.budget_part import BUDGET_KIND, TableBudget
+from catseye.app.results.scara.budget_part import BUDGET_KIND, ORIGIN_KIND, TableBudget, TableOrigin
 from catseye.app.results.scara.points import POINTS
 from catseye.procedures.kit.columns import Columns
+
+_Document = TypeVar("_Document", TableBudget, TableOrigin)
 
 _NUMBERS = tuple(column.name for column in POINTS.forms[0] if column.kind != "name")
 
 
-def sealed_with(points: Columns, budget: TableBudget) -> dict[str, Any]:
-    """Return the document that a table of distances carries along: a budget, sealed with the rows.
+def documents_of(points: Columns, budget: TableBudget) -> dict[str, dict[str, Any]]:
+    """Return what a table of distances carries along: a budget, sealed with the rows, and the mark of its origin.
 
     Args:
         points: all rows, with all columns that a points file may have.
@@ -29,7 +31,12 @@ def sealed_with(points: Columns, budget: TableBudget) -> dict[str, Any]:
     unsealed = budget.model_dump(mode="json", exclude_none=True)
     seal = _Seal(unsealed)
     seal.add(points)
-    return {**unsealed, "sha256": seal.hexdigest()}
+    sha256 = seal.hexdigest()
+    origin = _origin_of(budget.model_copy(update={"sha256": sha256}))
+    return {
+        BUDGET_KIND: {**unsealed, "sha256": sha256},
+        ORIGIN_KIND: origin.model_dump(mode="json", exclude_none=True),
+    }
 
 
 class _Seal:
@@ -64,11 +71,13 @@ class SeenTable:
 
     Attributes:
         own: the budget that it carries; None for none.
+        origin: where it says that it comes from; None for tables of other programs and of early versions.
     """
 
     def __init__(self, file: Path) -> None:
         self.file = file
         self.own: TableBudget | None = None
+        self.origin: TableOrigin | None = None
         self._seal: _Seal | None = None
         self._least, self._most = math.inf, -math.inf
 
@@ -76,8 +85,11 @@ class SeenTable:
         """Look at rows below those that were seen before.
 
         Raises:
-            UsageError: the table carries a budget that cannot be read.
+            UsageError: the table carries a budget or a mark of its origin that cannot be read.
         """
+        mark = block.attached.get(ORIGIN_KIND)
+        if mark is not None and self.origin is None:
+            self.origin = _valid(self.file, ORIGIN_KIND, TableOrigin, mark)
         text = block.attached.get(BUDGET_KIND)
         if text is not None:
             if self._seal is None:
@@ -90,8 +102,29 @@ class SeenTable:
 
     @property
     def intact(self) -> bool:
-        """Budget and rows are those that were written together."""
-        return self.own is not None and self._seal is not None and self._seal.hexdigest() == self.own.sha256
+        """Budget, origin and rows are those that were written together."""
+        if self.own is None or self._seal is None:
+            return False
+        marked = self.origin is None or self.origin == _origin_of(self.own)
+        return marked and self._seal.hexdigest() == self.own.sha256
+
+    @property
+    def lost_budget(self) -> bool:
+        """It was written with a budget and has none."""
+        return self.own is None and self.origin is not None
+
+    @property
+    def simulated(self) -> bool | None:
+        """Emulated devices have measured the distances, as either mark says; None where nothing says so."""
+        said = [one.simulated for one in (self.own, self.origin) if one is not None]
+        known = [one for one in said if one is not None]
+        return any(known) if known else None
+
+    @property
+    def unverified(self) -> tuple[str, ...]:
+        """What speaks against the run that it was exported from, as either mark says."""
+        marks = [one.unverified or [] for one in (self.own, self.origin) if one is not None]
+        return tuple(dict.fromkeys(text for texts in marks for text in texts))
 
     @property
     def with_sigma(self) -> bool:
@@ -112,12 +145,21 @@ def _read(file: Path, text: str) -> tuple[TableBudget, _Seal]:
             f"{file}: carries an error budget of format {form}; this version reads {BUDGET_KIND}/1: update catseye, "
             "or leave the budget with --budget cell or none and without its comment line"
         )
+    return _valid(file, BUDGET_KIND, TableBudget, text), _Seal(document)
+
+
+def _origin_of(budget: TableBudget) -> TableOrigin:
+    return TableOrigin(simulated=budget.simulated, unverified=budget.unverified, budget=budget.sha256)
+
+
+def _valid(file: Path, kind: str, model: type[_Document], text: str) -> _Document:
     try:
-        return TableBudget.model_validate_json(text), _Seal(document)
+        return model.model_validate_json(text)
     except ValidationError as error:
         fault = error.errors()[0]
         place = ".".join(str(part) for part in fault["loc"]) or "document"
+        what = "an error budget" if kind == BUDGET_KIND else "a mark of its origin"
         raise UsageError(
-            f"{file}: carries an error budget that cannot be read: {place}: {fault['msg']}; export the table again, "
-            f"or take the {BUDGET_KIND} line out of it"
+            f"{file}: carries {what} that cannot be read: {place}: {fault['msg']}; export the table again, "
+            f"or take the {kind} line out of it"
         ) from error

@@ -383,13 +383,11 @@ class ResultsScreen(WorkScreen):
         found = await asyncio.to_thread(_compared, file, other)
         if isinstance(found, str):
             self.catseye.show_error("The results cannot be compared", found)
-            return
-        if self._file is not file:
-            return
-        self._other, self._comparison = other, found
-        self._show_comparison()
-        self._show_files()
-        self.action_part(_PARTS.index("compare"))
+        elif self._file is file:
+            self._other, self._comparison = other, found
+            self._show_comparison()
+            self._show_files()
+            self.action_part(_PARTS.index("compare"))
 
     def _look(self) -> None:
         if not self._looking:

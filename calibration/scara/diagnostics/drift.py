@@ -106,11 +106,11 @@ def _candidates(projection: DistanceProjection) -> list[_Candidate]:
 
 def _drift(projection: DistanceProjection, member: Bools, tests: int) -> _Candidate | None:
     points, rows = projection.points, np.flatnonzero(member)
-    clock = np.arange(len(points), dtype=np.float64) if points.time_s is None else points.time_s
-    if np.ptp(clock[rows]) == 0.0:
+    passed = points.elapsed_share[rows]
+    if np.ptp(passed) == 0.0:
         return None
     share = np.zeros(member.size)
-    share[rows] = (clock[rows] - clock[rows].min()) / np.ptp(clock[rows]) - 0.5
+    share[rows] = (passed - passed.min()) / np.ptp(passed) - 0.5
     found = addition(projection, share[:, None])
     if found is None:
         return None

@@ -153,6 +153,36 @@ class MountingForgotten:
     row: int
 
 
+@dataclass(frozen=True)
+class MountingInRadians:
+    """The turn of the interferometer on J4's flange is a number in rad where deg are stated, from a row on, from 0.
+
+    Attributes:
+        turned_rad: that number.
+    """
+
+    reflector: str
+    segment: int
+    row: int
+    turned_rad: float
+
+
+@dataclass(frozen=True)
+class MountingOff:
+    """The interferometer was turned by another angle on J4's flange than is stated, from a row on, from 0.
+
+    Attributes:
+        stated_rad: by the table.
+        found_rad: about what the distances suggest.
+    """
+
+    reflector: str
+    segment: int
+    row: int
+    stated_rad: float
+    found_rad: float
+
+
 Mistake = (
     AngleSignReversed
     | DisplacementSignReversed
@@ -166,6 +196,8 @@ Mistake = (
     | ZeroLost
     | ReflectorMoved
     | MountingForgotten
+    | MountingInRadians
+    | MountingOff
 )
 
 

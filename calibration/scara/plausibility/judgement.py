@@ -14,7 +14,7 @@ from catseye.calibration.scara.plausibility.bounds import BOUNDS, Bounds
 from catseye.calibration.scara.plausibility.case import MOST_ROWS, Case
 from catseye.calibration.scara.plausibility.explanations import mistakes_of
 from catseye.calibration.scara.plausibility.findings import Joint, VagueLink, Verdict
-from catseye.calibration.scara.plausibility.mounting import forgotten_mounting
+from catseye.calibration.scara.plausibility.mounting import mounting_mistake
 from catseye.calibration.scara.plausibility.other_solutions import other_solution, other_solutions
 from catseye.calibration.scara.points import rows_of_long_segments, without_short_segments
 
@@ -44,7 +44,7 @@ def judge(problem: Problem, found: Identification | None, bounds: Bounds = BOUND
         tuple(one for one in off if one.share > 1.0),
         _vague(found.standard_uncertainty[:2], bounds),
     )
-    if (turned := forgotten_mounting(problem, found)) is not None:
+    if (turned := mounting_mistake(problem, found)) is not None:
         return Verdict(breaks, (turned,), rms_mm=left_mm)
     sound = asis is not None and asis.strain(bounds) <= 1.0
     if not sound or left_mm > _FAR_BEYOND * _stated_mm(problem, found):

@@ -11,11 +11,11 @@ from catseye.calibration.core.blockwise.sparse_rows import Slot, SparseRows
 from catseye.calibration.core.budget import stacked
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.arm import LOCAL, arm_design
+from catseye.calibration.scara.arm import LOCAL
 from catseye.calibration.scara.between_nodes import MeasuredPlaces
 from catseye.calibration.scara.budget import Budget, Correlation
 from catseye.calibration.scara.budget_effects import stated_sigma_mm
-from catseye.calibration.scara.distance_model import Beams, DistanceModel
+from catseye.calibration.scara.distance_model import Beams, DistanceModel, distance_model
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.pointing import beam_turn_rad
 from catseye.calibration.scara.points import Points
@@ -70,11 +70,9 @@ class Passes:
         Args:
             weighted: give them the uncertainty of the white contributors where they state none.
         """
-        elapsed = self.used.elapsed_share(block)
         if any(term.source == "theta4" for term in self.layout.terms):
             block = replace(block, theta4_rad=beam_turn_rad(block, self.nominal_mm, self.rough_mm))
-        design = arm_design(self.layout, block.commands, block.theta4_rad, elapsed, block.mount_rad)
-        model = DistanceModel(self.layout, block, design, self.budget, self.places, elapsed)
+        model = distance_model(self.layout, block, self.budget, self.places)
         if not weighted or block.sigma_mm is not None or self.budget is None:
             return model
         sigma = stated_sigma_mm(self.budget, model.geometry(self.known))

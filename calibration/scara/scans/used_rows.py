@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from catseye.calibration.core.amplitudes import even_step
-from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.core.types import Bools, Ints
 from catseye.calibration.scara.between_nodes import MeasuredPlaces
 from catseye.calibration.scara.budget_effects import measured_places
 from catseye.calibration.scara.layout import Layout
-from catseye.calibration.scara.points import Points, concatenated, short_segments
+from catseye.calibration.scara.points import Points, concatenated, shares_passed, short_segments
 from catseye.calibration.scara.scans.source import PointSource
 
 
@@ -25,7 +25,6 @@ class UsedRows:
         reflector_names: names of those left.
         dead_paths: (reflector name, segment) of those left.
         rows: number of distances left.
-        clock: when the measurement began and how long it took, s; in rows where the source has no times.
         rejected: a sentence for each segment left out.
     """
 
@@ -35,7 +34,6 @@ class UsedRows:
     reflector_names: tuple[str, ...]
     dead_paths: tuple[tuple[str, int], ...]
     rows: int
-    clock: tuple[float, float]
     rejected: list[str]
 
     @property
@@ -44,7 +42,7 @@ class UsedRows:
         return np.flatnonzero(self.reflector >= 0)
 
     def blocks(self) -> Iterator[Points]:
-        """Return the used distances in measuring order, each with a time."""
+        """Return the used distances in measuring order, each with its share of the measurement."""
         for block, _ in self._numbered():
             yield block
 
@@ -61,19 +59,12 @@ class UsedRows:
                     reflector=self.reflector[kept.reflector],
                     reflector_names=self.reflector_names,
                     dead_paths=self.dead_paths,
-                    time_s=np.arange(first, first + len(kept), dtype=np.float64)
-                    if kept.time_s is None
-                    else kept.time_s,
+                    elapsed=shares_passed(np.arange(first, first + len(kept)), self.rows)
+                    if kept.elapsed is None
+                    else kept.elapsed,
                 )
                 yield numbered, asked + used
             first, asked = first + len(kept), asked + len(block)
-
-    def elapsed_share(self, block: Points) -> Floats:
-        """Return the share of the measurement that had passed, less a half, shape (n,)."""
-        begin, span = self.clock
-        if block.time_s is None or span <= 0.0:
-            return np.zeros(len(block))
-        return (block.time_s - begin) / span - 0.5
 
     def few(self, arm: Layout) -> "FewRows":
         """Return evenly spread rows with some of each segment.
@@ -123,14 +114,11 @@ def used_rows(source: PointSource, check: Callable[[Points, int], None]) -> Used
         check: is called with each block and the number of its first row, from 1; raises if it cannot be used.
     """
     counts = np.zeros(len(source.dead_paths), dtype=np.int64)
-    begin, end = np.inf, -np.inf
     first = 1
     for block in source.blocks():
         check(block, first)
         first += len(block)
         counts += np.bincount(block.dead_path, minlength=counts.size)
-        if block.time_s is not None:
-            begin, end = min(begin, float(block.time_s.min())), max(end, float(block.time_s.max()))
     short, rejected = short_segments(counts, source.dead_paths)
     dead_paths = tuple(path for path, left_out in zip(source.dead_paths, short, strict=True) if not left_out)
     present = {name for name, _ in dead_paths}
@@ -143,7 +131,6 @@ def used_rows(source: PointSource, check: Callable[[Points, int], None]) -> Used
         tuple(name for name in source.reflector_names if name in present),
         dead_paths,
         rows,
-        (begin, end - begin) if np.isfinite(begin) else (0.0, rows - 1.0),
         rejected,
     )
 

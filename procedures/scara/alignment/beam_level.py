@@ -18,7 +18,7 @@ from catseye.procedures.kit.stored import numbers_of
 from catseye.procedures.scara import texts
 from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw, ScrewRounds
 from catseye.procedures.scara.beam.beam_scan import find_at_heights, find_height, half_window_deg
-from catseye.procedures.scara.before import COUNTER, LEVELLING, REFLECTORS
+from catseye.procedures.scara.before import COUNTER, LEVELLING, REFLECTORS, TURNED
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 from catseye.procedures.scara.search.search_plan import SearchPose, looking_poses, measured_distances_mm
@@ -74,7 +74,7 @@ class BeamLevel(Procedure):
 
     name = "beam-level"
     title = "Levelling of the beam"
-    needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,))
+    needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), aftermath=TURNED)
     stage = LEVELLING
     records = (AlignmentRound, ScrewTurn)
     event_texts = texts.HEIGHT

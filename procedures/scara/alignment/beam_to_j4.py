@@ -27,7 +27,7 @@ from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
 from catseye.procedures.scara.alignment.screws import GuidedScrew, Screw, ScrewRounds
 from catseye.procedures.scara.beam.beam_scan import ReturnWindow, find_return, half_window_deg, signal_live
-from catseye.procedures.scara.before import ALIGNING, COUNTER, LEVELLED, REFLECTORS
+from catseye.procedures.scara.before import ALIGNING, COUNTER, LEVELLED, REFLECTORS, TURNED
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.records import AlignmentRound, ScrewTurn
 from catseye.procedures.scara.search.search_plan import SearchPose, looking_poses
@@ -93,7 +93,7 @@ class BeamToJ4(Procedure):
 
     name = "beam-to-j4"
     title = "Alignment of the beam to the J4 axis"
-    needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(LEVELLED,))
+    needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(LEVELLED,), aftermath=TURNED)
     stage = ALIGNING
     records = (AlignmentRound, ScrewTurn)
     params_type = BeamToJ4Params

@@ -1,5 +1,7 @@
 """A short way with the beam kept, on which the counter shows its sign and scale."""
 
+import asyncio
+from collections import Counter
 from typing import Final
 
 import numpy as np
@@ -7,47 +9,53 @@ import numpy as np
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.scara.planar import forward
 from catseye.calibration.scara.reflector_search import SearchResult, locate_reflectors
+from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import PlanError
+from catseye.procedures.kit.motion.clear_way import way_refusal
 from catseye.procedures.kit.records import Row
 from catseye.procedures.scara.bench import Reflector, ScaraBench
 from catseye.procedures.scara.counter import CounterWatch
 from catseye.procedures.scara.motion.round_trip import RoundTrip, plan_round_trip
 from catseye.procedures.scara.search.search_plan import SearchPlan
-from catseye.procedures.scara.search.search_solution import COVERAGE, sightings_table
+from catseye.procedures.scara.search.search_solution import COVERAGE, FEWEST_SIGHTINGS, sightings_table
 from catseye.procedures.scara.search.sighting import Sighting, SightingRun
 
-_TURNS_DEG: Final = tuple(turn for deg in (12.0, -12.0, 24.0, -24.0) for turn in ((deg, 0.0), (0.0, deg)))
-"""By how much J1 or J2 may turn on the way."""
-
-_LEAST_MM: Final = 20.0
-"""A beam that changes by less shows no scale."""
+_TURNS_DEG: Final = tuple(
+    turn for deg in (12.0, -12.0, 24.0, -24.0, 48.0, -48.0) for turn in ((deg, 0.0), (0.0, deg))
+)
+"""By how much J1 or J2 may turn on the way, the shortest first."""
 
 _PLACE_MM: Final = 1.0
 """Largest standard uncertainty of a reflector whose distance is stated as the dead path of a zero."""
 
-_FEWEST: Final = 6
-"""Sightings of a reflector whose scatter says how well its place is known."""
+_FEWEST: Final = 3
+"""Sightings beyond the unknowns whose scatter says how well a place is known."""
 
 _TRIES: Final = 3
 
 
 async def check_counter(ctx: Context, plan: SearchPlan, run: SightingRun) -> bool:
-    """Drive a short way from the pose that was looked from last; return whether the counter could be looked at.
+    """Drive a short way from a pose that the reflector was seen from; return whether the counter has shown its scale.
 
     Raises:
         CounterError: its sign or its scale is wrong.
     """
     seen = run.just_seen
-    trip = None if seen is None else _trip(plan, seen, run.sightings)
+    if seen is None:
+        return False
+    # Beside the loop: ways from many poses take longer to plan than the guard waits for a sign of life.
+    trip = await asyncio.to_thread(_trip, plan, seen, list(run.sightings))
     if trip is None:
         return False
 
     async def action() -> Row:
         for _ in range(_TRIES):
-            if await _counted(ctx, plan.bench, trip):
-                return {"checked": True}
-        return {"checked": False}
+            if shown := await _counted(ctx, plan.bench, trip):
+                break
+        # The ways to all other poses were planned from here.
+        await ctx.move(_home(plan.bench, seen))
+        return {"checked": shown}
 
     name = trip.reflector.name
     result = await ctx.step(f"counter/{name}", f"{name}: sign and scale of the counter", action)
@@ -55,7 +63,7 @@ async def check_counter(ctx: Context, plan: SearchPlan, run: SightingRun) -> boo
 
 
 async def _counted(ctx: Context, bench: ScaraBench, trip: RoundTrip) -> bool:
-    """Drive the way once; return whether the count was kept all along."""
+    """Drive the way once; return whether the count was kept all along and a wrong scale would have been called so."""
     await ctx.move(trip.start)
     await ctx.zero(trip.beam_mm[0])
     target = trip.reflector
@@ -70,38 +78,55 @@ async def _counted(ctx: Context, bench: ScaraBench, trip: RoundTrip) -> bool:
     kept = all(measured.beam.count_valid for _, measured in counts)
     for (one, two), measured in counts if kept else ():
         watch.take(target.name, 0, one, two, measured.displacement_mm)
-    return kept
+    return kept and watch.shows_scale
 
 
 def _trip(plan: SearchPlan, seen: Sighting, sightings: list[Sighting]) -> RoundTrip | None:
-    """Return the way on which the beam changes most; None where the aim would not hold on any."""
-    reflector, bench = seen.pose.reflector, plan.bench
-    own = [one for one in sightings if one.pose.reflector == reflector]
-    if len(own) < _FEWEST:
+    """Return the shortest way that shows a wrong scale; None where the aim would not hold on any that does."""
+    bench, name = plan.bench, seen.pose.reflector.name
+    counts = Counter(one.pose.reflector for one in sightings)
+    known = tuple(one for one in plan.reflectors if counts[one] >= FEWEST_SIGHTINGS)
+    own = [one for one in sightings if one.pose.reflector in known]
+    if seen.pose.reflector not in known or len(own) < 2 * len(known) + 1 + _FEWEST:
         return None
     try:
         found = locate_reflectors(
-            sightings_table((reflector,), own),
+            sightings_table(known, own),
             bench.link1_mm,
             bench.link2_mm,
-            reflector.xy_mm[None, :],
+            np.array([reflector.xy_mm for reflector in known]),
             np.deg2rad(bench.optics.theta40_deg),
         )
     except CalibrationError:
         return None
-    if found.u_reflectors_mm.max() > _PLACE_MM:
+    index = known.index(seen.pose.reflector)
+    if found.u_reflectors_mm[index].max() > _PLACE_MM:
         return None
-    x_mm, y_mm = found.reflectors_mm[0].tolist()
-    aimed = bench.aimed({reflector.name: (x_mm, y_mm)}, float(np.rad2deg(found.theta40_rad)))
-    target = next(one for one in aimed.reflectors if one.name == reflector.name)
-    trips = [_planned(aimed, target, found, seen, turn) for turn in _TURNS_DEG]
-    return max((trip for trip in trips if trip is not None), key=_change_mm, default=None)
+    x_mm, y_mm = found.reflectors_mm[index].tolist()
+    aimed = bench.aimed({name: (x_mm, y_mm)}, float(np.rad2deg(found.theta40_rad)))
+    target = next(one for one in aimed.reflectors if one.name == name)
+    # From a pose with the arm folded the beam hardly changes: where it was seen from before may be better.
+    begins = [seen, *(one for one in sightings if one.pose.reflector == seen.pose.reflector and one != seen)]
+    ways = ((begin, turn) for begin in begins for turn in _TURNS_DEG)
+    trips = (_planned(aimed, target, found, index, begin, turn) for begin, turn in ways)
+    return next((trip for trip in trips if trip is not None and _reached(trip, bench, seen)), None)
+
+
+def _home(bench: ScaraBench, seen: Sighting) -> Pose:
+    return seen.pose.theta1_deg, seen.pose.theta2_deg, bench.j3_mm, seen.j4_deg
+
+
+def _reached(trip: RoundTrip, bench: ScaraBench, seen: Sighting) -> bool:
+    """Return whether the way to and from a trip is free."""
+    home = _home(bench, seen)
+    return way_refusal((home, trip.start, home), bench) is None
 
 
 def _planned(
     aimed: ScaraBench,
     target: Reflector,
     found: SearchResult,
+    index: int,
     seen: Sighting,
     turn: tuple[float, float],
 ) -> RoundTrip | None:
@@ -114,9 +139,13 @@ def _planned(
     one, two = np.deg2rad(stops).T
     positions = forward(one, two, aimed.link1_mm, aimed.link2_mm)
     room_mm = aimed.optics.acceptance_mm - aimed.optics.max_miss_mm
-    holds = COVERAGE * found.aim_uncertainty_mm(positions, 0).max() <= room_mm
-    return trip if trip is not None and holds and _change_mm(trip) >= _LEAST_MM else None
+    holds = COVERAGE * found.aim_uncertainty_mm(positions, index).max() <= room_mm
+    return trip if trip is not None and holds and _shows_scale(aimed, trip) else None
 
 
-def _change_mm(trip: RoundTrip) -> float:
-    return max(trip.beam_mm) - min(trip.beam_mm)
+def _shows_scale(aimed: ScaraBench, trip: RoundTrip) -> bool:
+    """Return whether the counts of a way will show a scale that is wrong."""
+    watch = CounterWatch(aimed, _PLACE_MM)
+    for (one, two), beam_mm in zip(trip.stops, trip.beam_mm, strict=True):
+        watch.take(trip.reflector.name, 0, one, two, beam_mm - trip.beam_mm[0])
+    return watch.shows_scale

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from typing import Final
 
 import numpy as np
 
@@ -37,11 +38,20 @@ async def look_further(ctx: Context, plan: SearchPlan, run: SightingRun) -> set[
     return reported
 
 
-async def solve(ctx: Context, plan: SearchPlan, run: SightingRun, reported: set[SearchPose]) -> Row:
+_NOT_SHOWN: Final = (
+    "the search does not assure the scale of the counter: no way with the beam kept changed it enough to tell a "
+    "scale that is 5 % off. open-loop looks at sign and scale, within its first 20 points"
+)
+
+
+async def solve(
+    ctx: Context, plan: SearchPlan, run: SightingRun, reported: set[SearchPose], *, counter_shown: bool
+) -> Row:
     """Solve Eq. 2 for all reflectors.
 
     Args:
         reported: poses whose sightings are known to be left out.
+        counter_shown: the counter has shown its scale.
 
     Raises:
         ReflectorNotFoundError: too few sightings, or an aim that would not hold over the plan.
@@ -54,7 +64,9 @@ async def solve(ctx: Context, plan: SearchPlan, run: SightingRun, reported: set[
     if now.found is None:
         raise ReflectorNotFoundError(now.trouble)
     await _require_aim(ctx, plan, now, run.looked)
-    return _result(plan, now.found, now)
+    if not counter_shown:
+        await ctx.warn(_NOT_SHOWN)
+    return {**_result(plan, now.found, now), "counter_shown": counter_shown}
 
 
 def _require_sightings(plan: SearchPlan, now: Assessment, looked: Mapping[str, int]) -> None:

@@ -8,7 +8,7 @@ from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.scara import texts
-from catseye.procedures.scara.before import ALIGNED, COUNTER, REFLECTORS, SEARCHING
+from catseye.procedures.scara.before import ALIGNED, COUNTER, REFLECTORS, SEARCHING, TURNED
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.records import SeenReflector
 from catseye.procedures.scara.search.search_plan import Jogging, SearchPlan, plan_search
@@ -44,7 +44,7 @@ class ReflectorSearch(Procedure):
 
     name = "reflector-search"
     title = "Reflector search"
-    needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(ALIGNED,))
+    needs = Needs(ScaraBench, COUNTER, equipment=(REFLECTORS,), after=(ALIGNED,), aftermath=TURNED)
     stage = SEARCHING
     records = (SeenReflector,)
     event_texts = texts.AIM
@@ -82,5 +82,9 @@ class ReflectorSearch(Procedure):
             ctx.progress((number + 1) * POSE_S, len(plan.poses) * POSE_S, f"search {pose.reflector.name}")
         reported = await look_further(ctx, plan, looks)
         if not checked:
-            await check_counter(ctx, plan, looks)
-        await ctx.step("solve", "Eq. 2 for all reflectors", lambda: solve(ctx, plan, looks, reported))
+            checked = await check_counter(ctx, plan, looks)
+        await ctx.step(
+            "solve",
+            "Eq. 2 for all reflectors",
+            lambda: solve(ctx, plan, looks, reported, counter_shown=checked),
+        )

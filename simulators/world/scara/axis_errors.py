@@ -69,21 +69,20 @@ _TURNS = np.exp(1j * _ORDERS[:, None] * np.deg2rad(_CURVE_DEG))
 class RadialError:
     """Radial error motion of one axis: a smooth closed curve over a turn, harmonics 1 to 5.
 
+    What turns with the axis once a turn is none of it but an eccentricity: links, tables and the beam's origin are
+    those of the mean axis. The first harmonic goes round the other way, twice a turn as the link sees it.
+
     Args:
         rms_um: rms of x and of y over a turn.
     """
 
     def __init__(self, rng: np.random.Generator, rms_um: float) -> None:
-        axes = [self._harmonics(rng, rms_um * 1e-3) for _ in range(2)]
-        self._curve_mm = axes[0] + 1j * axes[1]
-
-    @staticmethod
-    def _harmonics(rng: np.random.Generator, rms_mm: float) -> Floats:
-        weights = rng.uniform(0.5, 1.0, 5) / _ORDERS
-        weights *= rms_mm * np.sqrt(2.0) / np.linalg.norm(weights)
-        phases = rng.uniform(0.0, 2.0 * np.pi, 5)
-        waves: Floats = ((weights * np.exp(1j * phases)) @ _TURNS).imag
-        return waves
+        weights = rng.uniform(0.5, 1.0, _ORDERS.size) / _ORDERS
+        weights *= rms_um * 1e-3 * np.sqrt(2.0) / np.linalg.norm(weights)
+        phases = rng.uniform(0.0, 2.0 * np.pi, (2, _ORDERS.size))
+        phases[1, 0] = phases[0, 0] + 0.5 * np.pi
+        x_mm, y_mm = ((weights * np.exp(1j * phases)) @ _TURNS).imag
+        self._curve_mm = x_mm + 1j * y_mm
 
     def shift_mm(self, theta_deg: Floats) -> Plane:
         """Return the shifts, mm, at command angles in deg."""

@@ -28,7 +28,7 @@ GOLDEN = {
     "beam-level": Golden("b34c68fcd06633bf", "08b6ced7e1a9bda3", 2.763),
     "beam-to-j4": Golden("56f226d65b68a819", "25e583da856fa109", 42.399),
     "open-loop": Golden("82d82b9ecce15b98", "62822ecd51eb12e5", 1489.834),
-    "reflector-search": Golden("956c7c353097831f", "a5ae384cc4073e53", 42.819),
+    "reflector-search": Golden("956c7c353097831f", "6ba4c9f42baefb68", 42.82),
     "repeatability": Golden("2bd74117f992327a", "869bc51461a52682", 1342.062),
     "validation-path": Golden("9291f1287a5096e4", "18b8ab050fe23bc8", 114.38),
     "warmup": Golden("52a1f0addf793ccd", "b5dc20a7cf12bfd8", 1928.261),

@@ -53,13 +53,13 @@ class SkippingContext(MiscountingContext):
 
 FACTORS = {
     "its sign is reversed": -1.0,
-    r"like numbers in m\)": 1e-3,
-    "like numbers in inches": 1.0 / 25.4,
-    "like numbers in µm": 1e3,
-    "like numbers in counts of λ/4": 1.0 / 158.2e-6,
+    r"as if m were read as mm, or mm as µm\)": 1e-3,
+    "as if inches were read as mm": 1.0 / 25.4,
+    "as if µm were read as mm, or nm as µm": 1e3,
+    r"as if counts of λ/4 were read as mm\)": 1.0 / 158.2e-6,
     "gives 1.05 mm where": 1.05,
     "gives 0.95": 0.95,
-    r"\(like numbers in m\) and falls": -1e-3,
+    r"mm as µm\) and falls": -1e-3,
 }
 
 
@@ -93,10 +93,27 @@ async def test_a_search_names_a_wrong_counter_and_stops(text: str, factor: float
     assert context.measurements <= FIRST
 
 
+@pytest.mark.parametrize("factor", [1.05, 0.95])
+async def test_a_search_of_few_poses_names_a_wrong_scale(factor: float) -> None:
+    context = SkippingContext(FOUND, 1.4, factor=factor)
+    procedure = ReflectorSearch()
+    with pytest.raises(CounterError, match=f"gives {factor:g}"):
+        await procedure.run(context, procedure.plan(bench(), SearchParams(poses=4)))
+
+
+async def test_a_search_that_shows_no_scale_says_so() -> None:
+    # Every count is broken: the way is driven and shows nothing.
+    context = await searched(MiscountingContext(FOUND, 1.4, breaks_at=set(range(1, 100)), factor=1.05))
+    assert context.stored["solve"]["counter_shown"] is False
+    assert any("does not assure the scale of the counter" in warning for warning in context.warnings)
+    assert any("open-loop looks at sign and scale" in warning for warning in context.warnings)
+
+
 async def test_a_sound_counter_is_looked_at_once_in_a_search() -> None:
     context = await searched(MiscountingContext(FOUND, 1.4))
     assert [name for name in context.stored if name.startswith("counter/")] == ["counter/P1"]
     assert context.stored["counter/P1"] == {"checked": True}
+    assert context.stored["solve"]["counter_shown"] is True
     assert context.zeros == 1
 
 

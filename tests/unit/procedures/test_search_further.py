@@ -169,7 +169,8 @@ async def test_a_search_that_was_interrupted_goes_the_same_way() -> None:
         again = JoltedContext(TRUE_PLACES, 1.4, jolt_deg=JOLT_DEG, seed=3, stored=stored, resumed=True)
         again.angles.update(first.angles)
         await searched(again, poses=4)
-        assert again.ran == [*names[kept:], "solve"]
+        ran = [name for name in again.ran if not name.startswith("counter/")]
+        assert ran == [*names[kept:], "solve"]
         assert again.stored["solve"] == first.stored["solve"]
 
 

@@ -28,11 +28,7 @@ class Reversal:
 
 def reversals(layouts: tuple[Layout, ...]) -> tuple[Reversal, ...]:
     """Return what turning is worth to layouts; nothing where no error of the budget follows J4's angle."""
-    return tuple(_reversal(one) for one in layouts if _follows_j4(one))
-
-
-def _follows_j4(layout: Layout) -> bool:
-    return any(one.axis == "j4" and one.u > 0.0 for one in layout.problem.study.budget.systematic)
+    return tuple(_reversal(one) for one in layouts if one.problem.study.budget.follows_j4)
 
 
 def _reversal(layout: Layout) -> Reversal:

@@ -275,6 +275,74 @@ async def test_a_table_keeps_what_speaks_against_its_run(tmp_path: Path) -> None
     assert [text.split(": ")[0] for text in said] == [measured.path.name]
 
 
+def without_line(path: Path, kind: str) -> None:
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    kept = [line for line in lines if not line.startswith(f"# {kind} ")]
+    assert len(kept) == len(lines) - 1
+    path.write_text("".join(kept), encoding="utf-8")
+
+
+@pytest.mark.parametrize("streamed", [False, True])
+async def test_a_table_whose_budget_was_taken_out_keeps_its_marks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, streamed: bool
+) -> None:
+    measured = await measured_run(tmp_path, 1)
+    tampered(measured.path)
+    export(str(measured.path), tmp_path / "points.csv", None, None, unverified=True)
+    (tmp_path / "cell.toml").write_text(TEMPLATE)
+    without_line(tmp_path / "points.csv", "catseye-budget")
+    if streamed:
+        monkeypatch.setattr("catseye.app.results.scara.scan.SCAN_ROWS", 100)
+        monkeypatch.setattr("catseye.app.results.scara.scan._SHORTEST_LINE_BYTES", 1)
+    with pytest.raises(UsageError, match=r"points\.csv: its error budget was taken out after"):
+        of_table(tmp_path, "points.csv")
+    asked = of_table(tmp_path, "points.csv", budget="cell").provenance
+    assert asked.simulated is True
+    assert [text.split(": ")[0] for text in asked.unverified or []] == [measured.path.name]
+    taken = of_table(tmp_path, "points.csv", unverified=True).provenance
+    assert taken.simulated is True
+    assert [text.split(": ")[0] for text in taken.unverified or []] == [measured.path.name, "points.csv"]
+
+
+async def test_the_budget_keeps_the_marks_without_the_origin(tmp_path: Path, run: RunReader) -> None:
+    expected = of_table(exported(tmp_path, run).parent, "points.csv")
+    without_line(tmp_path / "points.csv", "catseye-origin")
+    found = of_table(tmp_path, "points.csv")
+    assert found.provenance.simulated is expected.provenance.simulated is True
+    assert differences(found, expected) == (0.0, 0.0)
+
+
+async def test_an_origin_that_was_changed_is_refused(tmp_path: Path, run: RunReader) -> None:
+    path = exported(tmp_path, run)
+    text = path.read_text(encoding="utf-8")
+    changed = text.replace("# catseye-origin {'simulated': true", "# catseye-origin {'simulated': false")
+    assert changed != text
+    path.write_text(changed, encoding="utf-8")
+    with pytest.raises(UsageError, match="were changed after they were written together"):
+        of_table(tmp_path, "points.csv")
+
+
+async def test_a_size_of_the_default_budget_is_called_assumed(
+    tmp_path: Path, run: RunReader, capsys: pytest.CaptureFixture[str]
+) -> None:
+    exported(tmp_path, run)
+    of_table(tmp_path, "points.csv")
+    said = " ".join(capsys.readouterr().err.split())
+    assert re.search(r"drift of the zero: the distances suggest [\d.]+ times the assumed 2 µm", said)
+    plain_table(tmp_path)
+    (tmp_path / "cell.toml").write_text(with_drift(3.0))
+    of_table(tmp_path, "plain.csv")
+    said = " ".join(capsys.readouterr().err.split())
+    assert re.search(r"drift of the zero: the distances suggest [\d.]+ times the stated 3 µm", said)
+    assert "times the assumed 10 µm" in said
+
+
+def with_drift(value_um: float) -> str:
+    """Return a cell file whose budget states another drift of the zero."""
+    head, tail = TEMPLATE.split('name = "drift of the zero"')
+    return f'{head}name = "drift of the zero"{tail.replace("value_um = 2.0", f"value_um = {value_um}", 1)}'
+
+
 async def test_json_of_a_run_has_its_budget_too(tmp_path: Path, run: RunReader) -> None:
     document = json.loads(exported(tmp_path, run, "points.json").read_text())
     assert len(document["catseye-budget"]["contributor"]) == 13

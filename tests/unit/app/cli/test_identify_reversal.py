@@ -1,6 +1,7 @@
 """identify with a table of two mountings of the interferometer."""
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -89,3 +90,18 @@ def test_a_forgotten_column_is_refused_with_what_to_state(points: Points, tmp_pa
         ImplausibleError, match=r"from distance 1057 on \(P1, segment 1\).* state mount_deg = 180"
     ):
         identified(replace(points, mount_rad=None), tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("factor", "text"),
+    [
+        (math.radians(1.0), r"mount_deg = 3\.1\d+ seems to be in radians .* convert it to degrees, 18\d\.\d"),
+        (170.0 / 180.0, r"turned by about 18\d° on J4's flange, not by mount_deg = 17\d\.?\d*: correct it"),
+    ],
+)
+def test_a_wrong_mounting_is_refused_with_what_is_wrong(
+    points: Points, tmp_path: Path, factor: float, text: str
+) -> None:
+    assert points.mount_rad is not None
+    with pytest.raises(ImplausibleError, match=text):
+        identified(replace(points, mount_rad=factor * points.mount_rad), tmp_path)

@@ -39,7 +39,7 @@ def predicted(folder: Path, text: str, *options: str, model: str = "error-map") 
         as_json=False,
     )
     with output.open(encoding="utf-8") as lines:
-        return list(csv.DictReader(lines))
+        return list(csv.DictReader(line for line in lines if not line.startswith("#")))
 
 
 def test_joint_commands_get_their_errors_and_uncertainties(tmp_path: Path) -> None:
@@ -66,6 +66,18 @@ def test_joint_commands_get_their_errors_and_uncertainties(tmp_path: Path) -> No
     assert float(rows[1]["u_ex_um"]) == pytest.approx(
         math.hypot(0.5 * mdeg * 550.0, 0.7 * mdeg * 224.9) * 1e3, abs=2e-3
     )
+
+
+def test_a_missing_budget_is_stated_in_the_csv_and_json(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = text_file(tmp_path, "theta1_deg,theta2_deg,direction1,direction2\n45,60.50,1,1\n")
+    output = tmp_path / "predicted.csv"
+    predict(stored(tmp_path, bare("error-map")), path, output, as_json=True)
+    missing = "the result holds no error budget: uncertainties of positions are those of its parameters alone"
+    comments = [line for line in output.read_text(encoding="utf-8").splitlines() if line.startswith("# ")]
+    assert any(missing in comment for comment in comments)
+    assert any(missing in warning for warning in json.loads(capsys.readouterr().out)["warnings"])
 
 
 def test_the_conventional_model_has_no_range_and_no_directions(tmp_path: Path) -> None:

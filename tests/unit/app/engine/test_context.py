@@ -2,95 +2,39 @@
 
 import asyncio
 import math
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 import pytest
 
-from catseye.app.engine.announcer import Announcer
-from catseye.app.engine.context import RunContext
-from catseye.app.engine.control import RunControl
-from catseye.app.engine.devices import Devices
 from catseye.app.engine.gate import MotionGate, require_in_range
-from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answer, Operator
-from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.errors import (
     ConfigError,
     InterruptedRunError,
     LimitError,
     LinkFailedError,
-    MeasurementRejectedError,
     PromptUnansweredError,
     SafetyError,
 )
-from catseye.app.exitcode import ExitCode
 from catseye.app.protocol.state import ControlState
-from catseye.app.store.reader import RunReader
-from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import RobotAbilities, RobotStatus
 from catseye.procedures.kit.columns import Columns
-from catseye.procedures.kit.context import Context, Prompt
+from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
-from catseye.procedures.kit.records import Json, Row
-from catseye.procedures.kit.tasks import ClearBeam, Task, TurnScrew
+from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.tasks import ClearBeam, TurnScrew
 from catseye.procedures.scara.path.tables import MEASURED
-from catseye.procedures.scara.records import Distance, SeenReflector
-from tests.unit.app.engine.fakes import ARM, AWAY, HOME, FakeBench, FakeRobot, Script, distance, free_way
+from catseye.procedures.scara.records import SeenReflector
+from tests.unit.app.engine.fakes import ARM, AWAY, HOME, FakeRobot, distance, free_way
+from tests.unit.app.engine.given_parts import READY, Parts
 from tests.unit.procedures.benches import scara_axes
-
-READY = RobotStatus(True, False, True, False, False, 20.0, 0, "")
-
-
-class Willing(SimulatedOperator):
-    """SimulatedOperator that do whatever they are asked, or break."""
-
-    async def do(self, task: Task) -> dict[str, Json]:
-        if isinstance(task, TurnScrew):
-            raise LinkFailedError("the screw is stuck")
-        return {"did": task.do}
-
-
-class Parts(NamedTuple):
-    bench: FakeBench
-    ctx: RunContext
-    control: RunControl
-    reader: RunReader
-
-
-@pytest.fixture
-async def parts(tmp_path: Path) -> AsyncIterator[Parts]:
-    bench = FakeBench(tmp_path)
-    store = await RunStore.create(tmp_path, "script", {}, bench.clock, records=[Distance], reserve_bytes=0)
-    control = RunControl(bench.clock, lambda _state, _reason: None)
-    control.attach(bench.robot)
-    control.starting()
-    control.started()
-    bench.robot.state = READY
-    announcer = Announcer(store.path.name, bench.clock, bench.publish, lambda: None)
-    devices = Devices(bench.robot, bench.counter, bench.air)
-    gate = MotionGate(bench.robot, ARM.axes, free_way, 20.0)
-    operator = Operator(bench.clock, {}, None, simulated=True, hands=Willing("tcp://127.0.0.1:1"))
-    ctx = RunContext(
-        devices,
-        store,
-        control,
-        bench.clock,
-        ARM.axes,
-        gate,
-        operator,
-        announcer,
-        records=[Distance],
-    )
-    yield Parts(bench, ctx, control, RunReader(store.path))
-    await control.halted()
-    await store.abandon()
 
 
 async def nothing() -> Row:
@@ -292,108 +236,6 @@ async def test_a_path_otherwise_becomes_one_motion_per_target(parts: Parts) -> N
     await parts.ctx.follow((AWAY, HOME, AWAY))
     assert parts.bench.robot.calls.count("move") == 3
     assert parts.bench.robot.pose == AWAY
-
-
-async def test_a_measurement_averages_readings_over_the_dwell(parts: Parts) -> None:
-    parts.bench.robot.pose = AWAY
-    await parts.ctx.zero(500.0)
-    measured = await parts.ctx.measure(0.5, 0.8, 5)
-    assert measured.displacement_mm == pytest.approx(3e-3)
-    assert measured.spread_mm == pytest.approx(1.5811e-3, rel=1e-4)
-    assert measured.duration_s == pytest.approx(0.8)
-    assert measured.time_utc == "2026-01-02T03:04:05.500000+00:00"
-    assert (measured.readings, measured.reported, measured.beam.signal) == (5, AWAY, 0.8)
-    assert measured.beam.count_valid
-
-
-@pytest.mark.parametrize(
-    "beam",
-    [
-        BeamStatus(False, True, False, True, 0.0),
-        BeamStatus(True, True, False, True, 0.8),
-        BeamStatus(True, False, True, True, 0.8),
-    ],
-)
-async def test_a_lost_count_stays_invalid_when_the_beam_returns(parts: Parts, beam: BeamStatus) -> None:
-    await parts.ctx.zero(500.0)
-    parts.bench.counter.beam = beam
-    assert not (await parts.ctx.measure(0.5, 0.5, 2)).beam.count_valid
-
-
-async def test_a_count_not_zeroed_by_this_process_is_invalid(parts: Parts) -> None:
-    assert not (await parts.ctx.measure(0.5, 0.5, 2)).beam.count_valid
-
-
-async def test_the_air_is_sampled_anew_when_it_is_old(parts: Parts) -> None:
-    first = await parts.ctx.measure(0.1, 0.1, 1)
-    again = await parts.ctx.measure(0.1, 0.1, 1)
-    parts.bench.clock.advance(2.1)
-    later = await parts.ctx.measure(0.1, 0.1, 1)
-    assert [m.air.temperature_c for m in (first, again, later)] == [21.0, 21.0, 22.0]
-
-
-async def test_software_time_is_what_is_neither_motion_nor_waiting(parts: Parts) -> None:
-    async def action() -> Row:
-        await parts.ctx.move(AWAY)
-        await parts.ctx.measure(0.5, 0.5, 3)
-        parts.ctx.record(distance())
-        parts.bench.clock.advance(0.007)
-        return {}
-
-    await parts.ctx.step("s1", "first", action)
-    (time,) = parts.ctx.step_times
-    assert [time.motion_s, time.idle_s] == pytest.approx([1.0, 1.0])
-    assert time.points == 1
-    assert time.software_s == pytest.approx(0.007)
-
-
-async def test_a_zero_is_stored(parts: Parts) -> None:
-    await parts.ctx.zero(500.0)
-    assert parts.reader.events()[-1].data == {"number": 1, "dead_path_mm": 500.0}
-
-
-async def test_a_missing_quantity_warns_once_if_the_instrument_corrects(parts: Parts) -> None:
-    parts.bench.air.pressure_hpa = None
-    await parts.ctx.measure(0.1, 0.1, 1)
-    await parts.ctx.measure(0.1, 0.1, 1)
-    (warning,) = [event.data for event in parts.reader.events() if event.kind == "warning"]
-    assert "gives no pressure" in str(warning["text"])
-
-
-async def test_a_count_of_wavelengths_without_the_air_is_refused(tmp_path: Path) -> None:
-    bench = FakeBench(tmp_path)
-    bench.counter.compensated = "none"
-    bench.air.pressure_hpa = None
-
-    async def body(ctx: Context) -> None:
-        await ctx.zero(500.0)
-
-    outcome = await run_procedure(
-        bench.request(Script(body)), bench.build, bench.clock, bench.publish, bench.install
-    )
-    assert (outcome.status, outcome.exit_code) == ("failed", ExitCode.REJECTED)
-    assert "no pressure" in outcome.text
-    assert "program corrects" in str(RunReader(outcome.path).meta["compensation"])
-
-
-async def test_a_count_is_invalid_after_zeroing_without_air_fails(tmp_path: Path) -> None:
-    bench = FakeBench(tmp_path)
-    bench.counter.compensated = "none"
-    seen: list[bool] = []
-
-    async def body(ctx: Context) -> None:
-        await ctx.zero(500.0)
-        seen.append((await ctx.measure(0.1, 0.1, 1)).beam.count_valid)
-        bench.air.pressure_hpa = None
-        bench.clock.advance(10.0)
-        with pytest.raises(MeasurementRejectedError, match="no pressure"):
-            await ctx.zero(600.0)
-        bench.air.pressure_hpa = 1013.0
-        bench.clock.advance(10.0)
-        seen.append((await ctx.measure(0.1, 0.1, 1)).beam.count_valid)
-
-    await run_procedure(bench.request(Script(body)), bench.build, bench.clock, bench.publish, bench.install)
-    assert seen == [True, False]
 
 
 async def test_a_cell_without_a_tracker_says_so(parts: Parts) -> None:

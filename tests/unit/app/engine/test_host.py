@@ -22,6 +22,7 @@ from catseye.app.store.reader import RunReader
 from catseye.app.store.verify import verify
 from catseye.drivers.roles.errors import AlarmError, LinkError
 from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.errors import ReflectorNotFoundError
 from catseye.procedures.kit.records import Json, Row
 from tests.patience import HANG_S
 from tests.unit.app.engine.fakes import FakeBench, Script
@@ -49,6 +50,16 @@ async def test_a_complete_run_is_stored_sealed_and_published(bench: FakeBench) -
     assert bench.published[-1]["event"] == "run-ended"
     assert procedure.torn_down == 1
     assert len(outcome.step_times) == 3
+
+
+async def test_what_an_earlier_run_left_is_said_with_a_failure(bench: FakeBench) -> None:
+    async def body(_ctx: Context) -> None:
+        raise ReflectorNotFoundError("P1 was not found")
+
+    left = "open-loop-1 left the interferometer turned by 178.8°"
+    outcome = await run(bench, Script(body), aftermath=left)
+    assert (outcome.status, outcome.text) == ("failed", f"P1 was not found. {left}")
+    assert left in [event["text"] for event in bench.said("warning")]
 
 
 async def test_the_override_is_lowered_before_the_drives_are_on(bench: FakeBench) -> None:

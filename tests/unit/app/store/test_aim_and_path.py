@@ -9,12 +9,14 @@ import pytest
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.results.scara.path_rows import path_measurement
 from catseye.app.results.scara.validation import established_rows
+from catseye.app.store.aftermath import find_aftermath
 from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
 from catseye.calibration.scara.points import Commands
 from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.scara.aiming import SEARCHED
+from catseye.procedures.scara.before import TURNED
 from tests.unit.app.store.fakes import RECORDS, TickingClock
 from tests.unit.procedures.benches import bench
 
@@ -39,6 +41,7 @@ class Shelf:
         rows: list[Row] | None = None,
         off_mm: float = 0.0,
         asked: Mapping[str, str | None] | None = None,
+        mounted_deg: tuple[float, ...] = (),
     ) -> Path:
         """Store a run of a cell file whose reflectors stand off by some mm."""
         places: list[Json] = [
@@ -56,6 +59,8 @@ class Shelf:
             await store.event("asked", {"id": prompt_id, "text": "Turn it.", "asked_utc": "now"})
             if answer is not None:
                 await store.prompt(prompt_id, "confirm", "Turn it.", "now", answer, "somebody")
+        for turned_deg in mounted_deg:
+            await store.event("mounted", {"turned_deg": turned_deg})
         await store.finish(status, 0)
         return store.path
 
@@ -109,6 +114,28 @@ async def test_a_search_before_the_interferometer_was_turned_is_refused(shelf: S
     turned = await shelf.put("open-loop", None, asked={"mount/1": "no", "mount/2": "yes"}, status="stopped")
     with pytest.raises(UsageError, match=f"{turned.name} moved the beam after {search.name}"):
         find_basis(SEARCHED, bench(), shelf.root)
+
+
+async def test_a_run_that_left_the_interferometer_turned_is_named(shelf: Shelf) -> None:
+    assert find_aftermath(TURNED, "lab-1", shelf.root) == ""
+    turned = await shelf.put("open-loop", None, status="failed", mounted_deg=(180.0, 178.75))
+    await shelf.put("reflector-search", None, status="failed")
+    await shelf.put("open-loop", None)
+    text = find_aftermath(TURNED, "lab-1", shelf.root)
+    assert text.startswith(f"{turned.name} left the interferometer turned by 178.8°")
+    assert find_aftermath(TURNED, "lab-2", shelf.root) == ""
+    assert find_aftermath(None, "lab-1", shelf.root) == ""
+
+
+async def test_a_search_that_succeeds_settles_how_it_is_mounted(shelf: Shelf) -> None:
+    await shelf.put("open-loop", None, mounted_deg=(178.75,))
+    await shelf.put("reflector-search", solution(651.0))
+    assert find_aftermath(TURNED, "lab-1", shelf.root) == ""
+
+
+async def test_a_mounting_that_was_not_turned_leaves_nothing(shelf: Shelf) -> None:
+    await shelf.put("open-loop", None, status="failed", mounted_deg=(180.0, 0.0))
+    assert find_aftermath(TURNED, "lab-1", shelf.root) == ""
 
 
 async def test_without_a_search_the_cell_file_gives_the_aim(shelf: Shelf) -> None:

@@ -9,7 +9,7 @@ from scipy import linalg, stats
 from catseye.calibration.core import amplitudes
 from catseye.calibration.core.amplitudes import (
     Compressed,
-    beside_others,
+    beside_other_components,
     restricted_likelihood,
     variance_ratios,
 )
@@ -51,7 +51,7 @@ def test_the_likelihood_is_that_of_the_contrasts() -> None:
 
 def test_one_component_beside_the_others_has_their_likelihood() -> None:
     rows, at = compressed(RNG.normal(size=ROWS)), np.array([0.3, -0.4, 0.9])
-    size, pull = beside_others(rows, at, 1)
+    size, pull = beside_other_components(rows, at, 1)
 
     def alone(logarithm: float) -> float:
         grown = np.exp(logarithm) * size
@@ -118,6 +118,29 @@ def test_an_assumed_size_is_found_beside_stated_ones(truth: float) -> None:
     # A hundredth of the white noise's size in twelve sources is known to be small, and not how small.
     assert off[:2] == pytest.approx(np.zeros(2), abs=0.25)
     assert -0.3 < off[2] < (1.0 if truth < 0.1 else 0.5)
+
+
+@pytest.mark.parametrize(("slope", "expected"), [(0.0, 1.0), (2.0, 3.4)])
+def test_an_unseen_order_follows_the_spectra_of_others(slope: float, expected: float) -> None:
+    """Two axes of five orders; nothing shows the first order of the second one.
+
+    Shares fall with the order to the power of the slope; those of 1/k² are 1/1.46 of five for the first order.
+    """
+    rng, orders = np.random.default_rng(8), np.arange(1.0, 6.0)
+    shares = 5.0 * orders**-slope / np.sum(orders**-slope)
+    component = np.repeat(np.arange(10), 8)
+    contributor = np.repeat([0, 1], 5)
+    found = []
+    for _ in range(10):
+        effects = rng.normal(size=(400, 80))
+        effects[:, component == 5] = 0.0
+        sources = rng.normal(size=80) * np.sqrt(np.tile(shares, 2))[component]
+        residuals = effects @ sources + 0.5 * rng.normal(size=400)
+        stated = np.zeros(10, dtype=np.bool_)
+        rows = Compressed(effects.T @ effects, effects.T @ residuals, component, contributor, stated)
+        found.append(variance_ratios(rows)[5])
+    # The logarithm of one axis's own share differs by about one e-fold from the other's, and the mean is above it.
+    assert expected / 1.5 < np.mean(found) < 2.0 * expected
 
 
 def test_nothing_to_estimate_gives_nothing() -> None:

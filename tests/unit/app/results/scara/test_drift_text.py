@@ -25,7 +25,7 @@ def texts(*found: FoundDrift) -> list[str]:
     ("found", "said"),
     [
         (ZERO, "The zero drifted by 16.2 ± 1.9 µm rms during the measurement"),
-        (LINKS, "The links shrank by 9.7 ± 1.6 ppm during the measurement"),
+        (LINKS, "The links shrank by 9.7 ± 1.6 ppm from first to last row"),
     ],
 )
 def test_what_was_found_is_said_with_its_uncertainty(found: FoundDrift, said: str) -> None:

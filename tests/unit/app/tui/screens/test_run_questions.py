@@ -255,12 +255,13 @@ async def test_a_confirmation_has_its_safe_answer_in_focus() -> None:
             assert answers(link)[number:] == [(f"place/{number}", answer)], case
 
 
-async def test_choices_that_move_the_arm_need_f8() -> None:
-    link = ScriptedLink(SNAPSHOT)
-    app = app_of(link)
-    choices = ["retry", "skip", "stop"]
-    async with app.run_test(size=(80, 24)) as pilot:
-        ask(link, id="beam/1", kind="choice", text="Which?", choices=choices)
+CHOICES = ["retry", "skip", "stop"]
+MOVING: dict[str, Any] = {"motion": True, "safe_answer": "stop", "rests_after": ["stop"]}
+
+
+async def test_a_choice_takes_its_number_only() -> None:
+    async with run_screen() as (app, pilot, link):
+        ask(link, id="beam/1", kind="choice", text="Which?", choices=CHOICES)
         text = await settled(app, pilot, link)
         assert "1  retry" in text
         await pilot.press("enter", "9", "y", "n")
@@ -269,53 +270,62 @@ async def test_choices_that_move_the_arm_need_f8() -> None:
         await pilot.press("2")
         await settled(app, pilot, link)
         assert answers(link) == [("beam/1", "skip")]
-        two = ["retry", "stop"]
-        still: dict[str, Any] = {"motion": True, "safe_answer": "stop", "rests_after": ["stop"]}
-        ask(link, id="beam/2", kind="choice", text="Which?", choices=two, **still)
+
+
+async def test_choices_that_move_the_arm_need_f8() -> None:
+    async with run_screen() as (app, pilot, link):
+        ask(link, id="beam/2", kind="choice", text="Which?", choices=["retry", "stop"], **MOVING)
         await settled(app, pilot, link)
         await pilot.press("1")
         assert "F8 confirms it" in await shown(app, pilot)
-        assert answers(link)[1:] == []
+        assert answers(link) == []
         await pilot.press("f8")
         await settled(app, pilot, link)
-        assert answers(link)[1:] == [("beam/2", "retry")]
-        # Every choice takes F8 but those after which the arm rests.
-        ask(link, id="beam/3", kind="choice", text="?", choices=choices, **still)
+        assert answers(link) == [("beam/2", "retry")]
+
+
+async def test_every_choice_but_resting_ones_needs_f8() -> None:
+    async with run_screen() as (app, pilot, link):
+        ask(link, id="beam/3", kind="choice", text="?", choices=CHOICES, **MOVING)
         text = await settled(app, pilot, link)
         assert [button.name for button in app.screen.query("#answers Button").results(Button)] == ["stop"]
         assert "2 F8  skip: arm moves" in text
         await pilot.press("2")
         assert "the arm moves after skip: F8 confirms it" in await shown(app, pilot)
-        assert answers(link)[2:] == []
+        assert answers(link) == []
         await pilot.press("f8")
         await settled(app, pilot, link)
-        assert answers(link)[2:] == [("beam/3", "skip")]
-        ask(link, id="beam/4", kind="choice", text="?", choices=choices, **still)
+        assert answers(link) == [("beam/3", "skip")]
+
+
+async def test_f8_alone_takes_the_first_choice() -> None:
+    async with run_screen() as (app, pilot, link):
+        ask(link, id="beam/4", kind="choice", text="?", choices=CHOICES, **MOVING)
         await settled(app, pilot, link)
         await pilot.press("f8")
         await settled(app, pilot, link)
-        assert answers(link)[3:] == [("beam/4", "retry")]
-        # Where the run drives on after the safe answer too, that takes F8 as well.
-        ask(
-            link,
-            id="beam/5",
-            kind="choice",
-            text="?",
-            choices=["again", "take", "skip"],
-            **still | {"safe_answer": "skip", "rests_after": []},
-        )
+        assert answers(link) == [("beam/4", "retry")]
+
+
+async def test_a_safe_answer_that_drives_on_needs_f8() -> None:
+    drives_on = MOVING | {"safe_answer": "skip", "rests_after": []}
+    async with run_screen() as (app, pilot, link):
+        ask(link, id="beam/5", kind="choice", text="?", choices=["again", "take", "skip"], **drives_on)
         text = await settled(app, pilot, link)
         assert "3 F8  skip: arm moves" in text
         await pilot.press("3", "enter")
         assert "the arm moves after skip: F8 confirms it" in await shown(app, pilot)
-        assert answers(link)[4:] == []
+        assert answers(link) == []
         assert isinstance(app.screen, RunScreen)
         app.screen.action_ask_to_move()
         assert "The answer is: skip" in await shown(app, pilot)
         await pilot.press("f8")
         await settled(app, pilot, link)
-        assert answers(link)[4:] == [("beam/5", "skip")]
-        # The time to answer counts down.
+        assert answers(link) == [("beam/5", "skip")]
+
+
+async def test_the_time_to_answer_counts_down() -> None:
+    async with run_screen() as (app, pilot, link):
         ask(link, id="a", kind="choice", text="Which?", choices=["x", "y"], timeout_s=60.0, safe_answer="y")
         assert "59 s left, then y" in await settled(app, pilot, link)
         link.now_s += 30.0

@@ -95,12 +95,12 @@ def test_nothing_changes_where_nothing_does() -> None:
         assert not any(one.significant for one in steady(seed))
 
 
-def test_time_counts_where_it_is_known() -> None:
+def test_a_stated_share_of_the_measurement_counts() -> None:
     points = points_with(0.0)
     clock = np.arange(1056, dtype=np.float64) ** 3
     own = points.reflector == 1
     grown = np.where(own, (clock - clock[352]) / (clock[703] - clock[352]) * 0.04, 0.0)
-    timed = replace(points, time_s=clock, displacement_mm=points.displacement_mm + grown)
+    timed = replace(points, elapsed=clock / clock[-1] - 0.5, displacement_mm=points.displacement_mm + grown)
     found = [one for one in changes_of(timed) if one.significant]
     assert [(one.kind, one.reflector) for one in found] == [("drift", "P2")]
     assert found[0].size_um == pytest.approx(40.0, abs=3.0 * found[0].u_um)

@@ -17,6 +17,8 @@ from catseye.calibration.scara.plausibility.findings import (
     LinksExchanged,
     Mistake,
     MountingForgotten,
+    MountingInRadians,
+    MountingOff,
     NamesExchanged,
     OtherLinks,
     PlaceOff,
@@ -86,7 +88,7 @@ def named(mistake: Mistake, name: str) -> bool:
             return name == "places mirrored" and mirror == "y"
         case ZeroLost(reflector, _, _, row, _):
             return name == "a zero lost inside a segment" and (reflector, row) == ("P2", LOST_AT)
-        case ReflectorMoved() | MountingForgotten():
+        case ReflectorMoved() | MountingForgotten() | MountingInRadians() | MountingOff():
             return False
 
 

@@ -13,12 +13,15 @@ from catseye.calibration.scara.plausibility.findings import (
     DisplacementScaled,
     Mistake,
     MountingForgotten,
+    MountingInRadians,
+    MountingOff,
     RowsShifted,
     ZeroLost,
 )
 from catseye.calibration.scara.plausibility.judgement import judge
+from catseye.calibration.scara.plausibility.mounting import mounting_mistake
 from catseye.calibration.scara.points import Points
-from tests.unit.calibration.scara.diagnostics.bench import problem
+from tests.unit.calibration.scara.diagnostics.bench import commands_on_nodes, problem
 from tests.unit.calibration.scara.paper import random_truth
 from tests.unit.calibration.scara.plausibility.tables import table_2
 from tests.unit.calibration.scara.reversal import HALF_TURN, AxisMotion, mounted
@@ -45,6 +48,52 @@ def test_sound_tables_pass(seed: int) -> None:
 def test_a_forgotten_mounting_is_named(seed: int) -> None:
     forgotten = asked(replace(measured(seed), mount_rad=None))
     assert judge(forgotten, forgotten.solve()).mistakes == (MountingForgotten("P1", 1, 1056),)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_mounting_in_radians_is_named(seed: int) -> None:
+    points = measured(seed)
+    assert points.mount_rad is not None
+    wrong = asked(replace(points, mount_rad=np.radians(points.mount_rad)))
+    assert judge(wrong, wrong.solve()).mistakes == (MountingInRadians("P1", 1, 1056, HALF_TURN + 0.02),)
+
+
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("off_deg", [-10.0, 10.0, 40.0, -90.0])
+def test_a_mounting_that_is_off_is_named(seed: int, off_deg: float) -> None:
+    points = measured(seed)
+    assert points.mount_rad is not None
+    stated = np.where(points.mount_rad > 0.0, points.mount_rad + np.radians(off_deg), 0.0)
+    wrong = asked(replace(points, mount_rad=stated))
+    (mistake,) = judge(wrong, wrong.solve()).mistakes
+    assert isinstance(mistake, MountingOff)
+    assert (mistake.reflector, mistake.segment, mistake.row) == ("P1", 1, 1056)
+    assert mistake.found_rad == pytest.approx(HALF_TURN + 0.02, abs=np.radians(7.0))
+
+
+def accused(seeds: range) -> dict[int, object]:
+    """Return which sound tables are accused of stating a wrong mounting, or none."""
+    tables = {seed: coarse_table(seed) for seed in seeds}
+    found = {seed: mounting_mistake(sound, sound.solve()) for seed, sound in tables.items()}
+    return {seed: mistake for seed, mistake in found.items() if mistake is not None}
+
+
+def coarse_table(seed: int) -> Problem:
+    """Return a sound table of every other node: J4 moves by any amount, the turn is stated or has not happened."""
+    rng = np.random.default_rng([1, seed])
+    odd_mm, even_mm = 10.0 ** rng.uniform(-3.0, -1.5, 2)
+    motion = AxisMotion.drawn(rng, odd_mm, even_mm)
+    turn = rng.choice([0.0, HALF_TURN + rng.normal(0.0, 0.03)])
+    commands = [one for one in commands_on_nodes() if (one[0] + 140.0) % 40.0 == one[1] % 40.0 == 0.0]
+    points = mounted(random_truth(seed), motion.longer, [0.0, turn], 0.01, seed, commands)
+    # Every other bench has warmed up meanwhile.
+    warmer = points.displacement_mm * np.where(points.dead_path > 2, 1.0 + 3e-5 * (seed % 2), 1.0)
+    sound = asked(replace(points, displacement_mm=warmer))
+    return replace(sound, nodes1_rad=sound.nodes1_rad[::2], nodes2_rad=sound.nodes2_rad[::2])
+
+
+def test_sound_mountings_are_not_accused() -> None:
+    assert accused(range(12)) == {}
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -100,14 +100,36 @@ def dense(points: Points, found: Identification) -> list[list[float]]:
         ratio = (before - after) / size.size / (after / dof)
         results.append(
             [
-                float(change @ mean),
-                float(np.sqrt(change @ spread @ change)),
+                *grown(
+                    change,
+                    sources,
+                    residuals,
+                    left(everything - np.outer(sources[:, 0], sources[:, 0]), jacobian),
+                ),
                 rms,
                 float(np.sqrt(slope @ spread @ slope)),
                 float(stats.f.sf(ratio, size.size, dof)),
             ]
         )
     return results
+
+
+def grown(change: Floats, sources: Floats, residuals: Floats, off: Floats) -> tuple[float, float]:
+    """Return a change and its uncertainty, where the steady source is a further parameter.
+
+    Args:
+        off: inverse covariance of the rows without that source, off the model's columns.
+    """
+    steady, others = sources[:, 0], sources[:, 1:]
+    variance = 1.0 / float(steady @ off @ steady)
+    size = -variance * float(steady @ off @ residuals)
+    pull = others.T @ off @ steady
+    means = -others.T @ off @ (residuals + size * steady)
+    known = np.eye(pull.size) - others.T @ off @ others
+    # What the others are follows from the size of the steady one.
+    along = change[0] - change[1:] @ pull
+    u = float(np.sqrt(variance * along**2 + change[1:] @ known @ change[1:]))
+    return float(change[0] * size + change[1:] @ means), u
 
 
 @pytest.mark.parametrize("solve", [in_memory, scanned])

@@ -16,10 +16,11 @@ from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.extension import Term, crosstalk, j4_map, thermal_drift
 from catseye.calibration.scara.identification import identify
 from catseye.calibration.scara.layout import ModelName
-from catseye.calibration.scara.points import Points
+from catseye.calibration.scara.points import Points, rows_of_long_segments
 from catseye.calibration.scara.radial import RadialBudget
 from catseye.calibration.scara.scans.scan_identification import ScanIdentification, identify_scan
 from catseye.calibration.scara.scans.source import SlicedPoints
+from catseye.calibration.scara.scans.used_rows import used_rows
 from tests.unit.calibration.scara.samples import radial_motions
 from tests.unit.calibration.scara.scans.scan import (
     NOMINAL_REFLECTORS,
@@ -135,9 +136,9 @@ def test_further_terms_by_command_beam_and_time() -> None:
     require_same(POINTS, terms=crosstalk((2,)) + j4_map((3,)) + thermal_drift())
 
 
-def test_time_of_each_row_counts_where_it_is_known() -> None:
-    time_s = np.cumsum(np.random.default_rng(5).exponential(1.0, ROWS)) + 100.0
-    require_same(replace(POINTS, time_s=time_s), terms=thermal_drift())
+def test_a_stated_share_of_the_measurement_counts() -> None:
+    elapsed = np.sort(np.random.default_rng(5).uniform(-0.5, 0.5, ROWS))
+    require_same(replace(POINTS, elapsed=elapsed), terms=thermal_drift())
 
 
 def test_short_segments_are_dropped_with_their_reflector() -> None:
@@ -159,6 +160,30 @@ def test_short_segments_are_dropped_with_their_reflector() -> None:
     assert len(ours.rejected) == 2
     assert ours.layout.names() == theirs.layout.names()
     assert ours.parameters == pytest.approx(theirs.parameters, abs=1e-9)
+
+
+def test_rows_left_out_are_no_time_on_either_way() -> None:
+    dead_path, paths = POINTS.dead_path.copy(), (*POINTS.dead_paths, ("P1", 8), ("P3", 9))
+    # Two rows of a segment of their own before all others, and two behind them.
+    dead_path[:2], dead_path[-2:] = len(paths) - 2, len(paths) - 1
+    points = replace(
+        POINTS,
+        dead_path=dead_path,
+        dead_paths=paths,
+        reflector=np.where(
+            dead_path == len(paths) - 1, 2, np.where(dead_path == len(paths) - 2, 0, POINTS.reflector)
+        ),
+    )
+    passed = np.concatenate(
+        [one.elapsed_share for one in used_rows(SlicedPoints(points, 1000), ignore).blocks()]
+    )
+    assert passed == pytest.approx(points.rows(rows_of_long_segments(points)).elapsed_share, abs=1e-15)
+    assert passed == pytest.approx(np.arange(ROWS - 4) / (ROWS - 5) - 0.5, abs=1e-15)
+    require_same(points, terms=thermal_drift())
+
+
+def ignore(_block: Points, _first: int) -> None:
+    """Find nothing wrong with a block."""
 
 
 def test_size_of_the_blocks_does_not_matter() -> None:

@@ -158,6 +158,16 @@ def test_radial_error_has_its_rms_and_closes(rms_um: float) -> None:
     assert ends == pytest.approx([ends[0]] * 3)
 
 
+def test_a_radial_error_holds_no_eccentricity() -> None:
+    theta_deg = np.linspace(0.0, 360.0, 720, endpoint=False)
+    shifts_mm = RadialError(np.random.default_rng(4), 10.0).shift_mm(theta_deg)
+    with_the_axis, against_it = (
+        abs(np.mean(shifts_mm * np.exp(-1j * turns * np.deg2rad(theta_deg)))) for turns in (1, -1)
+    )
+    assert with_the_axis < 1e-9
+    assert against_it > 1e-3
+
+
 def test_radial_errors_turn_with_the_link_that_carries_them() -> None:
     """J2's shift lies in link 1, J4's in link 2: turning J1 by 90 deg turns both by 90 deg."""
     for radial_um in ((0.0, 10.0, 0.0), (0.0, 0.0, 10.0)):
