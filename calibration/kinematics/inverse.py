@@ -1,7 +1,8 @@
 """The inverse of a serial arm for many poses at once: in closed form where there is one, by Newton steps elsewhere.
 
-Of all solutions of the closed form within the joints' ranges the one nearest to a reference is taken; Newton steps lead
-from the reference to one on its side, as a rule. What is not reached, and where joints are free, is named row by row.
+Of all solutions of the closed form within the joints' ranges the one nearest to a reference is taken; Newton steps
+lead from the reference to one on its side, as a rule. What is not reached, and where joints are free, is named row by
+row.
 """
 
 import numpy as np
