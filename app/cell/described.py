@@ -4,13 +4,16 @@ from pathlib import Path
 from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
+from catseye.app.cell.faults import fault_text
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import document_text, parse_toml, read_document
 
 Described = TypeVar("Described", bound=BaseModel)
 
 _MOST_FAULTS = 20
+_UNKNOWN = "unknown key: docs/files.md lists those of a description"
 
 
 def read_described(kind: type[Described], path: Path) -> Described:
@@ -24,7 +27,13 @@ def read_described(kind: type[Described], path: Path) -> Described:
         return kind.model_validate(parse_toml(text, path))
     except ValidationError as error:
         faults = "\n".join(
-            f"  {path}: {'.'.join(map(str, fault['loc'])) or 'file'}: {fault['msg'].removeprefix('Value error, ')}"
+            f"  {path}: {_place(fault)}: {fault_text(fault, lambda: _UNKNOWN)}"
             for fault in error.errors()[:_MOST_FAULTS]
         )
         raise ConfigError(f"the description cannot be used:\n{faults}") from error
+
+
+def _place(fault: ErrorDetails) -> str:
+    """Return where a fault is, the tables of a list counted from 1: `joint[2].a_mm`."""
+    parts = [f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in fault["loc"]]
+    return "".join(parts).removeprefix(".") or "file"

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from catseye.app.cell.arm import is_path
+from catseye.app.cell.faults import fault_text
 from catseye.app.cell.model import Cell
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import document_text, parse_toml, read_document
@@ -19,9 +20,6 @@ Place = tuple[int | str, ...]
 
 _MOST_FAULTS = 50
 """Faults that are listed one by one."""
-
-_SHOWN_LENGTH = 200
-"""Of a wrong value."""
 
 
 @dataclass(frozen=True)
@@ -72,25 +70,12 @@ def _find_arm(data: dict[str, Any], path: Path) -> None:
 
 def _sentence(path: Path, text: str, fault: ErrorDetails) -> str:
     place = fault["loc"]
-    return f"{path}:{_line_of(text, place)}: {_dotted(place) or 'file'}: {fault_text(fault)}"
+    return f"{path}:{_line_of(text, place)}: {_dotted(place) or 'file'}: {cell_fault_text(fault)}"
 
 
-def fault_text(fault: ErrorDetails) -> str:
+def cell_fault_text(fault: ErrorDetails) -> str:
     """Return what is wrong with one key, in words."""
-    match fault["type"]:
-        case "extra_forbidden":
-            return f"unknown key{_nearest(fault['loc'])}"
-        case "missing":
-            return "this key is missing"
-        case "value_error":
-            return fault["msg"].removeprefix("Value error, ")
-        case _:
-            return f"{fault['msg']}, not {_shown(fault['input'])}"
-
-
-def _shown(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= _SHOWN_LENGTH else f"{text[:_SHOWN_LENGTH]}…"
+    return fault_text(fault, lambda: f"unknown key{_nearest(fault['loc'])}")
 
 
 def _dotted(place: Place) -> str:

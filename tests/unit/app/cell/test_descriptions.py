@@ -152,15 +152,16 @@ def test_a_cell_whose_arm_is_missing_says_where_it_looked(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("old", "new", "part"),
     [
-        ("sign = -1", "sign = 2", "joint.0.revolute.sign"),
+        ("sign = -1", "sign = 2", "joint[1].revolute.sign: Input should be 1 or -1, not 2"),
         ("low_deg = -90.0", "low_deg = 95.0", "[[joint]] A1: its range 95…90 deg is empty"),
         ('name = "Z"', 'name = "A1"', "two [[joint]] have one name"),
         ("mass_kg = 4.0", 'joint = "A9"\nmass_kg = 4.0', "[[link]] joint = 'A9' is none of base, A1, Z"),
         ("mass_kg = 4.0", 'joint = "A1"\nmass_kg = 4.0', "[[link]]: 1 of 2 say no joint"),
-        ("mass_kg = 4.0", "mass_kg = -4.0", "link.0.mass_kg"),
+        ("mass_kg = 4.0", "mass_kg = -4.0", "link[1].mass_kg"),
         ("encoder_bits = 18", "encoder_bits = 0", "encoder_bits"),
-        ("centre_mm = [1.0, 2.0, 3.0]", "centre_mm = [1.0, 2.0]", "link.0.centre_mm"),
-        ("theta_offset_deg = 10.0", "theta_deg = 10.0", "theta_deg"),
+        ("centre_mm = [1.0, 2.0, 3.0]", "centre_mm = [1.0, 2.0]", "link[1].centre_mm"),
+        ("alpha_deg = 180.0\n", "", "joint[2].prismatic.alpha_deg: this key is missing"),
+        ("theta_offset_deg = 10.0", "theta_deg = 10.0", "theta_deg: unknown key"),
     ],
 )
 def test_descriptions_that_cannot_be_are_refused(tmp_path: Path, old: str, new: str, part: str) -> None:
@@ -204,5 +205,6 @@ def test_tools_that_cannot_be_are_refused(tmp_path: Path, old: str, new: str, pa
         read_tool(written(tmp_path, "tool.toml", TOOL.replace(old, new, 1)))
 
 
-def test_a_description_is_what_its_text_says() -> None:
-    assert ArmDescription.model_validate(tomllib.loads(ARM)).joint[0].range == (-90.0, 90.0)
+def test_whole_numbers_serve_as_lengths_and_angles() -> None:
+    whole = ArmDescription.model_validate(tomllib.loads(ARM.replace(".0", "")))
+    assert whole == ArmDescription.model_validate(tomllib.loads(ARM))
