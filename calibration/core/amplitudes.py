@@ -3,8 +3,8 @@
 A budget says how large an error is on the whole, not how it is spread over its harmonics; a generalised least squares
 that trusts a wrong spectrum is not honest. The variance of each component (a contributor's harmonic) is therefore
 estimated by restricted maximum likelihood, on a logarithmic scale relative to what is stated, with a prior in which
-all components, those of one contributor, and each alone may differ from it, and in which all spectra may fall with the
-order alike. How far they may is itself averaged over a few scales, weighted by their evidence (Laplace's
+all components, those of one contributor, and each alone may differ from it, and in which all spectra may fall with
+the order alike. How far they may is itself averaged over a few scales, weighted by their evidence (Laplace's
 approximation). What is returned is the mean variance of each component: it exceeds the likeliest one by what the rows
 leave open, so that the uncertainties stay honest.
 """
@@ -33,8 +33,8 @@ _TOGETHER, _OF_CONTRIBUTOR = 1.5, 0.7
 """How far all components, and those of one contributor, differ together, in units of what each does alone."""
 
 _ALIKE = 2.0
-"""How steeply all spectra fall or rise alike, in the same units for each e-fold of the order. Where rows do not show an
-order of one axis, its other orders and the other axes then say what to expect."""
+"""How steeply all spectra fall or rise alike, in the same units for each e-fold of the order. Where rows do not show
+an order of one axis, its other orders and the other axes then say what to expect."""
 
 _ASSUMED = 2.5
 """How far a variance may differ from one that is merely assumed, e-folds."""

@@ -1,6 +1,7 @@
 """The automated open-loop tracking measurement."""
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -20,6 +21,9 @@ from catseye.procedures.scara.records import (
     Overlap,
     ScrewTurn,
 )
+
+if TYPE_CHECKING:
+    from catseye.procedures.scara.open_loop.remount import Remount
 
 
 class OpenLoopParams(BaseModel):
@@ -70,7 +74,7 @@ class OpenLoop(Procedure):
     params_type = OpenLoopParams
 
     def __init__(self) -> None:
-        self._turned_deg: float | None = None
+        self._remount: Remount | None = None
 
     def equipped(self, bench: ScaraBench, params: OpenLoopParams) -> ScaraBench:
         """Return the bench; where the interferometer is to be turned its head is kept clear both ways."""
@@ -107,18 +111,18 @@ class OpenLoop(Procedure):
         halves = Halves(ctx, plan)
         await halves.measure(plan.bench, plan.reflectors, last=plan.remount is None)
         if plan.remount is not None:
-            remount = halves.remount(plan.remount)
-            self._turned_deg = await remount.turn()
-            mounting = await remount.align()
-            self._turned_deg = mounting.turned_deg
+            self._remount = halves.remount(plan.remount)
+            await self._remount.turn()
+            mounting = await self._remount.align()
             await halves.measure(*halves.turned(mounting), last=True)
         await halves.judge()
 
     async def teardown(self, ctx: Context) -> None:
         """Say how the interferometer is mounted, if it was turned."""
-        if self._turned_deg is not None:
+        turned_deg = 0.0 if self._remount is None else self._remount.turned_deg
+        if turned_deg:
             await ctx.warn(
-                f"the interferometer stays turned by {self._turned_deg:.1f}° against the beginning of the run: "
+                f"the interferometer stays turned by {turned_deg:.1f}° against the beginning of the run: "
                 "mount it as it was before another search, or add that to theta40_deg in [optics]; then align the "
                 "beam (beam-level, beam-to-j4) and search again"
             )

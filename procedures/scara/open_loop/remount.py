@@ -46,9 +46,13 @@ class Remount:
 
     Args:
         bench: as it is in the first half.
+
+    Attributes:
+        turned_deg: how far the interferometer is turned as hands say or its beam shows; 0 where they disagree.
     """
 
     def __init__(self, ctx: Context, bench: ScaraBench, plan: RemountPlan, time: BenchTime) -> None:
+        self.turned_deg = 0.0
         self._ctx = ctx
         self._bench = bench
         self._plan = plan
@@ -58,11 +62,8 @@ class Remount:
         self._stands = False
         self._looked = False
 
-    async def turn(self) -> float:
+    async def turn(self) -> None:
         """Have the interferometer turned; what is done already is not asked for again.
-
-        Returns:
-            Its angle as far as a beam shows it that is not aligned yet.
 
         Raises:
             AlignmentError: it was not turned, or is not turned any more.
@@ -74,11 +75,10 @@ class Remount:
         row = await self._ctx.step(
             "turned/mount", "interferometer turned by half a turn", self._begun(self._mount)
         )
-        turned_deg, self._seen_mm = number_of(row, "turned_deg"), number_of(row, "j3_mm")
-        await self._ctx.remounted(turned_deg)
+        self._seen_mm = number_of(row, "j3_mm")
+        await self._known(number_of(row, "turned_deg"))
         if not self._looked:
             await self._require_turned()
-        return turned_deg
 
     async def align(self) -> Mounting:
         """Have the beam of the turned interferometer aligned; what is done already is not asked for again.
@@ -99,7 +99,7 @@ class Remount:
             self._begun(lambda: self._result(level, stage)),
         )
         mounting = Mounting(number_of(row, "mount_deg"), number_of(row, "j3_mm"))
-        await self._ctx.remounted(mounting.turned_deg)
+        await self._known(mounting.turned_deg)
         self._time.passed(self._plan.duration_s, 0.0, "interferometer turned and aligned")
         return mounting
 
@@ -115,6 +115,7 @@ class Remount:
         await self._stand()
         seen = await self._beam.look(self._seen_mm)
         if not seen.turned:
+            await self._disproved(seen)
             raise AlignmentError(
                 f"{seen.trouble}. It was turned before the interruption: mount it so again, then go on with catseye "
                 "resume; if its seat was touched, start a new run"
@@ -131,14 +132,15 @@ class Remount:
     async def _mount(self) -> Row:
         """Send hands, and look where the beam comes back."""
         self._looked = True
-        seen = Seen(self._plan.pose.reflector.name, None, self._bench.j3_mm)
-        if not self._stands:
+        if self._stands:
+            tried, seen = 1, await self._tried(1, "")
+        else:
             # Whoever was asked before the interruption may have turned it since.
             await self._stand()
-            seen = await self._beam.look(self._bench.j3_mm)
-        for number in range(1, _TRIES + 1):
+            tried, seen = 0, await self._beam.look(self._bench.j3_mm)
+        for number in range(tried + 1, _TRIES + 1):
             if not seen.turned:
-                seen = await self._tried(number)
+                seen = await self._tried(number, seen.trouble)
         if seen.turned:
             return {"turned_deg": seen.turned_deg, "j3_mm": seen.j3_mm}
         raise AlignmentError(
@@ -146,27 +148,48 @@ class Remount:
             "points so far are kept: go on with catseye resume"
         )
 
-    async def _tried(self, number: int) -> Seen:
-        """Send hands once; return what they have done."""
-        await self._ask(number)
+    async def _tried(self, number: int, trouble: str) -> Seen:
+        """Send hands once; return what they have done.
+
+        Args:
+            trouble: what the look before has found to be wrong; empty where there was none.
+        """
+        await self._ask(number, trouble)
         # Until its beam is found it is taken to be mounted as it was asked for.
-        await self._ctx.remounted(HALF_TURN_DEG)
+        await self._known(HALF_TURN_DEG)
         seen = await self._beam.look(self._bench.j3_mm)
         if not seen.turned:
             await self._ctx.warn(seen.trouble)
-        if seen.former_deg is not None:
-            await self._ctx.remounted(0.0)
+            await self._disproved(seen)
         return seen
 
-    async def _ask(self, number: int) -> None:
+    async def _known(self, turned_deg: float) -> None:
+        self.turned_deg = turned_deg
+        await self._ctx.remounted(turned_deg)
+
+    async def _disproved(self, seen: Seen) -> None:
+        """Take note of a mounting that is not as it has to be, where the beam shows how it is."""
+        if seen.former_deg is not None:
+            await self._known(0.0)
+        elif seen.again and seen.turned_deg is not None:
+            await self._known(seen.turned_deg)
+        else:
+            self.turned_deg = 0.0
+
+    async def _ask(self, number: int, trouble: str) -> None:
         pose = self._plan.pose
+        what = "Take the interferometer off the flange of J4, mount it turned by half a turn (180°) about the J4 axis"
+        if trouble:
+            # Who is asked for half a turn again would turn back what is 9° off only.
+            what = (
+                f"{trouble[0].upper()}{trouble[1:]}. Mount it turned by 180° against the beginning of the run"
+            )
         answer = await self._ctx.ask(
             Prompt(
                 id=f"mount/{number}",
                 kind="confirm",
-                text="Take the interferometer off the flange of J4, mount it turned by half a turn (180°) about the "
-                f"J4 axis, within {MOST_OFF_DEG:g}°, with its cable free, step back, then confirm. The arm stands "
-                f"where its beam then meets {pose.reflector.name}: the signal comes back.",
+                text=f"{what}, within {MOST_OFF_DEG:g}°, with its cable free, step back, then confirm. The arm "
+                f"stands where its beam then meets {pose.reflector.name}: the signal comes back.",
                 task=MountInterferometer(turned_deg=HALF_TURN_DEG),
                 motion=True,
                 target=self._beam.stand,

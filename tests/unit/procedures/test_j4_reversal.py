@@ -257,6 +257,25 @@ async def test_a_mounting_that_is_too_far_off_is_named() -> None:
     assert re.search(r"turned by 171\.[01]°: turn it by (9\.0|8\.9)° anticlockwise", context.warnings[0])
 
 
+async def test_the_next_question_says_what_is_wrong_with_the_mounting() -> None:
+    context = await ran(RemountContext(off_deg=lambda number: -9.0 if number == 1 else 0.0))
+    first, second = (
+        prompt.text for prompt in context.prompts if isinstance(prompt.task, MountInterferometer)
+    )
+    assert re.match(r"Take the interferometer off .* turned by half a turn \(180°\)", first)
+    assert re.match(r"The interferometer is turned by 171\.\d°: turn it by [89]\.\d° anticlockwise", second)
+    assert "by 180° against the beginning of the run" in second
+    assert "half a turn" not in second
+
+
+async def test_a_mounting_given_up_on_is_stated_as_it_is() -> None:
+    context = RemountContext(off_deg=lambda _number: -9.0, answers={"mount/2": "no"})
+    with pytest.raises(AlignmentError, match="was not turned"):
+        await ran(context)
+    assert re.search(r"stays turned by 171\.\d°", context.warnings[-1])
+    assert context.mountings[-1] == pytest.approx(171.0, abs=0.5)
+
+
 async def test_a_beam_that_returns_nowhere_is_named() -> None:
     context = RemountContext(off_deg=lambda _number: -70.0)
     with pytest.raises(AlignmentError, match=r"after 3 tries.*neither where .* nor where it\s*was before"):
@@ -379,6 +398,9 @@ async def test_an_interferometer_put_back_meanwhile_is_named() -> None:
     with pytest.raises(AlignmentError, match=r"is not turned: .* turned before the interruption"):
         await ran(back)
     assert points(back) == []
+    # It is not stated as turned any more, neither here nor by later searches.
+    assert back.mountings[-1] == 0.0
+    assert back.warnings == []
 
 
 async def test_a_beam_that_lies_higher_is_measured_at_its_height() -> None:
