@@ -3,7 +3,7 @@
 import numpy as np
 
 from catseye.calibration.kinematics.chain import Chain
-from catseye.calibration.kinematics.joint_ranges import beyond_text, ranges_of, turned_nearest, within
+from catseye.calibration.kinematics.joint_ranges import beyond_text, ranges_of, turned_nearest
 from catseye.calibration.kinematics.solution import Inverse, Named
 from catseye.calibration.kinematics.spherical_wrist import Branches, SphericalWrist
 from catseye.calibration.kinematics.types import Bools, Floats, Ints
@@ -21,11 +21,10 @@ def in_closed_form(closed: SphericalWrist, flange: Floats, near: Floats, first: 
     sign, offset = np.array([(joint.sign, joint.theta_offset_deg) for joint in chain.joints]).T[:, :, None]
     low, high = (ends[:, None] for ends in ranges_of(chain))
     branches = closed.branches(flange, np.deg2rad(sign * near.T + offset))
-    q = sign * (np.rad2deg(branches.theta) - offset)
-    q = turned_nearest(q, near.T, low, high)
-    allowed = branches.reached & within(q, low, high).all(axis=1)
-    apart = np.where(allowed, np.sum((q - near.T) ** 2, axis=1), np.inf)
-    best = np.argmin(apart, axis=0)
+    q, inside = turned_nearest(np.rad2deg(sign) * branches.theta - sign * offset, near.T, low, high)
+    allowed = branches.reached & inside.all(axis=1)
+    change = q - near.T
+    best = np.argmin(np.where(allowed, np.einsum("bjn,bjn->bn", change, change), np.inf), axis=0)
     found: Bools = np.any(allowed, axis=0)
     poses = np.where(found, np.take_along_axis(q, best[None, None], axis=0)[0], np.nan).T
     refused = tuple(

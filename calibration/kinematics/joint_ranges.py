@@ -15,8 +15,8 @@ def ranges_of(chain: Chain) -> tuple[Floats, Floats]:
     return low, high
 
 
-def turned_nearest(q: Floats, reference: Floats, low: Floats, high: Floats) -> Floats:
-    """Return angles with the whole turns that bring them nearest to a reference within their range.
+def turned_nearest(q: Floats, reference: Floats, low: Floats, high: Floats) -> tuple[Floats, Bools]:
+    """Return angles by whole turns as near to a reference as their range permits, and which are in it.
 
     An angle of which no turn is in the range is returned beyond the end of the range that it is nearest to.
 
@@ -26,12 +26,18 @@ def turned_nearest(q: Floats, reference: Floats, low: Floats, high: Floats) -> F
         low: smallest, deg.
         high: largest, deg.
     """
-    turned: Floats = q + 360.0 * np.round((reference - q) / 360.0)
-    out = np.nonzero(~within(turned, low, high))
+    turned: Floats = reference - q
+    turned /= 360.0
+    np.round(turned, out=turned)
+    turned *= 360.0
+    turned += q
+    inside = within(turned, low, high)
+    out = np.nonzero(~inside)
     if out[0].size:
         low, high = np.broadcast_to(low, turned.shape)[out], np.broadcast_to(high, turned.shape)[out]
         turned[out] = _brought_in(turned[out], low, high)
-    return turned
+        inside[out] = within(turned[out], low, high)
+    return turned, inside
 
 
 def _brought_in(q: Floats, low: Floats, high: Floats) -> Floats:

@@ -35,7 +35,7 @@ def by_newton(chain: Chain, flange: Floats, near: Floats, first: int) -> Inverse
             break
         begin = near[left] if start is None else np.broadcast_to(start, (len(left), len(low)))
         ended = refine(chain, flange[left], begin)
-        q = np.where(turning, turned_nearest(ended.poses, near[left], low, high), ended.poses)
+        q = np.where(turning, turned_nearest(ended.poses, near[left], low, high)[0], ended.poses)
         good = ended.reached & within(q, low, high).all(axis=1)
         poses[left[good]] = q[good]
         for k in map(int, np.flatnonzero(~good)):

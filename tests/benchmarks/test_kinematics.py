@@ -87,7 +87,8 @@ def test_many_poses_are_solved_at_once() -> None:
 
     assert np.abs(at_once()[:LOOPED] - looped()).max() < 1e-9
     rounds = [(timed_s(at_once), timed_s(looped), timed_s(one_by_one)) for _ in range(ROUNDS)]
-    taken = np.median(rounds, axis=0) / [POSES, LOOPED, LOOPED]
+    # The least of each: whatever else runs on the machine only adds.
+    taken = np.min(rounds, axis=0) / [POSES, LOOPED, LOOPED]
     ours, loop, single = (float(each) for each in taken)
     print(  # noqa: T201  # the figure
         f"\n{POSES} poses of a KR 210: {1e6 * ours:.1f} µs each at once; scalar loop {1e6 * loop:.0f} µs "
