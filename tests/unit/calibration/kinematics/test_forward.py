@@ -82,8 +82,8 @@ def test_positive_axes_of_a_kuka_turn_its_way() -> None:
     assert place[1, 0] > 1765.0  # A2 leans forward
 
 
-def test_the_irb120_at_zero_is_that_of_its_specification() -> None:
-    # ABB states tool0 at (374, 0, 630) with the quaternion (0.7071, 0, 0.7071, 0): z forward, x down.
+def test_the_irb120_at_zero_is_as_its_lengths_add_up() -> None:
+    # 302 + 72 and 290 + 270 + 70 mm; tool0 is turned by 90 deg about y (abb_irb120_support): z forward, x down.
     flange = chain("irb120").frames(np.zeros((1, 6)))[-1, 0]
     assert flange[:3, 3] == pytest.approx([374.0, 0.0, 630.0])
     assert flange[:3, :3] == pytest.approx(
