@@ -10,10 +10,21 @@ from catseye.app.cell.arm import ArmDescription, arm_description, shipped_arm, s
 from catseye.app.cell.axes import arm_of
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
-from catseye.app.cell.serial_arm import chain_of, loads_of, tool_frame
+from catseye.app.cell.serial_arm import chain_of, loads_of, point_of, tool_frame
 from catseye.app.cell.tool import read_tool
 from catseye.app.errors import ConfigError
+from catseye.calibration.kinematics.bodies import Capsule, Gaps, Scene
 from catseye.calibration.kinematics.gravity import Load
+
+POSITIONS_DEG = (
+    (-175.0, -90.0, 0.0, 90.0, 175.0),
+    (-130.0, -100.0, -70.0, -40.0, -15.0),
+    (-110.0, -25.0, 60.0, 90.0, 145.0),
+    (-180.0, -90.0, 0.0, 90.0, 180.0),
+    (-110.0, -55.0, 0.0, 55.0, 110.0),
+    (-180.0, -90.0, 0.0, 90.0, 180.0),
+)
+"""K1...K5 of A1...A6: Table 2 of the paper on motion resolution."""
 
 ARM = """
 format = "catseye-arm/1"
@@ -99,6 +110,24 @@ def test_the_kr210_has_the_gears_of_the_paper() -> None:
 def test_links_add_up_to_what_the_arm_weighs(name: str, mass_kg: float) -> None:
     # Sums by hand of the public descriptions that the files name.
     assert sum(load.mass_kg for load in loads_of(shipped_arm(name))) == pytest.approx(mass_kg)
+
+
+def test_the_kr210_is_clear_of_itself_at_the_papers_positions() -> None:
+    arm = shipped_arm("kr210-r2700")
+    bodies = tuple(
+        Capsule(
+            body.name,
+            chain_of(arm).frame_of(body.joint),
+            point_of(body.from_mm),
+            point_of(body.to_mm),
+            body.radius_mm,
+        )
+        for body in arm.body
+    )
+    poses = np.tile([0.0, -90.0, 90.0, 0.0, 0.0, 0.0], (30, 1))
+    for row, (joint, angle) in enumerate((k, angle) for k in range(6) for angle in POSITIONS_DEG[k]):
+        poses[row, joint] = angle
+    assert Gaps(Scene(chain_of(arm), bodies)).at(poses).min() > 5.0
 
 
 @pytest.mark.parametrize("name", ["kr210-r2700", "irb120"])
