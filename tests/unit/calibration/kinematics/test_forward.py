@@ -41,8 +41,8 @@ CONTROLLER_POSES = (
     ([0.0, -129.0, 143.0, -8.0, 118.0, 30.0], [469.6913, 35.6362, 1540.8577], [39.8346, -149.4608, -31.4434]),
     ([0.0, 20.0, -90.0, 5.0, 50.0, 30.0], [2395.5593, -19.3607, 1644.2620], [-65.1385, 52.9548, -55.2899]),
 )  # fmt: skip
-"""A1...A6, X, Y, Z and A, B, C of a KR 360 R2830, published with status and turn as controllers state them in the public
-tests of an inverse solver (class CustomKukaIKSolver)."""
+"""A1...A6, X, Y, Z and A, B, C of a KR 360 R2830, published with status and turn as controllers state them in the
+public tests of an inverse solver (class CustomKukaIKSolver)."""
 
 
 @pytest.mark.parametrize("name", NAMES)
