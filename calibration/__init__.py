@@ -15,6 +15,15 @@ if TYPE_CHECKING:
     from catseye.calibration.core.design.exchange import exchange as exchange
     from catseye.calibration.core.design.exchange import greedy_start as greedy_start
     from catseye.calibration.core.errors import CalibrationError as CalibrationError
+    from catseye.calibration.kinematics.chain import Chain as Chain
+    from catseye.calibration.kinematics.chain import Joint as Joint
+    from catseye.calibration.kinematics.gravity import Load as Load
+    from catseye.calibration.kinematics.gravity import gravity_torques as gravity_torques
+    from catseye.calibration.kinematics.gravity import potential_energy as potential_energy
+    from catseye.calibration.kinematics.inverse import inverse_kinematics as inverse_kinematics
+    from catseye.calibration.kinematics.jacobian import jacobian as jacobian
+    from catseye.calibration.kinematics.rotations import angles_of as angles_of
+    from catseye.calibration.kinematics.rotations import pose_of as pose_of
     from catseye.calibration.scara.budget import Budget as Budget
     from catseye.calibration.scara.budget import Contributor as Contributor
     from catseye.calibration.scara.comparison import Comparison as Comparison
@@ -62,6 +71,11 @@ _HOMES = {
     "core.coverage": ("coverage_factor", "shortest_interval", "symmetric_interval"),
     "core.design.exchange": ("Pool", "exchange", "greedy_start"),
     "core.errors": ("CalibrationError",),
+    "kinematics.chain": ("Chain", "Joint"),
+    "kinematics.gravity": ("Load", "gravity_torques", "potential_energy"),
+    "kinematics.inverse": ("inverse_kinematics",),
+    "kinematics.jacobian": ("jacobian",),
+    "kinematics.rotations": ("angles_of", "pose_of"),
     "scara.budget": ("Budget", "Contributor"),
     "scara.comparison": ("Comparison", "compare"),
     "scara.compensation": ("Compensation", "compensate"),

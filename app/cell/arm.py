@@ -1,13 +1,14 @@
-"""Descriptions of arms, `catseye-arm/1`: joints with their ranges, and bodies for the collision check."""
+"""Descriptions of arms, `catseye-arm/1`: joints with their ranges, masses, bodies for collision checks."""
 
-import tomllib
 from functools import lru_cache
 from importlib.resources import files
-from typing import Annotated, Literal
+from pathlib import Path
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from catseye.app.cell.section import Finite, Positive, Section
+from catseye.app.cell.described import read_described
+from catseye.app.cell.section import Finite, NotNegative, Positive, Section
 from catseye.drivers.roles.pose import Range, Unit
 
 _SHIPPED = files("catseye.app.cell") / "arms"
@@ -24,6 +25,8 @@ class _Joint(Section):
     theta_offset_deg: Finite
     d_mm: Finite
     sign: Literal[1, -1]
+    gear_ratio: Positive | None = None
+    encoder_bits: Annotated[int, Field(ge=1, le=64)] | None = None
 
 
 class RevoluteJoint(_Joint):
@@ -89,6 +92,15 @@ class PrismaticJoint(_Joint):
 Joint = Annotated[RevoluteJoint | PrismaticJoint, Field(discriminator="type")]
 
 
+class Link(Section):
+    """[[link]]: what moves with a joint, in the frame of that joint; motors and gears are part of it."""
+
+    joint: str | None = None
+    mass_kg: NotNegative
+    centre_mm: Triple
+    confirmed: bool = False
+
+
 class Body(Section):
     """[[body]]: a capsule in the frame of its joint, or of the base."""
 
@@ -107,7 +119,34 @@ class ArmDescription(Section):
     name: str
     convention: Literal["modified-dh"]
     joint: Annotated[list[Joint], Field(min_length=1)]
+    link: list[Link] = Field(default_factory=list)
     body: list[Body] = Field(default_factory=list)
+
+    @model_validator(mode="after")
+    def _joints_are_known(self) -> Self:
+        names = [joint.name for joint in self.joint]
+        if len(set(names)) < len(names):
+            raise ValueError(f"two [[joint]] have one name; they are called {', '.join(names)}")
+        for joint in self.joint:
+            low, high = joint.range
+            if not low < high:
+                raise ValueError(f"[[joint]] {joint.name}: its range {low:g}…{high:g} {joint.unit} is empty")
+        for kind, parts in (("link", self.link), ("body", self.body)):
+            for part in parts:
+                if part.joint not in (None, "base", *names):
+                    raise ValueError(f"[[{kind}]] joint = {part.joint!r} is none of base, {', '.join(names)}")
+        return self
+
+    @model_validator(mode="after")
+    def _links_have_joints(self) -> Self:
+        """Links without a joint's name are those of all joints, in their order."""
+        nameless = sum(link.joint is None for link in self.link)
+        if nameless and (nameless < len(self.link) or nameless != len(self.joint)):
+            raise ValueError(
+                f"[[link]]: {nameless} of {len(self.link)} say no joint: write joint = NAME into each, or one "
+                f"[[link]] for each of the {len(self.joint)} joints, in their order"
+            )
+        return self
 
 
 def shipped_arms() -> list[str]:
@@ -119,12 +158,31 @@ def shipped_arms() -> list[str]:
 
 @lru_cache
 def shipped_arm(name: str) -> ArmDescription:
-    """Return the description of an arm.
+    """Return the description of a shipped arm.
 
     Raises:
         ValueError: there is no such arm.
     """
     if name not in shipped_arms():
         raise ValueError(f"there is no description of an arm {name}; there are {', '.join(shipped_arms())}")
-    text = (_SHIPPED / f"{name}.toml").read_text(encoding="utf-8")
-    return ArmDescription.model_validate(tomllib.loads(text))
+    return read_described(ArmDescription, Path(str(_SHIPPED / f"{name}.toml")))
+
+
+def arm_description(arm: str | ArmDescription) -> ArmDescription:
+    """Return the description of an arm.
+
+    Args:
+        arm: name of a shipped arm, or path of a file; a description is returned as it is.
+
+    Raises:
+        ConfigError: the file cannot be read or is no description; the fault is named with its key.
+        ValueError: there is no such arm.
+    """
+    if isinstance(arm, ArmDescription):
+        return arm
+    return read_described(ArmDescription, Path(arm)) if is_path(arm) else shipped_arm(arm)
+
+
+def is_path(arm: str) -> bool:
+    """Return whether text means a file, and not the name of a shipped arm."""
+    return arm.endswith(".toml") or "/" in arm or "\\" in arm

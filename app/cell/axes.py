@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import cast
 
-from catseye.app.cell.arm import ArmDescription, Joint, shipped_arm
+from catseye.app.cell.arm import ArmDescription, Joint, arm_description
 from catseye.app.cell.model import Robot
 from catseye.app.errors import ConfigError
 from catseye.drivers.roles.pose import Axes, Axis
@@ -32,7 +32,7 @@ def arm_of(robot: Robot) -> Arm:
     Raises:
         ConfigError: its driver is not installed, or is none of a robot.
     """
-    axes = axes_of(shipped_arm(robot.arm), robot.limits_deg.model_dump(exclude_unset=True))
+    axes = axes_of(arm_description(robot.arm), robot.limits_deg.model_dump(exclude_unset=True))
     return Arm(
         axes=axes,
         range_keys=tuple(f"limits_deg.{axis.name.lower()}" for axis in axes),

@@ -1,16 +1,19 @@
 """Bodies and boxes of a cell file as procedures need them, and which of their dimensions are only estimates."""
 
-from catseye.app.cell.arm import ArmDescription, Body, shipped_arm
+from dataclasses import replace
+
+from catseye.app.cell.arm import ArmDescription, Body, arm_description
 from catseye.app.cell.model import Cell
+from catseye.app.cell.serial_arm import chain_of, point_of
 from catseye.app.cell.workspace import Box as BoxSection
-from catseye.calibration.kinematics.bodies import Box, Capsule, Point
-from catseye.calibration.kinematics.chain import Chain, Joint
+from catseye.calibration.kinematics.bodies import Box, Capsule
+from catseye.calibration.kinematics.chain import Chain
 from catseye.procedures.kit.bench import Workspace
 
 
 def workspace_of(cell: Cell) -> Workspace:
     """Return the bodies of a cell's arm and what is around it; a body of the cell file replaces the arm's own."""
-    description, given = shipped_arm(cell.robot.arm), cell.workspace
+    description, given = arm_description(cell.robot.arm), cell.workspace
     chain = _chain(description, cell)
     own = {body.name: body for body in cell.body}
     bodies = [own.pop(body.name, body) for body in description.body]
@@ -32,34 +35,24 @@ def _chain(description: ArmDescription, cell: Cell) -> Chain:
     a_mm, flange_z_mm = cell.robot.nominal_a_mm, cell.workspace.flange.z_mm
     return Chain(
         tuple(
-            Joint(
-                joint.name,
-                "revolute" if joint.unit == "deg" else "prismatic",
-                joint.alpha_deg,
-                a_mm.get(joint.name, joint.a_mm),
-                joint.theta_offset_deg,
-                joint.d_mm if flange_z_mm is None or joint.unit == "deg" else flange_z_mm,
-                joint.sign,
-                *joint.range,
+            replace(
+                joint,
+                a_mm=a_mm.get(joint.name, joint.a_mm),
+                d_mm=joint.d_mm if flange_z_mm is None or joint.kind == "revolute" else flange_z_mm,
             )
-            for joint in description.joint
+            for joint in chain_of(description).joints
         )
     )
 
 
 def _capsule(body: Body, chain: Chain) -> Capsule:
     return Capsule(
-        body.name, chain.frame_of(body.joint), _point(body.from_mm), _point(body.to_mm), body.radius_mm
+        body.name, chain.frame_of(body.joint), point_of(body.from_mm), point_of(body.to_mm), body.radius_mm
     )
 
 
 def _boxes(boxes: list[BoxSection]) -> tuple[Box, ...]:
-    return tuple(Box(box.name, _point(box.min_mm), _point(box.max_mm)) for box in boxes)
-
-
-def _point(values: list[float]) -> Point:
-    x_mm, y_mm, z_mm = values
-    return x_mm, y_mm, z_mm
+    return tuple(Box(box.name, point_of(box.min_mm), point_of(box.max_mm)) for box in boxes)
 
 
 def _unconfirmed(cell: Cell, bodies: list[Body], chain: Chain) -> list[str]:

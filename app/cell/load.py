@@ -10,6 +10,8 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from catseye.app.cell.arm import is_path
+from catseye.app.cell.faults import fault_text
 from catseye.app.cell.model import Cell
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import document_text, parse_toml, read_document
@@ -18,9 +20,6 @@ Place = tuple[int | str, ...]
 
 _MOST_FAULTS = 50
 """Faults that are listed one by one."""
-
-_SHOWN_LENGTH = 200
-"""Of a wrong value."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +48,7 @@ def load_cell(path: Path) -> LoadedCell:
     raw = read_document(path, f"there is no such file; write one with: catseye init {path}")
     text = document_text(raw, path)
     data = parse_toml(text, path)
+    _find_arm(data, path)
     try:
         cell = Cell.model_validate(data)
     except ValidationError as error:
@@ -60,27 +60,22 @@ def load_cell(path: Path) -> LoadedCell:
     return LoadedCell(cell, path, hashlib.sha256(raw).hexdigest(), _origins(cell, data, ""))
 
 
+def _find_arm(data: dict[str, Any], path: Path) -> None:
+    """Put the whole path of an arm's description in place of one from the cell file's folder."""
+    robot = data.get("robot")
+    arm = robot.get("arm") if isinstance(robot, dict) else None
+    if isinstance(robot, dict) and isinstance(arm, str) and is_path(arm):
+        robot["arm"] = str((path.parent / arm).absolute())
+
+
 def _sentence(path: Path, text: str, fault: ErrorDetails) -> str:
     place = fault["loc"]
-    return f"{path}:{_line_of(text, place)}: {_dotted(place) or 'file'}: {fault_text(fault)}"
+    return f"{path}:{_line_of(text, place)}: {_dotted(place) or 'file'}: {cell_fault_text(fault)}"
 
 
-def fault_text(fault: ErrorDetails) -> str:
+def cell_fault_text(fault: ErrorDetails) -> str:
     """Return what is wrong with one key, in words."""
-    match fault["type"]:
-        case "extra_forbidden":
-            return f"unknown key{_nearest(fault['loc'])}"
-        case "missing":
-            return "this key is missing"
-        case "value_error":
-            return fault["msg"].removeprefix("Value error, ")
-        case _:
-            return f"{fault['msg']}, not {_shown(fault['input'])}"
-
-
-def _shown(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= _SHOWN_LENGTH else f"{text[:_SHOWN_LENGTH]}…"
+    return fault_text(fault, lambda: f"unknown key{_nearest(fault['loc'])}")
 
 
 def _dotted(place: Place) -> str:

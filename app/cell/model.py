@@ -4,7 +4,7 @@ from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from catseye.app.cell.arm import Body, shipped_arm
+from catseye.app.cell.arm import Body, arm_description
 from catseye.app.cell.scara.sections import (
     Alignment,
     Measurement,
@@ -232,7 +232,7 @@ class Cell(Section):
 
     @model_validator(mode="after")
     def _bodies_of_the_arm(self) -> Self:
-        arm = shipped_arm(self.robot.arm)
+        arm = arm_description(self.robot.arm)
         joints = ["base", *(joint.name for joint in arm.joint)]
         own = {body.name: body.joint for body in arm.body}
         names = [body.name for body in self.body]

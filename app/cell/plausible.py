@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from catseye.app.cell.arm import shipped_arm
+from catseye.app.cell.arm import arm_description
 from catseye.app.cell.bench import stated_scara_sections
 from catseye.app.cell.model import Cell
 from catseye.app.cell.scara.plausible import implausible_sections
@@ -15,7 +15,7 @@ _LARGEST_SPREAD_UM = 1000.0
 
 def implausible(cell: Cell) -> list[str]:
     """Return what is hardly meant, each with the key, the value and what would be usual."""
-    scara, description = stated_scara_sections(cell), shipped_arm(cell.robot.arm)
+    scara, description = stated_scara_sections(cell), arm_description(cell.robot.arm)
     doubts = [] if scara.missing else implausible_sections(scara, description, cell.body)
     return [*_timing(cell), *_scale(cell), *doubts]
 

@@ -15,9 +15,10 @@ from pydantic import (
     model_validator,
 )
 
-from catseye.app.cell.arm import ArmDescription, shipped_arm
+from catseye.app.cell.arm import ArmDescription, arm_description, is_path
 from catseye.app.cell.scara.uncertainty import Uncertainty
 from catseye.app.cell.section import RECORD, Finite, Name, NotNegative, Positive, Range, Section
+from catseye.app.errors import ConfigError
 
 Triple = Annotated[list[Positive], Field(min_length=3, max_length=3)]
 
@@ -71,7 +72,7 @@ class GearOrders(Section):
 class ScaraRobot(Section):
     """Keys of [robot] about the arm: a SCARA's, and the ranges of any arm's axes."""
 
-    arm: str = "rh-3frh5515"
+    arm: str | ArmDescription = "rh-3frh5515"
     link1_mm: Positive | None = None
     link2_mm: Positive | None = None
     j3_mm: Finite = 0.0
@@ -105,20 +106,26 @@ class ScaraRobot(Section):
     def _of_every_joint(self, limits: Limits) -> dict[str, list[float]]:
         """Return the range of each joint that this arm turns, and of no other: what a run stores is read again."""
         stated = limits.model_dump(exclude_unset=True)
-        turning = {joint.name.lower(): joint for joint in shipped_arm(self.arm).joint if joint.unit == "deg"}
+        turning = {
+            joint.name.lower(): joint for joint in arm_description(self.arm).joint if joint.unit == "deg"
+        }
         return {name: stated.get(name, list(joint.range)) for name, joint in turning.items()}
 
     @field_validator("arm")
     @classmethod
-    def _described(cls, value: str) -> str:
-        shipped_arm(value)
-        return value
+    def _described(cls, value: str | ArmDescription) -> str | ArmDescription:
+        """Read a description of one's own at once: a run keeps it, whatever becomes of the file."""
+        try:
+            description = arm_description(value)
+        except ConfigError as error:
+            raise ValueError(str(error)) from error
+        return description if isinstance(value, str) and is_path(value) else value
 
     @model_validator(mode="after")
     def _within_the_arm(self, info: ValidationInfo) -> Self:
         """A cell only narrows the ranges of its arm."""
         if info.context != RECORD:
-            arm = shipped_arm(self.arm)
+            arm = arm_description(self.arm)
             for key, joint, (low, high) in self._asked():
                 _require_within(arm, key, joint, low, high)
         return self
@@ -136,7 +143,7 @@ class ScaraRobot(Section):
         asked: list[tuple[str, str, Sequence[float]]] = [
             (f"limits_deg.{name}", name.upper(), limits) for name, limits in stated.items()
         ]
-        if "J3" in (joint.name for joint in shipped_arm(self.arm).joint if joint.unit == "mm"):
+        if "J3" in (joint.name for joint in arm_description(self.arm).joint if joint.unit == "mm"):
             asked.append(("j3_mm", "J3", [self.j3_mm, self.j3_mm]))
             asked += [] if self.j3_range_mm is None else [("j3_range_mm", "J3", self.j3_range_mm)]
         return asked

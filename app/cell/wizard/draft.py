@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from pydantic import ValidationError
 
-from catseye.app.cell.load import fault_text
+from catseye.app.cell.load import cell_fault_text
 from catseye.app.cell.model import Cell
 from catseye.app.cell.rewriting import CommentsLostError, plain, rewritten
 from catseye.app.cell.scara.template import TEMPLATE
@@ -136,7 +136,7 @@ class Draft:
         try:
             cell = Cell.model_validate(data)
         except ValidationError as error:
-            return {_dotted(fault["loc"]): fault_text(fault) for fault in reversed(error.errors())}
+            return {_dotted(fault["loc"]): cell_fault_text(fault) for fault in reversed(error.errors())}
         try:
             require_drivers(cell)
         except ConfigError as error:

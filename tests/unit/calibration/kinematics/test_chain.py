@@ -66,6 +66,12 @@ def test_no_point_moves_farther_than_its_lever(chain: Chain) -> None:
         assert rate <= chain.lever(joint, last, point) * (1.0 + 1e-9)
 
 
+def test_the_flange_of_many_poses_is_their_last_frame() -> None:
+    poses = np.random.default_rng(5).uniform(-100.0, 100.0, (2500, 6))
+    assert np.array_equal(WRIST.flange(poses), WRIST.frames(poses)[-1])
+    assert WRIST.flange(poses[:0]).shape == (0, 4, 4)
+
+
 def test_levers_of_parallel_axes_leave_heights_out() -> None:
     assert SCARA.lever(1, 4, (30.0, 0.0, -500.0)) == pytest.approx(math.radians(325.0 + 225.0 + 30.0))
     assert SCARA.lever(3, 4, (30.0, 0.0, 0.0)) == 1.0

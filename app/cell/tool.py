@@ -1,0 +1,67 @@
+"""Descriptions of tools, `catseye-tool/1`: mass, and targets that an instrument sees, in the frame of the flange."""
+
+from pathlib import Path
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from catseye.app.cell.arm import Triple
+from catseye.app.cell.described import read_described
+from catseye.app.cell.section import Finite, Name, NotNegative, Section
+
+
+class Target(Section):
+    """[[target]]: a point of the tool; a retroreflector also has the direction in which it looks."""
+
+    name: Name
+    x_mm: Finite
+    y_mm: Finite
+    z_mm: Finite
+    normal: Triple | None = None
+
+    @model_validator(mode="after")
+    def _looks_somewhere(self) -> Self:
+        if self.normal is not None and not any(self.normal):
+            raise ValueError(
+                f"[[target]] {self.name}: normal = [0, 0, 0] is no direction: leave it out, or state it"
+            )
+        return self
+
+
+class ToolDescription(Section):
+    """A whole description; the frame of the flange is the last one of the arm."""
+
+    format: Literal["catseye-tool/1"]
+    name: str
+    mass_kg: NotNegative
+    centre_mm: Triple
+    target: list[Target] = Field(default_factory=list)
+
+    @model_validator(mode="after")
+    def _unique_targets(self) -> Self:
+        names = [target.name for target in self.target]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"two [[target]] are called {name}; give each a name of its own")
+        return self
+
+    def place_mm(self, target: str) -> tuple[float, float, float]:
+        """Return where a target is in the frame of the flange.
+
+        Raises:
+            ValueError: the tool has no such target.
+        """
+        found = next((one for one in self.target if one.name == target), None)
+        if found is None:
+            names = ", ".join(one.name for one in self.target) or "none"
+            raise ValueError(f"the tool {self.name} has no target {target}; it has {names}")
+        return found.x_mm, found.y_mm, found.z_mm
+
+
+def read_tool(path: Path) -> ToolDescription:
+    """Read a tool.
+
+    Raises:
+        ConfigError: the file cannot be read or is no description; the fault is named with its key.
+    """
+    return read_described(ToolDescription, path)
