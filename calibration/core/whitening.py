@@ -16,6 +16,9 @@ from scipy import linalg
 from catseye.calibration.core.budget import Shared, stacked
 from catseye.calibration.core.types import Floats
 
+_SQUARED = 1e8
+"""Sources whose effects, squared, add up to more would hide their own unit variance: half of the digits are lost."""
+
 
 @dataclass(frozen=True)
 class Whitening:
@@ -50,7 +53,10 @@ class Whitening:
     def _triangle(self) -> Floats:
         """Return the lower triangle R of I + FᵀF = R Rᵀ, shape (m, m)."""
         identity = np.eye(len(self._sources))
-        return np.asarray(linalg.cholesky(self._sources + identity, lower=True, check_finite=False))
+        if np.max(np.diag(self._sources), initial=0.0) < _SQUARED:
+            return np.asarray(linalg.cholesky(self._sources + identity, lower=True, check_finite=False))
+        upper = linalg.qr(np.vstack([self.effects, identity]), mode="r", check_finite=False)[0]
+        return np.asarray(upper[: len(identity)].T, dtype=np.float64)
 
     @cached_property
     def reach(self) -> Floats:

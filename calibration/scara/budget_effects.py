@@ -24,6 +24,9 @@ from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.points import Commands, Points
 from catseye.calibration.scara.radial import axis_frame
 
+_LEAST_OWN = 1e-5
+"""Share of the errors in common that an error of its own is at least, for sums of squares to keep both."""
+
 
 @dataclass(frozen=True)
 class Geometry:
@@ -107,6 +110,22 @@ def stated_sigma_mm(budget: Budget, geometry: Geometry) -> Floats | None:
             "distances without an uncertainty: add a contributor of kind length or position"
         )
     return sigma
+
+
+def require_own_errors(budget: Budget | None, geometry: Geometry) -> None:
+    """Refuse distances whose own errors are nothing beside those that they share: no digits are left for them.
+
+    Raises:
+        BudgetError: names the smallest standard uncertainty.
+    """
+    sigma = geometry.points.sigma_mm
+    shared_mm = float(np.sqrt(np.mean(np.sum(systematic_effects(budget, geometry) ** 2, axis=1))))
+    if sigma is not None and (least := float(sigma.min())) < _LEAST_OWN * shared_mm:
+        raise BudgetError(
+            f"sigma_mm is as small as {least:g} mm, where the budget says that distances share errors of "
+            f"{shared_mm:.2g} mm: nothing can be weighed like that. Is it in m? Else leave the column out, or let "
+            "it stand for all errors (budget none)"
+        )
 
 
 def _require_nothing_shared(budget: Budget) -> None:

@@ -16,7 +16,7 @@ from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.source_sums import SourceSums
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.budget import Budget, Contributor
-from catseye.calibration.scara.budget_effects import effects, stated_sigma_mm
+from catseye.calibration.scara.budget_effects import effects, require_own_errors, stated_sigma_mm
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.layout import Layout, ModelName
@@ -187,6 +187,7 @@ def identify(
     distances = distance_model(layout, used, counted_budget(used, budget))
     start = distances.start(link1_mm, link2_mm, rough)
     require_separable(distances, start)
+    require_own_errors(distances.budget, distances.geometry(start))
     distances, found = _estimated(distances, start)
     return Identification(
         layout,

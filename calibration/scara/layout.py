@@ -21,7 +21,7 @@ _MOST_NAMED = 12
 
 UNSETTLED = (
     "check the rough reflector places and the nominal links in the cell file, "
-    "and the reflector names of the points"
+    "and the reflector names of the points, and whether sigma_mm is in mm"
 )
 
 

@@ -34,7 +34,7 @@ def predict(
     nominal = nominal_of(identified)[0]
     commanded = read_path_csv(path, nominal, hand, start_states(start_direction))
     predicted = predict_path(identified, commanded, str(path))
-    write_predicted_csv(commanded, predicted, output)
+    write_predicted_csv(commanded, predicted.prediction, output)
     report = prediction_report(predicted)
     note_statements(report)
     if as_json:

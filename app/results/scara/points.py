@@ -37,7 +37,7 @@ POINTS = TableRule(
                 hint="it seems to be in µm; convert it to mm",
             ),
             ColumnRule("mount_deg", unit="°", optional=True),
-            ColumnRule("returned", "integer", optional=True),
+            ColumnRule("returned", "integer", optional=True, largest=1, hint="it is 1 for a return, else 0"),
         ),
     ),
 )

@@ -37,19 +37,12 @@ class PredictedPath:
     Attributes:
         model: "conventional" or "error-map".
         prediction: positions with uncertainties; NaN outside the identified range.
-        remarks: what a user has to know of the arm, wherever the predictions go.
-        of_path: what he has to know of single rows.
+        warnings: what a user of the predictions has to know.
     """
 
     model: str
     prediction: Prediction
-    remarks: tuple[str, ...]
-    of_path: tuple[str, ...]
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What a user of the predictions has to know."""
-        return (*self.remarks, *self.of_path)
+    warnings: tuple[str, ...]
 
     def parts_um(self) -> dict[str, float]:
         """Return the median of what each contributor alone makes of the 2-D uncertainty, µm."""
@@ -86,8 +79,8 @@ def predict_path(result: Result, path: CommandPath, name: str) -> PredictedPath:
         raise MeasurementRejectedError(
             f"{name}: {outside}. Nothing is left to predict, and nothing was written"
         )
-    of_path = tuple(text for text in (outside, _just_reversed(arm, path), _start(arm, path)) if text)
-    return PredictedPath(arm.layout.model, prediction, tuple(arm_remarks(result)), of_path)
+    warnings = (*arm_remarks(result), outside, _just_reversed(arm, path), _start(arm, path))
+    return PredictedPath(arm.layout.model, prediction, tuple(text for text in warnings if text))
 
 
 def _lines(path: CommandPath) -> list[int]:
@@ -112,15 +105,11 @@ def _start(arm: IdentifiedArm, path: CommandPath) -> str:
     return "" if arm.layout.model == "conventional" or not path.cartesian else start_text(path.commands)
 
 
-def write_predicted_csv(path: CommandPath, predicted: PredictedPath, output: Path) -> None:
-    """Write the path's own columns as they were, and the prediction; cells of rows without one are empty.
-
-    Remarks on the arm stand above the header, as comments: uncertainties without a budget look like any others.
-    """
-    prediction = predicted.prediction
+def write_predicted_csv(path: CommandPath, prediction: Prediction, output: Path) -> None:
+    """Write the path's own columns as they were, and the prediction; cells of rows without one are empty."""
     numbers = np.hstack([prediction.position_mm, 1e3 * prediction.error_mm, 1e3 * prediction.u_mm])
     rows = ([*row.cells.values(), *_cells(own)] for row, own in zip(path.rows, numbers, strict=True))
-    write_atomically(output, csv_text([*path.rows[0].cells, *ADDED], rows, predicted.remarks))
+    write_atomically(output, csv_text([*path.rows[0].cells, *ADDED], rows))
 
 
 def _cells(numbers: Floats) -> list[str]:

@@ -21,7 +21,7 @@ FEW_ROWS: Final = 500
 """More distances say no more about a wrong guess or another solution."""
 
 _SIGMA_MM: Final = 0.02
-"""Standard uncertainty of distances that state none; only its ratio to the bounds counts."""
+"""Standard uncertainty of distances that state none, or less; only its ratio to the bounds counts."""
 
 _DISTRUSTED_MM: Final = 100.0
 """Standard uncertainty of distances that are not to move an arm far."""
@@ -57,12 +57,12 @@ class Case:
 
     @property
     def weights(self) -> Floats:
-        """Reciprocal standard uncertainties, 1/mm, shape (n,)."""
-        return (
-            np.full(len(self.points), 1.0 / _SIGMA_MM)
-            if self.points.sigma_mm is None
-            else self.points.weights
-        )
+        """Reciprocal standard uncertainties, 1/mm, shape (n,).
+
+        Distances that claim to be better than any arm is known would outweigh what is known of it.
+        """
+        sigma = self.points.sigma_mm
+        return 1.0 / np.maximum(_SIGMA_MM, np.zeros(len(self.points)) if sigma is None else sigma)
 
     @property
     def without_maps(self) -> "Case":

@@ -14,6 +14,7 @@ from catseye.calibration.core.fit_statistics import FitSums, summed_statistics
 from catseye.calibration.core.source_sums import owners
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.budget import Budget
+from catseye.calibration.scara.budget_effects import require_own_errors
 from catseye.calibration.scara.error_map import interpolate
 from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.extension import Term
@@ -111,7 +112,9 @@ def identify_scan(
     counted = counted_budget(few.points, budget)
     passes = Passes(used, layout, (link1_mm, link2_mm), rough, counted, few.places)
     start = passes.start(few.points)
-    require_separable(passes.model(few.points, weighted=False), start)
+    sample = passes.model(few.points, weighted=False)
+    require_separable(sample, start)
+    require_own_errors(counted, sample.geometry(start))
     passes, first = _settled(passes, few.points, start)
     counter = _Counter(used.rows, progress)
     over_all = _OverAll(used, counter, max(_HISTOGRAM_RMS * first.sums.residuals.rms_mm, _FINEST_MM))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from catseye.calibration.core.errors import CalibrationError, ConvergenceError
+from catseye.calibration.core.errors import BudgetError, CalibrationError, ConvergenceError
 from catseye.calibration.scara.budget import Budget
 from catseye.calibration.scara.layout import ModelName
 from catseye.calibration.scara.plausibility.bounds import Bounds
@@ -60,6 +60,22 @@ def test_a_sound_measurement_passes(number: int) -> None:
 @pytest.mark.parametrize("model", ["conventional", "error-map"])
 def test_a_sound_measurement_without_a_budget_passes(model: ModelName) -> None:
     assert not verdict(measured(7), None, model).implausible
+
+
+@pytest.mark.parametrize("sigma_mm", [1e-3, 1e-5, 1e-9])
+def test_a_sigma_far_too_small_is_no_implausible_arm(sigma_mm: float) -> None:
+    problem = measured(7, Faults(radial=3.0)).problem(None)
+    stated = replace(problem.points, sigma_mm=np.full(len(problem.points), sigma_mm))
+    problem = replace(problem, points=stated)
+    assert not judge(problem, problem.solve()).implausible
+
+
+@pytest.mark.parametrize("sigma_mm", [1e-7, 1e-9])
+def test_a_sigma_that_is_nothing_beside_shared_errors_is_refused(sigma_mm: float) -> None:
+    problem = measured(7).problem(table_2())
+    stated = replace(problem.points, sigma_mm=np.full(len(problem.points), sigma_mm))
+    with pytest.raises(BudgetError, match=r"sigma_mm is as small as .* Is it in m"):
+        replace(problem, points=stated).solve()
 
 
 def named(mistake: Mistake, name: str) -> bool:
