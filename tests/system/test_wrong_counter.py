@@ -21,11 +21,11 @@ FAULTS = {
     (
         'unit = "mm"',
         'unit = "um"',
-    ): r"gives 0\.00\d+ mm where .* \(as if m were read as mm, or mm as µm\)",
+    ): r"gives 0\.00\d+ mm where .*, as if m were read as mm, or mm as µm",
     (
         'unit = "mm"',
         'unit = "inch"',
-    ): r"gives 25\.\d+ mm where the beam changes by 1 mm \(as if mm were read as inches\)",
+    ): r"gives 25\.\d+ mm where the beam changes by 1 mm, as if mm were read as inches",
 }
 """What a profile says of a counter in mm, and what is said of that."""
 
