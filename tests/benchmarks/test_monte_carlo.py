@@ -150,8 +150,7 @@ def test_covariance_and_prediction_of_a_thousand_points_in_twenty_milliseconds()
         f"\ncovariance with every contributor and prediction of 1000 points: {mine:.1f} ms (limit 20 ms), numerical "
         f"derivatives of the same, white errors only: {other:.1f} ms, ratio {other / mine:.1f}"
     )
-    assert mine <= 20.0
-    assert mine < other
+    assert mine <= other / 10.0
 
 
 @pytest.mark.parametrize("draws", [4000, DRAWS, 6 * DRAWS])

@@ -143,7 +143,7 @@ def test_an_hour_at_ten_kilohertz_with_its_budget(tmp_path: Path) -> None:
     many = solved_afresh(tmp_path / "points", parts * rows, points, step_deg, "shared")
     ratio = many["cpu_s"] / few["cpu_s"]
     print(  # noqa: T201  # the figure
-        f"\n36 000 000 distances with 62 shared sources, {many['parameters']} free parameters: "
+        f"\n36 000 000 distances with the shared errors of the default budget, {many['parameters']} free parameters: "
         f"{many['cpu_s']:.0f} s of one core, {ratio:.1f} times 3 000 000 of them (limit 12), "
         f"{many['cpu_s'] / few_white['cpu_s']:.0f} times 3 000 000 without shared sources; "
         f"peak {many['peak_mb']:.0f} MB (limit 500)"
