@@ -1,6 +1,7 @@
 """What the contributors of a budget do to distances or coordinates: errors of their own, and shared ones."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -112,14 +113,17 @@ def stated_sigma_mm(budget: Budget, geometry: Geometry) -> Floats | None:
     return sigma
 
 
-def require_own_errors(budget: Budget | None, geometry: Geometry) -> None:
+def require_own_errors(sigma: Floats | None, shared: Sequence[Shared]) -> None:
     """Refuse distances whose own errors are nothing beside those that they share: no digits are left for them.
+
+    Args:
+        sigma: standard uncertainties of n distances, mm; None where none are stated.
 
     Raises:
         BudgetError: names the smallest standard uncertainty.
     """
-    sigma = geometry.points.sigma_mm
-    shared_mm = float(np.sqrt(np.mean(np.sum(systematic_effects(budget, geometry) ** 2, axis=1))))
+    squares = sum(float(np.sum(one.effects_mm**2)) / len(one.effects_mm) for one in shared)
+    shared_mm = math.sqrt(squares)
     if sigma is not None and (least := float(sigma.min())) < _LEAST_OWN * shared_mm:
         raise BudgetError(
             f"sigma_mm is as small as {least:g} mm, where the budget says that distances share errors of "

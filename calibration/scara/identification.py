@@ -187,7 +187,7 @@ def identify(
     distances = distance_model(layout, used, counted_budget(used, budget))
     start = distances.start(link1_mm, link2_mm, rough)
     require_separable(distances, start)
-    require_own_errors(distances.budget, distances.geometry(start))
+    require_own_errors(distances.points.sigma_mm, distances.shared(start))
     distances, found = _estimated(distances, start)
     return Identification(
         layout,
