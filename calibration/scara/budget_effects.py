@@ -1,7 +1,6 @@
 """What the contributors of a budget do to distances or coordinates: errors of their own, and shared ones."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,9 +23,6 @@ from catseye.calibration.scara.extension import Term, term_values
 from catseye.calibration.scara.layout import Layout
 from catseye.calibration.scara.points import Commands, Points
 from catseye.calibration.scara.radial import axis_frame
-
-_LEAST_OWN = 1e-5
-"""Share of the errors in common that an error of its own is at least, for sums of squares to keep both."""
 
 
 @dataclass(frozen=True)
@@ -111,25 +107,6 @@ def stated_sigma_mm(budget: Budget, geometry: Geometry) -> Floats | None:
             "distances without an uncertainty: add a contributor of kind length or position"
         )
     return sigma
-
-
-def require_own_errors(sigma: Floats | None, shared: Sequence[Shared]) -> None:
-    """Refuse distances whose own errors are nothing beside those that they share: no digits are left for them.
-
-    Args:
-        sigma: standard uncertainties of n distances, mm; None where none are stated.
-
-    Raises:
-        BudgetError: names the smallest standard uncertainty.
-    """
-    squares = sum(float(np.sum(one.effects_mm**2)) / len(one.effects_mm) for one in shared)
-    shared_mm = math.sqrt(squares)
-    if sigma is not None and (least := float(sigma.min())) < _LEAST_OWN * shared_mm:
-        raise BudgetError(
-            f"sigma_mm is as small as {least:g} mm, where the budget says that distances share errors of "
-            f"{shared_mm:.2g} mm: nothing can be weighed like that. Is it in m? Else leave the column out, or let "
-            "it stand for all errors (budget none)"
-        )
 
 
 def _require_nothing_shared(budget: Budget) -> None:
@@ -247,6 +224,11 @@ def _part_of_source(contributor: Contributor, sources: int) -> Ints:
     if contributor.correlation == "time":
         return octaves(contributor.orders)
     return harmonic_of_source(sources // (2 * contributor.orders), contributor.orders)
+
+
+def shared_rms_mm(shared: tuple[Shared, ...]) -> float:
+    """Return the root mean square of what all errors in common do to a distance, mm."""
+    return math.sqrt(sum(float(np.sum(one.effects_mm**2)) / len(one.effects_mm) for one in shared))
 
 
 def systematic_effects(budget: Budget | None, geometry: Geometry) -> Floats:

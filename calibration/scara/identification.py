@@ -8,7 +8,7 @@ import numpy as np
 
 from catseye.calibration.core.amplitudes import Compressed, variance_ratios
 from catseye.calibration.core.arguments import require_finite, require_shape
-from catseye.calibration.core.errors import InsufficientPointsError
+from catseye.calibration.core.errors import BudgetError, InsufficientPointsError
 from catseye.calibration.core.estimation import Estimate, estimate
 from catseye.calibration.core.fit_statistics import FitStatistics
 from catseye.calibration.core.gain import Gain
@@ -16,13 +16,16 @@ from catseye.calibration.core.rank import require_identifiable
 from catseye.calibration.core.source_sums import SourceSums
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.budget import Budget, Contributor
-from catseye.calibration.scara.budget_effects import effects, require_own_errors, stated_sigma_mm
+from catseye.calibration.scara.budget_effects import effects, shared_rms_mm, stated_sigma_mm
 from catseye.calibration.scara.distance_model import DistanceModel, distance_model
 from catseye.calibration.scara.extension import Term
 from catseye.calibration.scara.layout import Layout, ModelName
 from catseye.calibration.scara.planar import require_links
 from catseye.calibration.scara.pointing import beam_turn_rad
 from catseye.calibration.scara.points import Points, rows_of_long_segments, without_short_segments
+
+_LEAST_OWN = 1e-5
+"""Share of the errors in common that an error of its own is at least, for sums of squares to keep both."""
 
 TakenUp = Mapping[Contributor, Floats]
 """What contributors have moved estimates by: a column a source of unit variance, shape (p, m) each."""
@@ -187,7 +190,7 @@ def identify(
     distances = distance_model(layout, used, counted_budget(used, budget))
     start = distances.start(link1_mm, link2_mm, rough)
     require_separable(distances, start)
-    require_own_errors(distances.points.sigma_mm, distances.shared(start))
+    require_own_errors(distances, start)
     distances, found = _estimated(distances, start)
     return Identification(
         layout,
@@ -220,6 +223,24 @@ def require_separable(distances: DistanceModel, nominal: Floats) -> None:
     """
     if any(term.source == "theta4" for term in distances.layout.terms):
         require_identifiable(distances.parameters, distances.jacobian(nominal))
+
+
+def require_own_errors(distances: DistanceModel, start: Floats) -> None:
+    """Refuse distances whose own errors are nothing beside those that they share: no digits are left for them.
+
+    Raises:
+        BudgetError: names the smallest standard uncertainty.
+    """
+    sigma = distances.points.sigma_mm
+    if sigma is None:
+        return
+    least, shared_mm = float(sigma.min()), shared_rms_mm(distances.shared(start))
+    if least < _LEAST_OWN * shared_mm:
+        raise BudgetError(
+            f"sigma_mm is as small as {least:g} mm, where the budget says that distances share errors of "
+            f"{shared_mm:.2g} mm: nothing can be weighed like that. Is it in m? Else leave the column out, or let "
+            "it stand for all errors (budget none)"
+        )
 
 
 def _estimated(distances: DistanceModel, start: Floats) -> tuple[DistanceModel, Estimate]:

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from catseye.calibration.core.types import Floats
-from catseye.calibration.scara.budget_effects import systematic_effects
+from catseye.calibration.scara.budget_effects import shared_errors, shared_rms_mm
 from catseye.calibration.scara.diagnostics.problem import Problem
 from catseye.calibration.scara.identification import Identification
 from catseye.calibration.scara.plausibility.bounded_fit import BoundedFit, fitted, offsets
@@ -78,8 +78,8 @@ def _stated_mm(problem: Problem, found: Identification) -> float:
     """Return the root mean square of the errors that were stated for the distances, whatever they have shown."""
     if found.points.sigma_mm is None:
         return _UNSTATED_MM
-    shared = systematic_effects(problem.budget, found.model.geometry(found.parameters))
-    return math.sqrt(float(np.mean(found.points.sigma_mm**2) + np.mean(np.sum(shared**2, axis=1))))
+    shared = shared_errors(problem.budget, found.model.geometry(found.parameters))
+    return math.sqrt(float(np.mean(found.points.sigma_mm**2)) + shared_rms_mm(shared) ** 2)
 
 
 def _vague(u_mm: Floats, bounds: Bounds) -> tuple[VagueLink, ...]:

@@ -14,7 +14,6 @@ from catseye.calibration.core.fit_statistics import FitSums, summed_statistics
 from catseye.calibration.core.source_sums import owners
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.scara.budget import Budget
-from catseye.calibration.scara.budget_effects import require_own_errors
 from catseye.calibration.scara.error_map import interpolate
 from catseye.calibration.scara.errors import MapRangeError
 from catseye.calibration.scara.extension import Term
@@ -24,6 +23,7 @@ from catseye.calibration.scara.identification import (
     TakenUp,
     counted_budget,
     require_nominal,
+    require_own_errors,
     require_separable,
     with_spectra,
 )
@@ -114,7 +114,7 @@ def identify_scan(
     start = passes.start(few.points)
     require_separable(passes.model(few.points, weighted=False), start)
     some = passes.model(few.points.rows(few.even), weighted=False)
-    require_own_errors(some.points.sigma_mm, some.shared(start))
+    require_own_errors(some, start)
     passes, first = _settled(passes, few.points, start)
     counter = _Counter(used.rows, progress)
     over_all = _OverAll(used, counter, max(_HISTOGRAM_RMS * first.sums.residuals.rms_mm, _FINEST_MM))
