@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal, Protocol
 
 from catseye.drivers.roles.device import Device, DriverClass, Role
 from catseye.drivers.roles.errors import RefusedError
-from catseye.drivers.roles.pose import Pose, Range
+from catseye.drivers.roles.pose import Pose, Range, Unit
 from catseye.drivers.roles.text import DeviceText
 
 Following = Literal["stops", "blended", "streamed"]
@@ -55,12 +55,17 @@ class RobotAbilities:
         takes_guard: `at` takes a setting `guard`, to which it hands its connections.
         further_endpoint: key of the [robot] section, and argument of `at`, with the endpoint of a connection of its
             own for paths; empty for none.
+        steps: `step_axis` and `step_line` move by increments that the controller adds itself.
+        command_resolution: smallest increment of an axis that the controller tells from none, by the unit of the
+            axis: {"deg": 0.001}; None where its maker states none.
     """
 
     following: Following = "stops"
     jogs: bool = False
     takes_guard: bool = False
     further_endpoint: str = ""
+    steps: bool = False
+    command_resolution: Mapping[Unit, float] | None = None
 
 
 class JogFeed(Protocol):
@@ -126,6 +131,34 @@ class Robot(Device, Protocol):
         Only for drivers whose abilities say how.
         """
         raise RefusedError(f"this robot's driver drives no path of {len(way)} targets in one motion", 0)
+
+    async def step_axis(self, axis: str, increment: float) -> None:
+        """Move one axis by an increment from where it is measured to stand; return when the motion is over.
+
+        The controller adds the increment, deg or mm, to the measured joint position, so that neither the deviation
+        that the step before left nor the time a message takes enters the step.
+
+        Only for drivers whose abilities say so.
+        """
+        raise RefusedError(f"this robot's driver steps no axis: {axis} stands, not moved by {increment:g}", 0)
+
+    async def step_line(self, increment_mm: tuple[float, float, float]) -> None:
+        """Move the tool along a straight line, orientation kept; return when the motion is over.
+
+        Args:
+            increment_mm: x, y and z of the step in the arm's base frame, from where the tool is measured to stand.
+
+        Only for drivers whose abilities say so.
+        """
+        raise RefusedError(f"this robot's driver steps along no line: {increment_mm} mm not moved", 0)
+
+    async def torques(self) -> tuple[float, ...]:
+        """Return the torques of the motors, N m, in the order of the axes.
+
+        Raises:
+            RefusedError: the driver or the controller has none.
+        """
+        raise RefusedError("this robot's driver reads no motor torques", 0)
 
     async def joint_limits(self) -> tuple[Range, ...] | None:
         """Return the controller's own limits of all axes, deg or mm; None where it does not say.

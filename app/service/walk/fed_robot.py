@@ -1,8 +1,9 @@
 """A robot that moves while somebody feeds and is stopped at once when nobody does."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from dataclasses import replace
+from typing import Any
 
 from catseye.app.engine.devices import DeviceBuilder, Devices, WireRecorder
 from catseye.app.engine.halt import HaltLimits, halt
@@ -93,8 +94,24 @@ class FedRobot(Robot):
         """Stop now."""
         await self._robot.stop()
 
+    async def torques(self) -> tuple[float, ...]:
+        """Return the torques of the motors, N m."""
+        return await self._robot.torques()
+
     async def move_joints(self, target: Pose) -> None:
-        """Move while fed.
+        """Move while fed; see `_while_fed` for the errors."""
+        await self._while_fed(lambda: self._robot.move_joints(target))
+
+    async def step_axis(self, axis: str, increment: float) -> None:
+        """Step one axis while fed; see `_while_fed` for the errors."""
+        await self._while_fed(lambda: self._robot.step_axis(axis, increment))
+
+    async def step_line(self, increment_mm: tuple[float, float, float]) -> None:
+        """Step along a line while fed; see `_while_fed` for the errors."""
+        await self._while_fed(lambda: self._robot.step_line(increment_mm))
+
+    async def _while_fed(self, begin: Callable[[], Coroutine[Any, Any, None]]) -> None:
+        """Carry out a motion while somebody feeds.
 
         Raises:
             FeedLostError: nobody feeds; the arm stands.
@@ -102,7 +119,7 @@ class FedRobot(Robot):
         """
         if not self._feed.fed:
             raise FeedLostError("nobody keeps the walk going")
-        motion = asyncio.create_task(self._robot.move_joints(target))
+        motion = asyncio.create_task(begin())
         lost = asyncio.create_task(self._feed.lost())
         try:
             await asyncio.wait({motion, lost}, return_when=asyncio.FIRST_COMPLETED)

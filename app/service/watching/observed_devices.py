@@ -127,6 +127,18 @@ class ObservedController(ObservedDevice, Robot):
         """Return the reported pose."""
         return await self._answered(self._driver.joints())
 
+    async def step_axis(self, axis: str, increment: float) -> None:
+        """Move one axis by an increment from where it is measured to stand."""
+        await self._answered(self._driver.step_axis(axis, increment))
+
+    async def step_line(self, increment_mm: tuple[float, float, float]) -> None:
+        """Move the tool along a straight line."""
+        await self._answered(self._driver.step_line(increment_mm))
+
+    async def torques(self) -> tuple[float, ...]:
+        """Return the torques of the motors, N m."""
+        return await self._answered(self._driver.torques())
+
     async def joint_limits(self) -> tuple[Range, ...] | None:
         """Return the controller's own limits of all axes."""
         return await self._answered(self._driver.joint_limits())

@@ -104,3 +104,36 @@ async def test_emulated_devices_are_walked_by_themselves() -> None:
     rig.feed.by_itself = True
     await rig.robot.move_joints(AWAY)
     assert rig.arm.pose == AWAY
+
+
+class SteppingRobot(FakeRobot):
+    """Is asked for steps and takes them as motions."""
+
+    async def step_axis(self, axis: str, increment: float) -> None:
+        assert (axis, increment) == ("A1", 0.1)
+        await self.move_joints(AWAY)
+
+    async def step_line(self, increment_mm: tuple[float, float, float]) -> None:
+        assert increment_mm == (0.0, 1.0, 0.0)
+        await self.move_joints(AWAY)
+
+
+async def test_steps_that_are_fed_are_taken() -> None:
+    rig = Rig()
+    rig.arm = SteppingRobot(rig.clock)
+    robot = FedRobot(rig.arm, rig.feed, lambda _arm: None, rig.clock, LIMITS)
+    rig.feed.feed()
+    await robot.step_axis("A1", 0.1)
+    rig.feed.feed()
+    await robot.step_line((0.0, 1.0, 0.0))
+    assert rig.arm.calls == ["move", "move"]
+
+
+async def test_a_step_ends_with_the_feed() -> None:
+    rig = Rig()
+    rig.arm = SteppingRobot(rig.clock, blocks=True)
+    robot = FedRobot(rig.arm, rig.feed, lambda _arm: None, rig.clock, LIMITS)
+    rig.feed.feed()
+    with pytest.raises(FeedLostError):
+        await robot.step_axis("A1", 0.1)
+    assert rig.arm.calls == ["move", "stop", "move cancelled"]

@@ -89,6 +89,43 @@ def test_an_observed_robot_can_do_what_its_driver_can() -> None:
     run(follow())
 
 
+def test_an_observed_robot_steps_as_its_driver_does() -> None:
+    class Stepping(PulledRobot):
+        abilities: ClassVar[RobotAbilities] = RobotAbilities(steps=True, command_resolution={"deg": 0.001})
+
+        async def step_axis(self, axis: str, increment: float) -> None:
+            await self._asked(f"step {axis} by {increment:g}")
+
+        async def step_line(self, increment_mm: tuple[float, float, float]) -> None:
+            await self._asked(f"line {increment_mm}")
+
+        async def torques(self) -> tuple[float, ...]:
+            await self._asked("torques")
+            return (1.5, -2.0)
+
+    async def step() -> None:
+        cell = PulledCell()
+        cell.robot = Stepping()
+        robot = cell.observed(LatestValues(VirtualClock())).robot
+        assert robot.abilities.steps
+        await robot.step_axis("A1", 0.01)
+        await robot.step_line((1.0, 0.0, 0.0))
+        assert await robot.torques() == (1.5, -2.0)
+        assert cell.robot.log == ["step A1 by 0.01", "line (1.0, 0.0, 0.0)", "torques"]
+
+    run(step())
+
+
+async def test_a_robot_without_steps_refuses_them_and_says_so() -> None:
+    robot = PulledCell().robot
+    with pytest.raises(RefusedError, match="steps no axis"):
+        await robot.step_axis("A1", 0.01)
+    with pytest.raises(RefusedError, match="along no line"):
+        await robot.step_line((1.0, 0.0, 0.0))
+    with pytest.raises(RefusedError, match="no motor torques"):
+        await robot.torques()
+
+
 def test_notes_of_a_driver_are_passed_on() -> None:
     class Noting(PulledAir):
         notes = ("old firmware",)
