@@ -83,7 +83,7 @@ class Steps:
     def position(self) -> Floats:
         """Position on each plateau, a significant drift subtracted, shape (n + 1,)."""
         since_s = self.plateaus.middle_s - self.plateaus.middle_s[0]
-        return self.plateaus.mean - self.noise.drift_per_s * since_s
+        return np.asarray(self.plateaus.mean - self.noise.drift_per_s * since_s)
 
 
 class _NoOptics:

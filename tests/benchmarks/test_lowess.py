@@ -1,6 +1,8 @@
 """LOWESS of 1.8 million samples against statsmodels: the same neighbourhood, no robustness iterations, no shortcut.
 
-Times are those of one core (CPU seconds of this process), so that busy neighbours do not count.
+statsmodels takes longer a sample the more samples there are and does not come to an end with 1.8 million in ten
+minutes, so it smooths a slice of the same data, in the same run, and its time a sample there counts. Times are those
+of one core (CPU seconds of this process), so that busy neighbours do not count.
 """
 
 import time
@@ -14,6 +16,7 @@ from catseye.calibration.resolution.lowess import half_window, lowess
 
 RATE_HZ = 1000.0
 SAMPLES = 1_800_000
+SLICE = 20_000
 ROUNDS = 5
 HALF = half_window(RATE_HZ)
 
@@ -42,11 +45,13 @@ def test_lowess_is_the_peers_in_a_hundredth_of_its_time() -> None:
     ours_s, smooth = min(
         (timed(lambda v: lowess(v, HALF), values) for _ in range(ROUNDS)), key=lambda t: t[0]
     )
-    peers_s, expected = timed(by_peer, values)
-    apart = float(np.abs(smooth - expected).max())
+    slice_s, expected = timed(by_peer, values[:SLICE])
+    peers_s = slice_s * SAMPLES / SLICE
+    # Half a window before its end, the slice is as good as the whole.
+    apart = float(np.abs(smooth[: SLICE - HALF] - expected[:-HALF]).max())
     print(  # noqa: T201  # the figure
-        f"\nLOWESS of {SAMPLES} samples: {ours_s:.3f} s, statsmodels {peers_s:.1f} s, {peers_s / ours_s:.0f} times; "
-        f"largest difference {apart:.1g}"
+        f"\nLOWESS of {SAMPLES} samples: {ours_s:.3f} s, statsmodels {peers_s:.1f} s at its time a sample in "
+        f"a slice of {SLICE}, {peers_s / ours_s:.0f} times; largest difference {apart:.1g}"
     )
     assert apart < 1e-10
     assert peers_s > 100.0 * ours_s

@@ -10,7 +10,7 @@ from catseye.calibration.resolution.recording import Recording, recording_of
 from catseye.calibration.resolution.units import Unit
 
 DEG = np.pi / 180.0
-STEPS_DEG = 0.1 / 1.072267 ** np.arange(109)
+STEPS_DEG: Floats = np.asarray(0.1 / 1.072267 ** np.arange(109.0), dtype=np.float64)
 """The paper's series (section 3.4)."""
 
 
@@ -34,7 +34,7 @@ class Bench:
 
     def moves(self, command: Floats) -> Moves:
         """Return moves of these sizes, one a dwell."""
-        return moves_of(self.lead_s + self.dwell_s * np.arange(command.size), command, self.unit)
+        return moves_of(self.lead_s + self.dwell_s * np.arange(float(command.size)), command, self.unit)
 
     def samples(self, moves: Moves, done: Floats, seed: int = 1) -> tuple[Floats, Floats]:
         """Return times and positions of a recording in which each move did what is given."""

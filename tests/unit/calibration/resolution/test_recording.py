@@ -1,5 +1,7 @@
 """Recordings: what is noticed, what is refused, and where."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -40,8 +42,9 @@ def test_a_part_has_the_samples_of_its_times() -> None:
         (lambda t, p: (np.where(t == TIME_S[7], np.inf, t), p), 8, "sample 8 has no time"),
     ],
 )
-def test_damaged_recordings_are_refused_at_their_row(change: object, row: int, text: str) -> None:
-    assert callable(change)
+def test_damaged_recordings_are_refused_at_their_row(
+    change: Callable[[Floats, Floats], tuple[Floats, Floats]], row: int, text: str
+) -> None:
     with pytest.raises(RecordingError, match=text) as refused:
         recording_of(*change(TIME_S, noisy(TIME_S)[::-1].copy()), "rad")
     assert refused.value.row == row

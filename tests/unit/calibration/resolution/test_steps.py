@@ -1,6 +1,7 @@
 """Steps of staircases that are written down: measured, flagged, refused."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -167,8 +168,9 @@ def of_other_unit(recording: Recording, moves: Moves) -> tuple[Recording, Moves]
         (of_other_unit, "the moves are in mm"),
     ],
 )
-def test_moves_that_do_not_fit_are_refused(wrong: object, text: str) -> None:
-    assert callable(wrong)
+def test_moves_that_do_not_fit_are_refused(
+    wrong: Callable[[Recording, Moves], tuple[Recording, Moves]], text: str
+) -> None:
     moves = BENCH.moves(COMMAND)
     with pytest.raises(MovesError, match=text):
         require_same_run(steps(*wrong(BENCH.recorded(moves, COMMAND), moves)))
