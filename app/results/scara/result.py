@@ -5,18 +5,15 @@ import math
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
-from catseye.app.files.documents import LARGEST_RESULT_BYTES
-from catseye.app.results.model import Origin
-from catseye.app.results.origin import origin_now
+from catseye.app.results.provenance import Provenance
+from catseye.app.results.result_file import read_result_file
 from catseye.app.results.scara.budget_part import BudgetPart
 from catseye.app.results.uncertainty_part import Finite, ResultPart, UncertaintyPart
 from catseye.calibration.scara.budget import Kind
 from catseye.calibration.scara.extension import Part, Source, Target, Term
-from catseye.drivers.roles.user_file import read_regular
 
 Uncertainty = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Length = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -185,24 +182,6 @@ class Residuals(_Columns):
     residual_um: list[float]
 
 
-class Provenance(ResultPart):
-    """Where it comes from; whether of emulated devices is not known of a points file.
-
-    `unverified` says what speaks against runs that were changed after their end and used all the same; None for none.
-    """
-
-    runs: list[str]
-    software: str
-    created: str
-    simulated: bool | None = None
-    unverified: list[str] | None = None
-
-    @property
-    def origin(self) -> Origin:
-        """Where a report that is made of it now comes from."""
-        return origin_now(simulated=bool(self.simulated), unverified=self.unverified or ())
-
-
 class ScanSegments(_Columns):
     """Residuals by segment, as columns."""
 
@@ -326,24 +305,4 @@ def read_result(path: Path) -> Result:
     Raises:
         UsageError: the file is missing or no result; names what is wrong.
     """
-    try:
-        result = Result.model_validate_json(read_regular(path, LARGEST_RESULT_BYTES).decode("utf-8-sig"))
-    except FileNotFoundError as error:
-        raise UsageError(f"{path}: there is no such file") from error
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise UsageError(
-            f"{path}: cannot be read: it is not UTF-8 text, so no result of catseye identify"
-        ) from error
-    except ValidationError as error:
-        faults = "; ".join(
-            f"{'.'.join(str(part) for part in fault['loc']) or 'file'}: {fault['msg']}"
-            for fault in error.errors()[:5]
-        )
-        raise UsageError(
-            f"{path}: is no catseye-result/1 file as catseye identify writes it: {faults}"
-        ) from error
-    if "format" not in result.model_fields_set:
-        raise UsageError(f'{path}: is no catseye-result/1 file: the key "format" is missing')
-    return result
+    return read_result_file(path, Result, "catseye identify")

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from catseye.app.results.provenance import Provenance
 from catseye.app.results.scara.result import (
     Covariance,
     DeadPath,
@@ -14,7 +15,6 @@ from catseye.app.results.scara.result import (
     MapTable,
     Nominal,
     Place,
-    Provenance,
     Residuals,
     Result,
     RobustPart,

@@ -13,6 +13,7 @@ from catseye.app.cell.model import Cell
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.render.page import page_html
 from catseye.app.results.model import Origin, Report
+from catseye.app.results.provenance import Provenance
 from catseye.app.results.runs.records import (
     DeviceRecord,
     EnvironmentSummary,
@@ -31,7 +32,6 @@ from catseye.app.results.scara.result import (
     MapTable,
     Nominal,
     Place,
-    Provenance,
     Residuals,
     Result,
 )

@@ -1,0 +1,1 @@
+"""Motion resolution of joints and Cartesian directions: result files, tables, figures, reports."""

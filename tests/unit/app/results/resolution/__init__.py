@@ -1,0 +1,1 @@
+"""Tests of results of motion resolution."""
