@@ -36,7 +36,6 @@ class ArmBeam(CountedBeam):
     Attributes:
         mounting: what the arm carries, None for nothing.
         spacing_mm: true distance of the prisms of the angular retroreflector.
-        tilts_rad: how far the beam is misaligned, by the screws' names in `SCREWS`.
     """
 
     def __init__(
@@ -51,7 +50,7 @@ class ArmBeam(CountedBeam):
         rng = np.random.default_rng([config.seed, 22])
         self.spacing_mm = optics.spacing_mm * float(1.0 + optics.spacing_relative_u * rng.standard_normal())
         self.mounting: Mounting | None = None
-        self.tilts_rad: Floats = np.zeros(2)
+        self._tilts_rad: Floats = np.zeros(2)
         self._tripod_rad = Wander(rng, 1e-6 * optics.tripod_urad, (120.0, 3600.0))
         self._tripod_mm = Wander(rng, 1e-3 * optics.tripod_um, (120.0, 3600.0))
         self._turbulence_mm = Wander(rng, 1e-6 * optics.turbulence_nm, (0.3, 30.0))
@@ -65,6 +64,11 @@ class ArmBeam(CountedBeam):
         """Screws of the stage by name."""
         return self._screws
 
+    @property
+    def tilts_mrad(self) -> dict[str, float]:
+        """How far the beam is misaligned, by the screws' names."""
+        return dict(zip(SCREWS, (1e3 * self._tilts_rad).tolist(), strict=True))
+
     def look(self, times_s: Floats) -> Sight:
         """Return what the beam meets at bench times, s, shape (n,); no counter notices."""
         nobody = np.full(times_s.size, NOBODY)
@@ -72,7 +76,7 @@ class ArmBeam(CountedBeam):
             lost = np.full(times_s.size, _LOST)
             return Sight(times_s, nobody, np.zeros(times_s.size), lost, nobody + 1)
         frames = self._frames(self.mounting.frame, times_s)
-        seen = returned(self.mounting, frames, self.tilts_rad, self.spacing_mm, self._optics)
+        seen = returned(self.mounting, frames, self._tilts_rad, self.spacing_mm, self._optics)
         hit = (seen.miss <= 1.0) & ~self._path.blocked(times_s)
         return Sight(
             times_s, np.where(hit, 0, NOBODY), seen.length_mm + self._drift_mm(times_s), seen.miss, nobody + 1
@@ -118,13 +122,13 @@ class ArmBeam(CountedBeam):
             self.observe()
             sides = self._hands.choice((-1.0, 1.0), 2)
             most_rad = 1e-3 * self._optics.hand_tilt_mrad
-            self.tilts_rad = sides * self._hands.uniform(0.4 * most_rad, most_rad, 2)
+            self._tilts_rad = sides * self._hands.uniform(0.4 * most_rad, most_rad, 2)
             self.mounting = mounting
         self.observe()
 
     def _turn(self, screw: str, turns: float) -> None:
         moved = self._screws[screw].turn(turns)
-        self.tilts_rad[SCREWS.index(screw)] += 1e-3 * self._optics.mrad_per_turn * moved
+        self._tilts_rad[SCREWS.index(screw)] += 1e-3 * self._optics.mrad_per_turn * moved
 
     def _sample_times(self) -> Floats:
         motion = self._arm.motion

@@ -77,10 +77,12 @@ class DrivenArm:
         seed: of everything random.
 
     Attributes:
+        names: of the joints.
         screws: geometry of the arm.
     """
 
     def __init__(self, arm: SerialArm, truths: Sequence[JointTruth], start: Joints, seed: int) -> None:
+        self.names = tuple(joint.name for joint in arm.joints)
         self.screws = ScrewArm(arm.joints, arm.loads)
         self._truths = tuple(truths)
         self._dynamics = ArmDynamics(
