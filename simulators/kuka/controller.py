@@ -5,7 +5,7 @@ from typing import Final
 
 from catseye.simulators.config import SerialArm
 from catseye.simulators.errors import EmulatorError
-from catseye.simulators.kuka.arm_control import MODES, ArmControl, Mode
+from catseye.simulators.kuka.arm_control import MODES, ArmControl
 from catseye.simulators.kuka.kinematics import Kinematics
 from catseye.simulators.kuka.program import CatsKuka
 from catseye.simulators.kuka.values import (

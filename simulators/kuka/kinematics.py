@@ -73,7 +73,9 @@ class Kinematics:
         flanges = self._screws.frames(joints)[:, -1]
         directions, points = self._screws.axes(joints)
         turned = targets[:, :3, :3] @ flanges[:, :3, :3].transpose(0, 2, 1)
-        turn = 0.5 * np.stack([turned[:, i, k] - turned[:, k, i] for i, k in ((2, 1), (0, 2), (1, 0))], axis=1)
+        turn = 0.5 * np.stack(
+            [turned[:, i, k] - turned[:, k, i] for i, k in ((2, 1), (0, 2), (1, 0))], axis=1
+        )
         left = np.concatenate([targets[:, :3, 3] - flanges[:, :3, 3], _MM_PER_RAD * turn], axis=1)
         linear = np.cross(directions, flanges[:, None, :3, 3] - points)
         jacobian = np.concatenate([linear, _MM_PER_RAD * directions], axis=2).transpose(0, 2, 1)
