@@ -81,7 +81,7 @@ peers: $(VENV)/installed  ## public clients of the protocols, unmodified, agains
 	$(BIN)/python -m pytest -c pyproject.toml tests/peers
 
 bench: $(VENV)/installed  ## the figures of the README, side by side with their peers
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c $(VERSIONS) textual-plot==0.10.1
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c $(VERSIONS) textual-plot==0.10.1 statsmodels==0.15.0
 	$(BIN)/python -m pytest -c pyproject.toml tests/benchmarks -s -q --timeout 900
 
 soak: $(VENV)/installed  ## ten minutes of a stream with 1000 samples a second

@@ -16,17 +16,18 @@ ONSETS_DEG = (2e-4, 4e-4, 6e-4, 2.5e-3, 2e-3, 3e-3)
 """Step of each joint below which errors grow."""
 
 SECTORS = (-150.0, -100.0, -50.0, 0.0, 50.0, 100.0, 150.0)
-SERIES_DEG = 0.1 / 1.072267 ** np.arange(109)
+SERIES_DEG: Floats = 0.1 / 1.072267 ** np.arange(109.0)
 
 
 def mean_percent(joint: int, position_deg: float, step_deg: float) -> float:
     """Return the expected error: a little too far for large steps, nothing moves in the smallest."""
-    onset = ONSETS_DEG[joint] * (1.0 + 0.2 * math.sin(math.radians(2.0 * position_deg + 40.0 * joint)))
+    onset: float = ONSETS_DEG[joint] * (1.0 + 0.2 * math.sin(math.radians(2.0 * position_deg + 40.0 * joint)))
     return 1.5 - 101.5 * math.exp(-step_deg / (0.7 * onset))
 
 
 def scatter_percent(joint: int, step_deg: float) -> float:
-    return 0.3 + 8.0 * (ONSETS_DEG[joint] / step_deg) ** 0.9
+    small: float = (ONSETS_DEG[joint] / step_deg) ** 0.9
+    return 0.3 + 8.0 * small
 
 
 def step_errors(joint: int, position_deg: float, steps_deg: Floats, rng: np.random.Generator) -> Floats:

@@ -1,0 +1,103 @@
+"""What the recording does while the arm stands still: noise at every averaging time, and drift.
+
+The noise of an interferometer in air is not white: the mean of a plateau is not as good as σ/√n says. So means are
+compared with means, as the Allan deviation does, over as long a time as plateaus have and as far apart as they are.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from catseye.calibration.core.significance import Judged
+from catseye.calibration.core.types import Floats
+from catseye.calibration.resolution.errors import RecordingError
+from catseye.calibration.resolution.recording import Recording
+
+SHORTEST_S = 10.0
+"""A standstill shorter than this says little about plateaus some seconds apart."""
+
+_DRIFT_BLOCKS = 12
+"""Means that the drift is fitted to: few enough to be nearly independent, more than a line needs."""
+
+
+@dataclass(frozen=True)
+class Standstill(Judged):
+    """Noise and drift of a position that should not change.
+
+    Attributes:
+        rate_hz: samples a second.
+        noise: samples without their drift, shape (n,).
+        sigma: standard deviation of a sample about the drift, in units of the position.
+        drift_per_s: slope, units a second.
+        u_drift_per_s: its standard uncertainty, from the scatter of means over a twelfth of the time.
+        probability: of a slope this steep without any drift.
+    """
+
+    rate_hz: float
+    noise: Floats
+    sigma: float
+    drift_per_s: float
+    u_drift_per_s: float
+    probability: float
+
+    def u_of_step(self, mean_s: float, apart_s: float) -> float:
+        """Return the standard uncertainty of the difference of two means of the position.
+
+        It is the rms of all such differences in the standstill: a structure function of means, √2 times the Allan
+        deviation where the means adjoin.
+
+        Args:
+            mean_s: time that a mean is taken over, s.
+            apart_s: from the begin of one to the begin of the other, s; the standstill may shorten it.
+        """
+        samples = max(1, round(mean_s * self.rate_hz))
+        samples = min(samples, self.noise.size // 4)
+        means = _running_means(self.noise, samples)
+        apart = min(max(samples, round(apart_s * self.rate_hz)), means.size // 2)
+        return float(np.sqrt(np.mean((means[apart:] - means[:-apart]) ** 2)))
+
+    def u_of_mean(self, mean_s: float) -> float:
+        """Return the Allan deviation for a time: the standard uncertainty of a mean against its neighbours."""
+        return self.u_of_step(mean_s, mean_s) / math.sqrt(2.0)
+
+
+def standstill(recording: Recording) -> Standstill:
+    """Return noise and drift of a recording in which nothing is to move.
+
+    Raises:
+        RecordingError: it is shorter than 10 s.
+    """
+    # Whoever only lists procedures imports this module too.
+    from scipy import special
+
+    position, rate_hz = recording.position, recording.rate_hz
+    if position.size < SHORTEST_S * rate_hz:
+        raise RecordingError(
+            f"the standstill lasts {position.size / rate_hz:.3g} s: noise and drift need {SHORTEST_S:g} s or more; "
+            "record 60 s before the first move"
+        )
+    blocks = np.array_split(position, _DRIFT_BLOCKS)
+    times = np.cumsum([0] + [block.size for block in blocks[:-1]]) + [
+        0.5 * (block.size - 1) for block in blocks
+    ]
+    slope, u_slope = _line(times / rate_hz, np.array([block.mean() for block in blocks]))
+    since = np.arange(position.size) / rate_hz
+    noise = position - position.mean() - slope * (since - since.mean())
+    t = abs(slope) / max(u_slope, 1e-300)
+    probability = 2.0 * float(special.stdtr(_DRIFT_BLOCKS - 2, -t))
+    return Standstill(rate_hz, noise, float(noise.std()), slope, u_slope, probability)
+
+
+def _running_means(values: Floats, samples: int) -> Floats:
+    sums = np.concatenate([[0.0], np.cumsum(values)])
+    return np.asarray((sums[samples:] - sums[:-samples]) / samples)
+
+
+def _line(times: Floats, means: Floats) -> tuple[float, float]:
+    """Return the slope of a line and its standard uncertainty from the scatter about it."""
+    from_mean = times - times.mean()
+    square = float(from_mean @ from_mean)
+    slope = float(from_mean @ means) / square
+    left = means - means.mean() - slope * from_mean
+    return slope, math.sqrt(float(left @ left) / (times.size - 2) / square)

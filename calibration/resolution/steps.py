@@ -1,0 +1,248 @@
+"""Steps of a recording: what the joint or the tool did at each commanded move.
+
+The resolution paper, section 3.6: clip, differentiate, smooth, one velocity peak per expected move in its window,
+plateaus between, a step as the difference of two. A move without a peak is measured like every other one, as what
+its plateaus say, and flagged: a joint that sticks makes steps of zero, and to leave those out would flatter it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.resolution.errors import MovesError
+from catseye.calibration.resolution.flags import Flag, flag_moves
+from catseye.calibration.resolution.lowess import velocity
+from catseye.calibration.resolution.moves import Moves
+from catseye.calibration.resolution.noise import (
+    StepNoise,
+    noise_of_plateaus,
+    noise_of_standstill,
+    standstill_before,
+)
+from catseye.calibration.resolution.optics import Optics
+from catseye.calibration.resolution.plateaus import GUARD_S, Plateaus, plateaus
+from catseye.calibration.resolution.recording import Recording
+from catseye.calibration.resolution.standstill import Standstill
+from catseye.calibration.resolution.units import shown
+
+BELOW_INSTRUMENT = 3.0
+"""A commanded step below so many standard uncertainties of a step is not judged."""
+
+_SEEN = 5.0
+"""A velocity, or a creep on a plateau, beyond so many standard deviations is motion."""
+
+_CREEP = 0.01
+"""A plateau is unsettled from this share of the step on."""
+
+_LARGE = 30.0
+_LARGEST = 10
+_PLAUSIBLE = (0.5, 1.5)
+"""Median ratio of measured to commanded, of the largest steps, in a recording of these moves."""
+
+_SHIFTED = 0.04
+"""Steps off by less than this, rms, are not those of another move: the series falls by 7 % a move."""
+
+_FEWEST_LEFT = 5
+_MERGED = 0.3
+
+
+@dataclass(frozen=True)
+class Steps:
+    """What was measured at each move, in the unit of the moves.
+
+    Attributes:
+        moves: what was commanded.
+        measured: Δm, a significant drift subtracted, shape (n,).
+        u: standard uncertainty of each: noise, drift, optics, shape (n,).
+        peak_s: time of its velocity peak, s; NaN where none stands out of the noise, shape (n,).
+        judged: False where the command lies below what the instrument resolves, shape (n,).
+        plateaus: what the steps are differences of.
+        noise: of steps, plateaus and velocity.
+        u_scale: relative standard uncertainty that all steps share.
+        flags: what was noticed.
+    """
+
+    moves: Moves
+    measured: Floats
+    u: Floats
+    peak_s: Floats
+    judged: Bools
+    plateaus: Plateaus
+    noise: StepNoise
+    u_scale: float
+    flags: tuple[Flag, ...]
+
+    @property
+    def error_percent(self) -> Floats:
+        """E_s = 100 (Δm − Δc) / Δc, %, shape (n,) (the paper's equation 1)."""
+        return np.asarray(100.0 * (self.measured / self.moves.command - 1.0))
+
+    @property
+    def position(self) -> Floats:
+        """Position on each plateau, a significant drift subtracted, shape (n + 1,)."""
+        since_s = self.plateaus.middle_s - self.plateaus.middle_s[0]
+        return np.asarray(self.plateaus.mean - self.noise.drift_per_s * since_s)
+
+
+class _NoOptics:
+    """Steps whose optics nobody stated: only noise counts."""
+
+    u_scale = 0.0
+
+    def u_step(self, step: ArrayLike) -> Floats:
+        return np.zeros(np.shape(step))
+
+
+def steps(
+    recording: Recording, moves: Moves, still: Standstill | None = None, optics: Optics | None = None
+) -> Steps:
+    """Measure the steps of a recording.
+
+    Args:
+        moves: commanded meanwhile, by the same clock and in the same unit.
+        still: a standstill recorded apart; by default the one before the first move, if it lasts 10 s or more.
+        optics: what measured; without it, u contains noise and drift only.
+
+    Raises:
+        MovesError: the recording does not cover the moves, or the units differ.
+    """
+    if recording.unit != moves.unit:
+        raise MovesError(
+            f"the recording is in {recording.unit}, the moves are in {moves.unit}: state the spacing of "
+            "angular optics, or use the moves of this recording"
+        )
+    rests = plateaus(recording, moves)
+    clip = recording.clipped(
+        float(rests.start_s[0]), float(rests.start_s[-1] + rests.length_s + 1.0 / recording.rate_hz)
+    )
+    speed = velocity(clip.position, clip.rate_hz)
+    still = still or standstill_before(recording, moves, GUARD_S)
+    noise = _noise(clip, speed, rests, moves, still)
+    spans_s = np.diff(rests.middle_s)
+    measured = np.diff(rests.mean) - noise.drift_per_s * spans_s
+    peak_s = _peaks(clip, speed, moves, noise.velocity)
+    seen_by = optics or _NoOptics()
+    u = np.hypot(noise.step, np.hypot(noise.u_drift_per_s * spans_s, seen_by.u_step(measured)))
+    judged = np.abs(moves.command) >= BELOW_INSTRUMENT * noise.step
+    found = Steps(moves, measured, u, peak_s, judged, rests, noise, seen_by.u_scale, ())
+    flags = (*recording.flags, *noise.flags, *_flags(found))
+    return Steps(moves, measured, u, peak_s, judged, rests, noise, seen_by.u_scale, flags)
+
+
+def require_same_run(found: Steps) -> None:
+    """Refuse steps whose largest ones are nothing like what was commanded.
+
+    For tests whose largest steps any joint follows; where all steps are small, a joint may well not follow.
+
+    Raises:
+        MovesError: the text says how they differ and what may be wrong.
+    """
+    command = found.moves.command
+    large = np.argsort(-np.abs(command), kind="stable")[:_LARGEST]
+    large = large[np.abs(command[large]) > _LARGE * found.noise.step]
+    if not large.size:
+        return
+    _require_unshifted(found, large)
+    ratio = float(np.median(found.measured[large] / command[large]))
+    if _PLAUSIBLE[0] <= ratio <= _PLAUSIBLE[1]:
+        return
+    likely = (
+        "the direction is reversed: change the sign of the recording"
+        if -_PLAUSIBLE[1] <= ratio <= -_PLAUSIBLE[0]
+        else "these are moves of another run or joint, the clocks differ (align them), or spacing or unit are wrong"
+    )
+    raise MovesError(
+        f"the {large.size} largest moves show {ratio:.3g} of what was commanded, in the median ("
+        f"{shown(float(np.abs(command[large]).max()), found.moves.unit)} and less): {likely}"
+    )
+
+
+def _require_unshifted(found: Steps, large: Ints) -> None:
+    """Refuse steps that are those of moves some dwells earlier or later."""
+    command, measured = found.moves.command, found.measured
+
+    def misfit(shift: int) -> float:
+        """Return the rms relative error if each large step were that of another move."""
+        near = large[(large - shift >= 0) & (large - shift < command.size)]
+        return float(np.sqrt(np.mean((measured[near] / command[near - shift] - 1.0) ** 2)))
+
+    furthest = min(_LARGEST, large.size - _FEWEST_LEFT)
+    shifts = [shift for size in range(1, furthest + 1) for shift in (size, -size)]
+    if not shifts:
+        return
+    best = min(shifts, key=misfit)
+    if misfit(0) < _SHIFTED or misfit(best) > 0.5 * misfit(0):
+        return
+    raise MovesError(
+        f"the largest steps are those commanded {abs(best)} moves {'earlier' if best > 0 else 'later'}: the "
+        f"recording's clock is ahead by about {best * found.moves.dwell_s:.3g} s (align the clocks), these are moves "
+        "of another run, or spacing or unit are wrong"
+    )
+
+
+def _noise(
+    clip: Recording, speed: Floats, rests: Plateaus, moves: Moves, still: Standstill | None
+) -> StepNoise:
+    if still is not None:
+        return noise_of_standstill(still, clip, rests.length_s, moves.dwell_s)
+    resting = [
+        speed[clip.index(start) : clip.index(start + rests.length_s) - 1] for start in rests.start_s.tolist()
+    ]
+    return noise_of_plateaus(rests.half_difference, np.concatenate(resting))
+
+
+def _peaks(clip: Recording, speed: Floats, moves: Moves, noise: float) -> Floats:
+    """Return when each move was fastest in its direction; NaN where that does not stand out of the noise."""
+    edges = np.append(moves.time_s, moves.time_s[-1] + moves.dwell_s) - GUARD_S
+    found = np.full(len(moves), np.nan)
+    for number, direction in enumerate(moves.directions.tolist()):
+        first, end = clip.index(float(edges[number])), clip.index(float(edges[number + 1])) - 1
+        window = direction * speed[first:end]
+        fastest = int(np.argmax(window))
+        if window[fastest] > _SEEN * noise:
+            # A velocity belongs to the middle between its two samples.
+            found[number] = clip.start_s + (first + fastest + 0.5) / clip.rate_hz
+    return found
+
+
+def _flags(found: Steps) -> list[Flag]:
+    moves, noise, rests = found.moves, found.noise, found.plateaus
+    command, measured = moves.command, found.measured
+    still = np.isnan(found.peak_s)
+    seen = _SEEN * noise.step
+    creeps = np.abs(rests.half_difference[1:] - 0.5 * rests.length_s * noise.drift_per_s)
+    unsettled = (creeps > _SEEN * noise.half_plateau) & (creeps > _CREEP * np.abs(command))
+    late = found.peak_s > rests.start_s[1:]
+    below = f"commanded below {BELOW_INSTRUMENT:g} u = {shown(BELOW_INSTRUMENT * noise.step, moves.unit)} of a step"
+    return [
+        *flag_moves("below-instrument", ~found.judged, f"{below}: below the instrument, not judged"),
+        *flag_moves("merged", _merged(found, still), "no motion, but the next step is as large as both"),
+        *flag_moves(
+            "no-motion", still & ~_tail(still), "no velocity peak; measured as what the plateaus say"
+        ),
+        *flag_moves(
+            "no-motion",
+            still & _tail(still),
+            "no motion from here to the end: the joint stood, or fewer steps were driven than commanded",
+        ),
+        *flag_moves("reversed", measured * moves.directions < -seen, "went against its direction"),
+        *flag_moves("late", late, "moved while it should have rested: its plateau holds part of the motion"),
+        *flag_moves("unsettled", unsettled & ~late, "still creeping on the plateau behind it"),
+    ]
+
+
+def _merged(found: Steps, still: Bools) -> Bools:
+    """Return which moves show nothing while the next one, in the same direction, shows the sum of both."""
+    command, measured = found.moves.command, found.measured
+    sums = command[:-1] + command[1:]
+    same = command[:-1] * command[1:] > 0.0
+    as_both = np.abs(measured[1:] - sums) < _MERGED * np.abs(command[:-1])
+    clear = np.abs(command[:-1]) * _MERGED > found.noise.step
+    return np.append(still[:-1] & ~still[1:] & same & as_both & clear, False)
+
+
+def _tail(still: Bools) -> Bools:
+    """Return which moves belong to the end of the series in which nothing moves any more."""
+    return np.asarray(np.logical_and.accumulate(still[::-1])[::-1])

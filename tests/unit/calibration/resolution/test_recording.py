@@ -1,0 +1,101 @@
+"""Recordings: what is noticed, what is refused, and where."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from catseye.calibration.core.errors import ArgumentError
+from catseye.calibration.core.types import Floats
+from catseye.calibration.resolution.errors import RecordingError
+from catseye.calibration.resolution.recording import recording_of
+
+TIME_S = np.arange(0.0, 10.0, 0.001)
+
+
+def noisy(time_s: Floats) -> Floats:
+    return np.random.default_rng(1).normal(0.0, 1e-6, time_s.size)
+
+
+def test_rate_and_times_are_found() -> None:
+    found = recording_of(3.0 + TIME_S, noisy(TIME_S), "rad")
+    assert found.rate_hz == pytest.approx(1000.0)
+    assert (found.start_s, found.flags) == (3.0, ())
+    assert found.time_s() == pytest.approx(3.0 + TIME_S)
+    assert found.end_s == pytest.approx(12.999)
+
+
+def test_a_part_has_the_samples_of_its_times() -> None:
+    found = recording_of(TIME_S, TIME_S, "mm")
+    assert found.between(2.0, 2.003) == pytest.approx([2.0, 2.001, 2.002])
+    part = found.clipped(5.0, 6.0)
+    assert (part.start_s, part.position.size) == (5.0, 1000)
+
+
+@pytest.mark.parametrize(
+    ("change", "row", "text"),
+    [
+        (lambda t, p: (p, t), 2, "does not follow.*columns are swapped"),
+        (lambda t, p: (np.delete(t, 500), np.delete(p, 500)), 501, "0.002 s lie between .*1 gaps"),
+        (lambda t, p: (np.append(t, t), np.append(p, p)), 10001, "two recordings stand in one file"),
+        (lambda t, p: (t, np.where(t == TIME_S[41], np.nan, p)), 42, "sample 42 has no position"),
+        (lambda t, p: (np.where(t == TIME_S[7], np.inf, t), p), 8, "sample 8 has no time"),
+    ],
+)
+def test_damaged_recordings_are_refused_at_their_row(
+    change: Callable[[Floats, Floats], tuple[Floats, Floats]], row: int, text: str
+) -> None:
+    with pytest.raises(RecordingError, match=text) as refused:
+        recording_of(*change(TIME_S, noisy(TIME_S)[::-1].copy()), "rad")
+    assert refused.value.row == row
+
+
+@pytest.mark.parametrize(("factor", "rate"), [(1e3, "1 samples"), (100.0, "10 samples"), (1e-4, "1e\\+07")])
+def test_rates_that_no_recording_has_are_refused(factor: float, rate: str) -> None:
+    with pytest.raises(RecordingError, match=rf"{rate}.*unit of the time column"):
+        recording_of(TIME_S * factor, noisy(TIME_S), "rad")
+
+
+def test_a_rate_that_changes_is_refused() -> None:
+    slower = np.where(TIME_S < 5.0, TIME_S, 5.0 + (TIME_S - 5.0) * 1.2)
+    with pytest.raises(RecordingError, match="the rate is not uniform"):
+        recording_of(slower, noisy(TIME_S), "rad")
+
+
+def test_jitter_is_flagged() -> None:
+    shaken = TIME_S + np.random.default_rng(2).uniform(-2e-4, 2e-4, TIME_S.size)
+    (flag,) = recording_of(shaken, noisy(TIME_S), "rad").flags
+    assert flag.kind == "irregular-sampling"
+    assert "12 %" in flag.text
+
+
+def test_a_saturated_signal_is_flagged_with_its_times() -> None:
+    position = np.minimum(0.001 * TIME_S, 0.0095) + noisy(TIME_S)
+    position[TIME_S >= 9.5] = position.max()
+    (flag,) = recording_of(TIME_S, position, "rad").flags
+    assert flag.kind == "frozen-signal"
+    assert "from 9.50 s to 10.00 s" in flag.text
+    assert "at the end of its range" in flag.text
+
+
+def test_a_lost_beam_is_flagged_in_mid_range() -> None:
+    position = noisy(TIME_S)
+    position[3000:3400] = 0.0
+    (flag,) = recording_of(TIME_S, position, "rad").flags
+    assert "samples 3001 to 3400" in flag.text
+    assert "in mid-range" in flag.text
+
+
+def test_a_coarse_signal_is_not_taken_for_a_frozen_one() -> None:
+    coarse = np.round(TIME_S + 1e3 * noisy(TIME_S), 0)
+    assert recording_of(TIME_S, coarse, "rad").flags == ()
+
+
+def test_an_empty_recording_is_refused() -> None:
+    with pytest.raises(RecordingError, match="fewer than two samples"):
+        recording_of(np.zeros(1), np.zeros(1), "rad")
+
+
+def test_columns_of_different_length_are_refused() -> None:
+    with pytest.raises(ArgumentError, match="position"):
+        recording_of(TIME_S, np.zeros(5), "rad")

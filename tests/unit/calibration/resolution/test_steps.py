@@ -1,0 +1,198 @@
+"""Steps of staircases that are written down: measured, flagged, refused."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.core.types import Floats
+from catseye.calibration.resolution.errors import MovesError
+from catseye.calibration.resolution.moves import Moves, moves_of
+from catseye.calibration.resolution.optics import AngularOptics
+from catseye.calibration.resolution.recording import Recording, recording_of
+from catseye.calibration.resolution.steps import Steps, require_same_run, steps
+from tests.unit.calibration.resolution.staircase import DEG, STEPS_DEG, Bench
+
+NOISE = 1e-5 * DEG
+BENCH = Bench(noise=NOISE)
+COMMAND = STEPS_DEG[:60] * DEG
+
+
+def flagged(found: Steps, kind: str) -> tuple[int, ...]:
+    return tuple(number for flag in found.flags if flag.kind == kind for number in flag.moves)
+
+
+def staircase(done: Floats, command: Floats = COMMAND, bench: Bench = BENCH, seed: int = 1) -> Steps:
+    moves = bench.moves(command)
+    return steps(bench.recorded(moves, done, seed), moves)
+
+
+def test_steps_are_measured_within_their_uncertainty() -> None:
+    true = COMMAND * np.linspace(1.02, 0.7, 60)
+    found = [staircase(true, seed=seed) for seed in range(10)]
+    errors = np.array([(one.measured - true) / one.u for one in found])
+    assert np.sqrt(np.mean(errors**2)) == pytest.approx(1.0, abs=0.15)
+    assert found[0].noise.step == pytest.approx(NOISE * math.sqrt(2.0 / 200.0), rel=0.35)
+    assert found[0].flags == ()
+
+
+def test_the_step_error_is_that_of_the_paper() -> None:
+    quiet = staircase(COMMAND * 1.05, bench=replace(BENCH, noise=1e-9 * DEG))
+    assert quiet.error_percent == pytest.approx(5.0, abs=1e-3)
+
+
+def test_peaks_lie_in_the_middle_of_the_motion() -> None:
+    found = staircase(COMMAND)
+    assert found.peak_s[:30] == pytest.approx(found.moves.time_s[:30] + 0.4, abs=0.1)
+
+
+def test_negative_moves_are_measured_alike() -> None:
+    found = staircase(-0.9 * COMMAND, -COMMAND)
+    assert found.error_percent[:30] == pytest.approx(-10.0, abs=0.5)
+
+
+def test_a_stuck_step_is_measured_as_none_and_flagged() -> None:
+    done = COMMAND.copy()
+    done[20] = 0.0
+    found = staircase(done)
+    assert found.error_percent[20] == pytest.approx(-100.0, abs=1.0)
+    assert flagged(found, "no-motion") == (21,)
+    assert flagged(found, "merged") == ()
+
+
+def test_two_moves_that_came_as_one_are_flagged() -> None:
+    done = COMMAND.copy()
+    done[21] += done[20]
+    done[20] = 0.0
+    assert flagged(staircase(done), "merged") == (21,)
+
+
+def test_steps_that_end_too_early_are_flagged_to_the_end() -> None:
+    done = np.where(np.arange(60) < 50, COMMAND, 0.0)
+    found = staircase(done)
+    assert flagged(found, "no-motion") == tuple(range(51, 61))
+    assert any("fewer steps were driven" in flag.text for flag in found.flags)
+
+
+def test_a_step_backwards_is_flagged() -> None:
+    done = COMMAND.copy()
+    done[30] *= -0.5
+    assert flagged(staircase(done), "reversed") == (31,)
+
+
+def test_steps_below_the_instrument_are_not_judged() -> None:
+    found = staircase(STEPS_DEG * DEG, STEPS_DEG * DEG, replace(BENCH, noise=3e-4 * DEG))
+    limit = 3.0 * found.noise.step
+    assert found.judged.tolist() == (limit <= STEPS_DEG * DEG).tolist()
+    assert 0 < len(flagged(found, "below-instrument")) < 109
+
+
+def test_a_significant_drift_is_subtracted_and_flagged() -> None:
+    found = staircase(COMMAND, bench=replace(BENCH, drift_per_s=1e-5 * DEG))
+    assert [flag.kind for flag in found.flags] == ["drift"]
+    assert np.abs(found.measured - COMMAND).max() < 4.0 * found.u.max()
+    assert np.diff(found.position) == pytest.approx(found.measured)
+
+
+def test_without_a_standstill_the_noise_is_that_of_plateaus() -> None:
+    found = staircase(COMMAND, bench=replace(BENCH, lead_s=6.0))
+    assert [flag.kind for flag in found.flags] == ["no-standstill"]
+    assert found.noise.step == pytest.approx(NOISE * math.sqrt(2.0 / 200.0), rel=0.4)
+
+
+def test_a_run_in_before_the_first_move_is_no_standstill() -> None:
+    moves = BENCH.moves(COMMAND)
+    time_s, position = BENCH.samples(moves, COMMAND)
+    position += 5.0 * DEG * np.clip((time_s - 10.0) / 20.0, 0.0, 1.0)
+    found = steps(recording_of(time_s, position, "rad"), moves)
+    assert found.noise.step == pytest.approx(NOISE * math.sqrt(2.0 / 200.0), rel=0.5)
+    assert found.flags == ()
+
+
+def test_a_step_that_comes_too_late_is_flagged() -> None:
+    moves = BENCH.moves(COMMAND)
+    late = replace(moves, time_s=np.where(np.arange(60) == 10, moves.time_s + 3.5, moves.time_s))
+    assert flagged(steps(BENCH.recorded(late, COMMAND), moves), "late") == (11,)
+
+
+def test_creep_behind_a_step_is_flagged() -> None:
+    moves = BENCH.moves(COMMAND)
+    time_s, position = BENCH.samples(moves, COMMAND)
+    since = np.clip((time_s - moves.time_s[5]) / 5.0, 0.0, 1.0)
+    found = steps(recording_of(time_s, position + 0.1 * COMMAND[5] * since, "rad"), moves)
+    assert flagged(found, "unsettled") == (6,)
+
+
+def test_optics_add_to_the_uncertainty() -> None:
+    moves = BENCH.moves(COMMAND)
+    found = steps(BENCH.recorded(moves, COMMAND), moves, optics=AngularOptics(30.0))
+    assert found.u[0] == pytest.approx(2.02e-6, rel=0.01)
+    assert found.u_scale == pytest.approx(0.001)
+
+
+def cut(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
+    return recording.clipped(0.0, 300.0), moves
+
+
+def begun_late(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
+    return recording.clipped(70.0, 1e4), moves
+
+
+def of_other_times(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
+    return recording, replace(moves, time_s=moves.time_s - 15.0)
+
+
+def of_another_test(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
+    return recording, replace(moves, command=10.0 * moves.command[::-1])
+
+
+def of_other_sign(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
+    return recording, replace(moves, command=-moves.command)
+
+
+def of_other_unit(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
+    return recording, replace(moves, unit="mm")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "text"),
+    [
+        (cut, "ends at 299.99 s, but move 48 of 60.*cut off"),
+        (begun_late, "begins at 70 s.*too late"),
+        (of_other_times, "those commanded 3 moves earlier.*ahead by about 15 s"),
+        (of_another_test, "show 0.0.* of what was commanded.*another run"),
+        (of_other_sign, "the direction is reversed"),
+        (of_other_unit, "the moves are in mm"),
+    ],
+)
+def test_moves_that_do_not_fit_are_refused(
+    wrong: Callable[[Recording, Moves], tuple[Recording, Moves]], text: str
+) -> None:
+    moves = BENCH.moves(COMMAND)
+    with pytest.raises(MovesError, match=text):
+        require_same_run(steps(*wrong(BENCH.recorded(moves, COMMAND), moves)))
+
+
+@pytest.mark.parametrize(
+    ("time_s", "command", "text"),
+    [
+        ([0.0, 5.0, 5.0], [1.0, 1.0, 1.0], "move 3 at 5 s does not follow"),
+        ([0.0], [1.0], "1 move"),
+        ([0.0, 5.0], [1.0, np.nan], "move 2 has no time or no size"),
+        ([0.0, 5.0], [1.0, 0.0], "move 2 is 0"),
+        ([0.0, 5.0], [1.0], "command"),
+    ],
+)
+def test_moves_without_meaning_are_refused(time_s: list[float], command: list[float], text: str) -> None:
+    with pytest.raises(CalibrationError, match=text):
+        moves_of(np.array(time_s), np.array(command), "rad")
+
+
+def test_moves_too_close_for_a_plateau_are_refused() -> None:
+    hasty = Bench(rate_hz=20.0, dwell_s=0.4, motion_s=0.1)
+    moves = hasty.moves(np.full(5, 1e-3))
+    with pytest.raises(MovesError, match="dwell longer"):
+        steps(hasty.recorded(moves, moves.command), moves)
