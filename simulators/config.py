@@ -109,6 +109,71 @@ class Scara:
 
 
 @dataclass(frozen=True)
+class SerialJoint:
+    """One joint of a serial arm: modified Denavit–Hartenberg, T = Rx(α) Tx(a) Rz(θ) Tz(d), θ = sign · q + offset.
+
+    Attributes:
+        name: as the arm's maker numbers it.
+        prismatic: it slides; then q is added to d, in mm, and θ is the offset.
+        alpha_deg: α, deg.
+        a_mm: a, mm.
+        theta_offset_deg: offset of θ, deg.
+        d_mm: d, mm.
+        sign: +1 or −1.
+        low: smallest value, deg or mm.
+        high: largest value, deg or mm.
+        speed: largest speed at 100 % override, deg/s or mm/s.
+        acceleration: deg/s² or mm/s²; an assumption where the description has none.
+        gear_ratio: turns of the motor in one of the joint; None where nobody knows.
+        encoder_bits: bits of one turn of the motor; None where nobody knows.
+    """
+
+    name: str
+    prismatic: bool
+    alpha_deg: float
+    a_mm: float
+    theta_offset_deg: float
+    d_mm: float
+    sign: int
+    low: float
+    high: float
+    speed: float
+    acceleration: float = 500.0
+    gear_ratio: float | None = None
+    encoder_bits: int | None = None
+
+
+@dataclass(frozen=True)
+class SerialLoad:
+    """A mass that moves with a joint.
+
+    Attributes:
+        frame: number of the joint in whose frame the centre stands, from 1; 0 is the base.
+        mass_kg: mass, kg.
+        centre_mm: centre of gravity in that frame, mm.
+    """
+
+    frame: int
+    mass_kg: float
+    centre_mm: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class SerialArm:
+    """A serial arm as its description has it: what its controller believes, and what the true one is drawn around.
+
+    Attributes:
+        name: of the arm.
+        joints: from the base outwards.
+        loads: masses of its links.
+    """
+
+    name: str
+    joints: tuple[SerialJoint, ...]
+    loads: tuple[SerialLoad, ...] = ()
+
+
+@dataclass(frozen=True)
 class Screws:
     """What the screws of the interferometer's mount do; clockwise is positive.
 

@@ -1,21 +1,22 @@
 """What a procedure is given on the bench: every call passes the stop ladder, every move the gate."""
 
 import asyncio
-from collections.abc import Awaitable, Callable, Collection, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Sequence
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 from catseye.app.cell.model import Air
 from catseye.app.engine.acknowledging import Acknowledging
 from catseye.app.engine.announcer import Announcer
-from catseye.app.engine.compensation import missing_quantities
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.devices import Devices
 from catseye.app.engine.gate import MotionGate
-from catseye.app.engine.measuring import AirCache, Lengths, lengths_of, measure, unless_dark
+from catseye.app.engine.length_meter import LengthMeter
 from catseye.app.engine.mover import Mover
 from catseye.app.engine.operator import Answer, Operator
 from catseye.app.engine.recording import require_recordable, rows_of
+from catseye.app.engine.stepping import LineTarget, axis_step, line_step
 from catseye.app.engine.timekeeping import Progress, StepTime
 from catseye.app.engine.waiting import cancel, uncancelled
 from catseye.app.errors import ConfigError, UnwalkedError, UsageError
@@ -39,15 +40,16 @@ from catseye.app.protocol.run_events import (
 )
 from catseye.app.store.crash_points import crash_point
 from catseye.app.store.run_store import RunStore
-from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Axes, Pose
 from catseye.drivers.roles.tracker import Position, Tracker
 from catseye.procedures.kit.columns import Columns, TableRule
-from catseye.procedures.kit.context import Measurement, Prompt
+from catseye.procedures.kit.context import Measurement, Prompt, Stepped
 from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.motion.steps import Vector
+from catseye.procedures.kit.recording import Recording
 from catseye.procedures.kit.records import Json, Record, Row, row_of
 
 _DEFAULT_AIR = Air()
@@ -56,9 +58,6 @@ T = TypeVar("T")
 
 _WATCH_S = 0.2
 """Real seconds between two looks at a value that is shown beside a question."""
-
-_MATERIAL_MAX_AGE_S = 30.0
-"""Links warm up slowly."""
 
 
 @dataclass
@@ -76,6 +75,7 @@ class RunContext:
 
     Args:
         announcer: publishes to front ends.
+        line_target: returns where a straight shift of the tool ends.
         air: how the program corrects for the air where the instrument does not.
         poll_s: between two looks at a condition that is missing, s of the clock.
 
@@ -94,6 +94,7 @@ class RunContext:
         gate: MotionGate,
         operator: Operator,
         announcer: Announcer,
+        line_target: LineTarget,
         air: Air = _DEFAULT_AIR,
         poll_s: float = 0.5,
         records: Collection[type[Record]] = (),
@@ -108,20 +109,26 @@ class RunContext:
         self._gate = gate
         self._operator = operator
         self._announcer = announcer
-        self._stated_lengths = lengths_of(devices, clock, air)
-        self._material = devices.material and AirCache(devices.material, clock, _MATERIAL_MAX_AGE_S)
-        self._doubts: set[str] = set()
+        self._lengths = LengthMeter(devices, clock, air, self.warn, self._waited)
         self._progress = Progress(clock)
         self._asked_s = 0.0
         self._poll_s = poll_s
         self._records = records
         self._step: _OpenStep | None = None
         self._prompt_open = False
-        self._zeroed = False
         self._looking = 0
         self._mover = Mover(
-            devices.robot, axes, control, gate, self.wait_until, self._timed, self._waive, self._first_motion
+            devices.robot,
+            axes,
+            control,
+            gate,
+            clock,
+            self.wait_until,
+            self._timed,
+            self._waive,
+            self._first_motion,
         )
+        self._line_target = line_target
         self._acknowledging = Acknowledging(
             control, gate, devices.guard, clock, poll_s, self._ask_to_go_on, self.warn
         )
@@ -131,19 +138,6 @@ class RunContext:
     def resumed(self) -> bool:
         """The run goes on after an interruption."""
         return self._store.resumed
-
-    @property
-    def _lengths(self) -> Lengths:
-        """What distances are measured with.
-
-        Raises:
-            ConfigError: the cell has no device for it.
-        """
-        if self._stated_lengths is None:
-            raise ConfigError(
-                "this procedure needs [interferometer] and [environment] and the cell file lacks one of them; add it"
-            )
-        return self._stated_lengths
 
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step once; one that is done returns its stored result.
@@ -180,6 +174,8 @@ class RunContext:
 
         A look at the bench during a question or a suspension waits for neither.
         """
+        if self._lengths.recorder is not None:
+            self._lengths.recorder.require_going_on()
         if self._looking:
             self._control.raise_ending()
         else:
@@ -209,6 +205,42 @@ class RunContext:
         for target in way:
             await self.move(target)
 
+    async def step_axis(self, axis: str, increment: float) -> Stepped:
+        """Step one axis through the gate; see the protocol.
+
+        Raises:
+            LimitError: the step is too large, or may end outside the limits.
+            SafetyError: the controller may not move.
+            StepCutShortError: the arm was stopped on the way.
+            ArmMovedError: the arm was moved while the run was held or suspended.
+        """
+        await self.checkpoint()
+        return await self._mover.step(axis_step(self._devices.robot, self._axes, axis, increment))
+
+    async def step_line(self, increment_mm: Vector) -> Stepped:
+        """Step along a straight line through the gate; raises as `step_axis` does."""
+        await self.checkpoint()
+        return await self._mover.step(line_step(self._devices.robot, self._line_target, increment_mm))
+
+    async def torques(self) -> tuple[float, ...]:
+        """Return the motor torques of the axes, N m."""
+        await self.checkpoint()
+        return await self._control.command(self._devices.robot.torques())
+
+    @asynccontextmanager
+    async def recording(self, name: str, rate_hz: float = 25.0) -> AsyncIterator[Recording]:
+        """Record the length counter while the body runs; see the protocol.
+
+        Raises:
+            RuntimeError: no step is under way, or another recording is.
+        """
+        await self.checkpoint()
+        if self._step is None:
+            raise RuntimeError(f"recording {name} begins outside of a step; it could never count")
+        key = (self._step.step_id, self._step.attempt, name)
+        async with self._lengths.record(self._store, key, rate_hz, self.record) as recorder:
+            yield recorder
+
     async def joints(self) -> Pose:
         """Return the reported joints."""
         await self.checkpoint()
@@ -232,7 +264,7 @@ class RunContext:
     async def beam(self) -> BeamStatus:
         """Return the state of the beam now."""
         await self.checkpoint()
-        return await self._control.command(self._lengths.counter.status())
+        return await self._control.command(self._lengths.status())
 
     async def zero(self, dead_path_mm: float) -> None:
         """Zero the count.
@@ -243,9 +275,9 @@ class RunContext:
         """
         await self._control.checkpoint()
         # The count may be new and the air at its zero unknown, if this does not come to its end.
-        self._zeroed = False
-        number = await self._control.command(self._zero(dead_path_mm))
-        self._zeroed = True
+        self._lengths.zeroed = False
+        number = await self._control.command(self._lengths.zero(dead_path_mm))
+        self._lengths.zeroed = True
         crash_point("zeroed")
         await self.event("zero", number=number, dead_path_mm=dead_path_mm)
 
@@ -418,7 +450,7 @@ class RunContext:
     async def _acknowledge(self) -> None:
         """Ask whether the arm may move again; whoever was in the cell may have touched what the count rests on."""
         await self._acknowledging()
-        self._zeroed = False
+        self._lengths.zeroed = False
 
     async def _timed(self, motion: Awaitable[None]) -> None:
         start_s = self._clock.monotonic_s()
@@ -429,32 +461,7 @@ class RunContext:
 
     async def _measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
         await self._sleep(settle_time_s)
-        measured = await measure(
-            self._devices.robot,
-            self._lengths,
-            self._clock,
-            dwell_time_s,
-            readings,
-            self._waited,
-        )
-        await self._warn_of_doubt(measured.air)
-        material_c = (await self._material.get()).temperature_c if self._material else None
-        beam = replace(measured.beam, beam_lost=measured.beam.beam_lost or not self._zeroed)
-        return replace(measured, beam=beam, material_c=material_c)
-
-    async def _zero(self, dead_path_mm: float) -> int:
-        lengths = self._lengths
-        number = await unless_dark(lengths.counter, lengths.counter.zero())
-        lengths.compensation.zeroed(await lengths.air.get(), dead_path_mm)
-        return number
-
-    async def _warn_of_doubt(self, air: AirSample) -> None:
-        """Warn once of each thing that is wrong with the samples of the air."""
-        kind = ", ".join(missing_quantities(air)) or "range"
-        doubt = None if kind in self._doubts else self._lengths.compensation.doubt(air)
-        if doubt is not None:
-            self._doubts.add(kind)
-            await self.warn(doubt)
+        return await self._lengths.measure(dwell_time_s, readings)
 
     async def _locate(self, tracker: Tracker, settle_time_s: float) -> Position:
         await self._sleep(settle_time_s)

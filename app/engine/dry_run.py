@@ -1,6 +1,7 @@
 """The same procedure without instruments: what it would do, how long it takes, whether limits hold."""
 
-from collections.abc import Awaitable, Callable, Collection, Mapping, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Mapping, Sequence
+from contextlib import asynccontextmanager
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 
@@ -18,11 +19,13 @@ from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Arm
 from catseye.procedures.kit.columns import Columns, TableRule
-from catseye.procedures.kit.context import Measurement, Prompt
+from catseye.procedures.kit.context import Measurement, Prompt, Stepped
 from catseye.procedures.kit.ideal import Hit
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import legs_refusal
 from catseye.procedures.kit.motion.motion_time import way_time_s
+from catseye.procedures.kit.motion.steps import Vector, axis_target, length_mm, line_target
+from catseye.procedures.kit.recording import Recorded, Recording
 from catseye.procedures.kit.records import Json, Record, Row
 from catseye.procedures.kit.system import System
 
@@ -72,6 +75,30 @@ class _Account:
     time_s: float = 0.0
     speeds: Speeds = AT_REST
     miss_mm: float | None = None
+
+
+@dataclass(frozen=True)
+class _IdealRecording(Recording):
+    """A recording that keeps nothing.
+
+    Attributes:
+        title: its name.
+        origin_s: expected time of its beginning.
+    """
+
+    title: str
+    origin_s: float
+
+    @property
+    def name(self) -> str:
+        return self.title
+
+    def at(self, clock_s: float) -> float:
+        return clock_s - self.origin_s
+
+    def newest(self, count: int) -> list[tuple[float, float]]:
+        del count
+        return []
 
 
 @dataclass
@@ -205,6 +232,66 @@ class DryRunContext:
         self.motions += legs_through(self.pose, way, blended=self._arm.following == "blended")
         self.pose = way[-1]
         self._questions = 0
+
+    async def step_axis(self, axis: str, increment: float) -> Stepped:
+        """Drive to where a step ends.
+
+        Raises:
+            LimitError: that is outside the limits.
+        """
+        return await self._step(axis_target(self._arm.axes, self.pose, axis, increment), increment)
+
+    async def step_line(self, increment_mm: Vector) -> Stepped:
+        """Drive to where a straight step ends.
+
+        Raises:
+            LimitError: that is outside the limits.
+            PlanError: the arm cannot make it.
+        """
+        target = line_target(self.system.bench, self.pose, increment_mm)
+        return await self._step(target, length_mm(increment_mm))
+
+    async def _step(self, target: Pose, commanded: float) -> Stepped:
+        before, sent_s = self.pose, self._account.time_s
+        await self.move(target)
+        return Stepped(before, commanded, sent_s, self._account.time_s, self.pose)
+
+    async def torques(self) -> tuple[float, ...]:
+        """Return none of any axis: an ideal arm weighs nothing."""
+        return (0.0,) * len(self._arm.axes)
+
+    @asynccontextmanager
+    async def recording(self, name: str, rate_hz: float = 25.0) -> AsyncIterator[Recording]:
+        """Account for a recording without keeping any reading."""
+        if not self._in_step:
+            raise RuntimeError(f"recording {name} begins outside of a step; it could never count")
+        recording = _IdealRecording(name, self._account.time_s)
+        origin_utc = self._now()
+        yield recording
+        duration_s = recording.at(self._account.time_s)
+        self.record(
+            Recorded(
+                name=name,
+                method="polled",
+                origin_utc=origin_utc,
+                origin_clock_s=recording.origin_s,
+                readings=int(duration_s * rate_hz) + 1,
+                chunks=0,
+                crc32=0,
+                duration_s=duration_s,
+                rate_hz=rate_hz,
+                asked_hz=rate_hz,
+                jitter_s=0.0,
+                longest_gap_s=1.0 / rate_hz,
+                late=0,
+                lost=0,
+                beam_lost=int((await self.beam()).interrupted),
+                overspeed=0,
+                values_lost=0,
+                scale=1.0,
+                offset_mm=0.0,
+            )
+        )
 
     def require_clear_ways(self) -> None:
         """Check the bodies of the arm over all that was driven: at once, which is much faster than way by way.

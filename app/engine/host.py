@@ -237,6 +237,7 @@ class _Run:
             gate,
             operator,
             self._announcer,
+            request.line_target,
             request.air,
             POLL_S * request.clock_speed,
             request.procedure.records,

@@ -1,16 +1,22 @@
 """Motions of a run: through stop ladder and gate, from where the arm is known to stand."""
 
 import math
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from itertools import pairwise
+from typing import Any, TypeVar
 
 from catseye.app.engine.control import RunControl
 from catseye.app.engine.gate import MotionGate
+from catseye.app.engine.stepping import Step
 from catseye.app.errors import ConditionLostError, InterruptionError, UnwalkedError
 from catseye.app.store.crash_points import crash_point
+from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.pose import Axes, Pose, is_at, pose_text
 from catseye.drivers.roles.robot import Robot
-from catseye.procedures.kit.errors import ArmMovedError
+from catseye.procedures.kit.context import Stepped
+from catseye.procedures.kit.errors import ArmMovedError, StepCutShortError
+
+T = TypeVar("T")
 
 _BESIDE = 0.5
 """An arm that is stopped, or passes a corner of its way, stays nearer to it than this, deg or mm; whoever moves it by
@@ -36,6 +42,7 @@ class Mover:
         axes: Axes,
         control: RunControl,
         gate: MotionGate,
+        clock: Clock,
         wait_until: Callable[[str, Callable[[], Awaitable[bool]]], Awaitable[None]],
         timed: Callable[[Awaitable[None]], Awaitable[None]],
         waive: Callable[[UnwalkedError], Awaitable[None]],
@@ -45,6 +52,7 @@ class Mover:
         self._axes = axes
         self._control = control
         self._gate = gate
+        self._clock = clock
         self._wait_until = wait_until
         self._timed = timed
         self._waive = waive
@@ -70,9 +78,29 @@ class Mover:
             ArmMovedError: the arm was moved while the run waited, or was stopped beside its way.
         """
         motion = _Motion(self, way)
+        await self._pass(motion.look, motion.move)
+
+    async def step(self, step: Step) -> Stepped:
+        """Send a relative motion once; while a condition is missing the run is suspended and the gate asked again.
+
+        The gate clears the way to the farthest place where it may end. It ends near a place, not at it: from then on
+        the arm is known to stand where the controller reports it.
+
+        Raises:
+            LimitError: it may end outside the limits.
+            SafetyError: the controller may not move.
+            StepCutShortError: the surroundings stopped the arm on the way.
+            ArmMovedError: the arm was moved while the run waited.
+        """
+        motion = _Relative(self, step)
+        return await self._pass(motion.look, motion.move)
+
+    async def _pass(
+        self, look: Callable[[], Coroutine[Any, Any, None]], move: Callable[[], Coroutine[Any, Any, T]]
+    ) -> T:
         while True:
             try:
-                await self._control.motion(motion.look, motion.move)
+                moved = await self._control.motion(look, move)
             except ConditionLostError as error:
                 await self._wait_until(str(error), self._gate.conditions_hold)
             except UnwalkedError as error:
@@ -81,7 +109,7 @@ class Mover:
                 self._control.interrupt(str(error))
             else:
                 crash_point("after-motion")
-                return
+                return moved
 
     async def look(self, motion: "_Motion") -> None:
         """Check that a motion may begin, or go on."""
@@ -92,10 +120,7 @@ class Mover:
             self._stood, self._waits_then = here, waits
         elif self._stood is not None and waits != self._waits_then:
             _require_place(self._axes, await self._robot.joints(), self._stood)
-        await self._gate.require(*motion.ahead, here=self._stood)
-        if not self._begun:
-            self._begun = True
-            await self._first(self._stood, motion.ahead)
+        await self._clear(self._stood, motion.ahead)
 
     async def move(self, motion: "_Motion") -> None:
         """Move along what is left of a way."""
@@ -106,6 +131,52 @@ class Mover:
         else:
             await self._timed(robot.move_joints(ahead[0]))
         self._stood, self._waits_then = ahead[-1], self._control.waits
+
+    async def look_before(self, motion: "_Relative") -> None:
+        """Check that a relative motion may begin, from where the arm is measured to stand now."""
+        if motion.sent:
+            raise StepCutShortError(
+                f"the step of {motion.step.text} was cut short and is not completed: what the arm has done of it is "
+                "unknown; measure this series again from its beginning"
+            )
+        waits, here = self._control.waits, await self._robot.joints()
+        if self._stood is not None and waits != self._waits_then:
+            _require_place(self._axes, here, self._stood)
+        await self._clear(here, (motion.step.farthest(here),))
+        motion.start, self._stood, self._waits_then = here, here, waits
+
+    async def move_by(self, motion: "_Relative") -> Stepped:
+        """Send a relative motion that was looked at."""
+        before, step = motion.start, motion.step
+        motion.sent, self._stood = True, None
+        commanded, sent_s = step.commanded(before), self._clock.monotonic_s()
+        await self._timed(step.send(before, commanded))
+        ended_s, waits = self._clock.monotonic_s(), self._control.waits
+        after = await self._robot.joints()
+        self._stood, self._waits_then = after, waits
+        return Stepped(before, commanded, sent_s, ended_s, after)
+
+    async def _clear(self, here: Pose | None, ahead: Sequence[Pose]) -> None:
+        await self._gate.require(*ahead, here=here)
+        if not self._begun:
+            self._begun = True
+            await self._first(here, ahead)
+
+
+class _Relative:
+    """One relative motion that is sent at most once."""
+
+    def __init__(self, mover: Mover, step: Step) -> None:
+        self.step = step
+        self.start: Pose = ()
+        self.sent = False
+        self._mover = mover
+
+    async def look(self) -> None:
+        await self._mover.look_before(self)
+
+    async def move(self) -> Stepped:
+        return await self._mover.move_by(self)
 
 
 class _Motion:

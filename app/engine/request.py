@@ -11,6 +11,7 @@ from catseye.app.engine.halt import HaltLimits
 from catseye.app.engine.handle import OnOpen
 from catseye.app.engine.operator import Answerer
 from catseye.app.engine.simulated_operator import SimulatedOperator
+from catseye.app.engine.stepping import LineTarget
 from catseye.app.engine.timekeeping import StepTime
 from catseye.app.engine.walked.rule import WalkRule
 from catseye.app.exitcode import ExitCode
@@ -31,6 +32,7 @@ class RunRequest:
         cell: name of the cell.
         driven: the arm that is driven, with the ranges that the cell allows.
         blocked: returns why bodies are in the way of a motion.
+        line_target: returns where a straight shift of the tool ends.
         override_cap_percent: highest speed override.
         meta: resolved configuration with origins, operator, parameters; stored with the run.
         arm: the cell's name as typed by the operator; None when nothing was typed.
@@ -58,6 +60,7 @@ class RunRequest:
     cell: str
     driven: Arm
     blocked: WayCheck
+    line_target: LineTarget
     override_cap_percent: float
     meta: Mapping[str, Json] = field(default_factory=dict)
     arm: str | None = None

@@ -41,6 +41,7 @@ from catseye.drivers.roles.registry import load_driver
 from catseye.drivers.roles.tracker import Tracker
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.motion.clear_way import way_check
+from catseye.procedures.kit.motion.steps import line_target
 from catseye.procedures.kit.records import Json
 from catseye.procedures.kit.system import System
 
@@ -171,6 +172,7 @@ def _request_of(planned: PlannedRun, root: Path, speed: float) -> RunRequest:
         cell=cell.name,
         driven=bench.arm,
         blocked=way_check(bench),
+        line_target=partial(line_target, bench),
         override_cap_percent=cell.robot.override_cap_percent,
         air=cell.air,
         air_limits=cell.conditions,

@@ -22,6 +22,7 @@ POINTS: Mapping[str, str] = {
     "after-motion": "a motion has ended",
     "zeroed": "the count has been zeroed",
     "prompt-open": "a question has been put and not answered",
+    "chunk-stored": "a chunk of a recording is stored, its step goes on",
     "before-commit": "a step has done its work and is not stored",
     "after-commit": "a step is stored and not yet published",
     "before-closing": "the run is over and has no closing record",

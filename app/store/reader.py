@@ -3,7 +3,7 @@
 import json
 import math
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from enum import Enum, auto
@@ -11,12 +11,14 @@ from pathlib import Path
 from typing import Any, Literal
 
 from catseye.app.errors import StorageError
+from catseye.app.store.chunks import Chunk, chunk_misfits, chunks_of
 from catseye.app.store.lock import is_being_written
 from catseye.app.store.rows import row_crc32
 from catseye.app.store.schema import BASE_TABLES, LAST_OPENED_OR_ENDED, UNREADABLE, open_reader
 from catseye.app.store.seal import DATABASE
 from catseye.app.store.soundness import changes, damage
 from catseye.app.store.tables import measured_rows, tables_in
+from catseye.procedures.kit.recording import Recorded
 from catseye.procedures.kit.records import OBSERVATIONS, Json, Table
 
 Status = Literal["complete", "stopped", "aborted", "failed", "running", "died"]
@@ -248,6 +250,21 @@ class RunReader:
         """Return what else was observed, in order: all of it, or one kind."""
         return [row for row in self.rows(OBSERVATIONS.name) if kind is None or row["kind"] == kind]
 
+    def recordings(self) -> list[dict[str, Json]]:
+        """Return what is known of each recording of a step that is done, in order."""
+        return self.rows(Recorded.table)
+
+    def chunks(self, recorded: Mapping[str, Json]) -> Iterator[Chunk]:
+        """Yield the readings of a recording, a chunk at a time: a long one need not fit into memory.
+
+        Args:
+            recorded: one of `recordings`.
+
+        Raises:
+            StorageError: a chunk is missing, or is not what was written.
+        """
+        return chunks_of(self.path, recorded)
+
     def count(self, table: str) -> int:
         """Return how many rows a table has; 0 where the run has no such one."""
         if not self._query("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?", table):
@@ -267,7 +284,8 @@ class RunReader:
             StorageError: it cannot be read.
         """
         tables = (*BASE_TABLES, *(table.name for table in self.tables()))
-        return [text for table in tables for text in self._misfits(table, *self._found(table))]
+        texts = [text for table in tables for text in self._misfits(table, *self._found(table))]
+        return texts + chunk_misfits(self.path)
 
     def _rows(self, table: str) -> list[dict[str, Any]]:
         """Return all rows of a table with their places in the journal.

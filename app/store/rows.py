@@ -9,7 +9,7 @@ from typing import Final
 
 from catseye.procedures.kit.records import EXTRA, KEY, Column, Json, Row, Table
 
-Value = None | int | float | str
+Value = None | int | float | str | bytes
 
 
 def to_json(value: Json | Mapping[str, Json]) -> str:
@@ -43,6 +43,7 @@ _COLUMNS: Final[Mapping[str, tuple[str, ...]]] = {
     "steps": ("step_id", "attempt", "title", "started_utc", "done_utc", "row_count", "result"),
     "events": ("seq", "time_utc", "kind", "data"),
     "prompts": ("seq", "id", "kind", "text", "asked_utc", "answered_utc", "answer", "who"),
+    "chunks": ("step_id", "attempt", "recording", "seq", "readings", "data"),
 }
 _NUMBERED: Final = frozenset({"events", "prompts"})
 """Tables whose rows SQLite numbers, in `seq`."""
@@ -77,8 +78,13 @@ def row_crc32(table: str, row: Mapping[str, Value]) -> int:
         ValueError: a number is not finite.
     """
     numbered = {"seq"} if table in _NUMBERED else set()
-    stored = {name: row[name] for name in sorted(row.keys() - numbered) if row[name] is not None}
+    stored = {name: _plain(row[name]) for name in sorted(row.keys() - numbered) if row[name] is not None}
     return zlib.crc32(to_json(stored).encode())
+
+
+def _plain(value: Value) -> int | float | str | None:
+    """Return a value that JSON can carry; of bytes their own check sum."""
+    return zlib.crc32(value) if isinstance(value, bytes) else value
 
 
 def _insert(db: sqlite3.Connection, table: str, names: Sequence[str], values: Sequence[Value]) -> None:

@@ -4,7 +4,8 @@ Promise:
 1. A call that returned is durable: it resolves after COMMIT with synchronous=FULL.
 2. A step is done only in the same transaction as its rows.
 3. Nothing is dropped silently: lines cut from a bounded log are counted in the closing record.
-4. After one failure the store refuses everything more and says so to `on_failure`.
+4. A recording's readings are kept chunk by chunk; they count when the step that names the recording is done.
+5. After one failure the store refuses everything more and says so to `on_failure`.
 """
 
 import asyncio
@@ -16,12 +17,14 @@ from pathlib import Path
 
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.store import seal
+from catseye.app.store.chunks import Chunk, Key, begun_attempts, pack
 from catseye.app.store.crash_points import crash_point
 from catseye.app.store.lines import DEFAULT_MAX_BYTES, JsonLines, WireLog
 from catseye.app.store.lock import RunLock
 from catseye.app.store.new_run import clock_anchor, make_directory, require_space, software
 from catseye.app.store.reader import Accept, RunReader
 from catseye.app.store.rows import Value, encode, insert, insert_data, to_json
+from catseye.app.store.schema import CHUNKS
 from catseye.app.store.tables import declare, require_fitting
 from catseye.app.store.writer import Writer
 from catseye.drivers.roles.clock import Clock
@@ -178,6 +181,9 @@ class RunStore:
             if event.kind == "step-dropped":
                 step_id = str(event.data["step_id"])
                 self._attempts[step_id] = self._attempts.get(step_id, 0) + 1
+        for step_id, attempt in begun_attempts(reader.path).items():
+            # Numbers of an attempt are taken by its chunks, though the process died before it could say more.
+            self._attempts[step_id] = max(self._attempts.get(step_id, 0), attempt)
 
     @property
     def failure(self) -> StorageError | None:
@@ -241,6 +247,23 @@ class RunStore:
 
         await self._writer.transact(job)
         self._results[step_id] = dict(result)
+
+    async def append_chunk(self, recording: Key, seq: int, chunk: Chunk) -> bytes:
+        """Store readings of a recording, whether or not its step will come to its end; return their bytes.
+
+        Args:
+            recording: step, attempt at it and name.
+            seq: number of the chunk in the recording, from 1.
+
+        Raises:
+            StorageError: storage failed.
+        """
+        data = pack(chunk)
+        self._require_running_space()
+        row = (*recording, seq, len(chunk), data)
+        await self._writer.transact(lambda db: insert(db, CHUNKS, row))
+        crash_point("chunk-stored")
+        return data
 
     async def drop_step(self, step_id: str, attempt: int, data: Mapping[str, Json]) -> None:
         """Store that an attempt ended without a result and that its rows were dropped."""

@@ -11,6 +11,9 @@ from catseye.app.errors import StorageError
 BASE_TABLES: Final = ("meta", "steps", "events", "prompts", "journal")
 """What every run has; its tables of data are declared by record types."""
 
+CHUNKS: Final = "chunks"
+"""What every run has, too: readings of its recordings, too many to be read like the rows of the other tables."""
+
 _LAYOUT: Final = """
 CREATE TABLE IF NOT EXISTS meta (
     key TEXT PRIMARY KEY, value TEXT NOT NULL CHECK (json_valid(value))
@@ -33,14 +36,19 @@ CREATE TABLE IF NOT EXISTS journal (
     place INTEGER PRIMARY KEY, of TEXT NOT NULL, row INTEGER NOT NULL, crc32 INTEGER NOT NULL,
     UNIQUE (of, row)
 ) STRICT;
+CREATE TABLE IF NOT EXISTS chunks (
+    step_id TEXT NOT NULL, attempt INTEGER NOT NULL, recording TEXT NOT NULL, seq INTEGER NOT NULL,
+    readings INTEGER NOT NULL, data BLOB NOT NULL,
+    PRIMARY KEY (step_id, attempt, recording, seq)
+) STRICT;
 """
 """The journal has every row in the order of its being stored, with a check sum: clocks jump, and bits flip."""
 
-VERSION: Final = 5
+VERSION: Final = 6
 """`user_version` of a file that this program writes.
 
-Versions 1 to 4 had a fixed set of tables of data, and the first three no journal. A file of theirs that goes on gets
-what it lacks; only newer programs read it then.
+Versions 1 to 4 had a fixed set of tables of data, the first three no journal, and the first five no chunks. A file of
+theirs that goes on gets what it lacks; only newer programs read it then.
 """
 
 
@@ -130,5 +138,5 @@ def _version(connection: sqlite3.Connection, path: Path) -> int:
 
 def _lay_out(connection: sqlite3.Connection, path: Path) -> None:
     if _version(connection, path) < VERSION:
-        guards = "".join(trigger for table in BASE_TABLES for trigger in append_only(table))
+        guards = "".join(trigger for table in (*BASE_TABLES, CHUNKS) for trigger in append_only(table))
         connection.executescript(f"BEGIN IMMEDIATE;{_LAYOUT}{guards}PRAGMA user_version={VERSION};COMMIT;")

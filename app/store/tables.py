@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import Final, get_args
 
 from catseye.app.errors import StorageError
-from catseye.app.store.schema import BASE_TABLES, append_only
+from catseye.app.store.schema import BASE_TABLES, CHUNKS, append_only
 from catseye.procedures.kit.records import EXTRA, KEY, OBSERVATIONS, Column, ColumnKind, Table
 
 _KINDS: Final = {kind: kind for kind in get_args(ColumnKind)}
@@ -70,7 +70,7 @@ def measured_rows(db: sqlite3.Connection) -> int:
 
 def _names(db: sqlite3.Connection) -> list[str]:
     found = db.execute("SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY rowid").fetchall()
-    return [name for (name,) in found if name not in BASE_TABLES]
+    return [name for (name,) in found if name not in {*BASE_TABLES, CHUNKS}]
 
 
 def _columns(db: sqlite3.Connection, name: str) -> tuple[Column, ...]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from catseye.app.errors import StorageError
+from catseye.app.store.chunks import recording_faults, unfinished_recordings
 from catseye.app.store.lock import is_being_written
 from catseye.app.store.reader import Accept, RunReader, Status
 from catseye.app.store.seal import APP_LOG, DATABASE, WIRE_LOG, Manifest
@@ -46,7 +47,7 @@ def verify(path: Path) -> Verification:
     notes = [] if manifest or found else [_why_unsealed(path, status)]
     notes += _missing_logs(manifest)
     problems = [*found, *(f"{DATABASE}: {text}" for text in integrity(path / DATABASE))]
-    for check in (_check_events, _check_rows, RunReader.misfits):
+    for check in (_check_events, _check_rows, _check_recordings, RunReader.misfits):
         try:
             problems += check(reader)
         except StorageError as error:
@@ -99,8 +100,16 @@ def _check_rows(reader: RunReader) -> list[str]:
     return problems + [f"step {step_id} does not have all of its rows" for step_id in lost]
 
 
+def _check_recordings(reader: RunReader) -> list[str]:
+    return recording_faults(reader.path, reader.recordings(), _done(reader))
+
+
+def _done(reader: RunReader) -> set[tuple[str, int]]:
+    return {(step.step_id, step.attempt) for step in reader.steps()}
+
+
 def _losses(reader: RunReader) -> list[str]:
-    notes = []
+    notes = unfinished_recordings(reader.path, _done(reader))
     for event in reader.events():
         if event.kind == "run-ended" and event.data.get("wire_lines_cut"):
             notes.append(f"wire.log was cut: {event.data['wire_lines_cut']} lines are not in it")

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Awaitable, Callable, Sequence
+from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, Protocol
 
@@ -10,6 +11,7 @@ from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.recording import Recording
 from catseye.procedures.kit.records import Json, Record, Row
 from catseye.procedures.kit.tasks import Task
 
@@ -141,6 +143,25 @@ def _is_number(text: str) -> bool:
         return False
 
 
+@dataclass(frozen=True)
+class Stepped:
+    """A relative motion of an axis, or along a line.
+
+    Attributes:
+        before: measured joints that the increment was added to, as they were looked at just before.
+        commanded: signed increment that was commanded, deg or mm; along a line its length.
+        sent_s: bench seconds when it was sent.
+        ended_s: bench seconds when the motion was over.
+        after: measured joints then.
+    """
+
+    before: Pose
+    commanded: float
+    sent_s: float
+    ended_s: float
+    after: Pose
+
+
 class Context(Protocol):
     """The engine as a procedure sees it. Every call is a checkpoint of the stop ladder."""
 
@@ -185,6 +206,54 @@ class Context(Protocol):
 
         Raises:
             ArmMovedError: somebody moved the arm while the run was held or suspended; the rest is not driven.
+        """
+        ...
+
+    async def step_axis(self, axis: str, increment: float) -> Stepped:
+        """Turn or shift one axis by an increment to its measured position; wait for standstill.
+
+        The controller adds the increment. Where it cannot, the program does, and rounds to what it can command. A
+        step is sent once: one that was cut short is not completed.
+
+        Args:
+            axis: its name.
+            increment: deg or mm, signed.
+
+        Raises:
+            StepCutShortError: the surroundings stopped the arm on the way.
+            ArmMovedError: somebody moved the arm while the run was held or suspended; nothing is driven.
+        """
+        ...
+
+    async def step_line(self, increment_mm: tuple[float, float, float]) -> Stepped:
+        """Shift the tool along a straight line of the base frame, orientation kept; as `step_axis` else.
+
+        Args:
+            increment_mm: x, y, z.
+        """
+        ...
+
+    async def torques(self) -> tuple[float, ...]:
+        """Return the motor torques of the axes, N m.
+
+        Raises:
+            RefusedError: the controller states none.
+        """
+        ...
+
+    def recording(self, name: str, rate_hz: float = 25.0) -> AbstractAsyncContextManager[Recording]:
+        """Record the length counter while the body runs: every reading, as it comes.
+
+        Readings are stored as they come. They count when the step that is under way is done; the procedure declares
+        `catseye.procedures.kit.recording.Recorded`.
+
+        Args:
+            name: unique in the step.
+            rate_hz: at which a counter is asked that sends nothing by itself; others come as the instrument sends.
+
+        Raises:
+            RuntimeError: no step is under way, or another recording is.
+            DeviceError: the instrument failed.
         """
         ...
 

@@ -29,6 +29,10 @@ class ArmMovedError(ProcedureError):
     """Somebody has moved the arm while a run was held or suspended; the rest of its way is not driven."""
 
 
+class StepCutShortError(ProcedureError):
+    """A relative motion was cut short: what is left of it is unknown, and it is not sent again."""
+
+
 class WayBlockedError(ProcedureError):
     """There is no free way from where the arm stands to where it has to go."""
 

@@ -23,7 +23,7 @@ KEY: Final = ("step_id", "attempt", "seq")
 EXTRA: Final = "extra"
 """The column behind them: further values as JSON."""
 
-_RESERVED: Final = frozenset({"meta", "steps", "events", "prompts", "journal"})
+_RESERVED: Final = frozenset({"meta", "steps", "events", "prompts", "journal", "chunks"})
 
 _TAKEN: Final = frozenset({*KEY, EXTRA, "place", "rowid", "oid"})
 """Columns that the store has itself, or that SQLite and a reader number rows by."""

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Awaitable, Callable, Sequence
+from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,9 +17,10 @@ from catseye.drivers.roles.pose import Axes, Axis, Pose
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Arm, Timing, Workspace
 from catseye.procedures.kit.columns import Columns, TableRule
-from catseye.procedures.kit.context import Measurement, Prompt
+from catseye.procedures.kit.context import Measurement, Prompt, Stepped
 from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.recording import Recording
 from catseye.procedures.kit.records import Json, Record, Row, row_of
 from catseye.procedures.scara.bench import Optics, Reflector, ScaraBench
 
@@ -252,6 +254,22 @@ class IdealContext:
         """Stand at each target."""
         for target in way:
             await self.move(target)
+
+    async def step_axis(self, axis: str, increment: float) -> Stepped:
+        """Refuse: open-loop tracking drives to poses."""
+        raise AssertionError(f"{axis} was stepped by {increment}")
+
+    async def step_line(self, increment_mm: tuple[float, float, float]) -> Stepped:
+        """Refuse as a step of an axis."""
+        raise AssertionError(f"the tool was stepped by {increment_mm}")
+
+    async def torques(self) -> tuple[float, ...]:
+        """Refuse: it asks for none."""
+        raise AssertionError("torques were read")
+
+    def recording(self, name: str, rate_hz: float = 25.0) -> AbstractAsyncContextManager[Recording]:
+        """Refuse: it measures at standstill."""
+        raise AssertionError(f"{name} was recorded at {rate_hz} Hz")
 
     async def joints(self) -> Pose:
         """Return the pose."""

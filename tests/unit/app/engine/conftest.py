@@ -13,15 +13,18 @@ from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.operator import Operator
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
+from catseye.procedures.kit.recording import Recorded
 from catseye.procedures.scara.records import Distance
-from tests.unit.app.engine.fakes import ARM, FakeBench, free_way
+from tests.unit.app.engine.fakes import ARM, FakeBench, free_way, straight
 from tests.unit.app.engine.given_parts import READY, Parts, Willing
 
 
 @pytest.fixture
 async def parts(tmp_path: Path) -> AsyncIterator[Parts]:
     bench = FakeBench(tmp_path)
-    store = await RunStore.create(tmp_path, "script", {}, bench.clock, records=[Distance], reserve_bytes=0)
+    store = await RunStore.create(
+        tmp_path, "script", {}, bench.clock, records=[Distance, Recorded], reserve_bytes=0
+    )
     control = RunControl(bench.clock, lambda _state, _reason: None)
     control.attach(bench.robot)
     control.starting()
@@ -40,7 +43,8 @@ async def parts(tmp_path: Path) -> AsyncIterator[Parts]:
         gate,
         operator,
         announcer,
-        records=[Distance],
+        straight,
+        records=[Distance, Recorded],
     )
     yield Parts(bench, ctx, control, RunReader(store.path))
     await control.halted()

@@ -40,6 +40,12 @@ def free_way(_way: Sequence[Pose]) -> str | None:
     return None
 
 
+def straight(here: Pose, shift_mm: tuple[float, float, float]) -> Pose:
+    """Take the first three axes for those of the base frame."""
+    moved = tuple(value + shift for value, shift in zip(here[:3], shift_mm, strict=True))
+    return (*moved, *here[3:])
+
+
 class ManualClock:
     """Short sleeps pass at once and move the time on; long ones, the deadlines, wait until it has come."""
 
@@ -271,6 +277,7 @@ class FakeBench:
             cell="lab-1",
             driven=ARM,
             blocked=free_way,
+            line_target=straight,
             override_cap_percent=20.0,
             reserve_bytes=0,
             halt_limits=HaltLimits(standstill_s=0.5),

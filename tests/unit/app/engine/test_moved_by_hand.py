@@ -20,7 +20,7 @@ from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import ArmMovedError
 from catseye.procedures.kit.live import Live
 from tests.patience import until
-from tests.unit.app.engine.fakes import ARM, FakeBench, free_way
+from tests.unit.app.engine.fakes import ARM, FakeBench, free_way, straight
 
 WAY: tuple[Pose, ...] = tuple((float(n), 2.0 * n, 0.0, 3.0 * n) for n in range(1, 9))
 
@@ -70,7 +70,7 @@ async def ready(store: RunStore, tmp_path: Path, *doors: Door) -> tuple[RunConte
     devices = Devices(bench.robot, bench.counter, bench.air)
     operator = Operator(bench.clock, {}, None, simulated=True)
     gate = MotionGate(bench.robot, ARM.axes, free_way, 20.0, doors)
-    ctx = RunContext(devices, store, control, bench.clock, ARM.axes, gate, operator, announcer)
+    ctx = RunContext(devices, store, control, bench.clock, ARM.axes, gate, operator, announcer, straight)
     return ctx, control, bench
 
 

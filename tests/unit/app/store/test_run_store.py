@@ -22,7 +22,7 @@ from catseye.app.store.catalog import list_runs
 from catseye.app.store.lock import RunLock, is_being_written
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
-from catseye.app.store.schema import BASE_TABLES, VERSION, open_reader, open_writer
+from catseye.app.store.schema import BASE_TABLES, CHUNKS, VERSION, open_reader, open_writer
 from catseye.app.store.seal import MANIFEST
 from catseye.app.store.verify import verify
 from catseye.procedures.kit.records import Column, Record, Table, tables_of
@@ -306,7 +306,7 @@ def test_commits_are_durable_and_the_version_is_known(tmp_path: Path) -> None:
         assert connection.execute("PRAGMA journal_mode").fetchone()[0] == "wal"
         assert connection.execute("PRAGMA user_version").fetchone()[0] == VERSION
         strict = connection.execute("SELECT name FROM pragma_table_list WHERE strict = 1").fetchall()
-    assert {name for (name,) in strict} == set(BASE_TABLES)
+    assert {name for (name,) in strict} == {*BASE_TABLES, CHUNKS}
 
 
 def test_a_newer_file_is_refused(tmp_path: Path) -> None:

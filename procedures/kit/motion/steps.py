@@ -1,0 +1,52 @@
+"""Where relative motions end: an axis turned by an increment, the tool shifted along a straight line."""
+
+import math
+from typing import Final
+
+from catseye.drivers.roles.pose import Axes, Pose, Unit, with_axis
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.errors import PlanError
+
+Vector = tuple[float, float, float]
+"""Along the axes of the base frame, mm."""
+
+MOST: Final[dict[Unit, float]] = {"deg": 1.0, "mm": 2.0}
+"""Largest relative motion: tests of the resolution step by a tenth of a degree and by a millimetre."""
+
+
+def axis_target(axes: Axes, here: Pose, axis: str, increment: float) -> Pose:
+    """Return the joints after a step of one axis, deg or mm.
+
+    Raises:
+        ValueError: the arm has no such axis.
+    """
+    number = [each.name for each in axes].index(axis)
+    return with_axis(here, number, here[number] + increment)
+
+
+def length_mm(shift_mm: Vector) -> float:
+    """Return the length of a shift, mm."""
+    return math.hypot(*shift_mm)
+
+
+def line_target(bench: Bench, here: Pose, shift_mm: Vector) -> Pose:
+    """Return the joints after a straight shift of the last frame, orientation kept, nearest to where they were.
+
+    Raises:
+        PlanError: the arm cannot make it.
+    """
+    # Numpy and scipy come with it: clients of an engine start without.
+    import numpy as np
+
+    from catseye.calibration.kinematics.inverse import inverse_kinematics
+
+    chain, start = bench.workspace.chain, np.array([here])
+    target = chain.frames(start)[-1].copy()
+    target[:, :3, 3] += shift_mm
+    found = inverse_kinematics(chain, target, start[0])
+    if found.refused:
+        raise PlanError(
+            f"the arm cannot shift its tool by ({shift_mm[0]:g}, {shift_mm[1]:g}, {shift_mm[2]:g}) mm from here: "
+            f"{found.refused[0].reason}; choose another pose"
+        )
+    return tuple(map(float, found.poses[0]))

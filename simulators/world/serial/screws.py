@@ -1,0 +1,111 @@
+"""A serial arm by screws: frames as products of exponentials, gravity as wrenches on the joints' twists.
+
+Each joint turns everything behind it about a line that is fixed in the base while the joints before stand at 0
+(Lynch and Park, Modern Robotics, sections 4.1 and 5.2). It is written without the kinematics that it is to check.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from catseye.simulators.config import SerialJoint, SerialLoad
+from catseye.simulators.errors import BenchError
+from catseye.simulators.world.types import Floats
+
+_GRAVITY_M_S2 = 9.80665
+_M_PER_MM = 1e-3
+
+
+class ScrewArm:
+    """Axes, homes and loads of an arm whose joints all turn.
+
+    Args:
+        joints: from the base outwards.
+        loads: masses of links and tool.
+
+    Raises:
+        BenchError: a joint slides.
+    """
+
+    def __init__(self, joints: Sequence[SerialJoint], loads: Sequence[SerialLoad] = ()) -> None:
+        if any(joint.prismatic for joint in joints):
+            raise BenchError("the screws of this bench turn: it has no joint that slides")
+        home = [np.eye(4)]
+        for joint in joints:
+            home.append(home[-1] @ _at_zero(joint))
+        self._home = np.array(home)
+        self._loads = tuple(load for load in loads if load.frame and load.mass_kg)
+        # An axis is a direction, counted as the joint counts, and a point on it.
+        self._signs = np.array([joint.sign for joint in joints], dtype=np.float64)
+        self._axes = self._home[1:, :3, 2] * self._signs[:, None]
+        self._points = self._home[1:, :3, 3]
+
+    def frames(self, joints_deg: Floats) -> Floats:
+        """Return the frame of each joint.
+
+        Args:
+            joints_deg: poses, shape (m, n).
+
+        Returns:
+            Homogeneous transforms into the base, mm, shape (m, n + 1, 4, 4); the first is the base.
+        """
+        moved = np.tile(np.eye(4), (len(joints_deg), 1, 1))
+        frames = [moved @ self._home[0]]
+        for k, angles in enumerate(np.deg2rad(joints_deg).T):
+            moved = moved @ _turn(self._axes[k], self._points[k], angles)
+            frames.append(moved @ self._home[k + 1])
+        return np.stack(frames, axis=1)
+
+    def axes(self, joints_deg: Floats) -> tuple[Floats, Floats]:
+        """Return the joints' axes at poses, counted as the joints count.
+
+        Returns:
+            Directions and points on them, mm, shape (m, n, 3) each.
+        """
+        frames = self.frames(joints_deg)[:, 1:]
+        return frames[..., :3, 2] * self._signs[:, None], frames[..., :3, 3]
+
+    def holding_torques(self, joints_deg: Floats) -> Floats:
+        """Return the torques with which drives hold links and tool against gravity, in the joints' own directions.
+
+        Args:
+            joints_deg: poses, shape (m, n).
+
+        Returns:
+            N m, shape (m, n).
+        """
+        frames = self.frames(joints_deg)
+        directions, points = self.axes(joints_deg)
+        torques = np.zeros(joints_deg.shape)
+        for load in self._loads:
+            centre = frames[:, load.frame] @ np.array([*load.centre_mm, 1.0])
+            weight = np.array([0.0, 0.0, -_GRAVITY_M_S2 * load.mass_kg])
+            moment = _M_PER_MM * np.cross(centre[:, :3], weight)
+            # The power of the wrench (moment, weight) on a joint's unit twist (ω, -ω × p).
+            linear = -_M_PER_MM * np.cross(directions, points)
+            power = np.einsum("mnk,mk->mn", directions, moment) + linear @ weight
+            torques[:, : load.frame] -= power[:, : load.frame]
+        return torques
+
+
+def _at_zero(joint: SerialJoint) -> Floats:
+    """Return the frame of a joint at 0 in that of the joint before."""
+    alpha, theta = np.deg2rad((joint.alpha_deg, joint.theta_offset_deg))
+    twisted = _turn(np.array([1.0, 0.0, 0.0]), np.zeros(3), np.array([alpha]))[0]
+    turned = _turn(np.array([0.0, 0.0, 1.0]), np.zeros(3), np.array([theta]))[0]
+    twisted[:3, 3] = twisted[:3, 0] * joint.a_mm
+    turned[2, 3] = joint.d_mm
+    placed: Floats = twisted @ turned
+    return placed
+
+
+def _turn(axis: Floats, point: Floats, angles_rad: Floats) -> Floats:
+    """Return rotations about a line by Rodrigues' formula, shape (m, 4, 4)."""
+    x, y, z = axis
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turned = np.zeros((angles_rad.size, 4, 4))
+    sine, versine = np.sin(angles_rad)[:, None, None], 1.0 - np.cos(angles_rad)[:, None, None]
+    turned[:, :3, :3] = np.eye(3) + sine * cross + versine * (cross @ cross)
+    turned[:, :3, 3] = point - turned[:, :3, :3] @ point
+    turned[:, 3, 3] = 1.0
+    return turned

@@ -1,0 +1,1 @@
+"""Tests of the serial arm of the bench."""
