@@ -92,7 +92,7 @@ def test_scatter_of_draws_is_that_of_the_shares() -> None:
         assert one.std_percent.mean() == pytest.approx(3.0 * np.linalg.norm(shares), rel=0.03)
 
 
-def test_uncertainty_of_a_mean_is_common_to_the_steps_of_a_run() -> None:
+def test_what_is_unknown_of_a_mean_stays_all_run() -> None:
     steps = PredictionMethod(draws=400)
     alike = named(flat(ARM, u_mean=8.0), method=steps)["+Z"]
     apart = named(flat(ARM, scatter=8.0), method=steps)["+Z"]
