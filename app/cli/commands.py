@@ -68,7 +68,9 @@ COMMANDS: Final[Mapping[str, Command]] = {
         _SCARA,
     ),
     "design": Command("Find where to put the reflectors and which commands to use.", _SCARA),
-    "report": Command("Write one self-contained HTML page about a run or a result."),
+    "report": Command(
+        "Write one self-contained HTML page about a run or a result, or about several results of motion resolution."
+    ),
     "export": Command("Write what a run has measured or what a result holds for other programs."),
 }
 """By name."""

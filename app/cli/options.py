@@ -53,6 +53,10 @@ Budget = Annotated[
 ]
 PointsCell = Annotated[Path | None, typer.Option(help="cell file for --points")]
 RunOrResult = Annotated[str, typer.Argument(metavar="RUN|RESULT", help="run, or result JSON")]
+RunsOrResults = Annotated[
+    list[str],
+    typer.Argument(metavar="RUN|RESULT...", help="run, or result JSON; several of motion resolution"),
+]
 Output = Annotated[Path, typer.Option("-o", "--output", help="file to write")]
 ResultFile = Annotated[Path, typer.Argument(metavar="RESULT", help="result JSON of catseye identify")]
 Workers = Annotated[

@@ -1,44 +1,68 @@
 """report: one self-contained page about a run or a result."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from catseye.app.cli.options import RunOrResult, Runs, Unverified
+from catseye.app.cli.options import Runs, RunsOrResults, Unverified
 from catseye.app.cli.output import note
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import require_output
 from catseye.app.store.runs_folder import runs_folder
 
+if TYPE_CHECKING:
+    from catseye.app.results.model import Report
+
 
 def report(
-    source: RunOrResult,
+    source: RunsOrResults,
     output: Annotated[Path, typer.Option("-o", "--output", help="HTML file to write")],
     runs: Runs = None,
     unverified: Unverified = False,
 ) -> None:
-    """Write one self-contained HTML page about a run or a result.
+    """Write one self-contained HTML page about a run or a result, or about several results of motion resolution.
 
     Example: catseye report result.json -o report.html
     """
     from catseye.app.render.page import require_html, write_page
-    from catseye.app.results.scara.run_report import result_file_report, run_report
+
+    direct = [Path(name) for name in source]
+    require_output(output, *direct)
+    require_html(output)
+    if any(path.is_file() for path in direct):
+        page = _report_of_files(direct)
+    elif len(source) > 1:
+        raise UsageError("a report is of one run, or of result files: name one run")
+    elif direct[0].suffix.lower() == ".json":
+        raise UsageError(f"{direct[0]}: there is no such file")
+    else:
+        page = _report_of_run(source[0], runs, unverified=unverified)
+    write_page(page, output)
+    note(f"{output} written")
+
+
+def _report_of_files(paths: list[Path]) -> "Report":
+    """Return the report of result files, whose kind decides."""
+    from catseye.app.results.resolution.result import RESOLUTION_FORMAT
+    from catseye.app.results.resolution.result_report import resolution_files_report
+    from catseye.app.results.result_file import format_of
+    from catseye.app.results.scara.run_report import result_file_report
+
+    if all(format_of(path) == RESOLUTION_FORMAT for path in paths):
+        return resolution_files_report(paths)
+    if len(paths) > 1:
+        raise UsageError(f"a report of several files takes {RESOLUTION_FORMAT} files only: name one result")
+    return result_file_report(paths[0])
+
+
+def _report_of_run(name: str, runs: Path | None, *, unverified: bool) -> "Report":
+    from catseye.app.results.scara.run_report import run_report
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
     from catseye.app.store.unverified import taken_as_it_is
 
-    direct = Path(source)
-    require_output(output, direct)
-    require_html(output)
-    if direct.is_file():
-        page = result_file_report(direct)
-    elif direct.suffix.lower() == ".json":
-        raise UsageError(f"{direct}: there is no such file")
-    else:
-        path = resolve_run(runs_folder(runs), source)
-        reader = RunReader(path, accept(unverified=unverified))
-        with taken_as_it_is(reader):
-            page = run_report(reader, path.parent)
-    write_page(page, output)
-    note(f"{output} written")
+    path = resolve_run(runs_folder(runs), name)
+    reader = RunReader(path, accept(unverified=unverified))
+    with taken_as_it_is(reader):
+        return run_report(reader, path.parent)

@@ -7,9 +7,11 @@ from typing import Any, Final, Literal
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis as DrawnAxis
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure as Drawn
 from matplotlib.patches import Circle, Ellipse, Patch, Wedge
+from matplotlib.ticker import FixedLocator, FuncFormatter, MultipleLocator
 
 from catseye.app.render.canvas import STYLE, WIDTH_IN
 from catseye.app.render.palette import NOTE, SPAN, look_of
@@ -120,6 +122,20 @@ def _write_axes(axes: Axes, panel: Panel, beside: int) -> None:
         label(_axis_text(axis), parse_math=bool(axis.symbol))
         if axis.low is not None or axis.high is not None:
             limits(axis.low, axis.high)
+    for drawn_axis, axis in ((axes.xaxis, panel.x), (axes.yaxis, panel.y)):
+        if axis.decades:
+            _number_decades(drawn_axis)
+
+
+def _number_decades(axis: DrawnAxis) -> None:
+    """Write powers of ten at an axis of common logarithms, with small marks at their multiples."""
+    low, high = axis.get_view_interval()
+    whole = range(math.floor(low), math.ceil(high))
+    axis.set_major_locator(MultipleLocator(1.0))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{10.0**value:g}"))
+    axis.set_minor_locator(
+        FixedLocator([decade + math.log10(digit) for decade in whole for digit in range(2, 10)])
+    )
 
 
 def _axis_text(axis: Axis) -> str:

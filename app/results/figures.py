@@ -195,6 +195,7 @@ class Axis:
         low: lower end; None leaves it to the marks.
         high: upper end; None leaves it to the marks.
         shared: has the scale and the numbers of the panel to the left (y) or below (x).
+        decades: marks and ends are common logarithms; the numbers at the axis are powers of ten.
     """
 
     label: str = ""
@@ -202,6 +203,7 @@ class Axis:
     low: float | None = None
     high: float | None = None
     shared: bool = False
+    decades: bool = False
 
     @property
     def plain(self) -> str:

@@ -22,7 +22,9 @@ Unit: TypeAlias = Literal["deg", "mm"]
 
 RESOLUTION_FORMAT: Final = "catseye-resolution/1"
 
-_WITH_UNIT: Final = frozenset({"position", "command", "measured", "lis", "reversal"})
+_WITH_UNIT: Final = frozenset(
+    {"position", "command", "measured", "u", "lis", "reversal", "forward", "backward", "plateau"}
+)
 
 
 def _keys_in(unit: Unit) -> Callable[[str], str]:
@@ -70,11 +72,19 @@ class _Move(ResultPart):
         command: signed size, in the test's unit.
         measured: likewise; None where the step was not found.
         error_percent: of the command; None where it is not known.
+        u: standard uncertainty of the measured size; None where it was not stated.
+        mean_percent: moving mean of the errors there.
+        std_percent: standard deviation of the errors about it.
+        judged: the command is not below what the instrument resolves.
     """
 
     command: Finite
     measured: Finite | None
     error_percent: Finite | None
+    u: Uncertainty | None = None
+    mean_percent: Finite | None = None
+    std_percent: Uncertainty | None = None
+    judged: bool = True
 
 
 class AngularMove(_Move):
@@ -89,6 +99,95 @@ class LinearMove(_Move):
     model_config = _MM
 
 
+class _Staircase(ResultPart):
+    """A recording, thinned out for drawing, and its plateaus.
+
+    Attributes:
+        t_s: times of some samples, s.
+        position: at these times.
+        plateau_t_s: middle of each plateau, s.
+        plateau: mean position on each.
+        plateau_s: how long each lasts, s.
+    """
+
+    t_s: list[Finite]
+    position: list[Finite]
+    plateau_t_s: list[Finite]
+    plateau: list[Finite]
+    plateau_s: Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+
+
+class AngularStaircase(_Staircase):
+    """In deg."""
+
+    model_config = _DEG
+
+
+class LinearStaircase(_Staircase):
+    """In mm."""
+
+    model_config = _MM
+
+
+class _Target(ResultPart):
+    """A position of a backlash test that was reached from both sides.
+
+    Attributes:
+        position: commanded, from the first one.
+        forward: mean measured position, reached in the positive direction.
+        backward: likewise in the negative direction.
+        reversal: lost motion there, positive.
+    """
+
+    position: Finite
+    forward: Finite
+    backward: Finite
+    reversal: Finite
+
+
+class AngularTarget(_Target):
+    """In deg."""
+
+    model_config = _DEG
+
+
+class LinearTarget(_Target):
+    """In mm."""
+
+    model_config = _MM
+
+
+class _Amplitude(ResultPart):
+    """A step size of a test by ISO 230.
+
+    Attributes:
+        command: size of the steps.
+        distinguishable: each of them shows, by the objective criterion.
+    """
+
+    command: Finite
+    distinguishable: bool
+
+
+class AngularAmplitude(_Amplitude):
+    """In deg."""
+
+    model_config = _DEG
+
+
+class LinearAmplitude(_Amplitude):
+    """In mm."""
+
+    model_config = _MM
+
+
+class Torque(ResultPart):
+    """Mean motor torque on the plateaus of a backlash test, N m."""
+
+    forward_nm: Finite
+    backward_nm: Finite
+
+
 class _Test(ResultPart):
     """One test of a joint at one position, or of a Cartesian direction.
 
@@ -101,6 +200,10 @@ class _Test(ResultPart):
         lis: None where the test gives none, and the flags say why.
         reversal: None of a test that gives none.
         flags: what speaks against the data or the result.
+        pose: name of the pose of a Cartesian test.
+        duration_s: from the first move to the end of the last plateau.
+        torque: of a backlash test.
+        shipped: comes with the program, recorded on the emulated bench, and is not of this arm.
     """
 
     test: Test
@@ -111,6 +214,10 @@ class _Test(ResultPart):
     lis: LeastStep | None = None
     reversal: Reversal | None = None
     flags: list[str] = Field(default_factory=list)
+    pose: str | None = None
+    duration_s: Uncertainty | None = None
+    torque: Torque | None = None
+    shipped: bool = False
 
 
 class AngularTest(_Test):
@@ -119,6 +226,9 @@ class AngularTest(_Test):
     model_config = _DEG
 
     moves: list[AngularMove]
+    staircase: AngularStaircase | None = None
+    targets: list[AngularTarget] | None = None
+    amplitudes: list[AngularAmplitude] | None = None
 
     @property
     def unit(self) -> Unit:
@@ -132,6 +242,9 @@ class LinearTest(_Test):
     model_config = _MM
 
     moves: list[LinearMove]
+    staircase: LinearStaircase | None = None
+    targets: list[LinearTarget] | None = None
+    amplitudes: list[LinearAmplitude] | None = None
 
     @property
     def unit(self) -> Unit:
@@ -151,18 +264,39 @@ def _unit_of(given: Any) -> Unit:
 AnyTest: TypeAlias = AngularTest | LinearTest
 
 
+class Actuation(ResultPart):
+    """What drives a joint.
+
+    Attributes:
+        joint: its name.
+        gear_ratio: turns of the motor in one of the joint.
+        encoder_bits: of the motor's single-turn encoder.
+    """
+
+    joint: str
+    gear_ratio: Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+    encoder_bits: Annotated[int, Field(ge=1, le=64)]
+
+    @property
+    def ideal_lis_deg(self) -> float:
+        """Smallest step that the encoder tells from none, at a joint without losses (the paper, Table 4)."""
+        return 360.0 / 2.0**self.encoder_bits / self.gear_ratio
+
+
 class ResolutionResult(ResultPart):
     """A whole result file.
 
     Attributes:
         format: name and version.
         arm: name of the arm's description.
+        actuation: of the joints whose description says it.
         tests: in the order in which they were made.
         provenance: where they come from; None of a file that another program wrote.
     """
 
     format: Literal["catseye-resolution/1"] = RESOLUTION_FORMAT
     arm: str
+    actuation: list[Actuation] = Field(default_factory=list)
     tests: list[
         Annotated[
             Annotated[AngularTest, Tag("deg")] | Annotated[LinearTest, Tag("mm")], Discriminator(_unit_of)

@@ -1,9 +1,30 @@
 """What a report can be traced to: programs, runs, their files with digests, how to check them."""
 
+import hashlib
+import platform
 from collections.abc import Iterable, Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
 
+from catseye.app.files.documents import LARGEST_RESULT_BYTES, read_document
 from catseye.app.results.model import Block, Column, Listing, Paragraph, Section, Table, section
 from catseye.app.results.runs.records import RunRecord, Sources
+
+
+def sources_of(results: Iterable[Path] = ()) -> Sources:
+    """Return what this program runs on, and the digests of the result files that a report is made from.
+
+    Raises:
+        ConfigError: a file cannot be read.
+    """
+    packages = {name: version(name) for name in ("numpy", "scipy", "matplotlib")}
+    digests = {
+        path.name: hashlib.sha256(read_document(path, largest_bytes=LARGEST_RESULT_BYTES)).hexdigest()
+        for path in results
+    }
+    return Sources(
+        {"python": platform.python_version(), **packages, "platform": platform.platform()}, digests
+    )
 
 
 def trace_section(

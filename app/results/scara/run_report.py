@@ -1,16 +1,12 @@
 """Reports of stored runs, of result files, of a whole job."""
 
-import hashlib
-import platform
 from collections.abc import Sequence
 from dataclasses import replace
-from importlib.metadata import version
 from pathlib import Path
 
-from catseye.app.files.documents import LARGEST_RESULT_BYTES, read_document
 from catseye.app.results.model import Report
 from catseye.app.results.origin import origin_now
-from catseye.app.results.runs.records import Sources
+from catseye.app.results.runs.trace import sources_of
 from catseye.app.results.scara.arm_report import arm_report
 from catseye.app.results.scara.diagnosis import diagnose_points
 from catseye.app.results.scara.findings import Findings
@@ -60,7 +56,7 @@ def job_report(
         origin_now(simulated=bool(are_simulated(runs))),
         Findings(results, bench, truth, validation),
         measurement_of(runs, cell_of_run(measured)),
-        Sources(_versions()),
+        sources_of(),
     )
 
 
@@ -74,20 +70,19 @@ def run_report(reader: RunReader, root: Path) -> Report:
         origin_of_run(reader),
         findings,
         replace(measurement, warnings=[*measurement.warnings, *notes]),
-        Sources(_versions()),
+        sources_of(),
     )
 
 
 def result_file_report(source: Path) -> Report:
     """Return the report of a result file."""
     result = read_result(source)
-    document = read_document(source, largest_bytes=LARGEST_RESULT_BYTES)
     provenance = result.provenance
     return arm_report(
         f"Result {source.name}",
         provenance.origin,
         Findings([result]),
-        sources=Sources(_versions(), {source.name: hashlib.sha256(document).hexdigest()}),
+        sources=sources_of([source]),
     )
 
 
@@ -134,9 +129,3 @@ def _diagnosed(reader: RunReader, root: Path) -> Diagnosis | None:
         return diagnose_points(run_points([reader]), bench, budget)
     except (CalibrationError, ImplausibleError):
         return None
-
-
-def _versions() -> dict[str, str]:
-    """Return what this program runs on."""
-    packages = {name: version(name) for name in ("numpy", "scipy", "matplotlib")}
-    return {"python": platform.python_version(), **packages, "platform": platform.platform()}

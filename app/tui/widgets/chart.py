@@ -30,6 +30,8 @@ class Frame:
         y_numbers: numbers stand at the left; without them only the axis.
         left: cells left of the plot; more where the numbers need more.
         equal: both axes have one scale.
+        x_decades: places across are common logarithms, the numbers below are powers of ten.
+        y_decades: likewise upwards.
     """
 
     title: str = ""
@@ -38,6 +40,8 @@ class Frame:
     y_numbers: bool = True
     left: int = 0
     equal: bool = False
+    x_decades: bool = False
+    y_decades: bool = False
 
     @property
     def other_rows(self) -> int:
@@ -65,7 +69,7 @@ class Chart:
         self.frame = frame
         self.x, self.y = _wide(x), _wide(y)
         self.plot_rows = max(self.canvas.rows - frame.other_rows, 1)
-        self.left = max(frame.left, label_cells(self.y, self.plot_rows) if frame.y_numbers else 1)
+        self.left = max(frame.left, _left_cells(self.y, self.plot_rows, frame))
         if frame.equal:
             self._equalise()
         self._draw_axes()
@@ -151,7 +155,7 @@ class Chart:
             canvas.text(self.left - 1, row, "│", AXIS)
         y_marks = _at_least_two(self.y, self.plot_rows)
         for mark in y_marks.tolist():
-            label = number(mark, _step(y_marks)) if self.frame.y_numbers else ""
+            label = _label(mark, y_marks, decades=self.frame.y_decades) if self.frame.y_numbers else ""
             canvas.text(0, self.cell(self.x[0], mark)[1], label.rjust(self.left - 1) + "┤", AXIS)
         canvas.text(self.left - 1, bottom, "└" + "─" * self.plot_columns, AXIS)
         self._draw_x_marks(bottom)
@@ -163,7 +167,7 @@ class Chart:
             self.canvas.text(taken, bottom + 1, self.frame.x_label, AXIS)
         for mark in found.tolist():
             column = self.cell(mark, self.y[0])[0]
-            text = number(mark, _step(found))
+            text = _label(mark, found, decades=self.frame.x_decades)
             begin = column - len(text) // 2
             self.canvas.text(column, bottom, "┴", AXIS)
             if self.frame.x_numbers and begin >= free and begin + len(text) < taken:
@@ -171,10 +175,19 @@ class Chart:
                 free = begin + len(text) + 1
 
 
-def label_cells(y: Ends, plot_rows: int) -> int:
+def label_cells(y: Ends, plot_rows: int, *, decades: bool = False) -> int:
     """Return how many cells the numbers of an axis and the axis need."""
     found = _at_least_two(_wide(y), plot_rows)
-    return max((len(number(mark, _step(found))) for mark in found.tolist()), default=0) + 1
+    return max((len(_label(mark, found, decades=decades)) for mark in found.tolist()), default=0) + 1
+
+
+def _left_cells(y: Ends, plot_rows: int, frame: Frame) -> int:
+    return label_cells(y, plot_rows, decades=frame.y_decades) if frame.y_numbers else 1
+
+
+def _label(mark: float, found: Floats, *, decades: bool) -> str:
+    """Return the number at one of the marks of an axis."""
+    return f"{10.0**mark:.2g}" if decades else number(mark, _step(found))
 
 
 def marks(ends: Ends, most: int) -> Floats:

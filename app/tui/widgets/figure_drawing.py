@@ -2,7 +2,7 @@
 
 import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -97,6 +97,8 @@ def _frames(figure: Figure, strip: _Strip) -> list[Frame | None]:
                 x_numbers=strip.broken or not panel.x.shared,
                 y_numbers=not number or not panel.y.shared,
                 equal=panel.equal,
+                x_decades=panel.x.decades,
+                y_decades=panel.y.decades,
             )
         )
     return frames
@@ -149,8 +151,9 @@ def _draw_panel(
     if frame.y_numbers:
         # Panels above each other begin in one column.
         above = [scales.of(each)[1] for each, _ in panels_of(figure) if each[1] == place[1]]
-        left = max(label_cells(ends, max(rows - frame.other_rows, 1)) for ends in above)
-        frame = Frame(frame.title, frame.x_label, frame.x_numbers, True, left, frame.equal)
+        room = max(rows - frame.other_rows, 1)
+        left = max(label_cells(ends, room, decades=frame.y_decades) for ends in above)
+        frame = replace(frame, left=left)
     chart = Chart(columns, rows, x, y, frame)
     if panel is not None and chart.usable:
         for mark in sorted(panel.marks, key=layer):

@@ -57,7 +57,7 @@ def test_json_text_and_page_show_them(
     verdict = identification_report(result).sections[0]
     second = result.j4_orders[0].amplitude_um
     assert f"{second.value:.2f} ± {second.u:.2f} µm in order 2" in str(verdict)
-    report(str(tmp_path / "result.json"), tmp_path / "page.html")
+    report([str(tmp_path / "result.json")], tmp_path / "page.html")
     assert "What J4 adds to a distance" in (tmp_path / "page.html").read_text(encoding="utf-8")
 
 

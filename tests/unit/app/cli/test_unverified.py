@@ -44,7 +44,7 @@ async def test_no_command_uses_a_changed_run_unasked(tmp_path: Path) -> None:
     run = await changed(tmp_path / "runs")
     for command in (
         lambda: identify(run, unverified=False),
-        lambda: report(str(run), tmp_path / "page.html", None),
+        lambda: report([str(run)], tmp_path / "page.html", None),
         lambda: export(str(run), tmp_path / "points.csv", None, None),
         lambda: show(str(run), as_json=False),
     ):
@@ -60,7 +60,7 @@ async def test_a_result_keeps_what_speaks_against_its_run(
     result = identify(run, unverified=True)
     assert read_result(result).provenance.unverified == [f"{run.name}: {CHANGED}"]
     assert f"UNVERIFIED: {run.name}: {CHANGED}" in capsys.readouterr().err
-    report(str(result), tmp_path / "page.html", None)
+    report([str(result)], tmp_path / "page.html", None)
     assert "UNVERIFIED" in (tmp_path / "page.html").read_text(encoding="utf-8")
     export(str(result), tmp_path / "result-table.json", None, None)
     assert json.loads((tmp_path / "result-table.json").read_text())["unverified"]
@@ -76,7 +76,7 @@ async def test_a_sound_run_leaves_no_mark(tmp_path: Path) -> None:
 
 async def test_a_report_says_on_top_that_its_run_was_changed(tmp_path: Path) -> None:
     run = await changed(tmp_path)
-    report(str(run), tmp_path / "page.html", None, unverified=True)
+    report([str(run)], tmp_path / "page.html", None, unverified=True)
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert page.index(f"UNVERIFIED: {run.name}: {CHANGED}") < page.index("<main>")
 

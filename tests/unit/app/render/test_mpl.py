@@ -1,8 +1,10 @@
 """Figures drawn from data."""
 
+import numpy as np
+
 from catseye.app.render.mpl import drawn
 from catseye.app.render.palette import look_of
-from catseye.app.results.figures import Role
+from catseye.app.results.figures import Axis, Figure, Line, Panel, Role
 from tests.unit.app.render.reports import FIGURE
 
 
@@ -27,3 +29,19 @@ def test_panels_share_scales_that_hold_all_their_marks() -> None:
     assert upper.get_xlim() == left.get_xlim()
     assert left.get_ylim() == right.get_ylim()
     assert right.get_ylim()[1] >= 6.0
+
+
+def test_powers_of_ten_stand_at_an_axis_of_logarithms() -> None:
+    line = Line(np.array([-4.0, -1.0]), np.array([0.0, 1.0]), Role.PATH)
+    panel = Panel("", Axis("step", low=-4.2, high=-0.8, decades=True), Axis("y"), (line,))
+    figure = drawn(Figure("f", "f", "", ((panel,),)))
+    figure.canvas.draw()
+    axis = figure.axes[0].xaxis
+    low, high = axis.get_view_interval()
+    texts = {
+        text.get_text()
+        for at, text in zip(axis.get_majorticklocs(), axis.get_majorticklabels(), strict=True)
+        if low <= at <= high
+    }
+    assert texts == {"0.0001", "0.001", "0.01", "0.1"}
+    assert np.log10(0.002) in axis.get_minorticklocs()

@@ -115,3 +115,12 @@ def widened(dots: Bools) -> Bools:
         [room[1 + i : 1 + i + rows, 1 + j : 1 + j + columns] for i in (-1, 0, 1) for j in (-1, 0, 1)]
     )
     return found
+
+
+def test_powers_of_ten_stand_at_axes_of_logarithms() -> None:
+    frame = Frame("y", x_decades=True, y_decades=True)
+    chart = Chart(60, 23, (-4.0, -0.5), (-3.0, 0.0), frame)
+    lines = chart.canvas.plain()
+    for power, text in ((-3.0, "0.001"), (0.0, "1")):
+        assert lines[chart.cell(-4.0, power)[1]].lstrip().startswith(f"{text}┤")
+    assert {"0.0001", "0.001", "0.01", "0.1"} <= set(lines[-1].split())

@@ -1,0 +1,65 @@
+"""How tests and what they give are called in reports."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from catseye.app.results.numbers import NOTHING, Format, number
+from catseye.app.results.resolution.result import AnyTest, Direction, Unit
+
+UNIT_SIGNS: Final[dict[Unit, str]] = {"deg": "°", "mm": "mm"}
+STEP: Final = Format("significant", 2)
+"""A least step is known to a few steps of a series of 7 % each."""
+
+POSITION: Final = Format("plain")
+
+
+def with_unit(value: float | None, unit: Unit, form: Format = STEP) -> str:
+    """Return a length or an angle with its unit; a dash for none."""
+    text = number(value, form)
+    blank = "" if unit == "deg" else " "
+    return text if text == NOTHING else f"{text}{blank}{UNIT_SIGNS[unit]}"
+
+
+def direction_sign(direction: Direction | None) -> str:
+    """Return + or −, ± for both."""
+    return {1: "+", -1: "−", None: "±"}[direction]
+
+
+def least_step_text(test: AnyTest) -> str:
+    """Return the least step of a test with its interval: `0.0012° (0.0011° … 0.0014°)`; a dash for none."""
+    if test.lis is None:
+        return NOTHING
+    low, high = with_unit(test.lis.low, test.unit), with_unit(test.lis.high, test.unit)
+    return f"{with_unit(test.lis.value, test.unit)} ({low} … {high})"
+
+
+def place(test: AnyTest) -> str:
+    """Return joint and position of a test, direction and pose of a Cartesian one: `A1 at −175°`, `+X at P1`."""
+    if test.test == "cartesian":
+        name = f"{direction_sign(test.direction)}{test.joint}"
+        return name if test.pose is None else f"{name} at {test.pose}"
+    where = "" if test.position is None else f" at {with_unit(test.position, test.unit, POSITION)}"
+    return f"{test.joint}{where}"
+
+
+def title(test: AnyTest) -> str:
+    """Return what a figure of a test is called."""
+    if test.test == "cartesian" or test.direction is None:
+        return place(test)
+    return f"{place(test)}, {direction_sign(test.direction)}"
+
+
+def joints_of(tests: Sequence[AnyTest]) -> list[str]:
+    """Return the joints of tests in their first order."""
+    return list(dict.fromkeys(test.joint for test in tests))
+
+
+def named_positions(tests: Sequence[AnyTest], joint: str) -> list[tuple[str, float | None]]:
+    """Return where a joint was tested, upwards, with names: `K1 = −175°`; without a name where nothing is stated."""
+    own = [test for test in tests if test.joint == joint]
+    stated = sorted({test.position for test in own if test.position is not None})
+    named: list[tuple[str, float | None]] = [
+        (f"K{place} = {with_unit(position, own[0].unit, POSITION)}", position)
+        for place, position in enumerate(stated, 1)
+    ]
+    return [*named, ("", None)] if any(test.position is None for test in own) else named

@@ -1,0 +1,127 @@
+"""Reports of results of motion resolution."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from catseye.app.errors import UsageError
+from catseye.app.results.figures import Level, Line
+from catseye.app.results.model import Report, Sign, Statement
+from catseye.app.results.resolution.figures.least_steps import least_step_figure
+from catseye.app.results.resolution.figures.staircase import staircase_figure
+from catseye.app.results.resolution.figures.step_errors import step_error_figure
+from catseye.app.results.resolution.result import write_resolution
+from catseye.app.results.resolution.result_report import resolution_files_report
+from tests.unit.app.results.resolution.sample import sample_result
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "result.json"
+    write_resolution(sample_result(), path)
+    return path
+
+
+@pytest.fixture
+def report(file: Path) -> Report:
+    return resolution_files_report([file])
+
+
+def test_ideal_least_steps_are_those_of_the_paper(report: Report) -> None:
+    """Table 4 of the paper: 5.3e-6° for joint 1, 6.5e-6° for joint 5."""
+    rows = report.table("actuation").rows
+    assert [(row[0], round(float(str(row[3])), 1)) for row in rows] == [("A1", 5.3), ("A5", 6.5)]
+
+
+def test_least_steps_stand_by_joint_and_position(report: Report) -> None:
+    rows = report.table("least-steps").rows
+    assert [row[:2] for row in rows[:2]] == [("A1", "K1 = −175°"), ("A1", "K2 = −90°")]
+    assert rows[0][3:] == (
+        "0.0030° (0.0024° … 0.0045°)",
+        "0.00015° (0.00013° … 0.00019°)",
+        "0.00015° (0.00013° … 0.00019°)",
+    )
+    assert len(rows) == 8
+
+
+def test_a_reversal_without_a_change_of_sign_is_not_valid(report: Report) -> None:
+    rows = {(row[0], row[1]): row[4] for row in report.table("reversal").rows}
+    assert rows["A5", "−110°"] == "yes: valid"
+    assert rows["A5", "110°"] == "no: not valid"
+    signs = {one.text.partition(":")[0]: one.sign for one in report.statements() if "reversal" in one.text}
+    assert (signs["A5 at −110°"], signs["A5 at 110°"]) == (Sign.NEUTRAL, Sign.ATTENTION)
+
+
+def test_a_direction_without_a_least_step_says_why(report: Report) -> None:
+    expected = "+X at P2: no least step can be stated: no step kept within the threshold"
+    assert Statement(Sign.ATTENTION, expected) in report.statements()
+    assert report.table("cartesian").rows[0] == ("+X", "0.020 mm (0.016 mm … 0.026 mm)", "–")
+
+
+def test_methods_are_compared_by_their_own_durations(report: Report) -> None:
+    rows = {row[0]: row[1:] for row in report.table("methods").rows}
+    assert rows["duration of a test"] == ("2 min 35 s", "9 min 05 s")
+    assert rows["step sizes a test"] == ("1", "109")
+
+
+def test_the_certificate_states_the_worst_of_each_joint(report: Report) -> None:
+    rows = {row[0]: row[1:] for row in report.table("certificate").rows}
+    assert rows["A1"] == ("20", "0.00015° (0.00013° … 0.00019°)", "0.0030° (0.0024° … 0.0045°)", "0.0060°")
+    # Of A5 only the reversal error at −110° is valid.
+    assert rows["A5"][3] == "0.0047°"
+
+
+def test_a_report_of_emulated_devices_says_so(report: Report) -> None:
+    assert report.origin.simulated
+
+
+def test_results_of_several_arms_are_not_mixed(file: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other.json"
+    write_resolution(sample_result().model_copy(update={"arm": "IRB 120"}), other)
+    with pytest.raises(UsageError, match="of several arms: KR 210 R2700, IRB 120; make a report of each"):
+        resolution_files_report([file, other])
+
+
+def test_results_of_one_arm_are_shown_together(file: Path) -> None:
+    report = resolution_files_report([file, file])
+    assert report.title == "Motion resolution of KR 210 R2700"
+    assert [row[1] for row in report.table("certificate").rows[:2]] == ["40", "24"]
+
+
+def test_shipped_tests_are_marked(file: Path) -> None:
+    document = json.loads(file.read_text("utf-8"))
+    document["tests"][0]["shipped"] = True
+    file.write_text(json.dumps(document), "utf-8")
+    last = resolution_files_report([file]).statements()[-1]
+    assert last.sign is Sign.ATTENTION
+    assert last.text.endswith("say nothing about this arm: A1 at −175°, +")
+
+
+def test_plateaus_are_drawn_where_they_are() -> None:
+    test = next(test for test in sample_result().tests if test.test == "iso")
+    figure = staircase_figure(test)
+    assert figure is not None
+    panel = figure.rows[0][0]
+    assert panel is not None
+    plateaus = panel.marks[1]
+    assert isinstance(plateaus, Line)
+    assert plateaus.x[:2].tolist() == pytest.approx([2.7, 4.7])
+    assert np.isnan(plateaus.y[2::3]).all()
+
+
+def test_a_least_step_stands_upright_at_its_logarithm() -> None:
+    figure = step_error_figure("A1", sample_result().tests)
+    assert figure is not None
+    panel = figure.rows[0][0]
+    assert panel is not None
+    assert panel.x.decades
+    assert [mark.at for mark in panel.marks if isinstance(mark, Level) and mark.vertical] == pytest.approx(
+        [np.log10(1.5e-4)] * 2
+    )
+
+
+def test_a_joint_at_one_position_has_no_figure_over_positions() -> None:
+    tests = [test for test in sample_result().tests if test.joint == "A1" and test.position == 0.0]
+    assert least_step_figure("A1", tests) is None
