@@ -6,8 +6,9 @@ from typing import Protocol
 
 from catseye.simulators.config import EmulationConfig
 from catseye.simulators.world.air_probe import AirProbe
-from catseye.simulators.world.bench import Bench, Instrument
+from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.door import Door
+from catseye.simulators.world.instrument import Instrument
 from catseye.simulators.world.journal import Journal
 from catseye.simulators.world.timekeeper import TimeKeeper
 

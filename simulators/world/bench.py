@@ -9,7 +9,6 @@ from catseye.simulators.errors import BenchError
 from catseye.simulators.world.air import Air, AirSample
 from catseye.simulators.world.arm import Arm
 from catseye.simulators.world.beam import Beam
-from catseye.simulators.world.counter import Reading
 from catseye.simulators.world.motion import SHORTEST
 from catseye.simulators.world.optics import NOBODY, Reflectors
 from catseye.simulators.world.types import Floats, TrueState
@@ -264,37 +263,6 @@ class Bench:
     def _restart_looks(self) -> None:
         self.beam.plan_looks()
         self._arrived = not self.moving
-
-
-class Instrument:
-    """One emulated instrument's length counter; several look along the same beam."""
-
-    def __init__(self, bench: Bench) -> None:
-        self.bench = bench
-        self._counter = bench.beam.new_counter()
-
-    @property
-    def beam_lost(self) -> bool:
-        """The latch of this instrument."""
-        return self._counter.beam_lost
-
-    @property
-    def break_count(self) -> int:
-        """Breaks of the beam so far."""
-        return self._counter.break_count
-
-    @property
-    def overspeed_count(self) -> int:
-        """How often the beam's length changed too fast so far."""
-        return self._counter.overspeed_count
-
-    def read(self) -> Reading:
-        """Return one reading at this moment."""
-        return self.bench.beam.read(self._counter)
-
-    def zero(self) -> bool:
-        """Zero the count; False when it refuses because no beam returns."""
-        return self.bench.beam.zero(self._counter)
 
 
 def _listed(joints: Joints) -> str:
