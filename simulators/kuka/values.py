@@ -122,7 +122,7 @@ def parsed(text: str, old: Value) -> Value:
 
 def single(value: float) -> float:
     """Return a number as a REAL of the controller keeps it: 32 bits."""
-    return float(struct.unpack("f", struct.pack("f", value))[0])
+    return float(struct.unpack("<f", struct.pack("<f", value))[0])
 
 
 def real_of(text: str) -> float:
@@ -151,8 +151,7 @@ def _real_text(value: float) -> str:
     if not math.isfinite(kept):
         return str(kept)
     digits = next(n for n in range(1, 10) if single(float(f"{kept:.{n}g}")) == kept)
-    text = f"{kept:.{digits}g}"
-    return text if "." in text or "e" in text else f"{text}.0"
+    return repr(float(f"{kept:.{digits}g}"))
 
 
 def e6axis(values: tuple[float, ...]) -> Structure:
