@@ -22,6 +22,8 @@ class SerialBench(TimedBench):
         beam: of the interferometer beside the arm.
     """
 
+    beam: ArmBeam
+
     def __init__(self, plant: DrivenArm, config: EmulationConfig, on_event: OnEvent | None = None) -> None:
         super().__init__(config)
         self.plant = plant
