@@ -1,7 +1,10 @@
 """Arms of the bench for tests, from the shipped descriptions."""
 
+import json
+
 from catseye.app.cell.arm import RevoluteJoint, shipped_arm
-from catseye.simulators.config import SerialArm, SerialJoint, SerialLoad
+from catseye.simulators.config import SerialArm, SerialJoint, SerialLoad, TruthText
+from catseye.simulators.world.serial.truth import FORMAT, ArmTruth, JointTruth, joint_truth_document
 
 TOOL = SerialLoad(6, 20.0, (0.0, 0.0, 145.0))
 """A gripper on the flange, of which the paper says no more than that there is one."""
@@ -35,3 +38,30 @@ def serial_arm(name: str, *more: SerialLoad) -> SerialArm:
         for xyz in [(link.centre_mm[0], link.centre_mm[1], link.centre_mm[2])]
     )
     return SerialArm(described.name, joints, (*loads, *more))
+
+
+def exact_truth(arm: SerialArm) -> TruthText:
+    """Return the document of drivetrains without friction, play, torsion, scatter and noise."""
+    joints = tuple(
+        JointTruth(
+            name=joint.name,
+            stiffness_nm_per_deg=1e15,
+            play_deg=0.0,
+            engagement_nm=1.0,
+            link_friction_nm=0.0,
+            friction_waviness=0.0,
+            presliding_deg=1.0,
+            creep=0.0,
+            motor_friction_nm=0.0,
+            static_friction_nm=0.0,
+            servo_nm_per_deg=1.0,
+            stop_scatter_deg=0.0,
+            stop_window_deg=0.0,
+            encoder_noise_counts=0.0,
+            encoder_error_deg=0.0,
+            ringing_s=0.0,
+        )
+        for joint in arm.joints
+    )
+    document = joint_truth_document(ArmTruth(format=FORMAT, joints=joints))
+    return TruthText(json.dumps(document).encode(), "exact.json")
