@@ -30,7 +30,9 @@ def poses_table(units: Sequence[Unit]) -> TableRule:
     """Return what a file of poses may hold: `q1_deg` … of an arm with joints of these units."""
     form = tuple(ColumnRule(f"q{number}_{unit}", unit=unit) for number, unit in enumerate(units, 1))
     names = ",".join(column.name for column in form)
-    return TableRule("poses", "a pose and its joints", (form,), source=f"a file with the columns pose,{names}")
+    return TableRule(
+        "poses", "a pose and its joints", (form,), source=f"a file with the columns pose,{names}"
+    )
 
 
 def read_poses(path: Path, units: Sequence[Unit]) -> NamedPoses:

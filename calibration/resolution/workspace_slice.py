@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -11,7 +12,6 @@ from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.kinematics.chain import Chain
 from catseye.calibration.kinematics.inverse import inverse_kinematics
-from typing import Literal
 
 AxisName = Literal["x", "y", "z"]
 
@@ -34,7 +34,9 @@ class SliceAxis:
         require_finite([self.low_mm, self.high_mm], "ends of the slice")
         require_count(self.count, "points of the slice", 2)
         if not self.low_mm < self.high_mm:
-            raise ArgumentError(f"the slice goes from {self.low_mm:g} to {self.high_mm:g} mm: state the smaller first")
+            raise ArgumentError(
+                f"a slice from {self.low_mm:g} to {self.high_mm:g} mm: state the smaller end first"
+            )
 
 
 @dataclass(frozen=True)
@@ -69,7 +71,7 @@ def slice_points(
     tip = chain.flange(pose[None])[0] @ (np.eye(4) if tool is None else tool)
     lines = [
         np.linspace(axis.low_mm, axis.high_mm, axis.count) if (axis := axes.get(name)) else [float(tip[k, 3])]
-        for k, name in enumerate(("x", "y", "z"))
+        for k, name in enumerate(get_args(AxisName))
     ]
     places = np.array(list(product(*lines)))
     targets = np.repeat(tip[None], len(places), axis=0)

@@ -26,7 +26,8 @@ Tool = Annotated[
 ]
 Target = Annotated[str | None, typer.Option(help="of the tool, where it has several")]
 Reversal = Annotated[
-    bool, typer.Option("--reversal", help="joints that reverse, by the pose before, lose their reversal error")
+    bool,
+    typer.Option("--reversal", help="joints that reverse, by the pose before, lose their reversal error"),
 ]
 Draws = Annotated[int, typer.Option(min=40, max=100_000, help="runs that are simulated")]
 Seed = Annotated[int, typer.Option(min=0, help="of the draws")]
@@ -40,7 +41,7 @@ Slice = Annotated[
     typer.Option(
         "--map",
         metavar="SLICE",
-        help="a grid instead of the poses, with the first one's orientation: x=800:2000:7,z=500:2000:6 (mm:mm:points)",
+        help="a grid instead of the poses, oriented as the first: x=800:2000:7,z=500:2000:6 (mm:mm:points)",
     ),
 ]
 
@@ -99,7 +100,7 @@ def predict_resolution(
         finally:
             bar.close()
     prediction.write_predicted_steps(rows, output)
-    report = prediction.prediction_report(description.name, rows, tables)
+    report = prediction.prediction_report(description, rows, tables)
     if as_json:
         write_json({"output": str(output), **prediction.prediction_document(rows).json_object()})
     else:
@@ -114,7 +115,9 @@ def _description(arm: str) -> "ArmDescription":
     try:
         return arm_description(arm)
     except ValueError as error:
-        raise UsageError(f"--arm {arm}: {error}; or give the path of a description, ending with .toml") from error
+        raise UsageError(
+            f"--arm {arm}: {error}; or give the path of a description, ending with .toml"
+        ) from error
 
 
 def _tool_frame(tool: Path | None, target: str | None) -> "Floats | None":

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
@@ -11,7 +12,7 @@ from catseye.app.cell.arm import ArmDescription
 from catseye.app.cell.serial_arm import chain_of
 from catseye.app.cluster.share import Share, map_quick
 from catseye.app.files.atomic import write_atomically
-from catseye.app.files.csv_text import csv_text
+from catseye.app.files.csv_text import OwnWord, csv_text
 from catseye.app.files.poses import NamedPoses
 from catseye.app.results.document import Document
 from catseye.app.results.model import Column, Report, Sign, Statement, Table, section
@@ -92,7 +93,7 @@ def places_of(poses: NamedPoses, *, reversal: bool) -> list[Place]:
     A joint that did not move keeps its sense; before it first moves nobody knows it.
     """
     senses = np.sign(np.diff(poses.joints, axis=0, prepend=poses.joints[:1])).astype(np.int64)
-    for before, after in zip(senses[:-1], senses[1:], strict=True):
+    for before, after in pairwise(senses):
         after[after == 0] = before[after == 0]
     return [
         Place(name, joints, sense if reversal else None)
@@ -161,8 +162,11 @@ def write_predicted_steps(rows: Sequence[PredictedDirection], output: Path) -> N
         [
             row.place.name,
             *(f"{value:.6g}" for value in (() if row.place.tcp_mm is None else row.place.tcp_mm)),
-            row.direction,
-            *("" if value is None else f"{value:.6g}" for value in (row.least.lis, row.least.low, row.least.high)),
+            OwnWord(row.direction),
+            *(
+                "" if value is None else f"{value:.6g}"
+                for value in (row.least.lis, row.least.low, row.least.high)
+            ),
             unit_of(row.direction),
             row.least.reason,
         ]
@@ -220,7 +224,7 @@ def prediction_report(arm: ArmDescription, rows: Sequence[PredictedDirection], t
     statements = [
         Statement(
             Sign.NEUTRAL,
-            f"{arm.name}: {len(rows) - len(open_rows)} of {counted(len(rows), 'least step')} predicted with {tables}.",
+            f"{arm.name}: {len(rows) - len(open_rows)} of {counted(len(rows), 'direction')} predicted with {tables}.",
         )
     ]
     if open_rows:

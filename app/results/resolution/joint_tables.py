@@ -1,7 +1,7 @@
 """TABLES CSV: look-up tables of joint step errors, written and read."""
 
 from collections.abc import Iterator, Sequence
-from itertools import groupby
+from itertools import groupby, pairwise
 from pathlib import Path
 from typing import Final
 
@@ -38,7 +38,7 @@ TABLES: Final = TableRule(
     ),
     source="tables of catseye resolution-model",
 )
-"""Of a joint that slides deg stands for mm. What may be empty or missing, reversal and u of the mean, is read apart."""
+"""deg stands for mm of a joint that slides. What may be missing, reversal and u of the mean, is read apart."""
 
 
 def write_joint_tables(tables: Sequence[JointTable], output: Path) -> None:
@@ -103,7 +103,7 @@ def _require_once(
     rows: Sequence[CsvRow], order: Sequence[int], keys: Sequence[tuple[str, int]], numbers: Floats
 ) -> None:
     """Refuse a step that stands twice, and a negative standard deviation, which would be one of nothing."""
-    for before, after in zip(order[:-1], order[1:], strict=True):
+    for before, after in pairwise(order):
         if keys[before] == keys[after] and (numbers[before, :2] == numbers[after, :2]).all():
             line = rows[min(before, after)].line
             raise rows[max(before, after)].fault(f"stands on line {line} already: keep one of them")

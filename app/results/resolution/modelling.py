@@ -78,7 +78,7 @@ def model_arm(
         tuple(enough),
         tuple(tables),
         any(result.provenance is not None and result.provenance.simulated for _, result in results),
-        tuple([*_shipped(results), *_warnings(few, tables)]),
+        (*_shipped(results), *_warnings(few, tables)),
     )
 
 
@@ -134,7 +134,9 @@ def _shipped(results: Sequence[tuple[Path, ResolutionResult]]) -> list[str]:
     shipped = sum(test.shipped for _, result in results for test in result.tests)
     if not shipped:
         return []
-    return [f"{counted(shipped, 'test')} shipped with the program: the tables are not those of your arm alone"]
+    return [
+        f"{counted(shipped, 'test')} shipped with the program: the tables are not those of your arm alone"
+    ]
 
 
 def _warnings(few: Sequence[JointData], tables: Sequence[JointTable]) -> list[str]:
@@ -149,7 +151,9 @@ def _warnings(few: Sequence[JointData], tables: Sequence[JointTable]) -> list[st
         )
     alone = {table.joint for table in tables if len(table.sectors) == 1}
     if alone:
-        texts.append(f"{listed(sorted(alone), 8)} tested at one position: the tables serve poses within 1 of it only")
+        texts.append(
+            f"{listed(sorted(alone), 8)} tested at one position: the tables serve poses within 1 of it only"
+        )
     return texts
 
 
@@ -225,9 +229,14 @@ def model_report(modelled: ModelledArm) -> Report:
         origin_now(simulated=modelled.simulated),
         (
             section(
-                "verdict", "Verdict", [Statement(Sign.ATTENTION, f"{t}.") for t in modelled.warnings], brief=True
+                "verdict",
+                "Verdict",
+                [Statement(Sign.ATTENTION, f"{t}.") for t in modelled.warnings],
+                brief=True,
             ),
-            section("models", "Models", [Table("models", "Step errors of joints", columns, rows)], brief=True),
+            section(
+                "models", "Models", [Table("models", "Step errors of joints", columns, rows)], brief=True
+            ),
         ),
     )
 
