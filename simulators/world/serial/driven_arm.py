@@ -78,12 +78,14 @@ class DrivenArm:
 
     Attributes:
         names: of the joints.
+        motions_begun: number of motions so far.
         screws: geometry of the arm.
     """
 
     def __init__(self, arm: SerialArm, truths: Sequence[JointTruth], start: Joints, seed: int) -> None:
         self.names = tuple(joint.name for joint in arm.joints)
         self.screws = ScrewArm(arm.joints, arm.loads)
+        self.motions_begun = 0
         self._truths = tuple(truths)
         self._dynamics = ArmDynamics(
             tuple(joint.speed for joint in arm.joints), tuple(joint.acceleration for joint in arm.joints)
@@ -166,6 +168,7 @@ class DrivenArm:
         return self._stretches[max(0, bisect_right(starts_s, time_s) - 1)]
 
     def _begin(self, motion: Motion) -> None:
+        self.motions_begun += 1
         before = self._stretch_at(motion.start_s)
         start = _row(self._at(before, np.array([motion.start_s])), 0)
         speeds = np.abs(motion.slopes).max(axis=0) * motion.profile.speed
