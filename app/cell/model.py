@@ -55,6 +55,8 @@ class Robot(ScaraRobot):
     datalink_endpoint: str | None = None
     mxt_endpoint: str | None = None
     settings: Settings = Field(default_factory=dict)
+    # Path of the description of what the flange carries.
+    tool: str | None = None
     # A controller that drives another arm calls itself otherwise; only of the one described first is it known how.
     expected_model: str = Field(default_factory=_usual_model)
     override_cap_percent: Annotated[float, Field(ge=1.0, le=100.0, allow_inf_nan=False)] = 20.0

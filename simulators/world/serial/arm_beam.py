@@ -48,7 +48,7 @@ class ArmBeam(CountedBeam):
         self._arm = arm
         self._optics = optics = config.arm_optics
         rng = np.random.default_rng([config.seed, 22])
-        self.spacing_mm = optics.spacing_mm * float(1.0 + optics.spacing_relative_u * rng.standard_normal())
+        self.spacing_mm = optics.spacing_mm + optics.u_spacing_mm * float(rng.standard_normal())
         self.mounting: Mounting | None = None
         self._tilts_rad: Floats = np.zeros(2)
         self._tripod_rad = Wander(rng, 1e-6 * optics.tripod_urad, (120.0, 3600.0))
