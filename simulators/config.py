@@ -248,7 +248,7 @@ class ArmOptics:
 
     Attributes:
         spacing_mm: nominal distance of the two prisms of the angular retroreflector.
-        spacing_relative_u: standard deviation of the true distance; half of the 0.2 % that the paper's accuracy has.
+        u_spacing_mm: standard deviation of the true distance.
         target_mm: place of the linear retroreflector in the frame of the flange.
         distance_mm: from interferometer to retroreflector when it is mounted: the dead path.
         angle_limit_deg: rotation of a well placed retroreflector at which the signal is lost.
@@ -264,7 +264,7 @@ class ArmOptics:
     """
 
     spacing_mm: float = 30.0
-    spacing_relative_u: float = 1e-3
+    u_spacing_mm: float = 0.01
     target_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     distance_mm: float = 250.0
     angle_limit_deg: float = 10.0

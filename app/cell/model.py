@@ -43,8 +43,7 @@ def _checked_further(text: str | None) -> str | None:
     return None if text is None else _checked_endpoint(text)
 
 
-def _usual_model(stated: dict[str, Any]) -> str:
-    return "RH-3FRH5515" if stated.get("arm") == "rh-3frh5515" else ""
+_DEFAULT_ARM: Final = ScaraRobot.model_fields["arm"].default
 
 
 class Robot(ScaraRobot):
@@ -55,8 +54,9 @@ class Robot(ScaraRobot):
     datalink_endpoint: str | None = None
     mxt_endpoint: str | None = None
     settings: Settings = Field(default_factory=dict)
-    # A controller that drives another arm calls itself otherwise; only of the one described first is it known how.
-    expected_model: str = Field(default_factory=_usual_model)
+    # Path of the description of what the flange carries.
+    tool: str | None = None
+    expected_model: str = "RH-3FRH5515"
     override_cap_percent: Annotated[float, Field(ge=1.0, le=100.0, allow_inf_nan=False)] = 20.0
     override_cap_reason: str = ""
     # Only where set points are streamed: the fastest joint on the way from node to node.
@@ -70,6 +70,14 @@ class Robot(ScaraRobot):
         """Endpoints of connections for paths, by their keys."""
         given = {"datalink_endpoint": self.datalink_endpoint, "mxt_endpoint": self.mxt_endpoint}
         return {key: endpoint for key, endpoint in given.items() if endpoint is not None}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _model_of_another_arm(cls, data: Any) -> Any:
+        """How a controller calls itself is known of the default's arm only; of others any name will do."""
+        if isinstance(data, dict) and data.get("arm", _DEFAULT_ARM) != _DEFAULT_ARM:
+            return {"expected_model": "", **data}
+        return data
 
     _endpoint = field_validator("endpoint")(_checked_endpoint)
     _further = field_validator("datalink_endpoint", "mxt_endpoint")(_checked_further)
@@ -165,6 +173,23 @@ class Tracker(Section):
         return {}
 
 
+class AngularOptics(Section):
+    """[angular_optics]: angular interferometer and retroreflector, for the motion resolution of joints."""
+
+    # Distance of the retroreflector's two prisms: the baseline of the angle.
+    spacing_mm: Positive
+    u_spacing_mm: NotNegative = 0.01
+    distance_mm: Positive = 250.0
+    signal_min: Annotated[float, Field(ge=0.0, le=1.0, allow_inf_nan=False)] = 0.5
+
+
+class LinearOptics(Section):
+    """[linear_optics]: linear interferometer and retroreflector, for the Cartesian resolution."""
+
+    distance_mm: Positive = 250.0
+    signal_min: Annotated[float, Field(ge=0.0, le=1.0, allow_inf_nan=False)] = 0.5
+
+
 class Conditions(Section):
     """[conditions]: the air in which a measurement goes on; outside of it the run is suspended."""
 
@@ -203,6 +228,8 @@ class Cell(Section):
     io: Io | None = None
     material: Material | None = None
     tracker: Tracker | None = None
+    angular_optics: AngularOptics | None = None
+    linear_optics: LinearOptics | None = None
     device: list[FurtherDevice] = Field(default_factory=list)
     optics: Optics = Optics()
     alignment: Alignment = Alignment()

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Final
 
 _SCARA: Final = "catseye.app.cli.scara"
+_RESOLUTION: Final = "catseye.app.cli.resolution"
 
 
 @dataclass(frozen=True)
@@ -13,7 +14,7 @@ class Command:
 
     Attributes:
         summary: the first line of its own docstring.
-        package: holds a module of the command's name, which declares it.
+        package: holds a module of the command's name, hyphens as underscores, which declares it.
     """
 
     summary: str
@@ -68,6 +69,12 @@ COMMANDS: Final[Mapping[str, Command]] = {
         _SCARA,
     ),
     "design": Command("Find where to put the reflectors and which commands to use.", _SCARA),
+    "resolution-model": Command(
+        "Make look-up tables of step errors from results of motion resolution.", _RESOLUTION
+    ),
+    "predict-resolution": Command(
+        "Predict the smallest steps of the tool at poses, from look-up tables of its joints.", _RESOLUTION
+    ),
     "report": Command(
         "Write one self-contained HTML page about a run or a result, or about several results of motion resolution."
     ),

@@ -6,9 +6,17 @@ from pathlib import Path
 from catseye.app.cell.arm import ArmDescription, Joint, arm_description
 from catseye.app.cell.model import Cell
 from catseye.app.cell.serial_arm import loads_of
+from catseye.app.cell.tool import ToolDescription, read_tool
 from catseye.app.files.documents import read_document
 from catseye.app.service.emulation import emulated_devices
-from catseye.simulators.config import EmulationConfig, SerialArm, SerialJoint, SerialLoad, TruthText
+from catseye.simulators.config import (
+    ArmOptics,
+    EmulationConfig,
+    SerialArm,
+    SerialJoint,
+    SerialLoad,
+    TruthText,
+)
 
 
 def serial_emulation_config(cell: Cell, speed: float, seed: int, truth: Path | None) -> EmulationConfig:
@@ -21,9 +29,10 @@ def serial_emulation_config(cell: Cell, speed: float, seed: int, truth: Path | N
         truth: JSON with the true arm; None draws one.
 
     Raises:
-        ConfigError: an endpoint cannot be emulated, or the file with the true arm cannot be read.
+        ConfigError: an endpoint cannot be emulated, or the file with the tool or the true arm cannot be read.
     """
-    arm = serial_arm_of(arm_description(cell.robot.arm))
+    tool = None if cell.robot.tool is None else read_tool(Path(cell.robot.tool))
+    arm = serial_arm_of(arm_description(cell.robot.arm), tool)
     return EmulationConfig(
         serial=arm,
         limits=tuple((joint.low, joint.high) for joint in arm.joints),
@@ -32,14 +41,30 @@ def serial_emulation_config(cell: Cell, speed: float, seed: int, truth: Path | N
         control="tcp://127.0.0.1:0" if cell.tracker is None else cell.tracker.endpoint,
         speed=speed,
         seed=seed,
+        arm_optics=_optics(cell, tool),
         truth=None if truth is None else TruthText(read_document(truth), str(truth)),
     )
 
 
-def serial_arm_of(description: ArmDescription) -> SerialArm:
-    """Return an arm as the emulation takes it."""
-    loads = tuple(SerialLoad(load.frame, load.mass_kg, load.centre_mm) for load in loads_of(description))
+def serial_arm_of(description: ArmDescription, tool: ToolDescription | None = None) -> SerialArm:
+    """Return an arm with its tool as the emulation takes it."""
+    loads = tuple(
+        SerialLoad(load.frame, load.mass_kg, load.centre_mm) for load in loads_of(description, tool)
+    )
     return SerialArm(description.name, tuple(map(_joint, description.joint)), loads)
+
+
+def _optics(cell: Cell, tool: ToolDescription | None) -> ArmOptics:
+    """Return the optics of a cell; the linear retroreflector sits at the first target of the tool, or on the flange."""
+    optics = ArmOptics()
+    if cell.angular_optics is not None:
+        angular = cell.angular_optics
+        optics = replace(optics, spacing_mm=angular.spacing_mm, u_spacing_mm=angular.u_spacing_mm)
+    if cell.linear_optics is not None:
+        optics = replace(optics, distance_mm=cell.linear_optics.distance_mm)
+    if tool is not None and tool.target:
+        optics = replace(optics, target_mm=tool.place_mm(tool.target[0].name))
+    return optics
 
 
 def _joint(joint: Joint) -> SerialJoint:

@@ -48,7 +48,7 @@ class ArmBeam(CountedBeam):
         self._arm = arm
         self._optics = optics = config.arm_optics
         rng = np.random.default_rng([config.seed, 22])
-        self.spacing_mm = optics.spacing_mm * float(1.0 + optics.spacing_relative_u * rng.standard_normal())
+        self.spacing_mm = optics.spacing_mm + optics.u_spacing_mm * float(rng.standard_normal())
         self.mounting: Mounting | None = None
         self._tilts_rad: Floats = np.zeros(2)
         self._tripod_rad = Wander(rng, 1e-6 * optics.tripod_urad, (120.0, 3600.0))
@@ -142,8 +142,7 @@ class ArmBeam(CountedBeam):
         return self._arm.links_deg(np.array([self._now()]))
 
     def _frames(self, joint: int, times_s: Floats) -> Floats:
-        frames: Floats = self._arm.screws.frames(self._arm.links_deg(times_s)[:, :joint])[:, joint]
-        return frames
+        return self._arm.screws.last_frame(self._arm.links_deg(times_s)[:, :joint])
 
     def _drift_mm(self, times_s: Floats) -> Floats:
         """Return what tripods and air add: to the angular optics, whose beams share them, their difference alone."""

@@ -12,6 +12,7 @@ from catseye.app.engine.instruments import robot_settings
 from catseye.app.service.emulated_arm import emulation_config
 from catseye.drivers.kuka.robot import KukaVarproxy
 from catseye.drivers.roles.clock import SystemClock
+from catseye.simulators.config import SerialLoad
 from catseye.simulators.emulated_bench import served_bench
 
 EXAMPLE = Path(__file__).parents[4] / "docs" / "examples" / "kuka.toml"
@@ -38,6 +39,41 @@ def test_a_kuka_moves_the_arm_of_its_description() -> None:
     # Masses of the shipped description: four links behind the base.
     assert [load.frame for load in config.serial.loads] == [0, 1, 2, 3, 4]
     assert config.start_joints[1] == -72.5
+
+
+TOOL = """
+format = "catseye-tool/1"
+name = "gripper"
+mass_kg = 20.0
+centre_mm = [0.0, 0.0, 145.0]
+[[target]]
+name = "retroreflector"
+x_mm = 10.0
+y_mm = 20.0
+z_mm = 300.0
+"""
+
+
+def test_the_tool_loads_the_flange_and_carries_the_retroreflector(tmp_path: Path) -> None:
+    (tmp_path / "gripper.toml").write_text(TOOL)
+    cell = tmp_path / "cell.toml"
+    cell.write_text(LEAST + 'tool = "gripper.toml"\n')
+    config = emulation_config(load_cell(cell).cell, 1.0, 0, None)
+    assert config.serial is not None
+    assert config.serial.loads[-1] == SerialLoad(6, 20.0, (0.0, 0.0, 145.0))
+    assert config.arm_optics.target_mm == (10.0, 20.0, 300.0)
+
+
+def test_emulated_optics_are_those_of_the_cell() -> None:
+    sections = """
+[angular_optics]
+spacing_mm = 31.5
+u_spacing_mm = 0.02
+[linear_optics]
+distance_mm = 400.0
+"""
+    optics = emulation_config(Cell.model_validate(tomllib.loads(LEAST + sections)), 1.0, 0, None).arm_optics
+    assert (optics.spacing_mm, optics.u_spacing_mm, optics.distance_mm) == (31.5, 0.02, 400.0)
 
 
 def test_a_melfa_moves_a_scara() -> None:

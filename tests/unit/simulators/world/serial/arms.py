@@ -1,9 +1,11 @@
 """Arms of the bench for tests, from the shipped descriptions."""
 
 import json
+from dataclasses import replace
 
-from catseye.app.cell.arm import RevoluteJoint, shipped_arm
-from catseye.simulators.config import SerialArm, SerialJoint, SerialLoad, TruthText
+from catseye.app.cell.arm import shipped_arm
+from catseye.app.service.serial.emulation import serial_arm_of
+from catseye.simulators.config import SerialArm, SerialLoad, TruthText
 from catseye.simulators.world.serial.truth import FORMAT, ArmTruth, JointTruth, joint_truth_document
 
 TOOL = SerialLoad(6, 20.0, (0.0, 0.0, 145.0))
@@ -12,32 +14,8 @@ TOOL = SerialLoad(6, 20.0, (0.0, 0.0, 145.0))
 
 def serial_arm(name: str, *more: SerialLoad) -> SerialArm:
     """Return a shipped arm, with further loads."""
-    described = shipped_arm(name)
-    names = [joint.name for joint in described.joint]
-    joints = tuple(
-        SerialJoint(
-            name=joint.name,
-            prismatic=False,
-            alpha_deg=joint.alpha_deg,
-            a_mm=joint.a_mm,
-            theta_offset_deg=joint.theta_offset_deg,
-            d_mm=joint.d_mm,
-            sign=joint.sign,
-            low=joint.low_deg,
-            high=joint.high_deg,
-            speed=joint.speed,
-            gear_ratio=joint.gear_ratio,
-            encoder_bits=joint.encoder_bits,
-        )
-        for joint in described.joint
-        if isinstance(joint, RevoluteJoint)
-    )
-    loads = tuple(
-        SerialLoad(0 if link.joint in {None, "base"} else names.index(str(link.joint)) + 1, link.mass_kg, xyz)
-        for link in described.link
-        for xyz in [(link.centre_mm[0], link.centre_mm[1], link.centre_mm[2])]
-    )
-    return SerialArm(described.name, joints, (*loads, *more))
+    arm = serial_arm_of(shipped_arm(name))
+    return replace(arm, loads=(*arm.loads, *more))
 
 
 def exact_truth(arm: SerialArm) -> TruthText:

@@ -17,7 +17,7 @@ ARM = serial_arm("kr210-r2700", TOOL)
 TRUTHS = draw_joint_truth(ARM, 3).joints
 START = (0.0, -90.0, 90.0, 0.0, 0.0, 0.0)
 STILL = ArmOptics(tripod_urad=0.0, tripod_um=0.0, turbulence_nm=0.0, noise_nm=0.0, resolution_nm=0.0)
-PERFECT = replace(STILL, spacing_relative_u=0.0, hand_tilt_mrad=0.0)
+PERFECT = replace(STILL, u_spacing_mm=0.0, hand_tilt_mrad=0.0)
 
 
 class Stand:
@@ -76,8 +76,8 @@ def test_angular_optics_count_as_the_joint_does() -> None:
 
 def test_true_spacing_differs_from_the_nominal_within_its_uncertainty() -> None:
     spacings = [Stand(ArmOptics(), seed).beam.spacing_mm for seed in range(200)]
-    assert np.mean(spacings) == pytest.approx(30.0, abs=0.008)
-    assert np.std(spacings) == pytest.approx(0.03, rel=0.2)
+    assert np.mean(spacings) == pytest.approx(30.0, abs=0.003)
+    assert np.std(spacings) == pytest.approx(0.01, rel=0.2)
 
 
 def test_a_joint_that_carries_nothing_shows_nothing() -> None:
