@@ -143,9 +143,9 @@ def _require_clear(misfit: Floats, best: int, dwells: Floats, offsets: Floats, m
     if others[second] - misfit[best] > _CLEAR * misfit[best] / max(len(moves) - 1, 1):
         return
     raise ClockError(
-        f"the moves fit the recording at an offset of {offsets[best]:.2f} s and as well at {offsets[second]:.2f} s, "
-        f"{abs(dwells[second]):.1f} dwells away: the offset is ambiguous; record from the standstill before the first "
-        "move until after the last one, or correct the times of the moves"
+        f"the moves fit the recording at an offset of {offsets[best]:.2f} s and as well at "
+        f"{offsets[second]:.2f} s, {abs(dwells[second]):.1f} dwells away: the offset is ambiguous; record from the "
+        "standstill before the first move until after the last one, or correct the times of the moves"
     )
 
 

@@ -81,7 +81,7 @@ def test_without_a_change_of_sign_it_is_never_valid() -> None:
         assert [flag.kind for flag in one.flags] == ["torque"]
 
 
-def test_a_torque_in_its_noise_is_seldom_a_change_of_sign() -> None:
+def test_a_torque_in_its_noise_seldom_changes_sign() -> None:
     assert sum(bool(found(torque=traced(0.0, 0.0, 0.4, seed)).valid) for seed in range(100)) <= 1
 
 
