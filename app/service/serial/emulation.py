@@ -55,7 +55,7 @@ def serial_arm_of(description: ArmDescription, tool: ToolDescription | None = No
 
 
 def _optics(cell: Cell, tool: ToolDescription | None) -> ArmOptics:
-    """Return the optics of a cell; the linear retroreflector sits at the first target of the tool, or on the flange."""
+    """Return the optics of a cell; the linear retroreflector sits at the tool's first target, or on the flange."""
     optics = ArmOptics()
     if cell.angular_optics is not None:
         angular = cell.angular_optics
