@@ -1,5 +1,7 @@
 """What the control port shows and does of a bench with a KUKA."""
 
+import math
+
 import pytest
 
 from catseye.simulators.control_port.messages import (
@@ -23,12 +25,17 @@ def test_the_arms_state_is_shown() -> None:
     assert (state.joints, state.moving, state.servo, state.alarm) == (UPRIGHT, False, True, 0)
 
 
-def test_a_tracker_sees_the_flange() -> None:
+def test_a_tracker_sees_the_flange_in_a_frame_of_its_own() -> None:
     bench = kuka_bench()
-    seen = carry_out(Track(), bench.reach)
-    assert isinstance(seen, TrackedPlace)
-    x, y = (float(bench.controller.variables.read(f"$POS_ACT.{axis}")) for axis in "XY")
-    assert (seen.x_mm, seen.y_mm) == pytest.approx((x, y), abs=6.0 * seen.u_mm + 1e-3)
+    seen, places = [], []
+    for a1_deg in (0.0, 30.0):
+        bench.bench.move_to((a1_deg, *UPRIGHT[1:]), 1.0)
+        bench.bench.advance(5.0)
+        tracked = carry_out(Track(), bench.reach)
+        assert isinstance(tracked, TrackedPlace)
+        seen.append((tracked.x_mm, tracked.y_mm))
+        places.append([float(bench.controller.variables.read(f"$POS_ACT.{axis}")) for axis in "XY"])
+    assert math.dist(*seen) == pytest.approx(math.dist(*places), abs=10.0 * tracked.u_mm)
 
 
 def test_the_panel_is_pressed_through_the_port() -> None:
