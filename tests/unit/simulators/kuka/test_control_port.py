@@ -25,7 +25,7 @@ def test_the_arms_state_is_shown() -> None:
     assert (state.joints, state.moving, state.servo, state.alarm) == (UPRIGHT, False, True, 0)
 
 
-def test_a_tracker_sees_the_flange_in_a_frame_of_its_own() -> None:
+def test_a_tracker_sees_the_flange_in_its_frame() -> None:
     bench = kuka_bench()
     seen, places = [], []
     for a1_deg in (0.0, 30.0):
@@ -35,7 +35,7 @@ def test_a_tracker_sees_the_flange_in_a_frame_of_its_own() -> None:
         assert isinstance(tracked, TrackedPlace)
         seen.append((tracked.x_mm, tracked.y_mm))
         places.append([float(bench.controller.variables.read(f"$POS_ACT.{axis}")) for axis in "XY"])
-    assert math.dist(*seen) == pytest.approx(math.dist(*places), abs=10.0 * tracked.u_mm)
+    assert math.dist(*seen) == pytest.approx(math.dist(*places), abs=10.0 * bench.reach.tracker.u_mm)
 
 
 def test_the_panel_is_pressed_through_the_port() -> None:
