@@ -1,1 +1,0 @@
-"""Questions about the motion resolution of an arm."""
