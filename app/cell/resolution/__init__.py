@@ -1,1 +1,1 @@
-"""What a cell file of a bench for motion resolution begins with."""
+"""What a cell file has for motion resolution alone."""

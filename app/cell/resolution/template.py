@@ -1,54 +1,50 @@
-"""The cell file that `catseye init --system resolution` writes: a KUKA KR 210 with optics beside it."""
+"""The cell file of an arm whose motion resolution is measured, as `catseye init --system resolution` writes it."""
 
-from typing import Final
-
-TEMPLATE: Final = """\
-# catseye cell: motion resolution and backlash of a KUKA KR 210 R2700, after the resolution paper.
-# The way through a day: docs/guide-resolution.md. Check it with: catseye config validate FILE
+TEMPLATE = """\
+# catseye cell file of an arm whose motion resolution is measured. The unit is part of every key.
+# Check it with:   catseye config validate FILE
+# See it resolved: catseye config show FILE
 format = "catseye-cell/1"
-name = "lab-2"
+name = "arm-1"                          # you type this name to arm real hardware: catseye run ... --arm arm-1
 
 [robot]
-driver = "kuka-varproxy"                 # what it needs on the controller: docs/kuka.md
-endpoint = "tcp://127.0.0.1:7000"        # of KUKAVARPROXY or C3 Bridge
-arm = "kr210-r2700"                      # or the path of a description of your own
-override_cap_percent = 10                # steps run at 1 % of the axis speed: 0.1 % at this override
+driver = "kuka-varproxy"
+# The loopback address is for the emulators: catseye emulate FILE. On a real controller it is that of KUKAVARPROXY or
+# C3 Bridge, port 7000; docs/kuka.md says what else runs there.
+endpoint = "tcp://127.0.0.1:7000"
+arm = "kr210-r2700"                     # or the path of a description of your own arm
+override_cap_percent = 10               # the program never drives faster
+# override_cap_reason = ""              # why, for a cap above 30
+drives_off_after_s = 300                # of rest after a run that was started in the terminal UI
 
-# Narrower than the controller's own ranges where cables, fences or the building ask for it. Every position that is
-# tested needs 5 deg of run-in and of range to either side.
-#[robot.limits_deg]
-#a2 = [-138.0, -8.0]
+[robot.limits_deg]                      # within the arm's own; narrower where cables and optics need it
+a2 = [-130.0, -20.0]
+a3 = [-110.0, 145.0]
 
 [interferometer]
-driver = "lasertex-hpi"                  # any interferometer driver that gives at least 20 readings a second
-endpoint = "tcp://127.0.0.1:10012"
+driver = "line-counter"
+profile = "default"                     # the dialect of the emulator
+endpoint = "tcp://127.0.0.1:10002"
 
 [environment]
 driver = "modbus-air"
 endpoint = "tcp://127.0.0.1:10502"
 map = "vaisala"
-pressure_register = 44
+pressure_register = 44                  # of the emulator and of a DPT145: confirm it with your sensor's manual
 
-# Angular optics, for joints: angle = arcsin(difference of the two paths / spacing).
+[air]
+formula = "ciddor"                      # or "edlen", the modified equation of the NIST
+co2_ppm = 450
+vacuum_wavelength_nm = 632.9908         # any helium-neon laser; better: its certificate
+
+# Optics that are set up at each place of the arm; the run asks for them and checks their signal.
 [angular_optics]
-spacing_mm = 30.0                        # between the two prisms of the retroreflector: from its certificate
-u_spacing_mm = 0.03                      # standard uncertainty
-distance_mm = 250.0                      # interferometer to retroreflector at most; as short as the robot allows
-signal_min = 0.5                         # smallest signal, 0 ... 1, with which a recording begins
+spacing_mm = 30.0                       # of the two prisms: on the certificate of the angular retroreflector
+u_spacing_mm = 0.01                     # its standard uncertainty
+distance_mm = 250.0                     # from the interferometer to the retroreflector
+signal_min = 0.5                        # weaker returns are not measured with
 
-# Linear optics, for steps of the tool along the axes of the base.
-[linear_optics]
-distance_mm = 250.0                      # interferometer to retroreflector where a series begins: the dead path
+[linear_optics]                         # for resolution-cartesian
+distance_mm = 250.0
 signal_min = 0.5
-
-# The emulated bench: its hands mount and align the optics. Leave it out on a real one.
-[tracker]
-driver = "bench-tracker"
-endpoint = "tcp://127.0.0.1:10099"
-
-# Dimensions of arm and surroundings are estimates until you have measured them; see docs/guide.md.
-#[[workspace.keep_out]]
-#name = "tripod"
-#min_mm = [900.0, -1500.0, 0.0]
-#max_mm = [1400.0, -1000.0, 1500.0]
 """
