@@ -71,7 +71,7 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
         case messages.ReadState():
             return _state(context)
         case messages.Track():
-            x_mm, y_mm = reach.tracker.measure(context.beam_bench.true_state().axis_mm)
+            x_mm, y_mm = reach.tracker.measure(context.bench.tracked_mm)
             return messages.TrackedPlace(x_mm=x_mm, y_mm=y_mm, u_mm=reach.tracker.u_mm)
         case messages.ReadArm():
             return _arm(context)

@@ -49,6 +49,11 @@ class Bench(TimedBench):
         """Joints as they really are at this moment, deg or mm."""
         return self._arm.true_joints(self.time_s)
 
+    @property
+    def tracked_mm(self) -> tuple[float, float]:
+        """True position of the axis that turns the beam at this moment, mm."""
+        return self.true_state().axis_mm
+
     def joints_at(self, time_s: float) -> Joints:
         """Return the joints as commanded at a moment of the present motion or after it."""
         return self._arm.motion.joints_at(time_s)

@@ -40,6 +40,11 @@ class TimedBench(ABC):
 
     @property
     @abstractmethod
+    def tracked_mm(self) -> tuple[float, float]:
+        """Where a tracker's target on the arm really is at this moment, x and y, mm."""
+
+    @property
+    @abstractmethod
     def moving(self) -> bool:
         """A motion is under way."""
 

@@ -1,5 +1,7 @@
 """The bench on which a serial arm stands."""
 
+import numpy as np
+
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.errors import BenchError
 from catseye.simulators.world.motion import SHORTEST
@@ -55,6 +57,12 @@ class SerialBench(TimedBench):
     def true_joints(self) -> Joints:
         """Joints as they really are at this moment, deg or mm."""
         return self.plant.true_joints(self.time_s)
+
+    @property
+    def tracked_mm(self) -> tuple[float, float]:
+        """True position of the flange at this moment, x and y, mm."""
+        x_mm, y_mm = self.plant.screws.frames(np.array([self.true_joints]))[0, -1, :2, 3]
+        return float(x_mm), float(y_mm)
 
     @property
     def measured(self) -> Joints:
