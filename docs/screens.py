@@ -33,7 +33,7 @@ async def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         cell = folder / "cell.toml"
-        cell.write_text(emulated_cell(), encoding="utf-8")
+        cell.write_text(emulated_cell("scara"), encoding="utf-8")
         async with emulator_process(cell, _SPEED, _SEED, None):
             await _visit(folder, cell)
 

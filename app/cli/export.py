@@ -15,6 +15,7 @@ from catseye.app.files.csv_text import comment_lines
 from catseye.app.files.tabular import table_parquet
 from catseye.app.protocol.banners import unverified_text
 from catseye.app.store.runs_folder import runs_folder
+from catseye.procedures.kit.recording import Recorded
 
 if TYPE_CHECKING:
     from catseye.app.results.scara.export import Export
@@ -37,7 +38,7 @@ def export(
     """Write what a run has measured or what a result holds for other programs.
 
     The CSV of distances is a points file, that of located positions a measured file; JSON and Parquet hold all
-    columns.
+    columns. Beside the CSV of a run with recordings stand a recording, its moves and torques for each series.
 
     Example: catseye export 1a2b3c -o points.csv
     """
@@ -47,6 +48,8 @@ def export(
     if direct.is_file() and output.exists() and output.samefile(direct):
         raise UsageError(f"{output} is the result itself; choose another -o FILE")
     table = _of_result(direct) if direct.is_file() else _of_run(source, runs, unverified=unverified)
+    if chosen == "csv" and not direct.is_file():
+        _write_series(source, runs, output, unverified=unverified)
     for text in table.origin.unverified:
         note(unverified_text(text))
     write_atomically(output, _written(table, chosen))
@@ -72,6 +75,22 @@ def _of_run(name: str, runs: Path | None, *, unverified: bool) -> "Export":
     reader = RunReader(resolve_run(runs_folder(runs), name), accept(unverified=unverified))
     with taken_as_it_is(reader):
         return run_export(reader)
+
+
+def _write_series(name: str, runs: Path | None, output: Path, *, unverified: bool) -> None:
+    """Write the recorded series of a run beside its table, each as files that can be evaluated again."""
+    from catseye.app.store.catalog import resolve_run
+    from catseye.app.store.reader import RunReader, accept
+
+    reader = RunReader(resolve_run(runs_folder(runs), name), accept(unverified=unverified))
+    if not reader.count(Recorded.table):
+        return
+    from catseye.app.results.resolution.series_files import series_files
+
+    for ending, text in series_files(reader):
+        file = output.with_name(f"{output.stem}-{ending}")
+        write_atomically(file, text)
+        note(str(file))
 
 
 def form_of(output: Path, form: Format | None) -> Format:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from catseye.app.cell.scara.template import TEMPLATE
+from catseye.app.cell.templates import SCARA, TEMPLATES
 from catseye.app.cli.output import note
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
@@ -13,14 +13,19 @@ from catseye.app.files.atomic import write_atomically
 
 def init(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="cell file to write; never overwritten")],
+    system: Annotated[
+        str, typer.Option(metavar="NAME", help=f"what is measured: {' or '.join(TEMPLATES)}")
+    ] = SCARA,
 ) -> None:
-    """Write a commented cell file for an RH-3FRH5515 with the paper's reflectors and commands.
+    """Write a commented cell file: for an RH-3FRH5515 with the paper's reflectors and commands, or for a KUKA.
 
     Example: catseye init cell.toml
     """
+    if system not in TEMPLATES:
+        raise UsageError(f"there is no system {system!r}; there are {', '.join(TEMPLATES)}")
     if file.exists():
         raise UsageError(f"{file} exists already; choose another name or remove it")
     if not file.parent.is_dir():
         raise UsageError(f"{file.parent} is no folder; make it first")
-    write_atomically(file, TEMPLATE)
+    write_atomically(file, TEMPLATES[system].text)
     note(f"{file} written. Next: catseye emulate {file}, and in another terminal: catseye doctor {file}")

@@ -13,6 +13,7 @@ DEMO_FOLDER: Final = Path("catseye-demo")
 """Where the demo writes, in the present folder."""
 
 EMULATED_BENCH: Final = "emulated-bench"
+EMULATED_ARM: Final = "emulated-arm"
 """Name of a cell that was written for emulators of this program, and of its file."""
 
 

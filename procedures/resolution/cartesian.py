@@ -19,6 +19,7 @@ from catseye.procedures.resolution.campaign_plan import CampaignPlan, Order, Pla
 from catseye.procedures.resolution.planning import SIGNS, CampaignParams, Degrees, campaign
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.procedures.resolution.step_sizes import FIRST_MM, decaying
+from catseye.procedures.resolution.way import STRAIGHT
 
 Direction = Literal["+X", "-X", "+Y", "-Y", "+Z", "-Z"]
 
@@ -45,6 +46,8 @@ class ResolutionCartesian(Procedure):
     name = "resolution-cartesian"
     title = "Cartesian motion resolution"
     needs = Needs(roles=("interferometer", "environment"), optics=("linear",))
+    stage = STRAIGHT
+    live_plots = "steps"
     records = (Configuration, Move, Recorded)
     event_texts = LOSS_TEXTS
     params_type = CartesianParams

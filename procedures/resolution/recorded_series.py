@@ -11,7 +11,7 @@ from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, Lo
 from catseye.procedures.kit.bench import AngularOptics
 from catseye.procedures.kit.context import Context, Stepped
 from catseye.procedures.kit.errors import NoBeamError, StepCutShortError
-from catseye.procedures.kit.live import Live
+from catseye.procedures.kit.live import Live, LiveStep
 from catseye.procedures.kit.recording import Recording
 from catseye.procedures.kit.records import Row
 from catseye.procedures.resolution.campaign_plan import CampaignPlan, Order, Place, Series
@@ -106,13 +106,14 @@ class SeriesRecorder:
                 return Cause("cut-short", str(error))
             await self._ctx.pause(self._plan.dwell_s)
             torques = await self._torques.read()
-            made.moves.append(self._move(made.recording, number, order, stepped, recording, torques))
+            move = self._move(made.recording, number, order, stepped, recording, torques)
+            made.moves.append(move)
             status = await self._ctx.beam()
             if not status.count_valid:
                 return cause_of(status, self._plan.bench.arm.override_percent) or Cause(
                     "interrupted", "something stood in it, or the joint left the range of the optics"
                 )
-            self._show(series, number, order, before, self._plateau(recording))
+            self._show(series, move, made, before, self._plateau(recording))
         return None
 
     async def _step(self, series: Series, order: Order) -> Stepped:
@@ -192,22 +193,28 @@ class SeriesRecorder:
         return math.degrees(math.asin(share)) if abs(share) <= 1.0 else None
 
     def _show(
-        self, series: Series, number: int, order: Order, before: float | None, after: float | None
+        self, series: Series, move: Move, made: "_Made", before: float | None, after: float | None
     ) -> None:
-        """Show the step error as it looks now; results come from the whole recording."""
+        """Show the step as it looks now; results come from the whole recording."""
         if before is None or after is None:
             return
-        # Which way the beam grows is a matter of mounting.
-        error = 100.0 * (abs(after - before) - abs(order.command)) / abs(order.command)
-        self._ctx.show(
-            Live(
-                f"{series.title}: step {number} of {len(series.orders)}, {order.command:+.3g} {self._place.unit}",
-                error,
-                "%",
-                low=-_THRESHOLD_PERCENT,
-                high=_THRESHOLD_PERCENT,
-            )
+        # Which way the beam grows is a matter of mounting: the first step, the largest one, tells.
+        made.mounting = made.mounting or math.copysign(1.0, (after - before) * move.command)
+        measured = made.mounting * (after - before)
+        error = 100.0 * (measured / move.command - 1.0)
+        step = LiveStep(
+            series.title,
+            move.number,
+            len(series.orders),
+            move.command,
+            measured,
+            self._place.unit,
+            error,
+            _THRESHOLD_PERCENT,
+            move.torque_nm,
         )
+        name = f"step error of {series.title}"
+        self._ctx.show(Live(name, error, "%", -_THRESHOLD_PERCENT, _THRESHOLD_PERCENT, step=step))
 
 
 @dataclass
@@ -217,10 +224,12 @@ class _Made:
     Attributes:
         recording: its name.
         moves: that were made.
+        mounting: 1 or -1, as the beam grows or shrinks with positive commands; 0 before the first step.
     """
 
     recording: str
     moves: list[Move] = field(default_factory=list)
+    mounting: float = 0.0
 
 
 class Torques:

@@ -19,6 +19,7 @@ from catseye.procedures.resolution.places import turned
 from catseye.procedures.resolution.planning import SIGNS, JointParams, joint_campaign
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.procedures.resolution.step_sizes import FIRST_DEG, STEPS, decaying
+from catseye.procedures.resolution.way import DECAYING
 
 
 class ResolutionParams(JointParams):
@@ -37,6 +38,8 @@ class Resolution(Procedure):
     name = "resolution"
     title = "Motion resolution of joints"
     needs = Needs(roles=("interferometer", "environment"), optics=("angular",))
+    stage = DECAYING
+    live_plots = "steps"
     records = (Configuration, Move, Recorded)
     event_texts = LOSS_TEXTS
     params_type = ResolutionParams

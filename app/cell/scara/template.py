@@ -1,5 +1,8 @@
 """The cell file that `catseye init` writes: the paper's robot, reflectors and commands."""
 
+from collections.abc import Mapping
+from typing import Any
+
 TEMPLATE = """\
 # catseye cell file: what stands on the bench. Every key carries its unit; unknown keys are refused.
 # Check it with:   catseye config validate FILE
@@ -228,3 +231,11 @@ value_ppm = 2.0
 correlation = "time"
 orders = 3
 """
+
+
+def is_meant(data: Mapping[str, Any]) -> bool:
+    """Return whether the values of a cell file, right or wrong, state a SCARA's links or reflectors."""
+    robot = data.get("robot")
+    return "reflector" in data or (
+        isinstance(robot, Mapping) and not {"link1_mm", "link2_mm"}.isdisjoint(robot)
+    )

@@ -10,8 +10,8 @@ from pydantic import ValidationError
 from catseye.app.cell.load import cell_fault_text
 from catseye.app.cell.model import Cell
 from catseye.app.cell.rewriting import CommentsLostError, plain, rewritten
-from catseye.app.cell.scara.template import TEMPLATE
-from catseye.app.cell.wizard.pages import OPTIONAL, PAGES, Page
+from catseye.app.cell.templates import SCARA, TEMPLATES, system_of
+from catseye.app.cell.wizard.pages import OPTIONAL, SYSTEM, Page, pages_of
 from catseye.app.cell.wizard.question import Question, number_of, text_of
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import parse_toml
@@ -27,8 +27,9 @@ _OF_ONE_BENCH: Final = (
     "environment.endpoint",
     "environment.pressure_register",
     "tracker",
+    "angular_optics.spacing_mm",
 )
-"""What the template says of the emulated bench and nobody knows of another one."""
+"""What the templates say of the emulated bench and nobody knows of another one."""
 
 _OF_DRIVER: Final = {
     "robot": ("settings", "datalink_endpoint", "mxt_endpoint"),
@@ -37,6 +38,18 @@ _OF_DRIVER: Final = {
     "io": ("settings",),
 }
 """Keys that mean something to one driver only."""
+
+_OF_ANY_SYSTEM: Final = ("file", "name")
+"""Answers that stay when another system is chosen."""
+
+_ELSEWHERE: Final = {
+    "name": "file",
+    "format": "file",
+    "air": "interferometer",
+    "device": "more",
+    "linear_optics": "angular_optics",
+}
+"""Pages of sections that have none of their own name."""
 
 _REFLECTOR_KEYS: Final = ("name", "x_mm", "y_mm", "facing_deg")
 
@@ -49,24 +62,29 @@ class Draft:
 
     Attributes:
         beginning: text that it began with.
+        system: that the cell is for.
         reflectors: as they are typed.
     """
 
     def __init__(self, text: str, data: Data) -> None:
-        self.beginning = text
-        self._base = data
+        self._new = False
         self._typed: dict[str, str] = {}
+        self._begin(text, data)
+
+    def _begin(self, text: str, data: Data) -> None:
+        self.beginning = text
+        self.system = system_of(data)
+        self._base = data
         self.reflectors: list[Reflector] = [
             {key: text_of(entry.get(key)) for key in _REFLECTOR_KEYS} for entry in _tables(data, "reflector")
         ]
 
     @classmethod
-    def new(cls) -> "Draft":
+    def new(cls, system: str = SCARA) -> "Draft":
         """Return the beginning of a new file: what everybody has, nothing of what only this bench has."""
-        data = tomllib.loads(TEMPLATE)
-        for key in _OF_ONE_BENCH:
-            _remove(data, key)
-        return cls(TEMPLATE, data)
+        draft = cls(TEMPLATES[system].text, _unanswered(system))
+        draft._new = True  # its own
+        return draft
 
     @classmethod
     def of_text(cls, text: str) -> "Draft":
@@ -85,6 +103,8 @@ class Draft:
 
     def answer(self, key: str) -> str:
         """Return the present answer to a question as it would be typed; empty when there is none."""
+        if key == SYSTEM:
+            return self.system
         if key in self._typed:
             return self._typed[key]
         if key in OPTIONAL:
@@ -95,7 +115,12 @@ class Draft:
         return text_of(value if value is not None else _default(key) if key.endswith(".driver") else None)
 
     def give(self, key: str, text: str) -> None:
-        """Take an answer; another driver begins without the settings of the one before."""
+        """Take an answer; another driver begins without the settings of the one before, another system anew."""
+        if key == SYSTEM:
+            if self._new and text in TEMPLATES and text != self.system:
+                self._typed = {known: self._typed[known] for known in _OF_ANY_SYSTEM if known in self._typed}
+                self._begin(TEMPLATES[text].text, _unanswered(text))
+            return
         section, _, name = key.rpartition(".")
         if name == "driver" and section in _OF_DRIVER and text != self.answer(key):
             for own in _OF_DRIVER[section]:
@@ -104,8 +129,14 @@ class Draft:
         self._typed[key] = text.strip()
 
     def questions(self, page: Page) -> tuple[Question, ...]:
-        """Return what is asked on a page as things are."""
-        return tuple(page.questions(self.answer))
+        """Return what is asked on a page as things are; the system of a file that is there is not."""
+        asked = page.questions(self.answer)
+        return tuple(question for question in asked if self._new or question.key != SYSTEM)
+
+    @property
+    def pages(self) -> tuple[Page, ...]:
+        """What is asked for the system, in order."""
+        return pages_of(self.system)
 
     def data(self) -> Data:
         """Return the values of the file, right or wrong."""
@@ -136,7 +167,9 @@ class Draft:
         try:
             cell = Cell.model_validate(data)
         except ValidationError as error:
-            return {_dotted(fault["loc"]): cell_fault_text(fault) for fault in reversed(error.errors())}
+            # What follows from an answer that is missing itself is no fault of its own.
+            faults = [fault for fault in error.errors() if fault["type"] != "default_factory_not_called"]
+            return {_dotted(fault["loc"]): cell_fault_text(fault) for fault in reversed(faults)}
         try:
             require_drivers(cell)
         except ConfigError as error:
@@ -154,7 +187,7 @@ class Draft:
             near = [key for key in keys if place == key or place.startswith(f"{key}.")]
             if near:
                 found[max(near, key=len)] = text
-            elif page.name == _page_of(place):
+            elif page.name == _page_of(place, {each.name for each in self.pages}):
                 # A line of a table keeps its place, so that it can stand beside that line.
                 found[place if page.name == "reflector" and "." in place else page.name] = text
         return found
@@ -163,7 +196,7 @@ class Draft:
         """Return what nobody has answered and what the person at the bench has to find out."""
         found = [
             f"{page.title}, {question.title.strip()}: {question.find_out}"
-            for page in PAGES
+            for page in self.pages
             for question in self.questions(page)
             if question.find_out and not self.answer(question.key)
         ]
@@ -194,7 +227,7 @@ class Draft:
             return self.plain(), False
 
     def _asked(self) -> Iterator[Question]:
-        for page in PAGES:
+        for page in self.pages:
             yield from self.questions(page)
 
     def _forget(self, beginning: str) -> None:
@@ -225,6 +258,14 @@ class Draft:
         data["device"] = [*others, entry]
 
 
+def _unanswered(system: str) -> Data:
+    """Return the values of a template without those that nobody knows of another bench."""
+    data = tomllib.loads(TEMPLATES[system].text)
+    for key in _OF_ONE_BENCH:
+        _remove(data, key)
+    return data
+
+
 def _driver_fault(text: str) -> dict[str, str]:
     """Return the key that a sentence about `[section] key: …` belongs to."""
     section, _, rest = text.removeprefix("[").partition("]")
@@ -234,13 +275,15 @@ def _driver_fault(text: str) -> dict[str, str]:
     return {section: rest.lstrip(": ")}
 
 
-def _page_of(place: str) -> str:
+def _page_of(place: str, names: set[str]) -> str:
+    """Return the page of a section's faults.
+
+    Args:
+        names: of the pages that are asked.
+    """
     section = place.split(".", 1)[0]
-    if section in {page.name for page in PAGES}:
-        return section
-    return {"name": "file", "format": "file", "air": "interferometer", "device": "more"}.get(
-        section, "more" if section in OPTIONAL else "summary"
-    )
+    page = _ELSEWHERE.get(section, "more" if section in OPTIONAL else section)
+    return page if page in names else "summary"
 
 
 def _reflector(typed: Reflector) -> Data:
@@ -298,7 +341,10 @@ def _default(key: str) -> Any:
         kinds = getattr(field.annotation, "__args__", (field.annotation,)) if field else ()
         model = next((kind for kind in kinds if hasattr(kind, "model_fields")), None)
     field = getattr(model, "model_fields", {}).get(last)
-    return None if field is None or field.is_required() else field.get_default(call_default_factory=True)
+    # A default that follows from other answers is the model's alone.
+    if field is None or field.is_required() or field.default_factory_takes_validated_data:
+        return None
+    return field.get_default(call_default_factory=True)
 
 
 def default_text(key: str) -> str:
@@ -314,6 +360,6 @@ def with_one_device(data: Data, device: str) -> Data:
         data: values of the file in the making, right or wrong.
         device: robot, interferometer, environment, io or tracker.
     """
-    whole = tomllib.loads(TEMPLATE)
+    whole = tomllib.loads(TEMPLATES[system_of(data)].text)
     sections = {device, *({"air"} if device == "interferometer" else ())}
     return whole | {key: data[key] for key in sections if key in data}

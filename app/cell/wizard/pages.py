@@ -5,8 +5,10 @@ from dataclasses import dataclass
 from typing import Final
 
 from catseye.app.cell.model import CAP_WITHOUT_REASON_PERCENT
+from catseye.app.cell.templates import RESOLUTION, SCARA, TEMPLATES
 from catseye.app.cell.wizard.drivers import drivers_of, further_endpoint_of, has_setting, setting_questions
 from catseye.app.cell.wizard.question import YES_NO, Choice, Question
+from catseye.app.cell.wizard.resolution import questions as resolution
 from catseye.app.cell.wizard.scara.questions import REFLECTORS, joint_limits, measurement, nominal_arm, optics
 
 Answer = Callable[[str], str]
@@ -25,6 +27,7 @@ class Page:
         intro: one line above the questions.
         questions: depend on earlier answers.
         device: of the cell file that can be tested on this page; empty for none.
+        system: that it is asked for; empty for every one.
     """
 
     name: str
@@ -32,6 +35,7 @@ class Page:
     intro: str
     questions: Callable[[Answer], Sequence[Question]]
     device: str = ""
+    system: str = ""
 
 
 def _file(_answer: Answer) -> list[Question]:
@@ -41,6 +45,13 @@ def _file(_answer: Answer) -> list[Question]:
             "name",
             "Name of the cell",
             "you type it to arm real hardware: letters, digits, _ . + -, at most 40",
+        ),
+        Question(
+            SYSTEM,
+            "System",
+            "what is measured here; another one begins the questions after this page anew",
+            "choice",
+            tuple(Choice(name, template.title) for name, template in TEMPLATES.items()),
         ),
     ]
 
@@ -54,6 +65,20 @@ def _needs_reason(cap_percent: str) -> bool:
 
 def _robot(answer: Answer) -> list[Question]:
     return [*_controller(answer), *nominal_arm(), *_override_cap(answer), *joint_limits()]
+
+
+def _any_robot(answer: Answer) -> list[Question]:
+    return [
+        Question("robot.driver", "Driver", "which controller moves the arm", "choice", drivers_of("robot")),
+        Question(
+            "robot.endpoint",
+            "Endpoint",
+            "of what answers on the controller: tcp://192.168.1.2:7000 for KUKAVARPROXY and C3 Bridge",
+            find_out="the controller's address, and the port of the program there; see docs/kuka.md",
+        ),
+        *_override_cap(answer),
+        *resolution.arm(answer),
+    ]
 
 
 def _controller(answer: Answer) -> list[Question]:
@@ -223,14 +248,30 @@ def _material() -> list[Question]:
 OPTIONAL: Final = ("io", "tracker", "material")
 """Sections that a cell may have or not."""
 
+SYSTEM: Final = "system"
+"""Key of the question that chooses one; no cell file has it."""
+
 PAGES: Final = (
     Page("file", "Cell", "Which bench is this?", _file),
-    Page("robot", "Robot", "Controller, nominal arm and limits.", _robot, "robot"),
+    Page("robot", "Robot", "Controller, nominal arm and limits.", _robot, "robot", SCARA),
+    Page("robot", "Robot", "Controller, arm and limits.", _any_robot, "robot", RESOLUTION),
     Page("interferometer", "Interferometer", "The length counter.", _interferometer, "interferometer"),
     Page("environment", "Air sensor", "Temperature, pressure, humidity.", _environment, "environment"),
-    Page("optics", "Optics", "The beam, and what stands in its way.", lambda _: optics()),
-    Page("reflector", "Reflectors", REFLECTORS, lambda _: ()),
-    Page("measurement", "Measurement", "Nodes of the maps, and timing.", lambda _: measurement()),
+    Page("optics", "Optics", "The beam, and what stands in its way.", lambda _: optics(), system=SCARA),
+    Page("angular_optics", "Optics", resolution.OPTICS, lambda _: resolution.optics(), system=RESOLUTION),
+    Page("reflector", "Reflectors", REFLECTORS, lambda _: (), system=SCARA),
+    Page(
+        "measurement",
+        "Measurement",
+        "Nodes of the maps, and timing.",
+        lambda _: measurement(),
+        system=SCARA,
+    ),
     Page("more", "More", "What not every bench has.", _more, "io"),
     Page("summary", "Summary", "What is written, and what is still to be found out.", lambda _: ()),
 )
+
+
+def pages_of(system: str) -> tuple[Page, ...]:
+    """Return the pages that are asked for a system, in order."""
+    return tuple(page for page in PAGES if page.system in {"", system})

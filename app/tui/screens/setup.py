@@ -147,8 +147,12 @@ class SetupScreen(WorkScreen):
         )
 
     def action_emulated(self) -> None:
-        """Write a cell file for emulators and start them."""
-        self.spawn(self._emulate, "emulate", exclusive=True)
+        """Write a cell file for emulators of a SCARA's bench and start them."""
+        self.spawn(partial(self._emulate, "scara"), "emulate", exclusive=True)
+
+    def action_emulated_arm(self) -> None:
+        """Write a cell file for emulators of a six-axis arm with its optics and start them."""
+        self.spawn(partial(self._emulate, "resolution"), "emulate", exclusive=True)
 
     def action_demo(self) -> None:
         """Run the demo as a process, then show its results."""
@@ -201,8 +205,6 @@ class SetupScreen(WorkScreen):
         Args:
             source: cell file to change; None for a new one.
         """
-        from catseye.app.cell.wizard.pages import PAGES
-
         left = self._drafts.get(source)
         try:
             draft = await asyncio.to_thread(_draft_of, source)
@@ -217,7 +219,7 @@ class SetupScreen(WorkScreen):
                 self.notify("the file is another now: its questions begin anew", severity="warning")
         self._drafts[source], self._source = draft, source
         # Drivers declare their settings; they are loaded beside the screen.
-        await asyncio.to_thread(lambda: [draft.questions(page) for page in PAGES])
+        await asyncio.to_thread(lambda: [draft.questions(page) for page in draft.pages])
         await self._show_wizard(draft)
 
     async def _show_wizard(self, draft: "Draft") -> None:
@@ -257,12 +259,10 @@ class SetupScreen(WorkScreen):
             await self.session.link.request(Watch(op="watch", on=on))
 
     async def _save(self) -> None:
-        from catseye.app.cell.wizard.pages import PAGES
-
         wizard = self._wizard
         await wizard.judge()
         if wizard.faults:
-            await wizard.show_page(PAGES[-1])
+            await wizard.show_page(wizard.draft.pages[-1])
             self.notify("not written: mend what is marked first", severity="warning")
             return
         path = wizard.path
@@ -329,17 +329,23 @@ class SetupScreen(WorkScreen):
         )
         self.catseye.action_go("results")
 
-    async def _emulate(self) -> None:
+    async def _emulate(self, system: str) -> None:
+        """Start the emulators of a system.
+
+        Args:
+            system: name of its template.
+        """
         from catseye.app.tui.setup.emulators import emulated_cell, free_file
 
         if self._emulators is not None and not self._emulators.done():
             self.notify("the emulators run already", severity="warning")
             return
-        path = await asyncio.to_thread(free_file, Path())
+        path = await asyncio.to_thread(free_file, Path(), system)
         try:
             # One of before is used as it is: it may have been changed.
             if not await asyncio.to_thread(path.exists):
-                await asyncio.to_thread(write_atomically, path, await asyncio.to_thread(emulated_cell))
+                text = await asyncio.to_thread(emulated_cell, system)
+                await asyncio.to_thread(write_atomically, path, text)
         except CatseyeError as error:
             self.catseye.show_error("The emulated bench was not set up", str(error))
             return
@@ -366,7 +372,7 @@ class SetupScreen(WorkScreen):
                 ready.set()
                 code = await emulators.process.wait()
                 self.catseye.show_error(
-                    "The emulators have ended", f"they ended with code {code}: start them again (F10, e)"
+                    "The emulators have ended", f"they ended with code {code}: start them again (F10)"
                 )
         except CatseyeError as error:
             self.catseye.show_error("The emulators did not start", str(error))

@@ -6,10 +6,13 @@ from pathlib import Path
 from typing import Final
 
 from catseye.app.cell.rewriting import rewritten
-from catseye.app.cell.scara.template import TEMPLATE
+from catseye.app.cell.templates import RESOLUTION, SCARA, TEMPLATES
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import read_toml
-from catseye.app.tui.session import EMULATED_BENCH
+from catseye.app.tui.session import EMULATED_ARM, EMULATED_BENCH
+
+_NAMES: Final = {SCARA: EMULATED_BENCH, RESOLUTION: EMULATED_ARM}
+"""Of the cells, by system."""
 
 _PLACES: Final = (
     ("robot", "endpoint"),
@@ -19,30 +22,37 @@ _PLACES: Final = (
 )
 
 
-def emulated_cell() -> str:
-    """Return a cell file whose devices are emulators at ports that are free now."""
-    data = tomllib.loads(TEMPLATE)
-    data["name"] = EMULATED_BENCH
-    for (section, key), port in zip(_PLACES, _free_ports(len(_PLACES)), strict=True):
+def emulated_cell(system: str) -> str:
+    """Return a cell file whose devices are emulators at ports that are free now.
+
+    Args:
+        system: name of its template.
+    """
+    template = TEMPLATES[system].text
+    data = tomllib.loads(template)
+    data["name"] = _NAMES[system]
+    places = [(section, key) for section, key in _PLACES if section in data]
+    for (section, key), port in zip(places, _free_ports(len(places)), strict=True):
         data[section][key] = f"tcp://127.0.0.1:{port}"
-    return rewritten(TEMPLATE, data)
+    return rewritten(template, data)
 
 
-def is_emulated(path: Path) -> bool:
+def is_emulated(path: Path, system: str) -> bool:
     """Return whether a cell file was written for emulators of this program: its name says so."""
     try:
-        return read_toml(path).get("name") == EMULATED_BENCH
+        return read_toml(path).get("name") == _NAMES[system]
     except ConfigError:
         return False
 
 
-def free_file(folder: Path) -> Path:
+def free_file(folder: Path, system: str) -> Path:
     """Return the cell file of an emulated bench of before, or a name that is not taken."""
+    name = _NAMES[system]
     for number in range(1, 100):
-        path = folder / (f"{EMULATED_BENCH}.toml" if number == 1 else f"{EMULATED_BENCH}-{number}.toml")
-        if not path.exists() or is_emulated(path):
+        path = folder / (f"{name}.toml" if number == 1 else f"{name}-{number}.toml")
+        if not path.exists() or is_emulated(path, system):
             return path
-    return folder / f"{EMULATED_BENCH}-new.toml"
+    return folder / f"{name}-new.toml"
 
 
 def _free_ports(count: int) -> list[int]:

@@ -25,6 +25,11 @@ CHOICES: Final = {
         "Emulated bench",
         f"{SIMULATION}: emulators of all devices; they end with this program",
     ),
+    "emulated_arm": (
+        "r",
+        "Six-axis emulated bench",
+        f"{SIMULATION}: a KUKA with optics for its motion resolution; likewise",
+    ),
     "demo": ("d", "Demo", f"{SIMULATION}: the whole job on emulators, about a minute; then its results"),
 }
 """By name: key, title, what it does."""

@@ -13,7 +13,7 @@ from textual.events import DescendantFocus
 from textual.timer import Timer
 
 from catseye.app.cell.wizard.draft import Draft, default_text
-from catseye.app.cell.wizard.pages import PAGES, Page
+from catseye.app.cell.wizard.pages import Page
 from catseye.app.engine.instruments import require_drivers
 from catseye.app.tui.scara.reflector_rows import HELP, ReflectorRows
 from catseye.app.tui.setup.question_row import Answered, QuestionRow
@@ -55,7 +55,7 @@ class Wizard(Horizontal):
         super().__init__()
         self.draft = draft
         self.faults: dict[str, str] = {}
-        self.page: Page = PAGES[0]
+        self.page: Page = draft.pages[0]
         self._judging: Timer | None = None
 
     def compose(self) -> ComposeResult:
@@ -95,7 +95,8 @@ class Wizard(Horizontal):
 
     async def turn(self, by: int) -> None:
         """Show the next page or the one before."""
-        await self.show_page(PAGES[min(max(PAGES.index(self.page) + by, 0), len(PAGES) - 1)])
+        pages = self.draft.pages
+        await self.show_page(pages[min(max(pages.index(self.page) + by, 0), len(pages) - 1)])
 
     async def show_page(self, page: Page) -> None:
         """Show a page."""
@@ -192,7 +193,9 @@ class Wizard(Horizontal):
         for rows in self.query(ReflectorRows):
             rows.show_faults(mine)
         self.query_one("#page-fault", Fault).show_fault(mine.get(self.page.name, ""))
-        self.query_one("#pages", StaticText).set_text(lines(*(self._page_line(page) for page in PAGES)))
+        self.query_one("#pages", StaticText).set_text(
+            lines(*(self._page_line(page) for page in self.draft.pages))
+        )
         for summary in self.query("#summary").results(StaticText):
             summary.set_text(self._summary())
 
@@ -206,7 +209,7 @@ class Wizard(Horizontal):
 
     def _summary(self) -> Content:
         shown: list[Content] = [Content.assemble("file  ", (str(self.path), "bold"))]
-        for page in PAGES:
+        for page in self.draft.pages:
             for key, text in self.draft.page_faults(page, self.faults).items():
                 shown.append(Content.assemble(("✗ ", "$error"), f"{page.title}: {key}: {text}"))
         if not self.faults:

@@ -14,6 +14,7 @@ from catseye.app.cell.bench import bench_of, scara_bench_of, system_of
 from catseye.app.cell.load import LoadedCell, load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.cell.plausible import implausible
+from catseye.app.cell.resolution.template import TEMPLATE as RESOLUTION
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.engine.gate import require_in_range
 from catseye.app.engine.walked.register import geometry_digest
@@ -203,3 +204,18 @@ def test_a_cell_of_six_axes_is_read_as_stored(tmp_path: Path, monkeypatch: pytes
     ranges = [axis.range for axis in bench_of(stored).arm.axes]
     assert ranges[:2] == [(-101.0, 101.0), (-102.0, 102.0)]
     assert ranges[4] == (-10.0, 10.0)
+
+
+def test_the_cell_of_motion_resolution_needs_nothing_of_a_scara(tmp_path: Path) -> None:
+    path = tmp_path / "cell.toml"
+    path.write_text(RESOLUTION, "utf-8")
+    cell = load_cell(path).cell
+    bench = bench_of(cell)
+    assert type(bench) is Bench
+    assert [axis.name for axis in bench.arm.axes] == ["A1", "A2", "A3", "A4", "A5", "A6"]
+    assert (bench.angular_optics is None, bench.linear_optics is None) == (False, False)
+    procedure = load_procedure("resolution")
+    assert plan_run(
+        load_cell(path), procedure, procedure.params_type(joints=["A3"]), tmp_path / "runs", "auto"
+    ).plan.places
+    assert bench_of(Cell.model_validate_json(cell.model_dump_json())) == bench

@@ -11,13 +11,14 @@ from hypothesis import strategies as st
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.cell.scara.template import TEMPLATE
+from catseye.app.cell.templates import RESOLUTION, SCARA
 from catseye.app.cell.wizard.draft import Draft, default_text
-from catseye.app.cell.wizard.pages import PAGES
+from catseye.app.cell.wizard.pages import pages_of
 from catseye.app.cell.wizard.question import numbers_of, text_of
 from catseye.app.engine.instruments import require_drivers
 from catseye.app.errors import ConfigError
 
-PAGE = {page.name: page for page in PAGES}
+PAGE = {page.name: page for page in pages_of(SCARA)}
 
 NEEDED = {
     "name": "lab-7",
@@ -166,7 +167,7 @@ def test_a_file_with_faults_can_be_opened_and_mended() -> None:
 
 def test_the_templates_own_values_are_left_byte_for_byte() -> None:
     draft = Draft.of_text(TEMPLATE)
-    for page in PAGES:
+    for page in pages_of(SCARA):
         for question in draft.questions(page):
             if question.key != "file":
                 draft.give(question.key, draft.answer(question.key))
@@ -204,7 +205,7 @@ def test_defaults_are_those_of_the_model() -> None:
 def test_whatever_the_wizard_accepts_loads(data: st.DataObject) -> None:
     draft = answered()
     for _ in range(data.draw(st.integers(1, 5))):
-        page = data.draw(st.sampled_from([page for page in PAGES if page.questions(draft.answer)]))
+        page = data.draw(st.sampled_from([page for page in pages_of(SCARA) if page.questions(draft.answer)]))
         question = data.draw(st.sampled_from(draft.questions(page)))
         if question.choices:
             draft.give(question.key, data.draw(st.sampled_from(question.choices)).text)
@@ -219,3 +220,79 @@ def test_whatever_the_wizard_accepts_loads(data: st.DataObject) -> None:
         return
     assert read_back(text) == Cell.model_validate(draft.data())
     assert tomllib.loads(text) == draft.data()
+
+
+NEEDED_OF_RESOLUTION = {**NEEDED, "angular_optics.spacing_mm": "30.0"}
+
+
+def of_resolution(more: dict[str, str] | None = None) -> Draft:
+    draft = Draft.new()
+    draft.give("system", RESOLUTION)
+    for key, text in {**NEEDED_OF_RESOLUTION, **(more or {})}.items():
+        draft.give(key, text)
+    return draft
+
+
+def test_a_cell_of_motion_resolution_asks_for_its_own() -> None:
+    draft = Draft.new()
+    draft.give("system", RESOLUTION)
+    assert draft.faults(require_drivers) == dict.fromkeys(NEEDED_OF_RESOLUTION, "this key is missing")
+    assert [page.name for page in draft.pages] == [
+        "file",
+        "robot",
+        "interferometer",
+        "environment",
+        "angular_optics",
+        "more",
+        "summary",
+    ]  # fmt: skip - a list
+    assert "certificate of the angular optics" in "\n".join(draft.to_find_out())
+
+
+def test_answers_of_motion_resolution_become_a_cell() -> None:
+    cell = read_back(of_resolution({"robot.limits_deg.a1": "-90, 90"}).text())
+    assert (cell.robot.driver, cell.robot.arm) == ("kuka-varproxy", "kr210-r2700")
+    assert cell.angular_optics is not None
+    assert cell.angular_optics.spacing_mm == 30.0
+    assert cell.robot.limits_deg.model_dump(exclude_unset=True)["a1"] == [-90.0, 90.0]
+    assert cell.reflector == []
+
+
+def test_limits_are_asked_for_the_axes_of_the_arm() -> None:
+    draft = of_resolution()
+    page = next(page for page in draft.pages if page.name == "robot")
+
+    def limits() -> list[str]:
+        keys = [question.key for question in draft.questions(page)]
+        return [key.rpartition(".")[2] for key in keys if key.startswith("robot.limits_deg.")]
+
+    assert limits() == ["a1", "a2", "a3", "a4", "a5", "a6"]
+    draft.give("robot.arm", "no-such-arm")
+    assert limits() == []
+    assert "no-such-arm" in str(draft.faults(require_drivers))
+
+
+def test_another_system_keeps_the_file_and_its_name() -> None:
+    draft = answered({"file": "my.toml"})
+    draft.give("system", RESOLUTION)
+    assert (draft.answer("file"), draft.answer("name"), draft.answer("robot.endpoint")) == (
+        "my.toml",
+        NEEDED["name"],
+        "",
+    )
+
+
+def test_a_file_that_is_there_keeps_its_system() -> None:
+    draft = Draft.of_text(of_resolution().text())
+    assert draft.system == RESOLUTION
+    first = draft.pages[0]
+    assert "system" not in [question.key for question in draft.questions(first)]
+    draft.give("system", SCARA)
+    assert draft.system == RESOLUTION
+
+
+def test_faults_of_linear_optics_stand_on_the_page_of_optics() -> None:
+    draft = of_resolution({"linear_optics.signal_min": "2"})
+    faults = draft.faults(require_drivers)
+    page = next(page for page in draft.pages if page.name == "angular_optics")
+    assert list(draft.page_faults(page, faults)) == ["linear_optics.signal_min"]

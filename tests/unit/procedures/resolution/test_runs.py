@@ -13,6 +13,8 @@ from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.engine.host import run_procedure
 from catseye.app.engine.operator import Answer
 from catseye.app.engine.request import RunOutcome, RunRequest
+from catseye.app.protocol.events import event_of
+from catseye.app.protocol.run_events import LiveShown
 from catseye.app.store.reader import RunReader
 from catseye.app.store.verify import verify
 from catseye.drivers.roles.errors import LinkError, RefusedError
@@ -273,3 +275,18 @@ def test_a_rehearsal_takes_as_long_as_the_plan_says() -> None:
     assert dry.steps[1].duration_s == pytest.approx(expected_s, rel=0.01)
     assert plan.duration_s == pytest.approx(dry.total_s, rel=0.05)
     assert dry.steps[1].moves == 2 + 109
+
+
+async def test_steps_are_shown_as_they_are_made(tmp_path: Path) -> None:
+    room = Room(tmp_path)
+    await carried_out(room, Resolution(), Resolution().plan(SIX, SHORT))
+    events = [event_of(message) for message in room.published]
+    steps = [event.data.step for event in events if isinstance(event, LiveShown)]
+    made = [step for step in steps if step is not None]
+    assert [(step.series, step.number, step.count) for step in made] == [
+        (f"A1{sign} at K3", number, 6) for sign in "+-" for number in range(1, 7)
+    ]
+    # The arm does nine tenths of each step; which way the counter counts is a matter of mounting.
+    assert [step.measured for step in made] == pytest.approx([0.9 * step.command for step in made], rel=1e-3)
+    assert [step.error_percent for step in made] == pytest.approx([-10.0] * 12, abs=0.1)
+    assert {(step.unit, step.torque_nm) for step in made} == {("deg", 40.0)}

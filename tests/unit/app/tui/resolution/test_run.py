@@ -6,7 +6,6 @@ import pytest
 
 from catseye.app.protocol.run_events import LiveData
 from catseye.app.tui.run_state import RunState
-from catseye.app.tui.screens import run as run_module
 from catseye.procedures.kit.live import Live, LiveStep
 from tests.unit.app.tui.screens.run_screen import run_screen
 from tests.unit.app.tui.scripted import ScriptedLink, compare, shown
@@ -17,11 +16,6 @@ RATIO = 1.072267
 """From step to step (resolution paper, section 3.4)."""
 
 STEPPING = {**SNAPSHOT, "procedure": "resolution", "title": "Motion resolution of joints"}
-
-
-@pytest.fixture(autouse=True)
-def steps_are_plotted(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run_module, "_live_plots", lambda _: "steps")
 
 
 def step(number: int, series: str = "A1+ at K1", torque_nm: float | None = -12.3) -> LiveStep:

@@ -10,7 +10,8 @@ from textual.widgets import Input, Select, Static
 
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.scara.template import TEMPLATE
-from catseye.app.cell.wizard.pages import PAGES
+from catseye.app.cell.templates import SCARA
+from catseye.app.cell.wizard.pages import pages_of
 from catseye.app.protocol.requests import Watch
 from catseye.app.results.scara.job_document import JobDocument, JobValidation
 from catseye.app.results.scara.result import Fit
@@ -82,7 +83,7 @@ async def begin(app: CatseyeApp, pilot: Pilot[Any]) -> Wizard:
 
 
 async def to_page(app: CatseyeApp, pilot: Pilot[Any], name: str) -> None:
-    await wizard_of(app).show_page(next(page for page in PAGES if page.name == name))
+    await wizard_of(app).show_page(next(page for page in pages_of(SCARA) if page.name == name))
     app.screen.refresh_bindings()
     await pilot.pause()
 
@@ -135,7 +136,7 @@ async def test_other_sizes() -> None:
     async with app.run_test(size=(60, 20)) as pilot:
         await begin(app, pilot)
         sizes = [(60, 20), (100, 30), (200, 60)]
-        for page in PAGES:
+        for page in pages_of(SCARA):
             await to_page(app, pilot, page.name)
             for size in sizes:
                 if app.size != size:

@@ -1,0 +1,50 @@
+"""The cell file of an arm whose motion resolution is measured, as `catseye init --system resolution` writes it."""
+
+TEMPLATE = """\
+# catseye cell file of an arm whose motion resolution is measured. The unit is part of every key.
+# Check it with:   catseye config validate FILE
+# See it resolved: catseye config show FILE
+format = "catseye-cell/1"
+name = "arm-1"                          # you type this name to arm real hardware: catseye run ... --arm arm-1
+
+[robot]
+driver = "kuka-varproxy"
+# The loopback address is for the emulators: catseye emulate FILE. On a real controller it is that of KUKAVARPROXY or
+# C3 Bridge, port 7000; docs/kuka.md says what else runs there.
+endpoint = "tcp://127.0.0.1:7000"
+arm = "kr210-r2700"                     # or the path of a description of your own arm
+override_cap_percent = 10               # the program never drives faster
+# override_cap_reason = ""              # why, for a cap above 30
+drives_off_after_s = 300                # of rest after a run that was started in the terminal UI
+
+[robot.limits_deg]                      # within the arm's own; narrower where cables and optics need it
+a2 = [-130.0, -20.0]
+a3 = [-110.0, 145.0]
+
+[interferometer]
+driver = "line-counter"
+profile = "default"                     # the dialect of the emulator
+endpoint = "tcp://127.0.0.1:10002"
+
+[environment]
+driver = "modbus-air"
+endpoint = "tcp://127.0.0.1:10502"
+map = "vaisala"
+pressure_register = 44                  # of the emulator and of a DPT145: confirm it with your sensor's manual
+
+[air]
+formula = "ciddor"                      # or "edlen", the modified equation of the NIST
+co2_ppm = 450
+vacuum_wavelength_nm = 632.9908         # any helium-neon laser; better: its certificate
+
+# Optics that are set up at each place of the arm; the run asks for them and checks their signal.
+[angular_optics]
+spacing_mm = 30.0                       # of the two prisms: on the certificate of the angular retroreflector
+u_spacing_mm = 0.01                     # its standard uncertainty
+distance_mm = 250.0                     # from the interferometer to the retroreflector
+signal_min = 0.5                        # weaker returns are not measured with
+
+[linear_optics]                         # for resolution-cartesian
+distance_mm = 250.0
+signal_min = 0.5
+"""

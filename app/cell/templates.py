@@ -1,0 +1,42 @@
+"""The cell files to begin with, one for each system."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Final
+
+from catseye.app.cell.resolution import template as resolution
+from catseye.app.cell.scara import template as scara
+
+
+@dataclass(frozen=True)
+class Template:
+    """A cell file to begin with.
+
+    Attributes:
+        title: what the system measures, for people.
+        text: of the file.
+    """
+
+    title: str
+    text: str
+
+
+SCARA: Final = "scara"
+RESOLUTION: Final = "resolution"
+
+TEMPLATES: Final[Mapping[str, Template]] = MappingProxyType(
+    {
+        SCARA: Template("error maps of a SCARA that tracks reflectors", scara.TEMPLATE),
+        RESOLUTION: Template("motion resolution of the joints of an arm", resolution.TEMPLATE),
+    }
+)
+"""By name of the system; the first is the one that is meant where none is named."""
+
+
+def system_of(data: Mapping[str, Any]) -> str:
+    """Return the system that the values of a cell file are meant for, right or wrong as they are."""
+    robot = data.get("robot")
+    arm = isinstance(robot, Mapping) and "arm" in robot
+    of_resolution = arm or bool({"angular_optics", "linear_optics"} & data.keys())
+    return RESOLUTION if of_resolution and not scara.is_meant(data) else SCARA

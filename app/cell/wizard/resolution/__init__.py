@@ -1,0 +1,1 @@
+"""Questions about the motion resolution of an arm."""
