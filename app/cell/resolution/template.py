@@ -18,8 +18,8 @@ override_cap_percent = 10               # the program never drives faster
 drives_off_after_s = 300                # of rest after a run that was started in the terminal UI
 
 [robot.limits_deg]                      # within the arm's own; narrower where cables and optics need it
-a2 = [-130.0, -20.0]
-a3 = [-110.0, 145.0]
+a2 = [-138.0, -7.0]
+a3 = [-118.0, 153.0]
 
 [interferometer]
 driver = "line-counter"
@@ -43,6 +43,10 @@ spacing_mm = 30.0                       # of the two prisms: on the certificate 
 u_spacing_mm = 0.01                     # its standard uncertainty
 distance_mm = 250.0                     # from the interferometer to the retroreflector
 signal_min = 0.5                        # weaker returns are not measured with
+
+[tracker]                               # of the emulated bench: its hands mount and align; leave it out on a real one
+driver = "bench-tracker"
+endpoint = "tcp://127.0.0.1:10099"
 
 [linear_optics]                         # for resolution-cartesian
 distance_mm = 250.0
