@@ -17,9 +17,8 @@ override_cap_percent = 10               # the program never drives faster
 # override_cap_reason = ""              # why, for a cap above 30
 drives_off_after_s = 300                # of rest after a run that was started in the terminal UI
 
-[robot.limits_deg]                      # within the arm's own; narrower where cables and optics need it
-a2 = [-138.0, -7.0]
-a3 = [-118.0, 153.0]
+# [robot.limits_deg]                    # within the arm's own, which hold without; narrower where cables need it
+# a1 = [-170.0, 170.0]
 
 [interferometer]
 driver = "line-counter"
@@ -37,16 +36,16 @@ formula = "ciddor"                      # or "edlen", the modified equation of t
 co2_ppm = 450
 vacuum_wavelength_nm = 632.9908         # any helium-neon laser; better: its certificate
 
+[tracker]                               # only the emulated bench has one; leave this out for real hardware
+driver = "bench-tracker"
+endpoint = "tcp://127.0.0.1:10099"
+
 # Optics that are set up at each place of the arm; the run asks for them and checks their signal.
 [angular_optics]
 spacing_mm = 30.0                       # of the two prisms: on the certificate of the angular retroreflector
 u_spacing_mm = 0.01                     # its standard uncertainty
 distance_mm = 250.0                     # from the interferometer to the retroreflector
 signal_min = 0.5                        # weaker returns are not measured with
-
-[tracker]                               # of the emulated bench: its hands mount and align; leave it out on a real one
-driver = "bench-tracker"
-endpoint = "tcp://127.0.0.1:10099"
 
 [linear_optics]                         # for resolution-cartesian
 distance_mm = 250.0
