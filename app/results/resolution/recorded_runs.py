@@ -13,6 +13,7 @@ from catseye.app.results.origin import now_utc
 from catseye.app.results.provenance import Provenance
 from catseye.app.results.resolution.actuation import actuation_of
 from catseye.app.results.resolution.evaluation import Asked, Series, evaluated
+from catseye.app.results.resolution.recorded_series import RecordedSeries, recorded_series
 from catseye.app.results.resolution.result import AnyTest, ResolutionResult
 from catseye.app.results.runs.run_source import are_simulated, cell_of_run
 from catseye.app.store.reader import RunReader
@@ -22,7 +23,7 @@ from catseye.calibration.resolution.moves import Moves, moves_of
 from catseye.calibration.resolution.optics import AngularOptics, LinearOptics
 from catseye.calibration.resolution.recording import Recording, recording_of
 from catseye.calibration.resolution.standstill import standstill
-from catseye.procedures.resolution.records import Configuration, Move
+from catseye.procedures.resolution.records import Configuration
 
 _Row = Mapping[str, Any]
 
@@ -101,12 +102,9 @@ def _asked(row: _Row, threshold_percent: float) -> Asked:
 
 
 def _series(reader: RunReader, row: _Row) -> Series:
-    recording, optics = _recording(reader, row)
-    rows: list[_Row] = [
-        move
-        for move in reader.rows(Move.table)
-        if (move["step_id"], move["recording"]) == (row["step_id"], row["recording"])
-    ]
+    stored = recorded_series(reader, row)
+    rows = stored.moves
+    recording, optics = _recording(stored)
     still = standstill(recording.clipped(row["standstill_from_s"], row["standstill_until_s"]))
     # A test that goes there and back begins where its preliminary moves have led.
     counted = [move for move in rows if row["test"] in {"decaying", "cartesian"} or move["sequence"] > 0]
@@ -118,16 +116,8 @@ def _series(reader: RunReader, row: _Row) -> Series:
     return replace(series, torque_s=torque_s, torque_nm=torque_nm)
 
 
-def _recording(reader: RunReader, row: _Row) -> tuple[Recording, AngularOptics | LinearOptics]:
-    recorded: _Row = next(
-        one
-        for one in reader.recordings()
-        if (one["step_id"], one["name"]) == (row["step_id"], row["recording"])
-    )
-    chunks = [(chunk.times_s, chunk.values) for chunk in reader.chunks(recorded)]
-    time_s = np.concatenate([np.array(times) for times, _ in chunks])
-    readings = np.concatenate([np.array(values) for _, values in chunks])
-    displacement_mm = recorded["scale"] * readings + recorded["offset_mm"]
+def _recording(stored: RecordedSeries) -> tuple[Recording, AngularOptics | LinearOptics]:
+    row, time_s, displacement_mm = stored.configuration, stored.time_s, stored.displacement_mm
     if row["spacing_mm"] is None:
         return recording_of(time_s, displacement_mm, "mm"), LinearOptics()
     optics = AngularOptics(row["spacing_mm"], row["u_spacing_mm"] or 0.0, 1e-3 * row["distance_mm"])
