@@ -70,22 +70,25 @@ def series_of_run(reader: RunReader) -> Iterator[RecordedSeries]:
     Raises:
         StorageError: readings are missing or are not what was written.
     """
+    recordings = {_key(row, "name"): row for row in reader.recordings()}
+    moves: dict[tuple[Any, ...], list[Mapping[str, Any]]] = {}
+    for row in reader.rows(Move.table):
+        moves.setdefault(_key(row, "recording"), []).append(row)
     for configuration in reader.rows(Configuration.table):
-        yield recorded_series(reader, configuration)
+        key = _key(configuration, "recording")
+        yield _series(reader, configuration, recordings[key], tuple(moves.get(key, ())))
 
 
-def recorded_series(reader: RunReader, configuration: Mapping[str, Any]) -> RecordedSeries:
-    """Return a series of a run.
+def _key(row: Mapping[str, Any], name: str) -> tuple[Any, ...]:
+    return row["step_id"], row["attempt"], row[name]
 
-    Args:
-        configuration: row of the table of `catseye.procedures.resolution.records.Configuration`.
 
-    Raises:
-        StorageError: readings are missing or are not what was written.
-    """
-    key = _key(configuration, "recording")
-    recording: Mapping[str, Any] = next(row for row in reader.recordings() if _key(row, "name") == key)
-    moves = tuple(row for row in reader.rows(Move.table) if _key(row, "recording") == key)
+def _series(
+    reader: RunReader,
+    configuration: Mapping[str, Any],
+    recording: Mapping[str, Any],
+    moves: tuple[Mapping[str, Any], ...],
+) -> RecordedSeries:
     chunks = list(reader.chunks(recording))
     empty = np.empty(0)
     time_s = np.concatenate([empty, *(np.frombuffer(chunk.times_s) for chunk in chunks)])
@@ -98,10 +101,6 @@ def recorded_series(reader: RunReader, configuration: Mapping[str, Any]) -> Reco
         float(recording["scale"]) * raw_mm + float(recording["offset_mm"]),
         moves,
     )
-
-
-def _key(row: Mapping[str, Any], name: str) -> tuple[Any, ...]:
-    return row["step_id"], row["attempt"], row[name]
 
 
 def sent_times(arrival_s: Floats) -> Floats:
