@@ -1,0 +1,121 @@
+"""Tests that this program recorded, from runs of the store to a result."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain, groupby
+from typing import Any
+
+import numpy as np
+
+from catseye.app.cell.arm import arm_description
+from catseye.app.errors import UsageError
+from catseye.app.results.origin import now_utc
+from catseye.app.results.provenance import Provenance
+from catseye.app.results.resolution.actuation import actuation_of
+from catseye.app.results.resolution.evaluation import Asked, Series, evaluated
+from catseye.app.results.resolution.recorded_series import RecordedSeries, series_of_run
+from catseye.app.results.resolution.result import AnyTest, ResolutionResult
+from catseye.app.results.runs.run_source import are_simulated, cell_of_run
+from catseye.app.store.reader import RunReader
+from catseye.app.store.software import SOFTWARE
+from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.resolution.errors import MovesError
+from catseye.calibration.resolution.moves import moves_of
+from catseye.calibration.resolution.optics import AngularOptics, LinearOptics
+from catseye.calibration.resolution.recording import Recording, recording_of
+from catseye.calibration.resolution.standstill import standstill
+from catseye.procedures.resolution.records import Configuration
+
+
+def holds_tests(reader: RunReader) -> bool:
+    """Return whether a run has recorded tests of motion resolution."""
+    return reader.count(Configuration.table) > 0
+
+
+def result_of_runs(readers: Sequence[RunReader], threshold_percent: float) -> ResolutionResult:
+    """Return what the tests of runs come to, in the order in which they were made.
+
+    Args:
+        readers: runs on one arm, at least one.
+        threshold_percent: largest step error of a step that counts.
+
+    Raises:
+        UsageError: a run has recorded no test, or they are of several arms.
+        CalibrationError: a recording does not fit its moves; names run and test.
+    """
+    arms = {arm.name: arm for arm in (arm_description(cell_of_run(one).robot.arm) for one in readers)}
+    if len(arms) > 1:
+        raise UsageError(
+            f"the runs are of several arms: {', '.join(arms)}; evaluate those of each by themselves"
+        )
+    unverified = [text for one in readers for text in one.unverified]
+    ((name, description),) = arms.items()
+    return ResolutionResult(
+        arm=name,
+        actuation=actuation_of(description),
+        tests=list(chain.from_iterable(_tests(reader, threshold_percent) for reader in readers)),
+        provenance=Provenance(
+            runs=[one.path.name for one in readers],
+            software=SOFTWARE,
+            created=now_utc(),
+            simulated=are_simulated(readers),
+            unverified=unverified or None,
+        ),
+    )
+
+
+def _tests(reader: RunReader, threshold_percent: float) -> Iterator[AnyTest]:
+    recorded = list(series_of_run(reader))
+    if not recorded:
+        raise UsageError(f"{reader.path.name}: has recorded no test of motion resolution")
+    for _, group in groupby(recorded, key=_test_of):
+        members = list(group)
+        asked = _asked(members[0].configuration, threshold_percent)
+        try:
+            yield evaluated(asked, [_series(one) for one in members])
+        except CalibrationError as error:
+            position = members[0].configuration["position"]
+            where = f"{reader.path.name}, {asked.test} test of {asked.joint} at {position}"
+            raise MovesError(f"{where}: {error}") from error
+
+
+def _test_of(recorded: RecordedSeries) -> tuple[object, ...]:
+    """Return what the series of one test share: those of a test by ISO 230 differ in the size of their steps."""
+    row = recorded.configuration
+    together = row["test"] == "iso"
+    return (
+        row["test"],
+        row["joint"],
+        row["position"],
+        None if together else (row["step_id"], row["direction"]),
+    )
+
+
+def _asked(row: Mapping[str, Any], threshold_percent: float) -> Asked:
+    pose = row["position"] if row["test"] == "cartesian" else None
+    return Asked(row["test"], row["joint"], row["position_value"], pose, threshold_percent)
+
+
+def _series(recorded: RecordedSeries) -> Series:
+    row = recorded.configuration
+    recording, optics = _recording(recorded)
+    still = standstill(recording.clipped(row["standstill_from_s"], row["standstill_until_s"]))
+    # A test that goes there and back begins where its preliminary moves have led.
+    there_and_back = row["test"] in {"iso", "backlash"}
+    counted = np.array([not there_and_back or move["sequence"] > 0 for move in recorded.moves])
+    time_s, command = recorded.move_time_s()[counted], recorded.command()[counted]
+    angular = recorded.unit == "deg"
+    moves = moves_of(time_s, np.radians(command) if angular else command, "rad" if angular else "mm")
+    torque_nm = recorded.torque_nm()
+    if torque_nm is None:
+        return Series(recording, moves, optics, still)
+    # Read at the end of the dwell, which may be the very moment of the next move: it belongs to the move before.
+    torque_s = np.array([move["ended_s"] for move in recorded.moves], dtype=np.float64)[counted]
+    return Series(recording, moves, optics, still, torque_s, torque_nm[counted])
+
+
+def _recording(recorded: RecordedSeries) -> tuple[Recording, AngularOptics | LinearOptics]:
+    row, displacement_mm = recorded.configuration, recorded.displacement_mm
+    if row["spacing_mm"] is None:
+        return recording_of(recorded.time_s, displacement_mm, "mm"), LinearOptics()
+    optics = AngularOptics(row["spacing_mm"], row["u_spacing_mm"] or 0.0, 1e-3 * row["distance_mm"])
+    return recording_of(recorded.time_s, optics.angle_rad(displacement_mm), "rad"), optics
