@@ -27,7 +27,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
         _SCARA,
     ),
     "init": Command(
-        "Write a commented cell file for an RH-3FRH5515 with the paper's reflectors and commands."
+        "Write a commented cell file: for an RH-3FRH5515 with the paper's reflectors and commands, or for a KUKA."
     ),
     "config": Command("Check and show cell files."),
     "emulate": Command("Emulate every device of a cell file on its endpoints until Ctrl-C."),
