@@ -1,5 +1,6 @@
 """predict-resolution: from look-up tables of joints to the smallest steps of the tool."""
 
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -36,6 +37,9 @@ Threshold = Annotated[
 ]
 FromMm = Annotated[float, typer.Option(min=1e-4, max=100.0, help="first step of translations")]
 FromDeg = Annotated[float, typer.Option(min=1e-5, max=10.0, help="first step of rotations")]
+Measured = Annotated[
+    Path | None, typer.Option(help="result JSON with Cartesian tests at the poses, to compare with")
+]
 Slice = Annotated[
     str | None,
     typer.Option(
@@ -60,6 +64,7 @@ def predict_resolution(
     from_mm: FromMm = 1.0,
     from_deg: FromDeg = 0.03,
     map_slice: Slice = None,
+    measured: Measured = None,
     workers: Workers = 1,
     dask: Dask = None,
     insecure_cluster: InsecureCluster = False,
@@ -71,12 +76,14 @@ def predict_resolution(
     """
     from catseye.app.files.poses import read_poses
     from catseye.app.results.resolution import cartesian_prediction as prediction
+    from catseye.app.results.resolution.cartesian_comparison import compare_with_measured
     from catseye.app.results.resolution.joint_tables import read_joint_tables
+    from catseye.app.results.resolution.prediction_report import prediction_document, prediction_report
     from catseye.calibration.resolution.cartesian_steps import StepSeries
     from catseye.calibration.resolution.predictor import PredictionMethod
     from catseye.calibration.resolution.workspace_slice import slice_points
 
-    require_output(output, tables, poses, tool)
+    require_output(output, tables, poses, tool, measured)
     axes = None if map_slice is None else _axes(map_slice)
     description = _description(arm)
     predictor = prediction.predictor_of(
@@ -91,18 +98,18 @@ def predict_resolution(
     else:
         points = slice_points(predictor.chain, named.joints[0], axes, predictor.tool)
         places = prediction.places_of_slice(points, reversal=reversal)
-    bar = ProgressBar("prediction")
-    with sharing(workers, dask, insecure=insecure_cluster) as share:
-        try:
-            rows = prediction.predict_places(
-                predictor, places, share, lambda n, of: bar.update(n, of, f"{n} of {of} poses")
-            )
-        finally:
-            bar.close()
+    with (
+        sharing(workers, dask, insecure=insecure_cluster) as share,
+        closing(ProgressBar("prediction")) as bar,
+    ):
+        rows = prediction.predict_places(
+            predictor, places, share, lambda n, of: bar.update(n, of, f"{n} of {of} poses")
+        )
     prediction.write_predicted_steps(rows, output)
-    report = prediction.prediction_report(description, rows, tables)
+    compared = None if measured is None else compare_with_measured(rows, measured)
+    report = prediction_report(description, rows, tables, compared)
     if as_json:
-        write_json({"output": str(output), **prediction.prediction_document(rows).json_object()})
+        write_json({"output": str(output), **prediction_document(rows, compared).json_object()})
     else:
         write_tables(report)
     note_statements(report)

@@ -1,5 +1,6 @@
 """resolution-model: from results of motion resolution to look-up tables."""
 
+from contextlib import closing
 from pathlib import Path
 from typing import Annotated
 
@@ -31,12 +32,8 @@ def resolution_model(
     from catseye.app.results.resolution.modelling import model_arm, model_document, model_report
 
     require_output(output, *result)
-    bar = ProgressBar("models")
-    with sharing(workers, dask, insecure=insecure_cluster) as share:
-        try:
-            modelled = model_arm(result, share, lambda n, of: bar.update(n, of, f"{n} of {of} models"))
-        finally:
-            bar.close()
+    with sharing(workers, dask, insecure=insecure_cluster) as share, closing(ProgressBar("models")) as bar:
+        modelled = model_arm(result, share, lambda n, of: bar.update(n, of, f"{n} of {of} models"))
     write_joint_tables(modelled.tables, output)
     report = model_report(modelled)
     if as_json:

@@ -1,4 +1,4 @@
-"""Cartesian resolution at poses and over slices of the workspace: predicted, written, told."""
+"""Cartesian resolution at poses and over slices of the workspace: predicted and written."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -14,10 +14,6 @@ from catseye.app.cluster.share import Share, map_quick
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.csv_text import OwnWord, csv_text
 from catseye.app.files.poses import NamedPoses
-from catseye.app.results.document import Document
-from catseye.app.results.model import Column, Report, Sign, Statement, Table, section
-from catseye.app.results.numbers import Format, counted
-from catseye.app.results.origin import origin_now
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.kinematics.chain import Chain
 from catseye.calibration.resolution.cartesian_steps import DIRECTIONS
@@ -175,97 +171,6 @@ def write_predicted_steps(rows: Sequence[PredictedDirection], output: Path) -> N
     write_atomically(
         output, csv_text(("pose", *places, "direction", "lis", "low", "high", "unit", "reason"), cells)
     )
-
-
-class LeastStepPart(Document):
-    """One direction at one place; numbers in its unit."""
-
-    pose: str
-    tcp_mm: list[float] | None
-    direction: str
-    unit: str
-    lis: float | None
-    low: float | None
-    high: float | None
-    reason: str
-
-
-class PredictionDocument(Document):
-    """Everything that is predicted."""
-
-    least_steps: list[LeastStepPart]
-
-
-def prediction_document(rows: Sequence[PredictedDirection]) -> PredictionDocument:
-    """Return what is predicted, as JSON has it."""
-    return PredictionDocument(
-        least_steps=[
-            LeastStepPart(
-                pose=row.place.name,
-                tcp_mm=None if row.place.tcp_mm is None else row.place.tcp_mm.tolist(),
-                direction=row.direction,
-                unit=unit_of(row.direction),
-                lis=row.least.lis,
-                low=row.least.low,
-                high=row.least.high,
-                reason=row.least.reason,
-            )
-            for row in rows
-        ]
-    )
-
-
-_SIZE: Final = Format("significant", 2)
-
-
-def prediction_report(arm: ArmDescription, rows: Sequence[PredictedDirection], tables: Path) -> Report:
-    """Return what is predicted, with how much is left open."""
-    open_rows = [row for row in rows if row.least.lis is None]
-    statements = [
-        Statement(
-            Sign.NEUTRAL,
-            f"{arm.name}: {len(rows) - len(open_rows)} of {counted(len(rows), 'direction')} predicted with {tables}.",
-        )
-    ]
-    if open_rows:
-        first = open_rows[0]
-        statements.append(
-            Statement(
-                Sign.ATTENTION,
-                f"{counted(len(open_rows), 'direction')} without a number, first {first.direction} at pose "
-                f"{first.place.name}: {first.least.reason}. The file gives the reason of each.",
-            )
-        )
-    return Report(
-        "Predicted Cartesian resolution",
-        origin_now(),
-        (
-            section("verdict", "Verdict", statements, brief=True),
-            section("steps", "Least increment steps", [_table(rows)], brief=True),
-        ),
-    )
-
-
-_MOST_ROWS = 60
-"""A table of a slice stands in the file, not on the terminal."""
-
-
-def _table(rows: Sequence[PredictedDirection]) -> Table | None:
-    if len(rows) > _MOST_ROWS:
-        return None
-    columns = (
-        Column("pose", "pose"),
-        Column("direction", "direction"),
-        Column("lis", "least step", format=_SIZE),
-        Column("low", "low", format=_SIZE),
-        Column("high", "high", format=_SIZE),
-        Column("unit", "unit"),
-    )
-    cells = tuple(
-        (row.place.name, row.direction, row.least.lis, row.least.low, row.least.high, unit_of(row.direction))
-        for row in rows
-    )
-    return Table("least_steps", "Predicted least increment steps with their 95 % intervals", columns, cells)
 
 
 def predictor_of(

@@ -12,7 +12,15 @@ from catseye.simulators.world.counted_beam import CountedBeam
 from catseye.simulators.world.mount import Screw
 from catseye.simulators.world.optics import NOBODY, Sight
 from catseye.simulators.world.serial.driven_arm import DrivenArm
-from catseye.simulators.world.serial.optics import Mounting, Wander, mount_angular, mount_linear, returned
+from catseye.simulators.world.serial.look_ahead import LookAhead
+from catseye.simulators.world.serial.optics import (
+    Mounting,
+    Return,
+    Wander,
+    mount_angular,
+    mount_linear,
+    returned,
+)
 from catseye.simulators.world.types import Floats
 
 SCREWS = ("pitch", "yaw")
@@ -54,9 +62,11 @@ class ArmBeam(CountedBeam):
         self._tripod_rad = Wander(rng, 1e-6 * optics.tripod_urad, (120.0, 3600.0))
         self._tripod_mm = Wander(rng, 1e-3 * optics.tripod_um, (120.0, 3600.0))
         self._turbulence_mm = Wander(rng, 1e-6 * optics.turbulence_nm, (0.3, 30.0))
+        self._touches = 0
         self._hands = np.random.default_rng([config.seed, 23])
         hand = (self._hands, config.screws.setting_turns, config.screws.play_turns)
         self._screws = {name: Screw(*hand) for name in SCREWS}
+        self._ahead = LookAhead(self._returned, self._state)
         super().__init__(replace(config, budget=_counted(config)), index_at, now, BeamPath())
 
     @property
@@ -71,16 +81,10 @@ class ArmBeam(CountedBeam):
 
     def look(self, times_s: Floats) -> Sight:
         """Return what the beam meets at bench times, s, shape (n,); no counter notices."""
-        nobody = np.full(times_s.size, NOBODY)
-        if self.mounting is None:
-            lost = np.full(times_s.size, _LOST)
-            return Sight(times_s, nobody, np.zeros(times_s.size), lost, nobody + 1)
-        frames = self._frames(self.mounting.frame, times_s)
-        seen = returned(self.mounting, frames, self._tilts_rad, self.spacing_mm, self._optics)
+        seen = self._ahead.at(float(times_s[0])) if times_s.size == 1 else self._returned(times_s)
         hit = (seen.miss <= 1.0) & ~self._path.blocked(times_s)
-        return Sight(
-            times_s, np.where(hit, 0, NOBODY), seen.length_mm + self._drift_mm(times_s), seen.miss, nobody + 1
-        )
+        nearest = np.zeros(times_s.size, dtype=np.int64)
+        return Sight(times_s, np.where(hit, 0, NOBODY), seen.length_mm, seen.miss, nearest)
 
     def level(self, miss_mm: float) -> float:
         """Return the signal level, 0...1, of a beam that returns with a miss as a part of the largest."""
@@ -124,10 +128,12 @@ class ArmBeam(CountedBeam):
             most_rad = 1e-3 * self._optics.hand_tilt_mrad
             self._tilts_rad = sides * self._hands.uniform(0.4 * most_rad, most_rad, 2)
             self.mounting = mounting
+            self._touches += 1
         self.observe()
 
     def _turn(self, screw: str, turns: float) -> None:
         moved = self._screws[screw].turn(turns)
+        self._touches += 1
         self._tilts_rad[SCREWS.index(screw)] += 1e-3 * self._optics.mrad_per_turn * moved
 
     def _sample_times(self) -> Floats:
@@ -137,6 +143,17 @@ class ArmBeam(CountedBeam):
         duration_s = motion.profile.duration_s + _CALM_S
         times_s: Floats = motion.start_s + np.linspace(0.0, duration_s, int(np.ceil(duration_s / step_s)) + 1)
         return times_s
+
+    def _state(self) -> tuple[int, int]:
+        """Return what changes when the beam depends on bench time in another way than before."""
+        return self._arm.motions_begun, self._touches
+
+    def _returned(self, times_s: Floats) -> Return:
+        if self.mounting is None:
+            return Return(np.zeros(times_s.size), np.full(times_s.size, _LOST))
+        frames = self._frames(self.mounting.frame, times_s)
+        seen = returned(self.mounting, frames, self._tilts_rad, self.spacing_mm, self._optics)
+        return Return(seen.length_mm + self._drift_mm(times_s), seen.miss)
 
     def _links(self) -> Floats:
         return self._arm.links_deg(np.array([self._now()]))

@@ -24,7 +24,7 @@ from catseye.simulators.world.motion import (
 from catseye.simulators.world.serial.drivetrain import Drive, Drivetrains
 from catseye.simulators.world.serial.screws import ScrewArm
 from catseye.simulators.world.serial.servo import Encoders, Servos
-from catseye.simulators.world.serial.truth import JointTruth
+from catseye.simulators.world.serial.truth import JointTruth, column
 from catseye.simulators.world.types import Bools, Floats, Ints
 
 _PIECE_DEG = 10.0
@@ -78,13 +78,23 @@ class DrivenArm:
 
     Attributes:
         names: of the joints.
+        motions_begun: number of motions so far.
         screws: geometry of the arm.
     """
 
     def __init__(self, arm: SerialArm, truths: Sequence[JointTruth], start: Joints, seed: int) -> None:
         self.names = tuple(joint.name for joint in arm.joints)
         self.screws = ScrewArm(arm.joints, arm.loads)
-        self._truths = tuple(truths)
+        self.motions_begun = 0
+        self._motor_friction_nm = column(truths, "motor_friction_nm")
+        self._static_friction_nm = column(truths, "static_friction_nm")
+        self._viscous_nm_s = column(truths, "viscous_nm_s_per_deg")
+        self._stribeck_deg_s = column(truths, "stribeck_deg_s")
+        self._noticed_nm = _HEAVIER * column(truths, "link_friction_nm") + SHORTEST
+        self._balancer_nm = column(truths, "counterbalance_nm")
+        self._balancer_zero_deg = column(truths, "counterbalance_zero_deg")
+        self._ringing_s = column(truths, "ringing_s")
+        self._ringing_rad_s = 2.0 * np.pi * column(truths, "ringing_hz")
         self._dynamics = ArmDynamics(
             tuple(joint.speed for joint in arm.joints), tuple(joint.acceleration for joint in arm.joints)
         )
@@ -146,7 +156,7 @@ class DrivenArm:
             return self._links(self._stretches[-1], times_s)
         starts_s = [stretch.motion.start_s for stretch in self._stretches]
         of = np.maximum(np.searchsorted(starts_s, times_s, side="right") - 1, 0)
-        links = np.empty((times_s.size, len(self._truths)))
+        links = np.empty((times_s.size, len(self.names)))
         for number in np.unique(of):
             mine = of == number
             links[mine] = self._links(self._stretches[int(number)], times_s[mine])
@@ -157,15 +167,15 @@ class DrivenArm:
         stretch = self._stretch_at(time_s)
         drive = self._at(stretch, np.array([time_s]))
         friction = self._motor_friction(stretch, time_s)
-        noise = [_TORQUE_NOISE * truth.motor_friction_nm for truth in self._truths]
-        shown = drive.hold_nm[0] + drive.friction_nm[0] + friction
-        return tuple((shown + noise * self._encoders.torque_noise(time_s)).tolist())
+        noise = _TORQUE_NOISE * self._motor_friction_nm * self._encoders.torque_noise(time_s)
+        return tuple((drive.hold_nm[0] + drive.friction_nm[0] + friction + noise).tolist())
 
     def _stretch_at(self, time_s: float) -> _Stretch:
         starts_s = [stretch.motion.start_s for stretch in self._stretches]
         return self._stretches[max(0, bisect_right(starts_s, time_s) - 1)]
 
     def _begin(self, motion: Motion) -> None:
+        self.motions_begun += 1
         before = self._stretch_at(motion.start_s)
         start = _row(self._at(before, np.array([motion.start_s])), 0)
         speeds = np.abs(motion.slopes).max(axis=0) * motion.profile.speed
@@ -175,7 +185,7 @@ class DrivenArm:
         stops = np.where(travels, stops, start.motor_deg)
         marks, commanded = _pieces(motion)
         holds = self._holding(commanded)
-        heavier = np.abs(holds - start.hold_nm).max(axis=0) > self._noticed_nm()
+        heavier = np.abs(holds - start.hold_nm).max(axis=0) > self._noticed_nm
         turned = travels & ((stops != start.motor_deg) | (len(motion.steps) > 1))
         moved = turned | heavier
         motors = self._motors(start, commanded, stops, marks)
@@ -190,7 +200,7 @@ class DrivenArm:
                 _where(moved, end, before.ends),
                 np.where(moved, motion.end_s, before.rests_s),
                 np.where(turned, np.sign(stops - start.motor_deg), before.senses),
-                np.where(turned, speeds * [truth.ringing_s for truth in self._truths], 0.0),
+                np.where(turned, speeds * self._ringing_s, 0.0),
             )
         )
 
@@ -232,31 +242,24 @@ class DrivenArm:
         if times_s[0] > stretch.motion.end_s + _CALM_S:
             return links
         after_s = np.maximum(times_s - stretch.motion.end_s, 0.0)[:, None]
-        rates = [2.0 * np.pi * truth.ringing_hz for truth in self._truths]
-        rung: Floats = stretch.rings_deg * np.exp(-after_s / _RINGING_DECAY_S) * np.sin(rates * after_s)
-        return links + rung
+        rung: Floats = stretch.rings_deg * np.exp(-after_s / _RINGING_DECAY_S)
+        return links + rung * np.sin(self._ringing_rad_s * after_s)
 
     def _motor_friction(self, stretch: _Stretch, time_s: float) -> Floats:
         """Return the friction in front of the transmissions, N m at the joints, shape (n,)."""
-        coulomb = stretch.senses * [truth.motor_friction_nm for truth in self._truths]
+        coulomb = stretch.senses * self._motor_friction_nm
         motion = stretch.motion
         rate = motion.profile.speed_at(time_s - motion.start_s)
         speeds = rate * motion.slopes_from(float(motion.done(np.array([time_s]))[0]))[0]
-        viscous = speeds * [truth.viscous_nm_s_per_deg for truth in self._truths]
-        slow = np.exp(-((speeds / [truth.stribeck_deg_s for truth in self._truths]) ** 2))
-        static = np.sign(speeds) * slow * [truth.static_friction_nm for truth in self._truths]
-        friction: Floats = coulomb + viscous + static
+        slow = np.exp(-((speeds / self._stribeck_deg_s) ** 2))
+        static = np.sign(speeds) * slow * self._static_friction_nm
+        friction: Floats = coulomb + speeds * self._viscous_nm_s + static
         return friction
 
     def _holding(self, joints_deg: Floats) -> Floats:
         """Return the load of each drive: weight less what balancers take, N m, shape (m, n)."""
-        peaks = np.array([truth.counterbalance_nm for truth in self._truths])
-        zeros = np.array([truth.counterbalance_zero_deg for truth in self._truths])
-        balanced: Floats = peaks * np.sin(np.deg2rad(joints_deg - zeros))
+        balanced: Floats = self._balancer_nm * np.sin(np.deg2rad(joints_deg - self._balancer_zero_deg))
         return self.screws.holding_torques(joints_deg) + balanced
-
-    def _noticed_nm(self) -> Floats:
-        return _HEAVIER * np.array([truth.link_friction_nm for truth in self._truths]) + SHORTEST
 
 
 def _pieces(motion: Motion) -> tuple[Floats, Floats]:

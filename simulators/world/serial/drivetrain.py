@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.simulators.world.serial.truth import JointTruth
+from catseye.simulators.world.serial.truth import JointTruth, column
 from catseye.simulators.world.types import Bools, Floats
 
 _HALVINGS = 48
@@ -50,15 +50,15 @@ class Drivetrains:
     """
 
     def __init__(self, truths: Sequence[JointTruth]) -> None:
-        self._stiffness = _column(truths, "stiffness_nm_per_deg")
-        self._half_play = _column(truths, "play_deg") / 2.0
-        self._engagement = _column(truths, "engagement_nm")
-        self._friction = _column(truths, "link_friction_nm")
-        self._waviness = _column(truths, "friction_waviness")
+        self._stiffness = column(truths, "stiffness_nm_per_deg")
+        self._half_play = column(truths, "play_deg") / 2.0
+        self._engagement = column(truths, "engagement_nm")
+        self._friction = column(truths, "link_friction_nm")
+        self._waviness = column(truths, "friction_waviness")
         self._phases = np.deg2rad([truth.friction_phases_deg for truth in truths]).T
-        self._presliding = _column(truths, "presliding_deg")
-        self._creep = _column(truths, "creep")
-        self._creep_s = _column(truths, "creep_s")
+        self._presliding = column(truths, "presliding_deg")
+        self._creep = column(truths, "creep")
+        self._creep_s = column(truths, "creep_s")
 
     def twist_deg(self, torque_nm: Floats) -> Floats:
         """Return how far the motor is ahead of the link under a torque."""
@@ -113,7 +113,3 @@ class Drivetrains:
         friction_nm = start.friction_nm * (1.0 - self._creep * (1.0 - left))
         link_deg = start.motor_deg - self.twist_deg(start.hold_nm + friction_nm)
         return Drive(start.motor_deg + 0.0 * rest_s, link_deg, start.hold_nm + 0.0 * rest_s, friction_nm)
-
-
-def _column(truths: Sequence[JointTruth], name: str) -> Floats:
-    return np.array([getattr(truth, name) for truth in truths], dtype=np.float64)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from catseye.simulators.config import SerialJoint
-from catseye.simulators.world.serial.truth import JointTruth
+from catseye.simulators.world.serial.truth import JointTruth, column
 from catseye.simulators.world.types import Bools, Floats
 
 _CYCLE_S = 0.004
@@ -29,8 +29,8 @@ class Encoders:
         self._ratio = np.array([joint.gear_ratio or _GEAR_RATIO for joint in joints])
         bits = np.array([joint.encoder_bits or _ENCODER_BITS for joint in joints])
         self.count_deg = 360.0 / (self._ratio * 2.0**bits)
-        self._noise_deg = self.count_deg * [truth.encoder_noise_counts for truth in truths]
-        self._error_deg = np.array([truth.encoder_error_deg for truth in truths])
+        self._noise_deg = self.count_deg * column(truths, "encoder_noise_counts")
+        self._error_deg = column(truths, "encoder_error_deg")
         self._seed = seed
 
     def measured_deg(self, motor_deg: Floats, time_s: float) -> Floats:
@@ -66,10 +66,10 @@ class Servos:
 
     def __init__(self, truths: Sequence[JointTruth], encoders: Encoders, seed: int) -> None:
         self._encoders = encoders
-        self._overtravel_deg = np.array([truth.overtravel_deg for truth in truths])
-        self._stribeck_deg_s = np.array([truth.stribeck_deg_s for truth in truths])
-        self._scatter_deg = np.array([truth.stop_scatter_deg for truth in truths])
-        self._window_deg = np.array([truth.stop_window_deg for truth in truths])
+        self._overtravel_deg = column(truths, "overtravel_deg")
+        self._stribeck_deg_s = column(truths, "stribeck_deg_s")
+        self._scatter_deg = column(truths, "stop_scatter_deg")
+        self._window_deg = column(truths, "stop_window_deg")
         self._rng = np.random.default_rng([seed, 21])
 
     def stops_deg(self, target_deg: Floats, motor_deg: Floats, speed_deg_s: Floats, wavy: Floats) -> Floats:

@@ -1,6 +1,6 @@
 """True drivetrains of a serial arm, `catseye-joint-truth/1`: drawn from the seed, or read from a document."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Literal
 
 import numpy as np
@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from catseye.simulators.config import SerialArm, TruthText
 from catseye.simulators.errors import TruthFileError
+from catseye.simulators.world.types import Floats
 
 FORMAT: Literal["catseye-joint-truth/1"] = "catseye-joint-truth/1"
 
@@ -89,6 +90,11 @@ class ArmTruth(_Document):
 
     format: Literal["catseye-joint-truth/1"]
     joints: tuple[JointTruth, ...] = Field(strict=False)
+
+
+def column(truths: Sequence[JointTruth], name: str) -> Floats:
+    """Return one value of each joint, shape (n,)."""
+    return np.array([getattr(truth, name) for truth in truths], dtype=np.float64)
 
 
 _COMPACT = {"motor_friction_nm": 50.0, "static_friction_nm": 15.0, "stop_window_deg": 1e-5}

@@ -165,6 +165,38 @@ def test_a_tool_moves_the_centre_of_rotations(tmp_path: Path) -> None:
     assert with_tool[6]["lis"] != without[6]["lis"]
 
 
+def cartesian(pose: str, direction: int, least_mm: float | None) -> dict[str, Any]:
+    lis = {"value": least_mm, "u": 1e-3, "low": 1e-3, "high": 1.0} if least_mm else None
+    return joint_test("cartesian", "X", None, direction=direction, pose=pose, lis_mm=lis)
+
+
+def test_measured_steps_stand_beside_the_predicted_ones(tmp_path: Path) -> None:
+    plus = float(predicted(tmp_path)[0]["lis"])
+    tests = [
+        cartesian("P1", 1, plus),
+        cartesian("P1", -1, 0.5),
+        cartesian("P2", 1, None),
+        cartesian("P9", 1, 1.0),
+    ]
+    words = ("--arm", "kr210-r2700", "--poses", poses_file(tmp_path), "-o", str(tmp_path / "out.csv"))
+    measured = ("--measured", result_file(tmp_path, "m.json", tests))
+    done = called("predict-resolution", tables_file(tmp_path), *words, *measured, "--json")
+    compared = json.loads(done.stdout)["compared"]
+    assert [(one["pose"], one["direction"], one["inside"]) for one in compared] == [
+        ("P1", "+X", True),
+        ("P1", "-X", False),
+    ]
+    assert "1 of 2 measured least steps within the predicted 95 % interval" in done.stderr
+
+
+def test_measured_poses_of_other_names_are_refused(tmp_path: Path) -> None:
+    words = ("--arm", "kr210-r2700", "--poses", poses_file(tmp_path), "-o", str(tmp_path / "out.csv"))
+    measured = ("--measured", result_file(tmp_path, "m.json", [cartesian("P9", 1, 1.0)]))
+    error = failure("predict-resolution", tables_file(tmp_path), *words, *measured)
+    assert isinstance(error, UsageError)
+    assert "predicted are P1, P2, measured P9; give poses the same names in both files" in str(error)
+
+
 def failure(*words: str) -> BaseException | None:
     return called(*words).exception
 

@@ -220,3 +220,28 @@ def test_remounting_breaks_the_beam() -> None:
     stand.beam.mount_angular(1)
     assert stand.beam.read().beam_lost
     assert stand.beam.read().returns
+
+
+def test_steady_looks_show_what_single_ones_do() -> None:
+    watched, asked = on_joint(4, ArmOptics()), on_joint(4, ArmOptics())
+    for stand in (watched, asked):
+        stand.shift(4, 0.5)
+    times_s = 60.0 + 0.001 * np.arange(1, 301)
+    moved_s, turned_s = 60.1005, 60.2005
+    for stand in (watched, asked):
+        lengths = []
+        for time_s in times_s:
+            if stand.time_s < moved_s <= time_s:
+                stand.arm.move_to(START, moved_s, 1e-3)
+            if stand.time_s < turned_s <= time_s:
+                stand.beam.turn_screw("yaw", 0.5)
+            stand.time_s = float(time_s)
+            if stand is asked:
+                # Looks at other moments break the steady rate.
+                stand.beam.look(np.array([time_s - 0.0004]))
+            lengths.append(float(stand.beam.look(np.array([time_s])).length_mm[0]))
+        if stand is watched:
+            expected = lengths
+    np.testing.assert_allclose(lengths, expected, rtol=0.0, atol=1e-12)
+    # Something moved, and something was turned.
+    assert np.ptp(expected) > 1e-3
