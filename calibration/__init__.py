@@ -24,6 +24,14 @@ if TYPE_CHECKING:
     from catseye.calibration.kinematics.jacobian import jacobian as jacobian
     from catseye.calibration.kinematics.rotations import angles_of as angles_of
     from catseye.calibration.kinematics.rotations import pose_of as pose_of
+    from catseye.calibration.resolution.cartesian_steps import StepSeries as StepSeries
+    from catseye.calibration.resolution.joint_model import JointModel as JointModel
+    from catseye.calibration.resolution.joint_model import MeasuredSteps as MeasuredSteps
+    from catseye.calibration.resolution.joint_model import table_of as table_of
+    from catseye.calibration.resolution.predictor import PredictionMethod as PredictionMethod
+    from catseye.calibration.resolution.predictor import predict_pose as predict_pose
+    from catseye.calibration.resolution.tables import JointTable as JointTable
+    from catseye.calibration.resolution.tables import ResolutionTables as ResolutionTables
     from catseye.calibration.scara.budget import Budget as Budget
     from catseye.calibration.scara.budget import Contributor as Contributor
     from catseye.calibration.scara.comparison import Comparison as Comparison
@@ -76,6 +84,10 @@ _HOMES = {
     "kinematics.inverse": ("inverse_kinematics",),
     "kinematics.jacobian": ("jacobian",),
     "kinematics.rotations": ("angles_of", "pose_of"),
+    "resolution.cartesian_steps": ("StepSeries",),
+    "resolution.joint_model": ("JointModel", "MeasuredSteps", "table_of"),
+    "resolution.predictor": ("PredictionMethod", "predict_pose"),
+    "resolution.tables": ("JointTable", "ResolutionTables"),
     "scara.budget": ("Budget", "Contributor"),
     "scara.comparison": ("Comparison", "compare"),
     "scara.compensation": ("Compensation", "compensate"),

@@ -289,8 +289,9 @@ class EmulationConfig:
     """One emulated bench with its servers.
 
     Attributes:
-        reflectors: cat's eyes at their rough places; the true ones differ by some millimetres.
-        scara: the arm.
+        reflectors: cat's eyes at their rough places; the true ones differ by some millimetres; a SCARA needs one.
+        scara: the arm, unless there is a serial one.
+        serial: a serial arm; a bench with one has no reflectors and none of what belongs to an open-loop tracker.
         start_joints: joints at bench time 0.
         beam_height_mm: height of the arm at which the beam, where it starts, lies in the plane of the reflectors;
             None: that at start_joints.
@@ -317,8 +318,9 @@ class EmulationConfig:
         answer_suffix: what the controller appends to an answer: nothing, CR or CR LF.
     """
 
-    reflectors: tuple[ReflectorPlace, ...]
+    reflectors: tuple[ReflectorPlace, ...] = ()
     scara: Scara = field(default_factory=Scara)
+    serial: SerialArm | None = None
     limits: tuple[Range, ...] = ((-170.0, 170.0), (-145.0, 145.0), (0.0, 150.0), (-360.0, 360.0))
     start_joints: Joints = (0.0, 0.0, 0.0, 0.0)
     beam_height_mm: float | None = None

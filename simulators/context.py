@@ -5,10 +5,13 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from catseye.simulators.config import EmulationConfig
+from catseye.simulators.errors import EmulatorError
 from catseye.simulators.world.air_probe import AirProbe
-from catseye.simulators.world.bench import Bench, Instrument
+from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.door import Door
+from catseye.simulators.world.instrument import Instrument
 from catseye.simulators.world.journal import Journal
+from catseye.simulators.world.timed_bench import TimedBench
 from catseye.simulators.world.timekeeper import TimeKeeper
 
 
@@ -41,6 +44,14 @@ class RobotController(Protocol):
         """Stop the arm and take the power off."""
         ...
 
+    def press(self, key: str) -> None:
+        """Press or turn something on the operator panel; see `PanelKey` of the control port.
+
+        Raises:
+            EmulatorError: this controller's panel has no such key.
+        """
+        ...
+
     def clear_faults(self) -> None:
         """Close the emergency stop circuit, turn the key back and reset the alarm."""
         ...
@@ -51,7 +62,7 @@ class EmulationContext:
     """One emulated bench, as its emulators see it.
 
     Attributes:
-        bench: the physical truth.
+        bench: the physical truth, whatever arm stands on it.
         truth: the true arm in the result format.
         controller: the robot controller; all its endpoints lead to it.
         keeper: bench time.
@@ -62,7 +73,7 @@ class EmulationContext:
     """
 
     config: EmulationConfig
-    bench: Bench
+    bench: TimedBench
     truth: Mapping[str, object]
     controller: RobotController
     keeper: TimeKeeper
@@ -72,8 +83,23 @@ class EmulationContext:
     coils: dict[str, list[bool]] = field(default_factory=dict)
     instruments: dict[str, Instrument] = field(default_factory=dict)
 
+    @property
+    def beam_bench(self) -> Bench:
+        """The bench of an arm that carries a beam.
+
+        Raises:
+            EmulatorError: the arm of this bench carries none.
+        """
+        if not isinstance(self.bench, Bench):
+            raise EmulatorError("the arm of this bench carries no beam")
+        return self.bench
+
     def instrument(self, device: str) -> Instrument:
-        """Return the length counter of a device; all its endpoints and clients lead to the same one."""
+        """Return the length counter of a device; all its endpoints and clients lead to the same one.
+
+        Raises:
+            EmulatorError: the arm of this bench carries no beam.
+        """
         if device not in self.instruments:
-            self.instruments[device] = Instrument(self.bench)
+            self.instruments[device] = Instrument(self.beam_bench)
         return self.instruments[device]

@@ -2,18 +2,22 @@
 
 from dataclasses import dataclass
 from types import TracebackType
+from typing import Self
 
-from catseye.simulators.config import EmulatedDevice, EmulationConfig
+from catseye.simulators.config import EmulatedDevice, EmulationConfig, SerialArm
 from catseye.simulators.context import EmulationContext
 from catseye.simulators.control_port.operations import ControlSession, Reach
 from catseye.simulators.emulator import DeviceOptions, sessions_of
 from catseye.simulators.errors import EmulatorError
+from catseye.simulators.kuka.controller import KukaController
 from catseye.simulators.melfa.controller import Controller
 from catseye.simulators.ports.port import Port
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.journal import Journal
 from catseye.simulators.world.scara.arm import scara_bench
 from catseye.simulators.world.scara.truth import draw_truth, true_arm, truth_document
+from catseye.simulators.world.serial.bench import SerialBench
+from catseye.simulators.world.serial.plant import IdealArm
 from catseye.simulators.world.timekeeper import TimeKeeper
 from catseye.simulators.world.tracker import Tracker
 
@@ -33,24 +37,21 @@ class ServedEndpoint:
     endpoint: str
 
 
-class EmulatedBench:
+class ServedBench:
     """All emulators of one bench. Use it as an asynchronous context: it listens inside, and is silent after.
 
+    Args:
+        context: the bench and what stands on it.
+
     Raises:
-        EmulatorError: the truth file, the reflectors, a protocol or an option cannot be used.
+        EmulatorError: a protocol or an option cannot be used.
     """
 
-    def __init__(self, config: EmulationConfig) -> None:
-        _check(config)
-        truth = draw_truth(config.seed, config) if config.truth is None else true_arm(config.truth, config)
-        self.bench = scara_bench(truth, config, lambda text: self.journal.add("robot", "motion", text))
-        self.journal = Journal(lambda: self.bench.time_s)
-        self.keeper = TimeKeeper(self.bench, config.speed)
-        self.controller = Controller(self.bench, config, self.keeper.changed)
-        probe = AirProbe(self.bench)
-        self.context = EmulationContext(
-            config, self.bench, truth_document(truth), self.controller, self.keeper, self.journal, probe
-        )
+    def __init__(self, context: EmulationContext) -> None:
+        self.context = context
+        self.journal = context.journal
+        self.keeper = context.keeper
+        config = context.config
         self._ports = [self._port(device) for device in config.devices]
         by_name: dict[str, list[Port]] = {}
         for port in self._ports:
@@ -67,7 +68,7 @@ class EmulatedBench:
         """Where each device answers; final once the context is entered."""
         return [ServedEndpoint(port.device, port.protocol, port.endpoint) for port in self._ports]
 
-    async def __aenter__(self) -> "EmulatedBench":
+    async def __aenter__(self) -> Self:
         try:
             for port in self._ports:
                 await port.open()
@@ -96,10 +97,68 @@ class EmulatedBench:
         return Port(device.name, device.protocol, device.endpoint, self.keeper, sessions, most_clients=most)
 
 
+class EmulatedBench(ServedBench):
+    """The bench of a SCARA that carries the beam, with its MELFA controller.
+
+    Raises:
+        EmulatorError: the truth file, the reflectors, a protocol or an option cannot be used.
+    """
+
+    def __init__(self, config: EmulationConfig) -> None:
+        _check(config)
+        truth = draw_truth(config.seed, config) if config.truth is None else true_arm(config.truth, config)
+        journal = Journal(lambda: self.bench.time_s)
+        self.bench = scara_bench(truth, config, lambda text: journal.add("robot", "motion", text))
+        keeper = TimeKeeper(self.bench, config.speed)
+        self.controller = Controller(self.bench, config, keeper.changed)
+        probe = AirProbe(self.bench)
+        document = truth_document(truth)
+        super().__init__(
+            EmulationContext(config, self.bench, document, self.controller, keeper, journal, probe)
+        )
+
+
+class EmulatedSerialBench(ServedBench):
+    """The bench of a serial arm with its KUKA controller.
+
+    Args:
+        config: its `serial` is the arm.
+
+    Raises:
+        EmulatorError: a protocol or an option cannot be used.
+    """
+
+    def __init__(self, config: EmulationConfig, arm: SerialArm) -> None:
+        _require_speed(config)
+        journal = Journal(lambda: self.bench.time_s)
+        plant = IdealArm(arm, config.start_joints)
+        self.bench = SerialBench(plant, config, lambda text: journal.add("robot", "motion", text))
+        keeper = TimeKeeper(self.bench, config.speed)
+        self.controller = KukaController(self.bench, arm, keeper)
+        probe = AirProbe(self.bench)
+        document = {"arm": arm.name}
+        super().__init__(
+            EmulationContext(config, self.bench, document, self.controller, keeper, journal, probe)
+        )
+
+
+def served_bench(config: EmulationConfig) -> ServedBench:
+    """Return the bench of the arm that a configuration describes.
+
+    Raises:
+        EmulatorError: something of the configuration cannot be used.
+    """
+    return EmulatedBench(config) if config.serial is None else EmulatedSerialBench(config, config.serial)
+
+
 def _check(config: EmulationConfig) -> None:
     if not config.reflectors:
         raise EmulatorError("the emulated bench needs at least one reflector")
-    if config.speed <= 0.0:
-        raise EmulatorError(f"the speed must be above 0, found {config.speed:g}")
+    _require_speed(config)
     if config.axis_pattern not in {4, 6, 8}:
         raise EmulatorError(f"position answers have 4, 6 or 8 axes, not {config.axis_pattern}")
+
+
+def _require_speed(config: EmulationConfig) -> None:
+    if config.speed <= 0.0:
+        raise EmulatorError(f"the speed must be above 0, found {config.speed:g}")

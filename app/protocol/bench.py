@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from catseye.app.protocol.message import Message, absent
+from catseye.app.protocol.posture import Posture
 from catseye.app.protocol.scara.layout import Layout
 
 LinkState = Literal["connecting", "ok", "lost", "closed", "raw"]
@@ -54,6 +55,13 @@ class AxisName(Message):
         return f"{self.name} {value:.2f}°" if self.unit == "deg" else f"{self.name} {value:.1f} mm"
 
 
+class AxisRange(AxisName):
+    """An axis with the range within which it is driven, in its unit."""
+
+    low: float
+    high: float
+
+
 class RobotStatus(Message):
     """The controller.
 
@@ -67,6 +75,7 @@ class RobotStatus(Message):
         emergency_stop: it is pressed.
         teach_mode: the key stands on TEACH.
         moving: the arm moves.
+        jogs: a joint may be kept moving while a key is held; without that the arm is moved by hand in steps only.
         age_s: of the oldest part, s.
     """
 
@@ -79,6 +88,7 @@ class RobotStatus(Message):
     emergency_stop: bool
     teach_mode: bool
     moving: bool
+    jogs: bool
     age_s: float
 
     @property
@@ -141,7 +151,8 @@ class BenchStatus(Message):
         beam: the interferometer.
         air: the air.
         door_closed: as the interlock says.
-        layout: from above; None where nobody has described how this arm looks from there.
+        layout: a SCARA's bench from above; None of any other.
+        posture: how the arm stands; None where the layout shows it, or while its joints are not known.
         axes: of the arm, from the base outwards.
         missed: messages of this kind that this one replaced for a slow client.
     """
@@ -155,7 +166,8 @@ class BenchStatus(Message):
     air: AirStatus | None
     door_closed: bool | None
     layout: Layout | None
-    axes: tuple[AxisName, ...] = ()
+    posture: Posture | None = None
+    axes: tuple[AxisRange, ...] = ()
     missed: int = 0
 
     def device(self, name: str) -> DeviceStatus | None:

@@ -6,6 +6,7 @@ from textual.content import Content
 
 from catseye.app.results.numbers import duration_text
 from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.serial.range_bar import range_bar
 from catseye.app.tui.session import EMULATED_BENCH
 from catseye.app.tui.widgets.progress_line import bar
 from catseye.app.tui.widgets.status_bar import LITTLE_BYTES, STALE_S, age_style, override_text
@@ -26,6 +27,7 @@ _LINKS: Final = {
     "raw": ("≡", "$accent"),
 }
 _BAR_CELLS: Final = 14
+_RANGE_CELLS: Final = 16
 _OFTEN: Final = 20.0
 """Ages below are given to a tenth of a second."""
 
@@ -120,19 +122,20 @@ def alarm_text(robot: "RobotStatus") -> str:
     return robot.alarm_text or f"alarm {robot.alarm_number}; see the controller's manual"
 
 
-def robot_lines(bench: "BenchStatus | None", since_s: float) -> list[Content]:
+def robot_lines(bench: "BenchStatus | None", since_s: float, *, roomy: bool) -> list[Content]:
     """Return joints, place, drives and speed of the arm.
 
     Args:
         bench: as it was last; None while nothing is known of it.
         since_s: time since then, s.
+        roomy: an arm of many axes has a line for each, with its range.
     """
     if bench is None or bench.robot is None:
         return [Content.styled("no robot answers", "dim")]
     robot = bench.robot
     style, age = age_style(robot.age_s, since_s)
     return [
-        *(Content.styled(line, style) for line in _joint_lines(bench, robot)),
+        *(Content.styled(line, style) for line in _joint_lines(bench, robot, roomy=roomy)),
         Content.styled(_drives_text(robot), style),
         _alarm_line(robot, age),
     ]
@@ -190,9 +193,14 @@ def length_text(length_mm: float) -> str:
     return f"{whole}.{part[:3]} {part[3:]} mm"
 
 
-def _joint_lines(bench: "BenchStatus", robot: "RobotStatus") -> list[str]:
+def _joint_lines(bench: "BenchStatus", robot: "RobotStatus", *, roomy: bool) -> list[str]:
     if robot.joints is None:
         return ["joints not known"]
+    if roomy and bench.layout is None:
+        return [
+            f"{axis.name:<4}{_joint_text(value)} {axis.unit:<4}{range_bar(axis, value, _RANGE_CELLS)}"
+            for axis, value in zip(bench.axes, robot.joints, strict=False)
+        ]
     values = [
         f"{axis.name} {_joint_text(value)} {axis.unit:<3}"
         for axis, value in zip(bench.axes, robot.joints, strict=False)

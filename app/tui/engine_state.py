@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from catseye.app.protocol.engine_events import Client, DrivesFields, JogFields, RawChanged
     from catseye.app.protocol.events import AnyEvent
     from catseye.app.protocol.message import Event
-    from catseye.app.protocol.scara.layout import ReflectorPlace
+    from catseye.app.protocol.scara.layout import Layout, ReflectorPlace
     from catseye.app.protocol.snapshot import Snapshot
 
 WIRE_LINES: Final = 5000
@@ -126,10 +126,14 @@ class EngineState:
         return None if self.bench is None else self.bench.robot
 
     @property
+    def layout(self) -> "Layout | None":
+        """The bench of a SCARA; None of any other, and while none is known."""
+        return None if self.bench is None else self.bench.layout
+
+    @property
     def reflectors(self) -> "tuple[ReflectorPlace, ...]":
         """The reflectors of the bench; none while it is not known."""
-        layout = None if self.bench is None else self.bench.layout
-        return () if layout is None else layout.reflectors
+        return () if self.layout is None else self.layout.reflectors
 
     @property
     def running(self) -> bool:

@@ -8,10 +8,14 @@ from textual.content import Content
 from catseye.app.protocol.banners import SIMULATION
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.scara.jog_keys import JOINT_ROWS, NO_AIM, WITH_AIM
+from catseye.app.tui.serial.jog_keys import axis_lines
 from catseye.app.tui.widgets.status_bar import STALE_S, age_style
 
 STEPS: Final = (0.01, 0.1, 1.0, 5.0, 10.0)
 """Sizes of a step, deg; mm for the beam."""
+
+STEPS_ONLY: Final = "steps only: this arm takes no held key"
+"""Where the driver knows no jog that ends by itself."""
 
 PERCENTS: Final = (1, 2, 5, 10, 15, 20, 30, 50, 100)
 """Speed overrides that can be chosen."""
@@ -26,6 +30,7 @@ class Choices:
         step: which size.
         percent: speed override that is asked for.
         aim: reflector; None for none.
+        axis: number of the axis that keys move where they do not name one themselves, from 0.
         said: what happened last.
     """
 
@@ -33,6 +38,7 @@ class Choices:
     step: int = 1
     percent: int = 5
     aim: str | None = None
+    axis: int = 0
     said: str = field(default="")
 
     @property
@@ -47,6 +53,10 @@ class Choices:
     def slower(self) -> None:
         """Choose the next lower speed."""
         self.percent = next((each for each in reversed(PERCENTS) if each < self.percent), self.percent)
+
+    def next_axis(self, way: int, count: int) -> None:
+        """Choose the axis after or before; the first one after the last."""
+        self.axis = (self.axis + way) % max(count, 1)
 
     def next_aim(self, names: list[str]) -> None:
         """Choose the next reflector; none after the last."""
@@ -91,17 +101,19 @@ def cap_percent(engine: EngineState) -> float:
     return 100.0 if engine.robot is None else engine.robot.override_cap_percent
 
 
+def can_hold(engine: EngineState) -> bool:
+    """Return whether a joint may be kept moving while a key is held."""
+    return engine.robot is not None and engine.robot.jogs
+
+
 def jog_lines(engine: EngineState, choices: Choices, now_s: float) -> list[Content]:
     """Return mode, step, aim, the table of keys with the joints beside them, and what happened last."""
     moving = None if engine.jog is None else engine.jog.moving
     state = Content.styled(f"MOVES {moving.upper()}", "$warning bold") if moving else Content("stands")
     return [
         Content.assemble((f"JOG {jog_percent_text(engine)}", "bold $accent"), "  ", state),
-        Content.assemble("m  ", _mode(choices.holds)),
-        Content.assemble("1…5  ", *_steps(choices)),
-        Content.assemble("t  ", *_aim(choices)),
-        Content(""),
-        *_key_table(engine, choices, now_s),
+        Content.assemble("m  ", _mode(choices.holds)) if can_hold(engine) else Content(STEPS_ONLY),
+        *_moved(engine, choices, now_s),
         Content(""),
         Content.assemble(("  F12  STOP  ", "bold $background on $error"), "   Esc ends the jog"),
         Content.styled(choices.said or jog_reason(engine), "$warning"),
@@ -152,9 +164,21 @@ def _mode(holds: bool) -> Content:
     return Content.assemble(_option("steps", chosen=not holds), _option("hold", chosen=holds), after)
 
 
-def _steps(choices: Choices) -> list[tuple[str, str] | str]:
+def _moved(engine: EngineState, choices: Choices, now_s: float) -> list[Content]:
+    """Return the size of a step, and the keys with what they move."""
+    if engine.layout is None:
+        return [_steps(choices, "deg or mm"), Content(""), *_axis_table(engine, choices, now_s)]
+    return [
+        _steps(choices, "deg (beam: mm)"),
+        Content.assemble("t  ", *_aim(choices)),
+        Content(""),
+        *_key_table(engine, choices, now_s),
+    ]
+
+
+def _steps(choices: Choices, units: str) -> Content:
     sizes = [_option(f"{size:g}", chosen=place == choices.step) for place, size in enumerate(STEPS)]
-    return [*sizes, " deg (beam: mm)"]
+    return Content.assemble("1…5  ", *sizes, f" {units}")
 
 
 def _aim(choices: Choices) -> list[tuple[str, str]]:
@@ -165,6 +189,17 @@ def _aim(choices: Choices) -> list[tuple[str, str]]:
 
 def _option(text: str, *, chosen: bool) -> tuple[str, str]:
     return (f"[{text}]", "reverse") if chosen else (f" {text} ", "")
+
+
+def _axis_table(engine: EngineState, choices: Choices, now_s: float) -> list[Content]:
+    bench, robot = engine.bench, engine.robot
+    style, age = age_style(None if robot is None else robot.age_s, now_s - engine.bench_at_s)
+    return [
+        Content.styled(f"↑ ↓ axis   ← −   → +   {age.strip()}".rstrip(), "dim"),
+        *axis_lines(
+            () if bench is None else bench.axes, None if robot is None else robot.joints, choices.axis, style
+        ),
+    ]
 
 
 def _key_table(engine: EngineState, choices: Choices, now_s: float) -> list[Content]:

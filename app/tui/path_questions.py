@@ -9,7 +9,8 @@ from catseye.app.tui.screens.working import is_file, typed_path
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
-    from catseye.app.results.scara.result_files import ResultFile
+    from catseye.app.results.result_files import ResultFile
+    from catseye.app.results.scara.result import Result
 
 
 def newest_path_run(root: Path) -> str:
@@ -21,7 +22,7 @@ def newest_path_run(root: Path) -> str:
     return max(found, default="")
 
 
-def reference_of(file: "ResultFile", files: "Iterable[ResultFile]") -> Path | None:
+def reference_of(file: "ResultFile[Result]", files: "Iterable[ResultFile[Result]]") -> Path | None:
     """Return the first conventional model from the runs of an error map; None when there is none."""
     if file.result is None or file.result.model == "conventional":
         return None

@@ -9,6 +9,7 @@ from catseye.app.render.text import table_text
 from catseye.app.results.model import Sign, Statement
 from catseye.app.results.numbers import fixed, number
 from catseye.app.results.origin import origin_now
+from catseye.app.results.result_files import ResultFile
 from catseye.app.results.scara.budget_text import budget_statements
 from catseye.app.results.scara.comparison import ResultComparison
 from catseye.app.results.scara.comparison_report import comparison_report
@@ -23,7 +24,6 @@ from catseye.app.results.scara.fit_text import (
 )
 from catseye.app.results.scara.names import MODEL_TITLES
 from catseye.app.results.scara.result import Result
-from catseye.app.results.scara.result_files import ResultFile
 from catseye.app.results.scara.result_report import scatter_table
 from catseye.app.results.scara.separated_text import separated_statements
 from catseye.app.results.scara.uncertainty import uncertainty_statements
@@ -32,7 +32,7 @@ from catseye.app.results.scara.values import parameter_table
 from catseye.app.tui.work import command_line
 
 
-def file_row(file: ResultFile) -> list[str]:
+def file_row(file: ResultFile[Result]) -> list[str]:
     """Return what the row of a file says: name, model, distances, rms, simulated, time."""
     when = f"{file.changed_utc:%m-%d %H:%M}"
     result = file.result
@@ -44,7 +44,7 @@ def file_row(file: ResultFile) -> list[str]:
     return [file.path.name, result.model, f"{count:>10}", rms, f" {simulated}", when]
 
 
-def heading(file: ResultFile) -> str:
+def heading(file: ResultFile[Result]) -> str:
     """Return which result is shown."""
     result = file.result
     if result is None:

@@ -1,1 +1,1 @@
-"""Motion resolution: steps of a joint or of the tool in a recording, least increment step, lost motion."""
+"""Motion resolution: steps in recordings, their errors, least increment steps, joint models, Cartesian prediction."""

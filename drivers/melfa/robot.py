@@ -19,6 +19,7 @@ from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import UNGUARDED, LinkGuard, guarded
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.link import uninterrupted
+from catseye.drivers.links.stops import Stops, StopWatch
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.melfa import codec
 from catseye.drivers.melfa.alarms import STOP_IS_ON
@@ -35,7 +36,6 @@ from catseye.drivers.melfa.session import Session, byte_time_s
 from catseye.drivers.melfa.settings import MelfaSettings
 from catseye.drivers.melfa.side import Side
 from catseye.drivers.melfa.starting import start_once
-from catseye.drivers.melfa.stops import Stops, StopWatch
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.device import Examination, Identity, Sink
 from catseye.drivers.roles.errors import DeviceError, LinkError, NotReadyError, RefusedError
@@ -307,7 +307,7 @@ class MelfaR3(Robot):
         """
         if not all(map(math.isfinite, target)):
             raise ValueError(f"joints of a motion must be finite numbers, got {target}")
-        watch = StopWatch(self._stops, self._main.where)
+        watch = StopWatch(self._stops, self._main.where, STOP_IS_ON)
         try:
             async with self.guarded():
                 await self._move(target, self._permit(watch))
@@ -352,7 +352,7 @@ class MelfaR3(Robot):
 
         It raises GuardError where the arm's guard does not permit a motion.
         """
-        return self._permit(StopWatch(self._stops, self._main.where))
+        return self._permit(StopWatch(self._stops, self._main.where, STOP_IS_ON))
 
     def guarded(self) -> AbstractAsyncContextManager[None]:
         """Have the arm stopped when this program falls silent meanwhile.

@@ -14,8 +14,8 @@ from pydantic import Field
 from catseye.simulators.lengths import LengthOptions, Lengths
 from catseye.simulators.world.air import AirSample
 from catseye.simulators.world.air_probe import AirProbe
-from catseye.simulators.world.bench import Instrument
 from catseye.simulators.world.counter import Reading
+from catseye.simulators.world.instrument import Instrument
 
 PM_PER_MM = 1e9
 AXES = (0, 1, 2)
@@ -219,7 +219,7 @@ class Ids:
     def _reset_count(self) -> None:
         self._instrument.zero()
         self._breaks_cleared = self._instrument.break_count
-        self._reference_mm = self._instrument.bench.true_state().length_mm
+        self._reference_mm = self._instrument.bench.beam.length_mm
 
     def _reset_error(self, renormalize: bool = False) -> list[object]:
         del renormalize

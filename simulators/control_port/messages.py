@@ -12,6 +12,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.simulators.errors import EmulatorError
 
+PanelKey = Literal["start", "stop", "confirm", "drives", "T1", "T2", "AUT", "EX"]
+"""What an operator's hand presses on a controller's panel; T1 … EX: where the mode switch is turned to."""
+
 
 class RefusedRequestError(ValueError):
     """The emulated bench refused a request; the text is its own."""
@@ -79,29 +82,37 @@ class MountState(BaseModel):
     turns: dict[str, float]
 
 
-class State(Answer):
-    """The true state of the bench; joints in deg or mm.
+class ArmState(Answer):
+    """The true state of an arm; joints in deg or mm.
 
     Attributes:
         joints: as commanded.
         true_joints: as they really are.
-        play: states of the play of the joints that have any, -1...1.
-        xy_mm: true position of the axis that turns the beam.
         alarm: of the controller, 0 for none.
         coils: outputs by the name of the device.
-        in_place: nests with a reflector in them.
     """
 
     time_s: float
     joints: tuple[float, ...]
     true_joints: tuple[float, ...]
-    play: tuple[float, ...]
-    xy_mm: tuple[float, float]
     moving: bool
     servo: bool
     alarm: int
-    beam: BeamState
     coils: dict[str, list[bool]]
+
+
+class State(ArmState):
+    """The true state of a bench whose arm carries the beam.
+
+    Attributes:
+        play: states of the play of the joints that have any, -1...1.
+        xy_mm: true position of the axis that turns the beam.
+        in_place: nests with a reflector in them.
+    """
+
+    play: tuple[float, ...]
+    xy_mm: tuple[float, float]
+    beam: BeamState
     mount: MountState
     in_place: list[str]
     laser_ready: bool
@@ -201,8 +212,15 @@ class ReadTruth(Request[Truth]):
     answer = Truth
 
 
+class ReadArm(Request[ArmState]):
+    """What is the true state of the arm, whatever it carries?"""
+
+    op = "arm"
+    answer = ArmState
+
+
 class ReadState(Request[State]):
-    """What is the true state of the bench?"""
+    """What is the true state of a bench whose arm carries the beam?"""
 
     op = "state"
     answer = State
@@ -258,6 +276,13 @@ class ClearBeam(Request[Answer]):
     """Take away what stands in the beam."""
 
     op = "clear_beam"
+
+
+class PressKey(Request[Answer]):
+    """Press or turn something on the controller's operator panel."""
+
+    op = "press"
+    key: PanelKey
 
 
 class Fault(Request[Answer]):
@@ -409,6 +434,7 @@ _OPERATIONS: dict[str, type[Request[Any]]] = {
     for kind in (
         Identify,
         ReadTruth,
+        ReadArm,
         ReadState,
         Track,
         ReadLog,
@@ -417,6 +443,7 @@ _OPERATIONS: dict[str, type[Request[Any]]] = {
         MountInterferometer,
         PlaceReflector,
         ClearBeam,
+        PressKey,
         Fault,
     )
 }

@@ -21,6 +21,8 @@ from catseye.simulators.ports.lossy import Lossy
 from catseye.simulators.ports.port import Port
 from catseye.simulators.ports.session import Session
 from catseye.simulators.world.air_probe import AirFault
+from catseye.simulators.world.beam import Beam
+from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.tracker import Tracker
 
 LONGEST_BYTES = 65_536
@@ -57,7 +59,7 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
     Raises:
         EmulatorError: the bench cannot do it in its present state.
     """
-    context, beam = reach.context, reach.context.bench.beam
+    context = reach.context
     match request:
         case messages.Identify():
             name, time_s = "catseye bench EMULATOR", context.bench.time_s
@@ -67,14 +69,27 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
         case messages.ReadState():
             return _state(context)
         case messages.Track():
-            x_mm, y_mm = reach.tracker.measure(context.bench.true_state().axis_mm)
+            x_mm, y_mm = reach.tracker.measure(context.beam_bench.true_state().axis_mm)
             return messages.TrackedPlace(x_mm=x_mm, y_mm=y_mm, u_mm=reach.tracker.u_mm)
+        case messages.ReadArm():
+            return _arm(context)
         case messages.ReadLog():
             reach.ports_of(request.device)
             entries = context.journal.entries(request.device)
             return messages.Log(entries=[messages.JournalEntry(**asdict(entry)) for entry in entries])
         case messages.SetSpeed():
             context.keeper.speed = request.value
+        case messages.PressKey():
+            context.controller.press(request.key)
+        case messages.Fault():
+            _happen(request, reach)
+        case _:
+            return _work_on_the_beam(request, context.beam_bench.beam)
+    return Answer()
+
+
+def _work_on_the_beam(request: Request[Any], beam: Beam) -> Answer:
+    match request:
         case messages.TurnScrew():
             beam.turn_screw(request.screw, request.turns)
         case messages.MountInterferometer():
@@ -84,8 +99,6 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
             return messages.Nests(in_place=beam.in_place)
         case messages.ClearBeam():
             beam.unblock()
-        case messages.Fault():
-            _happen(request, reach)
         case _:
             raise TypeError(f"{type(request).__name__} has no operation")
     return Answer()
@@ -94,8 +107,6 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
 def _happen(fault: messages.Fault, reach: Reach) -> None:
     context, bench, controller = reach.context, reach.context.bench, reach.context.controller
     match fault:
-        case messages.BlockBeam():
-            bench.beam.block(fault.duration_s)
         case messages.ClearFaults():
             _clear_faults(reach)
         case messages.RaiseAlarm():
@@ -106,8 +117,6 @@ def _happen(fault: messages.Fault, reach: Reach) -> None:
             controller.set_teach_mode(on=fault.on)
         case messages.ServoOff():
             controller.switch_servo_off()
-        case messages.MoveReflector():
-            bench.beam.move_reflector(fault.reflector, fault.dx_mm, fault.dy_mm)
         case messages.SpoilAir():
             errors = (fault.temperature_k, fault.pressure_hpa, fault.humidity_percent)
             context.probe.fault = AirFault(fault.nan, *errors)
@@ -125,6 +134,16 @@ def _happen(fault: messages.Fault, reach: Reach) -> None:
         case messages.SpoilAnswers():
             for number, port in enumerate(reach.ports_of(fault.device)):
                 port.lossy = Lossy(fault.share, fault.seed + number)
+        case _:
+            _spoil_the_beam(fault, context.beam_bench)
+
+
+def _spoil_the_beam(fault: messages.Fault, bench: Bench) -> None:
+    match fault:
+        case messages.BlockBeam():
+            bench.beam.block(fault.duration_s)
+        case messages.MoveReflector():
+            bench.beam.move_reflector(fault.reflector, fault.dx_mm, fault.dy_mm)
         case messages.Overspeed():
             bench.beam.outrun_counters()
         case messages.Vibrate():
@@ -152,8 +171,21 @@ def _clear_faults(reach: Reach) -> None:
     context.keeper.changed()
 
 
-def _state(context: EmulationContext) -> Answer:
+def _arm(context: EmulationContext) -> Answer:
     bench = context.bench
+    return messages.ArmState(
+        time_s=bench.time_s,
+        joints=bench.joints,
+        true_joints=bench.true_joints,
+        moving=bench.moving,
+        servo=context.controller.servo_on,
+        alarm=context.controller.alarm,
+        coils=context.coils,
+    )
+
+
+def _state(context: EmulationContext) -> Answer:
+    bench = context.beam_bench
     true = bench.true_state()
     return messages.State(
         time_s=bench.time_s,
@@ -173,7 +205,8 @@ def _state(context: EmulationContext) -> Answer:
 
 
 def _beam(context: EmulationContext) -> messages.BeamState:
-    bench, true = context.bench, context.bench.true_state()
+    bench = context.beam_bench
+    true = bench.true_state()
     latches = {name: instrument.beam_lost for name, instrument in context.instruments.items()}
     return messages.BeamState(
         reflector=true.reflector,
@@ -189,7 +222,7 @@ def _beam(context: EmulationContext) -> messages.BeamState:
 
 
 def _mount(context: EmulationContext) -> messages.MountState:
-    mount = context.bench.beam.mount
+    mount = context.beam_bench.beam.mount
     return messages.MountState(
         turned_deg=math.degrees(mount.turn_rad),
         ahead_mm=mount.ahead_mm,

@@ -40,7 +40,7 @@ from catseye.simulators.context import EmulationContext
 from catseye.simulators.emulator import DeviceOptions, Emulator, NewSession, Note
 from catseye.simulators.lengths import Lengths
 from catseye.simulators.ports.session import Answer, Session
-from catseye.simulators.world.bench import Instrument
+from catseye.simulators.world.instrument import Instrument
 
 IDENTITY = "CATSEYE LINE COUNTER EMULATOR 1.0"
 LONGEST_CHARACTERS = 64

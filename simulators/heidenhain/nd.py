@@ -16,7 +16,7 @@ from catseye.simulators.context import EmulationContext
 from catseye.simulators.emulator import Emulator, NewSession, Note
 from catseye.simulators.lengths import LengthOptions, Lengths
 from catseye.simulators.ports.session import Answer, Session
-from catseye.simulators.world.bench import Instrument
+from catseye.simulators.world.instrument import Instrument
 
 BUFFER_BYTES = 100
 

@@ -18,8 +18,8 @@ from catseye.simulators.lasertex import frames
 from catseye.simulators.lengths import LengthOptions, Lengths
 from catseye.simulators.ports.session import Answer, Session
 from catseye.simulators.world.air_probe import AirProbe
-from catseye.simulators.world.bench import Instrument
 from catseye.simulators.world.counter import Reading
+from catseye.simulators.world.instrument import Instrument
 
 LENGTH_PERIOD_S = 0.04
 METEO_PERIOD_S = 1.0

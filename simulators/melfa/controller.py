@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from catseye.simulators.config import EmulationConfig
+from catseye.simulators.errors import EmulatorError
 from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.arm_control import ArmControl
@@ -75,6 +76,14 @@ class Controller(ArmControl):
         if self.choices.exclusive_right and self.right_holders - {client}:
             raise Refusal(alarms.NO_OPERATION_RIGHT)
         self.right_holders.add(client)
+
+    def press(self, key: str) -> None:
+        """Press a key of the panel.
+
+        Raises:
+            EmulatorError: always; what an operator does to this controller are faults of the control port.
+        """
+        raise EmulatorError(f"the panel of a MELFA controller has no key {key!r}")
 
     def clear_faults(self) -> None:
         """Close the emergency stop circuit, turn the key back and reset the alarm."""

@@ -22,7 +22,7 @@ from catseye.simulators.emulator import Emulator, NewSession, Note
 from catseye.simulators.lengths import LengthOptions, Lengths
 from catseye.simulators.ports.session import Answer, Session
 from catseye.simulators.world.air_probe import AirProbe
-from catseye.simulators.world.bench import Instrument
+from catseye.simulators.world.instrument import Instrument
 from catseye.simulators.world.timekeeper import TimeKeeper
 
 MARK = 0x454D554C

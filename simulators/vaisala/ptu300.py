@@ -17,7 +17,7 @@ from catseye.simulators.ports.session import Answer, Session
 from catseye.simulators.vaisala.output_format import DEFAULT, Format, Value
 from catseye.simulators.world.air import AirSample, dew_point_c
 from catseye.simulators.world.air_probe import AirProbe
-from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.timed_bench import TimedBench
 
 VERSION = "PTU300 / 5.16"
 LONGEST_CHARACTERS = 256
@@ -58,7 +58,7 @@ class Ptu300:
     """
 
     probe: AirProbe
-    bench: Bench
+    bench: TimedBench
     serial: str = "EMU00001"
     address: int = 0
     form: Format = field(default_factory=lambda: Format(DEFAULT, _QUANTITIES))

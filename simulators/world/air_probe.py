@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from catseye.simulators.world.air import AirSample
-from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.timed_bench import TimedBench
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class AirProbe:
         fault: what is wrong with it; tests set it.
     """
 
-    def __init__(self, bench: Bench) -> None:
+    def __init__(self, bench: TimedBench) -> None:
         self._bench = bench
         self.fault = AirFault()
 

@@ -1,36 +1,27 @@
 """The bench as one thing: arm, beam and air on one bench time."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.errors import BenchError
-from catseye.simulators.world.air import Air, AirSample
 from catseye.simulators.world.arm import Arm
 from catseye.simulators.world.beam import Beam
-from catseye.simulators.world.counter import Reading
 from catseye.simulators.world.motion import SHORTEST
 from catseye.simulators.world.optics import NOBODY, Reflectors
+from catseye.simulators.world.timed_bench import OnEvent, TimedBench, listed
 from catseye.simulators.world.types import Floats, TrueState
 
 _MOMENT_S = 1e-3
 """Speeds are taken over this time."""
 
-OnEvent = Callable[[str], None]
-"""Called with what happens on the bench, at the moment it happens."""
 
-
-class Bench:
-    """The physical truth. Commands act at the present bench time; `advance` lets time pass.
-
-    Results depend on the sequence of commands and their bench times, never on the steps of `advance`.
+class Bench(TimedBench):
+    """The physical truth of an arm that carries a beam.
 
     Args:
         on_event: called with motions, stops and arrivals.
 
     Attributes:
-        time_s: bench time, s.
         beam: that the arm carries.
     """
 
@@ -39,19 +30,22 @@ class Bench:
     ) -> None:
         if not reflectors:
             raise BenchError("a bench needs at least one reflector")
-        self.time_s = 0.0
+        super().__init__(config)
         self._arm = arm
-        self._air = Air(config.air, config.seed)
         self.beam = Beam(arm, reflectors, config, self._air.index_at, lambda: self.time_s)
         self._on_event = on_event or (lambda _text: None)
         self._arrived = True
-        self._scheduled: list[tuple[float, Callable[[], None]]] = []
         self._slip: Floats = np.zeros(len(arm.motion.end))
 
     @property
     def joints(self) -> Joints:
         """Joints as commanded at this moment, deg or mm."""
         return self._arm.motion.joints_at(self.time_s)
+
+    @property
+    def true_joints(self) -> Joints:
+        """Joints as they really are at this moment, deg or mm."""
+        return self._arm.true_joints(self.time_s)
 
     def joints_at(self, time_s: float) -> Joints:
         """Return the joints as commanded at a moment of the present motion or after it."""
@@ -72,30 +66,6 @@ class Bench:
         """Bench time at which the present or last motion ends, s."""
         return self._arm.motion.end_s
 
-    def advance(self, step_s: float) -> None:
-        """Let bench time pass, s."""
-        self.advance_to(self.time_s + step_s)
-
-    def call_at(self, time_s: float, action: Callable[[], None]) -> None:
-        """Have something done at a moment of bench time, before anything later happens.
-
-        Args:
-            time_s: bench time, s; a moment in the past is now, at the next `advance_to`.
-            action: may command the arm and schedule further calls.
-        """
-        self._scheduled.append((max(time_s, self.time_s), action))
-
-    def advance_to(self, time_s: float) -> None:
-        """Let bench time pass up to a moment, with all that is to be done until then; the past is left alone."""
-        while due := [at for at in self._scheduled if at[0] <= time_s]:
-            first = min(due, key=lambda at: at[0])
-            self._scheduled.remove(first)
-            self._pass_to(first[0])
-            first[1]()
-        self._pass_to(time_s)
-        if not self.moving:
-            self._note_arrival()
-
     def _pass_to(self, time_s: float) -> None:
         if time_s <= self.time_s:
             return
@@ -110,7 +80,7 @@ class Bench:
             return
         self._arrived = True
         self.time_s = self.standstill_s
-        self._on_event(f"arrival at {_listed(self.destination)}")
+        self._on_event(f"arrival at {listed(self.destination)}")
 
     def move_to(self, target: Joints, override_percent: float = 100.0, accel_percent: float = 100.0) -> None:
         """Start a joint-interpolated motion.
@@ -127,7 +97,7 @@ class Bench:
         self.beam.observe()
         target = self._slipped(np.array(target))
         self._arm.move_to(target, self.time_s, override_percent / 100.0, accel_percent / 100.0)
-        self._on_event(f"motion to {_listed(target)} at {override_percent:g} %")
+        self._on_event(f"motion to {listed(target)} at {override_percent:g} %")
         self._restart_looks()
 
     def follow(self, times_s: Floats, joints: Floats) -> None:
@@ -152,7 +122,7 @@ class Bench:
         self.beam.observe()
         joints = np.concatenate([joints[:-1], [self._slipped(joints[-1])]])
         self._arm.follow(times_s, joints, self.time_s)
-        self._on_event(f"way through {times_s.size} knots to {_listed(self.destination)}")
+        self._on_event(f"way through {times_s.size} knots to {listed(self.destination)}")
         self._restart_looks()
 
     def glide(self, target: Joints, duration_s: float) -> None:
@@ -169,7 +139,7 @@ class Bench:
         rested = self._arrived
         if self._arm.glide(target, self.time_s, duration_s):
             if rested:
-                self._on_event(f"stream from {_listed(self._arm.motion.start)}")
+                self._on_event(f"stream from {listed(self._arm.motion.start)}")
             self._restart_looks()
 
     def _require_rest(self) -> None:
@@ -183,7 +153,7 @@ class Bench:
             return
         self.beam.observe()
         self._arm.stop(self.time_s)
-        self._on_event(f"stop towards {_listed(self.destination)}")
+        self._on_event(f"stop towards {listed(self.destination)}")
         self._restart_looks()
 
     def velocity_mm_s(self) -> float:
@@ -205,14 +175,6 @@ class Bench:
             return self.time_s - _MOMENT_S, self.time_s
         return start_s, max(self.time_s, min(start_s + _MOMENT_S, self.standstill_s))
 
-    def air(self) -> AirSample:
-        """Return the air's state at this moment."""
-        return self._air.at(self.time_s)
-
-    def air_index(self) -> float:
-        """Return the refractive index of the air for a helium-neon laser at this moment."""
-        return self._air.index_at(self.time_s)
-
     def true_state(self) -> TrueState:
         """Return the truth of this moment; nothing on the bench notices."""
         now = np.array([self.time_s])
@@ -222,7 +184,7 @@ class Bench:
         nearest = self.beam.name_of(int(sight.nearest[0]))
         return TrueState(
             axis_mm=(axis.real, axis.imag),
-            joints=self._arm.true_joints(self.time_s),
+            joints=self.true_joints,
             beam_deg=float(np.rad2deg(poses.beam_rad[0] + self.beam.mount.turn_rad)),
             play=tuple(float(state) for state in self._arm.play_at(self.time_s)),
             reflector=nearest if sight.index[0] != NOBODY else None,
@@ -264,38 +226,3 @@ class Bench:
     def _restart_looks(self) -> None:
         self.beam.plan_looks()
         self._arrived = not self.moving
-
-
-class Instrument:
-    """One emulated instrument's length counter; several look along the same beam."""
-
-    def __init__(self, bench: Bench) -> None:
-        self.bench = bench
-        self._counter = bench.beam.new_counter()
-
-    @property
-    def beam_lost(self) -> bool:
-        """The latch of this instrument."""
-        return self._counter.beam_lost
-
-    @property
-    def break_count(self) -> int:
-        """Breaks of the beam so far."""
-        return self._counter.break_count
-
-    @property
-    def overspeed_count(self) -> int:
-        """How often the beam's length changed too fast so far."""
-        return self._counter.overspeed_count
-
-    def read(self) -> Reading:
-        """Return one reading at this moment."""
-        return self.bench.beam.read(self._counter)
-
-    def zero(self) -> bool:
-        """Zero the count; False when it refuses because no beam returns."""
-        return self.bench.beam.zero(self._counter)
-
-
-def _listed(joints: Joints) -> str:
-    return ", ".join(f"{value:.3f}" for value in joints)

@@ -1,14 +1,14 @@
 """The beam from the arm to the reflectors: who is hit, how far, what blocks it."""
 
 import math
-from collections.abc import Collection, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from catseye.simulators.config import EmulationConfig
 from catseye.simulators.world.arm import BeamPoses
+from catseye.simulators.world.beam_path import BeamPath
 from catseye.simulators.world.mount import Mount
 from catseye.simulators.world.types import Bools, Floats, Ints, Plane
 
@@ -63,7 +63,7 @@ class Optics:
 
     Attributes:
         mount: how the beam lies.
-        clearness: what dirt leaves of the signal, 0...1.
+        path: what stands in its way.
     """
 
     def __init__(self, reflectors: Reflectors, config: EmulationConfig, start_height_mm: float) -> None:
@@ -85,19 +85,7 @@ class Optics:
         self._least_cosine = np.cos(np.deg2rad(config.field_half_angle_deg))
         self._column_radius_mm = config.column_radius_mm
         self.mount = Mount(config, start_height_mm)
-        self.clearness = 1.0
-        self._blocked_s = (np.inf, np.inf)
-
-    def block(self, from_s: float, until_s: float) -> None:
-        """Let something stand in the beam between two bench times."""
-        self._blocked_s = (from_s, until_s)
-
-    @contextmanager
-    def in_hand(self) -> Iterator[None]:
-        """Let somebody hold the interferometer in hand, so that no beam returns."""
-        before_s, self._blocked_s = self._blocked_s, (-np.inf, np.inf)
-        yield
-        self._blocked_s = before_s
+        self.path = BeamPath()
 
     @property
     def in_place(self) -> list[str]:
@@ -141,18 +129,18 @@ class Optics:
         returns = (miss <= self._reach_mm()) & (along > 0.0) & self._in_place
         if returns.any():
             returns &= self._in_field(beam) & ~self._behind_column(origin, beam, along)
-            returns[self._blocked(poses.time_s)] = False
+            returns[self.path.blocked(poses.time_s)] = False
         candidates = np.where(along > 0.0, miss, _FAR_MM)
         candidates[:, ~self._in_place] = np.inf
         return _choose(poses, returns, length, miss, candidates)
 
     def level(self, miss_mm: float) -> float:
         """Return the signal level, 0...1, of a beam that returns with a miss."""
-        return float(self.clearness * np.exp(-2.0 * (miss_mm / self._acceptance_mm) ** 2))
+        return float(self.path.clearness * np.exp(-2.0 * (miss_mm / self._acceptance_mm) ** 2))
 
     def _reach_mm(self) -> float:
         """Return the largest miss at which the level is that of the acceptance's edge; below 0 for none."""
-        left = 1.0 + math.log(self.clearness) / 2.0 if self.clearness > 0.0 else -math.inf
+        left = 1.0 + math.log(self.path.clearness) / 2.0 if self.path.clearness > 0.0 else -math.inf
         return self._acceptance_mm * math.sqrt(left) if left >= 0.0 else -1.0
 
     def _in_field(self, beam: Plane) -> Bools:
@@ -163,11 +151,6 @@ class Optics:
         nearest = np.clip(-(origin * np.conj(beam)).real[:, None], 0.0, along)
         behind: Bools = np.abs(origin[:, None] + nearest * beam[:, None]) < self._column_radius_mm
         return behind
-
-    def _blocked(self, time_s: Floats) -> Bools:
-        started: Bools = time_s >= self._blocked_s[0]
-        ended: Bools = time_s >= self._blocked_s[1]
-        return started & ~ended
 
 
 def _facing(facing_deg: float | None, centre: complex) -> complex:

@@ -4,7 +4,7 @@ import asyncio
 import time
 from collections.abc import Callable
 
-from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.timed_bench import TimedBench
 
 _TIMER_STEP_S = 0.002
 """Timers of the event loop wake up to a millisecond late; the last stretch is waited for without one."""
@@ -18,7 +18,9 @@ class TimeKeeper:
         clock: monotonic wall time, s.
     """
 
-    def __init__(self, bench: Bench, speed: float = 1.0, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self, bench: TimedBench, speed: float = 1.0, clock: Callable[[], float] = time.monotonic
+    ) -> None:
         self.bench = bench
         self._speed = speed
         self._clock = clock

@@ -17,6 +17,8 @@ from catseye.drivers.attocube.codec import AnswerDecoder as IdsDecoder
 from catseye.drivers.counter.codec import LineDecoder, StreamDecoder
 from catseye.drivers.counter.profile import load_profile
 from catseye.drivers.heidenhain.codec import ReplyDecoder
+from catseye.drivers.kuka.codec import Kind
+from catseye.drivers.kuka.codec import ReplyDecoder as VarproxyDecoder
 from catseye.drivers.lasertex.codec import FrameDecoder as HpiDecoder
 from catseye.drivers.links.link import Decoder
 from catseye.drivers.links.stream import FrameDecoder
@@ -30,8 +32,9 @@ from catseye.simulators.config import EmulatedDevice
 from catseye.simulators.emulated_bench import EmulatedBench
 from catseye.simulators.emulator import emulator_names, sessions_of
 from catseye.simulators.ports.session import Pending, Session
-from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.timed_bench import TimedBench
 from tests.unit.simulators.benches import QUIET
+from tests.unit.simulators.kuka.benches import kuka_bench
 
 TOTAL_BYTES = 1_000_000
 LONGEST_CHUNK = 700
@@ -90,6 +93,16 @@ PROFILE = load_profile("default")
 MELFA_SAYS = (b"QoK", b"Qok", b"QeR", b"4220", b"00000", b";", b"J1;0.00;", b"REP;START;1;0", b"\r", b"\r\n")
 JSON_SAYS = (b'{"id":1,', b'"jsonrpc":"2.0",', b'"result":[0,1]', b"}", b"[", b"\n", b"1e999", b"{")
 
+VARPROXY_SAYS = (
+    b"\x00\x01",
+    b"\x00\x08",
+    b"\x00",
+    b"\x06\x02",
+    b"\x00\x0550.00",
+    b"5\x000\x00",
+    b"\x00\x01\x01",
+)
+
 DECODERS: dict[str, tuple[Callable[[], Feed], tuple[bytes, ...]]] = {
     "melfa-r3 bare": (lambda: melfa_answers(melfa.bare), MELFA_SAYS),
     "melfa-r3 open": (lambda: melfa_answers(melfa.open_text), MELFA_SAYS),
@@ -108,6 +121,8 @@ DECODERS: dict[str, tuple[Callable[[], Feed], tuple[bytes, ...]]] = {
         lambda: answers(ReplyDecoder),
         (b"\x06", b"\x15", b"\x02", b"+ 12.3456", b"\r\n", b"R"),
     ),
+    "kuka-varproxy": (lambda: answers(lambda: VarproxyDecoder(1, Kind.READ)), VARPROXY_SAYS),
+    "kuka-varproxy many": (lambda: answers(lambda: VarproxyDecoder(1, Kind.READ_MANY)), VARPROXY_SAYS),
     "lasertex-hpi": (lambda: stream(HpiDecoder()), (b"\xaa", b"\xaa\xb0\x15", b"\xb0\x0a", bytes(12))),
     "attocube-ids": (lambda: answers(lambda: IdsDecoder(1)), JSON_SAYS),
     "umd": (
@@ -130,7 +145,7 @@ class Conversation:
         bench: gives pending answers their time.
     """
 
-    def __init__(self, session: Session, bench: Bench) -> None:
+    def __init__(self, session: Session, bench: TimedBench) -> None:
         self._session = session
         self._bench = bench
         self._source = random.Random(5)
@@ -189,6 +204,13 @@ SAID_TO_EMULATORS: dict[str, tuple[bytes, ...]] = {
     "melfa-datalink": (b"1,", b"2.5,", b"-", b"(", b")", b"\r", b"\r\n"),
     "line-counter": (b"R", b"Z", b"B100", b"H", b"E1", b"\r", b"\n"),
     "heidenhain-nd": (b"\x1b", b"A0", b"A0200", b"T0", b"T0000", b"\x02", b"\r"),
+    "kuka-varproxy": (
+        b"\x00\x01\x00\x0a\x00\x00\x07$OV_PRO",
+        b"\x00\x02\x00\x0d\x01\x00\x07$OV_PRO\x00\x01",
+        b"\x00\x03\x00\x02\x06\xff",
+        b"\x00\x04\x00\x00",
+        b"$",
+    ),
     "lasertex-hpi": (b"\xaa", b"\xaa\xb0\x32", b"\xb0\x48", bytes(4)),
     "attocube-ids": (
         *JSON_SAYS,
@@ -248,11 +270,12 @@ OTHER_ON_A_LINE = ("melfa-r3", "modbus-air")
     ("protocol", "endpoint"), [(p, SOCKET) for p in emulator_names()] + [(p, LINE) for p in OTHER_ON_A_LINE]
 )
 def test_no_bytes_break_an_emulator(protocol: str, endpoint: str) -> None:
-    emulation = EmulatedBench(QUIET)
+    emulation = kuka_bench() if protocol == "kuka-varproxy" else EmulatedBench(QUIET)
     device = EmulatedDevice("device", protocol, endpoint)
     session = sessions_of(emulation.context, device, lambda _text: None)()
-    # Programs of the controller serve their clients with the servo on.
-    emulation.controller.switch_servo_on()
+    if isinstance(emulation, EmulatedBench):
+        # Programs of the controller serve their clients with the servo on.
+        emulation.controller.switch_servo_on()
     emulation.bench.advance(2.0)
     survive(Conversation(session, emulation.bench).feed, SAID_TO_EMULATORS.get(protocol, ()))
     session.close()

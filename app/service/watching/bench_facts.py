@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+from catseye.app.cell.axes import robot_driver
 from catseye.app.cell.bench import system_of
 from catseye.app.cell.model import Air, Cell
 from catseye.procedures.kit.bench import Bench
@@ -37,6 +38,7 @@ class BenchFacts:
         devices: every one.
         bench: arm, optics, reflectors; aimed, if a search was made.
         override_cap_percent: highest speed override.
+        jogs: the robot's driver keeps an axis moving while it is fed.
         air: how a refractive index follows from the air.
         material: name of the sensor of the links' temperature.
     """
@@ -45,6 +47,7 @@ class BenchFacts:
     devices: tuple[DeviceFacts, ...]
     bench: Bench
     override_cap_percent: float
+    jogs: bool
     air: Air
     material: str | None
 
@@ -69,4 +72,5 @@ def facts_of(cell: Cell, bench: Bench) -> BenchFacts:
     ]
     material = None if cell.material is None else cell.material.sensor
     cap_percent = cell.robot.override_cap_percent
-    return BenchFacts(cell.name, tuple(devices), bench, cap_percent, cell.air, material)
+    jogs = robot_driver(cell.robot.driver).abilities.jogs
+    return BenchFacts(cell.name, tuple(devices), bench, cap_percent, jogs, cell.air, material)

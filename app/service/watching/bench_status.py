@@ -6,7 +6,7 @@ from catseye.app.cell.axes import may_move_an_arm
 from catseye.app.cell.model import Air
 from catseye.app.protocol.bench import (
     AirStatus,
-    AxisName,
+    AxisRange,
     BeamStatus,
     BenchStatus,
     DeviceStatus,
@@ -15,6 +15,7 @@ from catseye.app.protocol.bench import (
 )
 from catseye.app.service.watching.bench_facts import BenchFacts, DeviceFacts
 from catseye.app.service.watching.latest_values import LatestValues, LinkValues, Stamped
+from catseye.app.service.watching.posture import posture_of
 from catseye.app.service.watching.scara.layout import layout_of
 from catseye.calibration.air import refractive_index
 from catseye.drivers.roles.air import AirSample
@@ -30,7 +31,8 @@ def bench_status(
         simulated: as the run under way knows it; None asks the devices.
         free_bytes: of the disk that runs are stored on; None where that is not known.
     """
-    door = latest.door_closed
+    door, joints = latest.door_closed, None if latest.joints is None else latest.joints.value
+    layout = layout_of(facts, joints)
     return BenchStatus(
         cell=facts.cell,
         simulated=_simulated(latest) if simulated is None else simulated,
@@ -40,8 +42,12 @@ def bench_status(
         beam=_beam(latest),
         air=_air(latest, facts.air),
         door_closed=None if door is None else door.value,
-        layout=layout_of(facts, None if latest.joints is None else latest.joints.value),
-        axes=tuple(AxisName(name=axis.name, unit=axis.unit) for axis in facts.bench.arm.axes),
+        layout=layout,
+        posture=posture_of(facts.bench.workspace, joints) if layout is None else None,
+        axes=tuple(
+            AxisRange(name=axis.name, unit=axis.unit, low=axis.low, high=axis.high)
+            for axis in facts.bench.arm.axes
+        ),
     )
 
 
@@ -87,6 +93,7 @@ def _robot(facts: BenchFacts, latest: LatestValues, *, moving: bool) -> RobotSta
         emergency_stop=status.emergency_stop,
         teach_mode=status.teach_mode,
         moving=moving or status.running,
+        jogs=facts.jogs,
         age_s=_oldest_s(latest, seen, joints),
     )
 

@@ -9,9 +9,9 @@ from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 
 from catseye.app.tui.bench_text import air_lines, engine_lines, robot_lines, troubles
+from catseye.app.tui.bench_view import BenchView
 from catseye.app.tui.dialogs.error_dialog import split_remedy
 from catseye.app.tui.engine_state import EngineState
-from catseye.app.tui.scara.plan_view import PlanView
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.beam_panel import BeamPanel
@@ -22,13 +22,14 @@ if TYPE_CHECKING:
     # The first screen is painted before this is imported.
     from catseye.app.protocol.bench import BenchStatus
 
+_NOMINAL: Final = "X, Y: nominal arm"
 _LOG_LINES: Final = 8
 _TROUBLES: Final = 4
 _TROUBLES_LOW: Final = 2
 
 
 class BenchScreen(MainScreen):
-    """The home screen. On a small one the bench from above takes the place of the beam, and back, by a key."""
+    """The home screen. On a small one the picture of the arm takes the place of the beam, and back, by a key."""
 
     SCREEN = "bench"
 
@@ -42,7 +43,7 @@ class BenchScreen(MainScreen):
     BenchScreen #robot { height: 1fr; min-height: 6; }
     BenchScreen #air { height: 5; }
     BenchScreen.-high #plan { height: 1.5fr; }
-    BenchScreen.-high #robot { height: 9; }
+    BenchScreen.-high #robot { height: auto; min-height: 9; }
     BenchScreen #engine { height: 1fr; display: none; }
     BenchScreen.-high #engine { display: block; }
     BenchScreen.-low #plan { display: none; }
@@ -55,9 +56,7 @@ class BenchScreen(MainScreen):
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding(
-            "v", "view", "beam / from above", id="bench.view", tooltip="the beam, or the bench from above"
-        ),
+        Binding("v", "view", "beam / arm", id="bench.view", tooltip="the beam, or the arm to scale"),
         Binding("w", "window", "10/30/60 s", id="bench.window", tooltip="length of the strip"),
     ]
 
@@ -67,22 +66,22 @@ class BenchScreen(MainScreen):
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (36, "-high")]
 
     def body(self) -> ComposeResult:
-        """Devices above; arm and air at the left, beam and the bench from above at the right."""
+        """Devices above; joints and air at the left, beam and the picture of the arm at the right."""
         with VerticalScroll(id="bench", can_focus=False):
             yield DeviceList()
             yield StaticText(id="troubles")
             with Horizontal(id="parts"):
                 with Vertical(id="left"):
-                    yield _panel("robot", "Robot", "X, Y: nominal arm")
-                    yield _panel("air", "Air", "")
-                    yield _panel("engine", "Engine", "")
+                    yield _panel("robot", "Robot")
+                    yield _panel("air", "Air")
+                    yield _panel("engine", "Engine")
                 with Vertical(id="right"):
                     yield BeamPanel()
-                    yield PlanView(id="plan", classes="panel")
+                    yield BenchView(id="plan", classes="panel")
 
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do."""
-        yield SystemCommand("Beam or bench from above", "where there is room for one only", self.action_view)
+        yield SystemCommand("Beam or arm", "where there is room for one only", self.action_view)
         yield SystemCommand("Length of the strip", "10, 30 or 60 s", self.action_window)
 
     def show_state(self, engine: EngineState, now_s: float) -> None:
@@ -90,14 +89,16 @@ class BenchScreen(MainScreen):
         bench, since_s = engine.bench, now_s - engine.bench_at_s
         self.query_one(DeviceList).show(bench, since_s)
         self._show_troubles(bench)
-        self.query_one("#robot", StaticText).set_text(lines(*robot_lines(bench, since_s)))
+        robot = self.query_one("#robot", StaticText)
+        robot.border_subtitle = _NOMINAL if engine.layout is not None else ""
+        robot.set_text(lines(*robot_lines(bench, since_s, roomy=self.has_class("-high"))))
         self.query_one("#air", StaticText).set_text(lines(*air_lines(bench, since_s)))
         self.query_one("#engine", StaticText).set_text(lines(*engine_lines(engine, _LOG_LINES)))
         self.query_one(BeamPanel).show(engine, now_s)
-        self.query_one(PlanView).show(engine, now_s)
+        self.query_one(BenchView).show(engine, now_s)
 
     def action_view(self) -> None:
-        """Show the bench from above in place of the beam, or the beam again."""
+        """Show the picture of the arm in place of the beam, or the beam again."""
         self.toggle_class("plan")
         self.call_after_refresh(self.show_now)
 
@@ -125,7 +126,7 @@ def _trouble_line(name: str, text: str) -> Content:
     )
 
 
-def _panel(name: str, title: str, subtitle: str) -> StaticText:
+def _panel(name: str, title: str) -> StaticText:
     panel = StaticText(id=name, classes="panel")
-    panel.border_title, panel.border_subtitle = title, subtitle
+    panel.border_title = title
     return panel

@@ -10,12 +10,15 @@ from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.widgets import Input
 
 from catseye.app.service.errors import RefusedError, ServiceError
+from catseye.app.tui.bench_view import BenchView
 from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.jog_client import JogClient, Step, Way
 from catseye.app.tui.jog_text import (
     STEPS,
+    STEPS_ONLY,
     Choices,
+    can_hold,
     cap_percent,
     entry_lines,
     fresh_joints,
@@ -24,13 +27,20 @@ from catseye.app.tui.jog_text import (
     jog_reason,
 )
 from catseye.app.tui.scara.jog_keys import MOVES, POINT, POINT_COMMAND
-from catseye.app.tui.scara.plan_view import PlanView
 from catseye.app.tui.screens.base import MainScreen
+from catseye.app.tui.serial.jog_keys import CHOOSE, MOVE
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.beam_panel import BeamPanel
 from catseye.app.tui.widgets.static_text import StaticText, lines
 
 _SIGNS: Final = {1: "plus", -1: "minus"}
+
+_SCARAS: Final = frozenset({"move", "aim", "point"})
+"""Actions for a SCARA with a beam; `_ANY_ARMS` take the same keys on every other arm."""
+
+_ANY_ARMS: Final = frozenset({"choose_axis", "move_axis"})
+
+_WAYS: Final[tuple[tuple[Way, str], ...]] = ((1, "+"), (-1, "−"))
 
 
 class JogScreen(MainScreen):
@@ -74,7 +84,7 @@ class JogScreen(MainScreen):
             id="jog.point",
             tooltip=POINT,
         ),
-        Binding("v", "view", "view", id="jog.view", tooltip="the beam, or the bench from above"),
+        Binding("v", "view", "view", id="jog.view", tooltip="the beam, or the arm to scale"),
         Binding("l", "window", "10/30/60 s", show=False, id="jog.window", tooltip="length of the strip"),
         Binding("plus,pageup", "faster", "faster", show=False, id="jog.faster", tooltip="before the jog"),
         Binding("minus,pagedown", "slower", "slower", show=False, id="jog.slower", tooltip="before the jog"),
@@ -94,6 +104,11 @@ class JogScreen(MainScreen):
                 tooltip=text,
             )
             for keys, joint, way, text in MOVES
+        ),
+        *(
+            Binding(keys, f"{action}({way})", text, show=False, id=f"jog.{name}", tooltip=text)
+            for action, table in (("choose_axis", CHOOSE), ("move_axis", MOVE))
+            for keys, way, name, text in table
         ),
     ]
 
@@ -117,7 +132,7 @@ class JogScreen(MainScreen):
                 yield typed
             with Vertical(id="right"):
                 yield BeamPanel()
-                yield PlanView(id="plan", classes="panel")
+                yield BenchView(id="plan", classes="panel")
 
     def on_mount(self) -> None:
         """A terminal that nobody looks at moves nothing."""
@@ -133,23 +148,49 @@ class JogScreen(MainScreen):
         """The arm stops."""
         self.jog_client.let_go()
 
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Return whether a key means this action: some keys mean one thing on a SCARA and another on other arms."""
+        del parameters
+        scara = self.session.link.engine.layout is not None
+        return action not in (_ANY_ARMS if scara else _SCARAS)
+
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do; what moves asks for F8 first, for the palette is left by Enter."""
         yield SystemCommand("Begin to jog", "drives on; asks first", self._ask_to_begin)
         yield SystemCommand("End the jog", "the arm stops, drives as before", self.action_end)
         yield SystemCommand("Steps or hold", "how keys move the arm", self.action_mode)
-        yield SystemCommand("Next aim", "reflector that the beam is kept on", self.action_aim)
-        yield SystemCommand("Point at the aim", POINT_COMMAND, self.action_point)
         yield SystemCommand("Faster jog", "before it begins", self.action_faster)
         yield SystemCommand("Slower jog", "before it begins", self.action_slower)
-        yield SystemCommand("Beam or bench from above", "where there is room for one only", self.action_view)
+        yield SystemCommand("Beam or arm", "where there is room for one only", self.action_view)
         yield SystemCommand("Length of the strip", "10, 30 or 60 s", self.action_window)
         for place, size in enumerate(STEPS):
-            yield SystemCommand(f"Steps of {size:g} deg", "mm for the beam", partial(self.action_size, place))
+            yield SystemCommand(
+                f"Steps of {size:g} deg", "mm for what moves along a line", partial(self.action_size, place)
+            )
+        yield from self._scara_commands() if self.session.link.engine.layout else self._axis_commands()
+
+    def _scara_commands(self) -> Iterable[SystemCommand]:
+        yield SystemCommand("Next aim", "reflector that the beam is kept on", self.action_aim)
+        yield SystemCommand("Point at the aim", POINT_COMMAND, self.action_point)
         for _, joint, way, text in MOVES:
             yield SystemCommand(
-                f"One step: {text}", "asks first", partial(self._ask_to_step, joint, way, text)
+                f"One step: {text}",
+                "asks first",
+                partial(self._ask_to_step, joint, way, text, "mm" if joint == "beam" else "deg"),
             )
+
+    def _axis_commands(self) -> Iterable[SystemCommand]:
+        for _, way, _, text in CHOOSE:
+            yield SystemCommand(
+                f"Choose the {text}", "that the keys move", partial(self.action_choose_axis, way)
+            )
+        for axis in () if (bench := self.session.link.engine.bench) is None else bench.axes:
+            for way, sign in _WAYS:
+                yield SystemCommand(
+                    f"One step: {axis.name} {sign}",
+                    "asks first",
+                    partial(self._ask_to_step, axis.name.lower(), way, f"{axis.name} {sign}", axis.unit),
+                )
 
     def show_state(self, engine: EngineState, now_s: float) -> None:
         """Show what the keys do, or what has to be known before they do anything."""
@@ -163,7 +204,7 @@ class JogScreen(MainScreen):
         self.query_one("#text", StaticText).set_text(lines(*shown))
         self._show_typed(needed=not jogs and engine.bench is not None and not engine.bench_simulated)
         self.query_one(BeamPanel).show(engine, now_s)
-        self.query_one(PlanView).show(engine, now_s)
+        self.query_one(BenchView).show(engine, now_s)
 
     def action_begin(self) -> None:
         """Ask the engine for the arm; F8 and nothing else leads here by a key."""
@@ -193,16 +234,32 @@ class JogScreen(MainScreen):
         """Move by a step, or as long as the key repeats; the beam moves by steps only."""
         if not self._jogs:
             return
-        if self.choices.holds and joint != "beam":
+        if self._holds and joint != "beam":
             self.jog_client.press(joint, way)
         elif joint == "beam" and self.choices.aim is None:
             self._say("the beam's mm are measured at a reflector: choose one with t")
         else:
             self._take(Step(joint, way * self.choices.by, self.choices.aim))
 
+    def action_choose_axis(self, way: Way) -> None:
+        """Choose the axis that keys move."""
+        self.jog_client.let_go()
+        bench = self.session.link.engine.bench
+        self.choices.next_axis(way, 0 if bench is None else len(bench.axes))
+        self.show_now()
+
+    def action_move_axis(self, way: Way) -> None:
+        """Move the chosen axis by a step, or as long as the key repeats."""
+        bench = self.session.link.engine.bench
+        if bench is not None and self.choices.axis < len(bench.axes):
+            self.action_move(bench.axes[self.choices.axis].name.lower(), way)
+
     def action_mode(self) -> None:
         """Change between steps and holding."""
         self.jog_client.let_go()
+        if not can_hold(self.session.link.engine):
+            self._say(STEPS_ONLY)
+            return
         self.choices.holds = not self.choices.holds
         self.show_now()
 
@@ -225,12 +282,12 @@ class JogScreen(MainScreen):
         if aim is None:
             self._say("there is nothing to point at: choose a reflector with t")
             return
-        if joints is None or engine.bench is None or engine.bench.layout is None:
+        if joints is None or engine.layout is None:
             self._say("the joints that are known are too old")
             return
         from catseye.app.tui.scara.pointing import turn_towards
 
-        turn = turn_towards(engine.bench.layout, joints, aim)
+        turn = turn_towards(engine.layout, joints, aim)
         if isinstance(turn, str):
             self._say(turn)
             return
@@ -251,7 +308,7 @@ class JogScreen(MainScreen):
             self.show_now()
 
     def action_view(self) -> None:
-        """Show the bench from above in place of the beam, or the beam again."""
+        """Show the picture of the arm in place of the beam, or the beam again."""
         self.toggle_class("plan")
         self.call_after_refresh(self.show_now)
 
@@ -265,6 +322,11 @@ class JogScreen(MainScreen):
         """The arm is this client's to move."""
         engine = self.session.link.engine
         return engine.jogging and engine.in_control
+
+    @property
+    def _holds(self) -> bool:
+        """Keys move a joint as long as they are held."""
+        return self.choices.holds and can_hold(self.session.link.engine)
 
     def _take(self, *steps: Step) -> None:
         if self._jogs and self.jog_client.step(*steps):
@@ -286,8 +348,7 @@ class JogScreen(MainScreen):
         )
         self._ask("Jog", f"The drives go on, at {percent:g} %; this is {kind}.", self.action_begin)
 
-    def _ask_to_step(self, joint: str, way: Way, text: str) -> None:
-        unit = "mm" if joint == "beam" else "deg"
+    def _ask_to_step(self, joint: str, way: Way, text: str, unit: str) -> None:
         if self._jogs and (joint != "beam" or self.choices.aim is not None):
             step = Step(joint, way * self.choices.by, self.choices.aim)
             what = f"{text} by {self.choices.by:g} {unit}, {self._speed()}."

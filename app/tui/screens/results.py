@@ -4,9 +4,7 @@ import asyncio
 import shutil
 import tempfile
 from collections.abc import Iterable
-from datetime import datetime
 from functools import partial
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Final
 
@@ -18,13 +16,14 @@ from textual.content import Content
 from textual.timer import Timer
 from textual.widgets import ContentSwitcher, DataTable
 
-from catseye.app.errors import UsageError
 from catseye.app.results.numbers import counted
+from catseye.app.tui import result_shelf as shelf
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.path_questions import newest_path_run, path_fault, reference_of
+from catseye.app.tui.resolution.result_view import SECTIONS, ResolutionView
 from catseye.app.tui.screens.working import WorkScreen, free_name, is_file, typed_path, why_not_written
-from catseye.app.tui.session import DEMO_FOLDER, Session
+from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.bars import TabLine
 from catseye.app.tui.widgets.report_content import statement_content
 from catseye.app.tui.widgets.result_parts import ComparePart, LayoutPart, MapsPart, PathPart, ResidualsPart
@@ -37,8 +36,8 @@ if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
     from catseye.app.results.scara.comparison import ResultComparison
     from catseye.app.results.scara.diagnosis_document import DiagnosisDocument
-    from catseye.app.results.scara.result_files import ResultFile, ResultFiles
     from catseye.app.results.scara.validation_document import ValidationDocument
+    from catseye.app.tui.result_shelf import AnyFile, AnyFiles, ResolutionFile, ScaraFile
 
 _FOCUS: Final = {
     "files": "#file-table",
@@ -53,21 +52,14 @@ _FOCUS: Final = {
 """What is scrolled in a part."""
 _PARTS: Final = tuple(_FOCUS)
 
+_TITLES: Final = tuple(name.capitalize() for name in _PARTS)
+_RESOLUTION_TITLES: Final = ("Files", *(title for _, title in SECTIONS))
+
 _LOOK_S: Final = 3.0
-_FILE_COLUMNS: Final = (
-    ("", 2),
-    ("result", 29),
-    ("model", 13),
-    ("distances", 10),
-    ("rms µm", 8),
-    (" sim", 5),
-    ("written UTC", 12),
-)
 _VALUE_COLUMNS: Final = (("quantity", 22), ("value", 14), ("u (k=1)", 10), ("U (k=2)", 10), (" unit", 6))
 _RIGHT: Final = frozenset({"value", "u (k=1)", "U (k=2)", "distances", "rms µm"})
-_RUN_FOLDERS: Final = ("runs", "catseye-runs")
-
-_Version = tuple[Path, datetime]
+_OF_SCARAS: Final = frozenset({"diagnose", "validate", "compare", "unit", "export"})
+"""What there is to do with a SCARA's result alone."""
 
 
 class ResultsScreen(WorkScreen):
@@ -123,21 +115,22 @@ class ResultsScreen(WorkScreen):
         super().__init__(session)
         self.HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (110, "-wide")]
         self.VERTICAL_BREAKPOINTS = [(0, "-low"), (32, "-high")]
-        self._shelf: ResultFiles | None = None
-        self._files: list[ResultFile] = []
+        self._shelf: AnyFiles | None = None
+        self._files: list[AnyFile] = []
         self._timer: Timer | None = None
         self._looking = False
-        self._file: ResultFile | None = None
-        self._other: ResultFile | None = None
+        self._file: ScaraFile | None = None
+        self._resolution: ResolutionFile | None = None
+        self._other: AnyFile | None = None
         self._in_u = False
-        self._diagnoses: dict[_Version, DiagnosisDocument] = {}
-        self._validations: dict[_Version, ValidationDocument] = {}
+        self._diagnoses: dict[shelf.Version, DiagnosisDocument] = {}
+        self._validations: dict[shelf.Version, ValidationDocument] = {}
         self._comparison: ResultComparison | None = None
         self._scratch: Path | None = None
 
     def body(self) -> ComposeResult:
         """Parts, which result, the part."""
-        yield TabLine([name.capitalize() for name in _PARTS])
+        yield TabLine(_TITLES)
         yield StaticText(id="heading")
         with ContentSwitcher(initial="files"):
             with Vertical(id="files", classes="part"):
@@ -151,6 +144,7 @@ class ResultsScreen(WorkScreen):
                 yield StaticText(id="findings")
             yield PathPart(id="path", classes="part")
             yield ComparePart(id="compare", classes="part")
+            yield ResolutionView(id="resolution", classes="part")
         yield TaskLine(self.session.now_s)
 
     def commands(self) -> Iterable[SystemCommand]:
@@ -168,9 +162,14 @@ class ResultsScreen(WorkScreen):
         yield SystemCommand("Predict and compensate", "the commands to type", self.action_type)
         yield SystemCommand("Cancel the work", "that is under way on this screen", self.action_cancel)
 
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Return whether there is such a thing to do with the result that is shown."""
+        del parameters
+        return self._resolution is None or action not in _OF_SCARAS
+
     def on_mount(self) -> None:
         """Make the columns; files are read in a thread."""
-        for table, columns in (("#file-table", _FILE_COLUMNS), ("#value-table", _VALUE_COLUMNS)):
+        for table, columns in (("#file-table", shelf.FILE_COLUMNS), ("#value-table", _VALUE_COLUMNS)):
             for name, width in columns:
                 label = Text(name, justify="right" if name in _RIGHT else "left")
                 self.query_one(table, DataTable).add_column(label, width=width, key=name or "mark")
@@ -200,10 +199,15 @@ class ResultsScreen(WorkScreen):
 
     def action_part(self, place: int) -> None:
         """Show a part."""
-        name = _PARTS[place]
+        if self._resolution is not None and place > 0:
+            name, focus = "resolution", "#resolution"
+            self.query_one(ResolutionView).show_section(place - 1)
+        else:
+            name = _PARTS[place]
+            focus = _FOCUS[name]
         self.query_one(ContentSwitcher).current = name
-        self.query_one(TabLine).show(place)
-        self.set_focus(self.query_one(_FOCUS[name]))
+        self.query_one(TabLine).show(place, _TITLES if self._resolution is None else _RESOLUTION_TITLES)
+        self.set_focus(self.query_one(focus))
 
     def action_back(self) -> None:
         """Cancel the work, else go back to the files."""
@@ -235,7 +239,7 @@ class ResultsScreen(WorkScreen):
         file = self._shown_file()
         if file is None or file.result is None:
             return
-        source = self._source_of(file)
+        source = shelf.source_of(file, self.session.root, self.session.cell)
         if not source:
             self.catseye.show_error(
                 "The fit cannot be diagnosed",
@@ -257,7 +261,7 @@ class ResultsScreen(WorkScreen):
 
     def action_report(self) -> None:
         """Write the report."""
-        if (file := self._shown_file()) is not None:
+        if (file := self._resolution or self._shown_file()) is not None:
             page = file.path.with_suffix(".html")
             self.let_work(
                 "report",
@@ -276,59 +280,61 @@ class ResultsScreen(WorkScreen):
 
     def action_type(self) -> None:
         """Show commands that go on from the result."""
-        if (file := self._shown_file()) is not None:
+        if (file := self._resolution or self._shown_file()) is not None:
+            from catseye.app.tui.resolution.result_texts import resolution_commands
             from catseye.app.tui.result_texts import lines_to_type
 
-            text = lines_to_type(file.path, self.session.cell)
-            self.app.push_screen(TextDialog(f"Go on from {file.path.name}", text))
+            path = file.path
+            text = resolution_commands(path) if self._resolution else lines_to_type(path, self.session.cell)
+            self.app.push_screen(TextDialog(f"Go on from {path.name}", text))
 
-    def _shown_file(self) -> "ResultFile | None":
-        """Return the chosen result, else the one under the cursor, if it can be read."""
-        file = self._file or self._under_cursor()
-        if file is None:
+    def _shown_file(self) -> "ScaraFile | None":
+        """Return the chosen result of a SCARA, else the one under the cursor, if it is one and can be read."""
+        file = self._under_cursor()
+        if self._file is None and file is None:
             self.notify("there is no result yet: identify on Runs (F7), i")
-        elif file.result is None:
-            self.catseye.show_error(f"{file.path.name} cannot be read", file.fault)
-            return None
-        elif self._file is None:
+        elif self._file is None and file is not None:
             self._choose(file, go=False)
-        return file
+        return self._file
 
-    def _under_cursor(self) -> "ResultFile | None":
+    def _under_cursor(self) -> "AnyFile | None":
         row = self.query_one("#file-table", DataTable).cursor_row
         return self._files[row] if 0 <= row < len(self._files) else None
 
-    def _choose(self, file: "ResultFile", *, go: bool = True) -> None:
+    def _choose(self, file: "AnyFile", *, go: bool = True) -> None:
         if file.result is None:
             self.catseye.show_error(f"{file.path.name} cannot be read", file.fault)
             return
-        self._file, self._comparison, self._other = file, None, None
+        if (resolution := shelf.as_resolution(file)) is not None:
+            self.spawn(partial(self._open_resolution, resolution), "resolution", exclusive=True)
+        elif (scaras := shelf.as_scaras(file)) is not None and scaras.result is not None:
+            self._file, self._resolution, self._comparison, self._other = scaras, None, None, None
+            self._show_chosen()
+            if go:
+                self.action_part(1 if scaras.result.has_maps else 2)
+
+    async def _open_resolution(self, file: "ResolutionFile", *, go: bool = True) -> None:
+        """Show a result of motion resolution; its report is made in a thread."""
+        report = await asyncio.to_thread(shelf.resolution_report_of, file)
+        self._resolution, self._file, self._comparison, self._other = file, None, None, None
+        self.query_one(ResolutionView).show(report)
+        self._show_chosen()
+        if go:
+            self.action_part(1)
+
+    def _show_chosen(self) -> None:
+        self.refresh_bindings()
         self._show()
         self._show_files()
-        if go:
-            self.action_part(1 if file.result.has_maps else 2)
 
-    def _source_of(self, file: "ResultFile") -> list[str | Path]:
-        """Return words that name the distances of a result and its budget; none where they are not found."""
-        names = [] if file.result is None else file.result.provenance.runs
-        part = None if file.result is None else file.result.budget
-        budget = [] if part is None or part.source == "run" else ["--budget", part.source]
-        for root in (self.session.root, *(file.path.parent / name for name in _RUN_FOLDERS)):
-            if names and all((root / name).is_dir() for name in names):
-                return [*names, "--runs", root, *budget]
-        points = [file.path.parent / name for name in names]
-        if len(points) == 1 and points[0].is_file() and self.session.cell is not None:
-            return ["--points", points[0], "--cell", self.session.cell, *budget]
-        return []
-
-    def _diagnosed(self, file: "ResultFile", done: Done) -> None:
+    def _diagnosed(self, file: "ScaraFile", done: Done) -> None:
         from catseye.app.results.scara.diagnosis_document import DiagnosisDocument
 
-        self._diagnoses[_version(file)] = done.document(DiagnosisDocument)
+        self._diagnoses[shelf.version_of(file)] = done.document(DiagnosisDocument)
         self._show()
         self.notify(f"{file.path.name}: outliers at 5, findings at 6", title="diagnosed", markup=False)
 
-    def _export(self, file: "ResultFile", answers: Answers | None) -> None:
+    def _export(self, file: "ScaraFile", answers: Answers | None) -> None:
         if answers is not None:
             output = typed_path(answers["file"])
             self.let_work(
@@ -342,15 +348,16 @@ class ResultsScreen(WorkScreen):
         file = self._file
         if file is None:
             return
+        reference = reference_of(file, shelf.scaras_of(self._files))
         newest = await asyncio.to_thread(newest_path_run, self.session.root)
         fields = [
             Field("measured", "path", newest, hint="run, or CSV"),
-            Field("reference", "compared with", str(reference_of(file, self._files) or ""), hint="or empty"),
+            Field("reference", "compared with", str(reference or ""), hint="or empty"),
         ]
         dialog = FormDialog("Validate on a measured path", fields, file.path.name, path_fault)
         self.app.push_screen(dialog, partial(self._validate, file))
 
-    def _validate(self, file: "ResultFile", answers: Answers | None) -> None:
+    def _validate(self, file: "ScaraFile", answers: Answers | None) -> None:
         if answers is None:
             return
         measured = typed_path(answers["measured"])
@@ -369,18 +376,18 @@ class ResultsScreen(WorkScreen):
             first=first,
         )
 
-    def _validated(self, file: "ResultFile", done: Done) -> None:
+    def _validated(self, file: "ScaraFile", done: Done) -> None:
         from catseye.app.results.scara.validation_document import ValidationDocument
 
-        self._validations[_version(file)] = done.document(ValidationDocument)
+        self._validations[shelf.version_of(file)] = done.document(ValidationDocument)
         self._show()
         if self._file is file:
             self.action_part(_PARTS.index("path"))
         else:
             self.notify(f"{file.path.name}: choose it, then 7", title="validated", markup=False)
 
-    async def _compare(self, file: "ResultFile", other: "ResultFile") -> None:
-        found = await asyncio.to_thread(_compared, file, other)
+    async def _compare(self, file: "ScaraFile", other: "AnyFile") -> None:
+        found = await asyncio.to_thread(shelf.compared, file, other)
         if isinstance(found, str):
             self.catseye.show_error("The results cannot be compared", found)
         elif self._file is file:
@@ -398,7 +405,7 @@ class ResultsScreen(WorkScreen):
         first = self._shelf is None
         try:
             if self._shelf is None:
-                self._shelf = await asyncio.to_thread(_shelf, self.session.root)
+                self._shelf = await asyncio.to_thread(shelf.shelf_of, self.session.root)
             files = await asyncio.to_thread(self._shelf.look)
         finally:
             self._looking = False
@@ -409,35 +416,44 @@ class ResultsScreen(WorkScreen):
         self._show_files()
         self._show()
 
-    def _follow(self, files: "list[ResultFile]") -> None:
+    def _follow(self, files: "list[AnyFile]") -> None:
         """Show the chosen result as its file is now; a comparison with what was before is none."""
         now = {file.path: file for file in files}
         compared = [file for file in (self._file, self._other) if file is not None]
         if any(now.get(file.path) is not file for file in compared):
             self._comparison, self._other = None, None
         again = None if self._file is None else now.get(self._file.path)
-        if again is not None and again.result is not None:
-            self._file = again
+        if again is not None and (scaras := shelf.as_scaras(again)) is not None:
+            self._file = scaras
+        chosen = self._resolution
+        later = None if chosen is None else now.get(chosen.path)
+        if later is not None and later is not chosen and (found := shelf.as_resolution(later)) is not None:
+            reopen = partial(self._open_resolution, found, go=False)
+            self.spawn(reopen, "resolution", exclusive=True)
 
     def _show_files(self) -> None:
-        from catseye.app.tui.result_texts import file_row
-
         table = self.query_one("#file-table", DataTable)
         present = [str(key.value) for key in table.rows]
         chosen = present[table.cursor_row] if 0 <= table.cursor_row < len(present) else ""
         row = min(table.cursor_row, len(self._files) - 1)
+        shown = self._file or self._resolution
         table.clear()
         for place, file in enumerate(self._files):
             row = place if str(file.path) == chosen else row
-            mark = "▶" if self._file is not None and file.path == self._file.path else " "
+            mark = "▶" if shown is not None and file.path == shown.path else " "
             mark = "c" if self._other is not None and file.path == self._other.path else mark
             style = "bold red" if file.result is None else ""
-            table.add_row(*(Text(cell, style) for cell in (mark, *file_row(file))), key=str(file.path))
+            table.add_row(*(Text(cell, style) for cell in (mark, *shelf.file_row(file))), key=str(file.path))
         if self._files:
             table.move_cursor(row=max(row, 0))
 
     def _show(self) -> None:
         """Show every part of the chosen result."""
+        from catseye.app.tui.resolution.result_texts import resolution_heading
+
+        if self._resolution is not None:
+            self._show_heading(self._resolution, resolution_heading(self._resolution))
+            return
         file = self._file
         if file is None or file.result is None:
             where = "Enter shows one" if self._files else "none yet: identify on Runs (F7), i"
@@ -447,9 +463,8 @@ class ResultsScreen(WorkScreen):
         from catseye.app.tui import result_texts as texts
 
         result = file.result
-        diagnosis = self._diagnoses.get(_version(file))
-        gone = "" if any(each is file for each in self._files) else "THE FILE IS GONE OR CANNOT BE READ · "
-        self.query_one("#heading", StaticText).set_text(Content(f"{gone}{texts.heading(file)}"))
+        diagnosis = self._diagnoses.get(shelf.version_of(file))
+        self._show_heading(file, texts.heading(file))
         self.query_one(MapsPart).show(result)
         table = self.query_one("#value-table", DataTable)
         table.clear()
@@ -459,10 +474,14 @@ class ResultsScreen(WorkScreen):
             )
         self.query_one(LayoutPart).show(result)
         self.query_one(ResidualsPart).show(result, diagnosis)
-        self.query_one(PathPart).show(self._validations.get(_version(file)))
+        self.query_one(PathPart).show(self._validations.get(shelf.version_of(file)))
         findings = map(statement_content, texts.fit_sentences(result, diagnosis))
         self.query_one("#findings", StaticText).set_text(lines(*findings))
         self._show_comparison()
+
+    def _show_heading(self, file: "ScaraFile | ResolutionFile", text: str) -> None:
+        gone = "" if any(each is file for each in self._files) else "THE FILE IS GONE OR CANNOT BE READ · "
+        self.query_one("#heading", StaticText).set_text(Content(f"{gone}{text}"))
 
     def _show_comparison(self) -> None:
         part = self.query_one(ComparePart)
@@ -471,29 +490,3 @@ class ResultsScreen(WorkScreen):
             return
         names = f"{self._other.path.name} (second) minus {self._file.path.name} (first)"
         part.show(names, self._comparison, in_u=self._in_u)
-
-
-def _version(file: "ResultFile") -> _Version:
-    """Return what distinguishes a result from what is written over it later."""
-    return file.path, file.changed_utc
-
-
-def _shelf(root: Path) -> "ResultFiles":
-    # What shows a result is imported here, in a thread: it takes longer than a key may.
-    for module in ("catseye.app.tui.result_texts", "catseye.app.tui.widgets.figure_drawing"):
-        import_module(module)
-    from catseye.app.results.scara.result_files import ResultFiles
-
-    return ResultFiles([root.absolute().parent, Path.cwd(), DEMO_FOLDER.absolute()])
-
-
-def _compared(file: "ResultFile", other: "ResultFile") -> "ResultComparison | str":
-    """Return both results compared, or why they cannot be."""
-    from catseye.app.results.scara.comparison import compare_results
-
-    if file.result is None or other.result is None:
-        return f"{other.path.name} cannot be read: {other.fault}"
-    try:
-        return compare_results(file.result, other.result)
-    except UsageError as error:
-        return str(error)

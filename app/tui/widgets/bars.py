@@ -66,9 +66,16 @@ class TabLine(Widget):
         self._titles = tuple(titles)
         self._current = 0
 
-    def show(self, current: int) -> None:
-        """Show which part is shown, from 0."""
+    def show(self, current: int, titles: Sequence[str] | None = None) -> None:
+        """Show which part is shown.
+
+        Args:
+            current: from 0.
+            titles: of other parts than before; None keeps them.
+        """
         self._current = current
+        if titles is not None:
+            self._titles = tuple(titles)
         self.refresh()
 
     def render(self) -> RenderResult:

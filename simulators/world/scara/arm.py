@@ -19,7 +19,7 @@ import numpy as np
 
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.world.arm import BeamPoses
-from catseye.simulators.world.bench import Bench, OnEvent
+from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.motion import (
     SHORTEST,
     STANDSTILL,
@@ -31,6 +31,7 @@ from catseye.simulators.world.motion import (
 )
 from catseye.simulators.world.scara.axis_errors import FlankTable, JointMap, RadialError
 from catseye.simulators.world.scara.truth import TrueArm
+from catseye.simulators.world.timed_bench import OnEvent
 from catseye.simulators.world.types import Floats, Ints, Plane
 
 STEEL_PER_K = 11.7e-6

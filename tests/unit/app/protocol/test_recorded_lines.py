@@ -46,7 +46,7 @@ BENCH = (
     '{"model": "RH-3FRH5515", "firmware": "A1", "serial": "17", "simulated": true}, "error": null, "age_s": 0.1}], '
     '"robot": {"joints": [1.0, null, 50.0, 0.0], "servo_on": true, "override_percent": null, '
     '"override_cap_percent": 20.0, "alarm_number": 0, "alarm_text": "", "emergency_stop": false, '
-    '"teach_mode": false, "moving": false, "age_s": 0.1}, '
+    '"teach_mode": false, "moving": false, "jogs": true, "age_s": 0.1}, '
     '"beam": {"signal": 0.8, "signal_native": "800 mV", "beam_ok": true, '
     '"beam_lost": false, "overspeed": false, "laser_ready": true, "displacement_mm": 1.5, "mean_mm": null, '
     '"spread_um": null, "age_s": 0.1}, "air": {"temperature_c": 20.0, "pressure_hpa": 1013.25, '
@@ -54,7 +54,9 @@ BENCH = (
     '"layout": {"link1_mm": 325.0, "link2_mm": 225.0, "column_radius_mm": 100.0, "theta40_deg": 0.0, '
     '"limits_deg": {"j1": [-170.0, 170.0]}, "reflectors": [{"name": "P1", "x_mm": 1.0, "y_mm": 2.0, '
     '"facing_deg": 90.0, "field_half_angle_deg": 60.0}], "aim": "P1"}, '
-    '"axes": [{"name": "J1", "unit": "deg"}], "missed": 2'
+    '"posture": {"joints_mm": [[0.0, 0.0, 0.0]], "heading_deg": 0.0, "limbs": [{"name": "arm", "start_mm": '
+    '[0.0, 0.0, 0.0], "end_mm": [0.0, 0.0, 1.0], "radius_mm": 2.0}], "table_z_mm": -1.0}, '
+    '"axes": [{"name": "J1", "unit": "deg", "low": -170.0, "high": 170.0}], "missed": 2'
 )
 EVENTS = [
     of_run("run-started", '"procedure": "open-loop", "title": "Open loop tracking \\u03b8"'),

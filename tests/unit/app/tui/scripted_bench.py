@@ -26,6 +26,8 @@ def _reflector(name: str, x_mm: float, y_mm: float, facing_deg: float) -> dict[s
     return {"name": name, "x_mm": x_mm, "y_mm": y_mm, "facing_deg": facing_deg, "field_half_angle_deg": 80.0}
 
 
+_RANGES = ((-170.0, 170.0), (-145.0, 145.0), (0.0, 150.0), (-360.0, 360.0))
+
 BENCH: dict[str, Any] = {
     "cell": "lab-1",
     "simulated": True,
@@ -46,6 +48,7 @@ BENCH: dict[str, Any] = {
         "emergency_stop": False,
         "teach_mode": False,
         "moving": False,
+        "jogs": True,
         "age_s": 0.1,
     },
     "beam": {
@@ -69,7 +72,7 @@ BENCH: dict[str, Any] = {
         "age_s": 0.5,
     },
     "door_closed": None,
-    "axes": AXES,
+    "axes": [{**axis, "low": low, "high": high} for axis, (low, high) in zip(AXES, _RANGES, strict=True)],
     "layout": {
         "link1_mm": 325.0,
         "link2_mm": 225.0,

@@ -44,7 +44,7 @@ def test_lengths_are_grouped_down_to_the_nanometre() -> None:
 
 
 def test_joints_and_nominal_place() -> None:
-    text = said(robot_lines(bench_status(robot={"joints": [90.0, -90.0, 50.0, 12.3456]}), 0.0))
+    text = said(robot_lines(bench_status(robot={"joints": [90.0, -90.0, 50.0, 12.3456]}), 0.0, roomy=False))
     assert "J1    90.000 deg" in text
     assert "J4    12.346 deg" in text
     # Link 1 along Y, link 2 along X.
@@ -62,12 +62,16 @@ def test_joints_and_nominal_place() -> None:
     ],
 )
 def test_state_of_the_robot(robot: dict[str, Any], word: str) -> None:
-    assert word in said(robot_lines(bench_status(robot=robot), 0.0))
+    assert word in said(robot_lines(bench_status(robot=robot), 0.0, roomy=False))
 
 
 def test_what_the_controller_gives_no_number_for_is_a_dash() -> None:
     text = said(
-        robot_lines(bench_status(robot={"override_percent": None, "joints": [20.0, None, 50.0, 0.0]}), 0.0)
+        robot_lines(
+            bench_status(robot={"override_percent": None, "joints": [20.0, None, 50.0, 0.0]}),
+            0.0,
+            roomy=False,
+        )
     )
     assert "stands · — (cap 20)" in text
     assert "J2         — deg" in text
@@ -75,10 +79,10 @@ def test_what_the_controller_gives_no_number_for_is_a_dash() -> None:
 
 
 def test_what_is_old_says_so() -> None:
-    shown = robot_lines(bench_status(), 7.0)
+    shown = robot_lines(bench_status(), 7.0, roomy=False)
     assert "(7.1 s old)" in said(shown)
     assert any("dim" in str(span.style) for line in shown for span in line.spans)
-    assert "old" not in said(robot_lines(bench_status(), 1.0))
+    assert "old" not in said(robot_lines(bench_status(), 1.0, roomy=False))
 
 
 def test_beam() -> None:
@@ -107,7 +111,7 @@ def test_air() -> None:
 
 
 def test_nothing_known_is_said() -> None:
-    assert said(robot_lines(None, 0.0)) == "no robot answers"
+    assert said(robot_lines(None, 0.0, roomy=False)) == "no robot answers"
     assert said(beam_lines(None, 0.0)) == "no interferometer answers"
     assert "no air sensor answers" in said(air_lines(None, 0.0))
 

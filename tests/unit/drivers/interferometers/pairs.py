@@ -95,7 +95,7 @@ class Far(FarEnd):
                         session.feed(await self.far.read())
             await self._answer(session)
             if (due_s := session.next_output_s()) is not None:
-                self.world.bench.advance_to(due_s)
+                self.world.beam_bench.advance_to(due_s)
                 await self._say(session.output())
             await asyncio.sleep(0)
 
@@ -103,7 +103,7 @@ class Far(FarEnd):
         while (answer := session.answer()) is not None:
             if isinstance(answer, Pending):
                 while (due_s := answer.due()) is not None:
-                    self.world.bench.advance_to(due_s)
+                    self.world.beam_bench.advance_to(due_s)
                 answer = answer.reply()
             await self._say(answer)
 
@@ -123,7 +123,7 @@ class Pair:
 
     @property
     def bench(self) -> Bench:
-        return self.world.bench
+        return self.world.beam_bench
 
 
 Make = Callable[[MemoryTransport, StepClock], Any]
@@ -135,7 +135,7 @@ async def paired(
 ) -> AsyncIterator[Pair]:
     """Join a driver to the emulator of its protocol."""
     world = quiet_world()
-    clock = BenchClock(world.bench)
+    clock = BenchClock(world.beam_bench)
     async with Far(world, maker(world, protocol, options)) as far:
         driver = make(far.near, clock)
         if connect:

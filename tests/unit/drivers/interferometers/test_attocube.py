@@ -56,7 +56,7 @@ def world() -> EmulationContext:
 def session(world: EmulationContext) -> Session:
     session = new_session(world, "attocube-ids")
     ask(session, "com.attocube.ids.system.startMeasurement")
-    world.bench.advance(3.0)
+    world.beam_bench.advance(3.0)
     return session
 
 
@@ -161,7 +161,7 @@ def test_a_measurement_takes_time_to_start(world: EmulationContext) -> None:
     assert ask(session, space + "displacement.getAxisDisplacement", 0)[0] != 0
     assert ask(session, space + "system.startMeasurement") == [0]
     assert ask(session, space + "system.getCurrentMode") == [0, "measurement starting"]
-    world.bench.advance(3.0)
+    world.beam_bench.advance(3.0)
     assert ask(session, space + "system.getCurrentMode") == [0, "measurement running"]
     assert ask(session, space + "displacement.getAxisDisplacement", 0) == [0, pytest.approx(0, abs=1e4)]
     assert ask(session, space + "displacement.getAxisDisplacement", 1)[0] != 0
@@ -174,12 +174,12 @@ def test_a_measurement_takes_time_to_start(world: EmulationContext) -> None:
 
 def test_an_interrupted_axis_keeps_its_error_until_reset(world: EmulationContext, session: Session) -> None:
     space = "com.attocube.ids."
-    world.bench.beam.block(0.5)
+    world.beam_bench.beam.block(0.5)
     error, value = ask(session, space + "displacement.getAxisDisplacement", 0)
     assert error != 0
     assert isinstance(value, int)
     assert ask(session, space + "system.resetAxis", 0)[0] != 0
-    world.bench.advance(1.0)
+    world.beam_bench.advance(1.0)
     assert ask(session, space + "displacement.getAxisDisplacement", 0)[0] == error
     assert ask(session, space + "system.resetError", False) == [0]
     assert ask(session, space + "displacement.getAxisDisplacement", 0)[0] == 0
@@ -197,7 +197,7 @@ def test_contrast_average_and_environment(world: EmulationContext, session: Sess
     index = ask(session, "com.attocube.ecu.getRefractiveIndex")[1]
     assert index == pytest.approx(1.000271, abs=2e-6)
     absolute_pm = ask(session, space + "displacement.getAbsolutePosition", 0)[1]
-    assert absolute_pm * 1e-9 == pytest.approx(world.bench.true_state().length_mm, abs=1e-3)
+    assert absolute_pm * 1e-9 == pytest.approx(world.beam_bench.true_state().length_mm, abs=1e-3)
     assert len(ask(session, space + "displacement.getAxesDisplacement")) == 4
 
 

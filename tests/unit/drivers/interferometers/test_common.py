@@ -14,7 +14,7 @@ from catseye.drivers.lasertex.hpi import HpiSettings, LasertexHpi
 from catseye.drivers.umd.display import UmdDisplay, UmdSettings
 from catseye.simulators.config import Option
 from catseye.simulators.errors import EmulatorError
-from catseye.simulators.world.bench import Instrument
+from catseye.simulators.world.instrument import Instrument
 from tests.unit.drivers.interferometers.pairs import Make, Pair, new_session, paired, quiet_world
 from tests.unit.drivers.virtual_time import run
 from tests.unit.simulators.benches import aimed, driven_mm, go

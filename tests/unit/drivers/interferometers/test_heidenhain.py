@@ -113,13 +113,13 @@ def test_locked_keys_and_unknown_commands_are_refused(session: Session) -> None:
 
 
 def test_an_error_stays_on_the_display_until_c_is_pressed(world: EmulationContext, session: Session) -> None:
-    world.bench.beam.block(0.5)
+    world.beam_bench.beam.block(0.5)
     assert b"SIGNAL" in talk(session, b"\x1bA0301\r")
     assert talk(session, b"\x1bT0100\r\x1bA0100\r") == b"\x06\x15"
-    world.bench.advance(1.0)
+    world.beam_bench.advance(1.0)
     assert b"SIGNAL" not in talk(session, b"\x1bT0100\r\x1bA0301\r")
-    world.bench.beam.block(0.5)
-    world.bench.advance(1.0)
+    world.beam_bench.beam.block(0.5)
+    world.beam_bench.advance(1.0)
     assert b"SIGNAL" in talk(session, b"\x1bA0301\r")
 
 

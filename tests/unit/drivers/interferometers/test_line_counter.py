@@ -21,9 +21,9 @@ def test_the_emulator_keeps_to_the_transcript() -> None:
     assert talk(session, transcript.ZERO) == transcript.DONE
     assert talk(session, transcript.QUERY) == transcript.AT_ZERO
     assert talk(session, transcript.STATUS) == transcript.READY
-    world.bench.beam.block(0.5)
+    world.beam_bench.beam.block(0.5)
     assert talk(session, transcript.STATUS) == transcript.BROKEN
-    world.bench.advance(1.0)
+    world.beam_bench.advance(1.0)
     assert talk(session, transcript.STATUS) == transcript.RETURNED
 
 

@@ -17,7 +17,7 @@ from catseye.drivers.umd.display import UmdDisplay, UmdSettings
 from catseye.simulators.umd import display as umd_session
 from catseye.simulators.umd.display import Umd, UmdOptions, UmdSession
 from catseye.simulators.world.air_probe import AirProbe
-from catseye.simulators.world.bench import Instrument
+from catseye.simulators.world.instrument import Instrument
 from catseye.simulators.world.timekeeper import TimeKeeper
 from tests.transcripts import umd as transcript
 from tests.unit.drivers.interferometers.pairs import new_session, paired, quiet_world

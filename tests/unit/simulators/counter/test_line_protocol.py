@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from catseye.simulators.counter.line_protocol import CounterSession
-from catseye.simulators.world.bench import Bench, Instrument
+from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.instrument import Instrument
 from catseye.simulators.world.scara.arm import scara_bench
 from tests.unit.simulators.benches import QUIET, aimed, go, perfect_arm, quiet_bench, without_j4_play
 

@@ -11,7 +11,8 @@ from catseye.simulators.errors import BenchError
 from catseye.simulators.lasertex.hpi import Hpi
 from catseye.simulators.lengths import Lengths
 from catseye.simulators.world.air_probe import AirProbe
-from catseye.simulators.world.bench import Bench, Instrument
+from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.instrument import Instrument
 from tests.unit.simulators.benches import QUIET, go, quiet_bench
 
 HALF_WAVE_MM = 316.5e-6

@@ -212,6 +212,7 @@ class ManualFixture:
             ),
             scara_bench_of(cell),
             cell.robot.override_cap_percent,
+            True,
             cell.air,
             None,
         )

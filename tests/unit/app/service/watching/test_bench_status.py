@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Cell, FurtherDevice, Material
 from catseye.app.service.watching.bench_facts import BenchFacts, facts_of
 from catseye.app.service.watching.bench_status import bench_status
@@ -22,6 +23,7 @@ from catseye.drivers.roles.robot import RobotStatus
 from catseye.procedures.scara.bench import ScaraBench
 from tests.unit.app.engine.fakes import ManualClock
 from tests.unit.app.service.manual.benches import bench_from_template, cell_from_template
+from tests.unit.app.tui.serial.scripted_arm import CELL
 
 STATUS = RobotStatus(True, False, True, False, False, 10.0, 0, "")
 BEAM = BeamStatus(True, False, False, True, 0.8, "800 mV")
@@ -190,3 +192,21 @@ def test_the_aim_is_the_reflector_the_beam_points_to(
 
     assert aim(0.0) == goal.name
     assert aim(math.pi) != goal.name
+
+
+def test_an_arm_without_a_layout_has_a_posture_and_its_ranges() -> None:
+    latest = LatestValues(ManualClock())
+    latest.take_joints((10.0, -90.0, 90.0, 0.0, 0.0, 0.0))
+    status = bench_status(facts_of(CELL, bench_of(CELL)), latest, moving=False, simulated=None, free_bytes=1)
+    assert (status.layout, len(status.posture.joints_mm if status.posture else ())) == (None, 7)
+    assert [(axis.name, axis.low, axis.high) for axis in status.axes[:2]] == [
+        ("A1", -185.0, 185.0),
+        ("A2", -140.0, -5.0),
+    ]
+
+
+def test_a_scara_has_a_layout_and_no_posture() -> None:
+    latest = LatestValues(ManualClock())
+    latest.take_joints((10.0, 20.0, 50.0, 0.0))
+    message = message_of(latest)
+    assert (message["posture"], message["layout"] is None) == (None, False)

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
+from catseye.app.tui.bench_view import BenchView
 from catseye.app.tui.dialogs.text_dialog import TextDialog
-from catseye.app.tui.scara.plan_view import PlanView
 from catseye.app.tui.screens.bench import BenchScreen
 from catseye.app.tui.widgets.beam_panel import BeamPanel
 from catseye.app.tui.widgets.strip import Strip
@@ -108,7 +108,7 @@ async def test_stale_values_are_greyed_and_a_missing_engine_explained() -> None:
         assert text.count("old)") >= 4
         assert "arm as it was: old" in text
         assert all("dim" in str(span.style) for span in app.screen.query_one(Strip).shown.spans)
-        assert all("dim" in str(span.style) for span in app.screen.query_one(PlanView).shown.spans)
+        assert all("dim" in str(span.style) for span in app.screen.query_one(BenchView).shown.spans)
         link.publish("bench", **BENCH)
         assert "BEAM OK" in await shown(app, pilot)
         link.engine.lost("the engine is gone; looking for it")

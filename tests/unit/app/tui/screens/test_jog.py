@@ -365,7 +365,7 @@ async def test_palette_motions_need_f8_and_leaving_ends_the_jog() -> None:
         callbacks["One step: J2 clockwise"]()
         await play.pilot.press("f8")
         await asks(play.link, JogStep(joint="j2", by=-1.0))
-        for title in ("Steps or hold", "Next aim", "Beam or bench from above", "Length of the strip"):
+        for title in ("Steps or hold", "Next aim", "Beam or arm", "Length of the strip"):
             callbacks[title]()
         text = await shown(play.app, play.pilot)
         assert "[hold]" in text

@@ -13,12 +13,13 @@ from textual.widgets import ContentSwitcher, DataTable, Input
 
 from catseye.app.results.figure_document import figures_json
 from catseye.app.results.figures import Figure
-from catseye.app.results.scara.result_files import ResultFile, ResultFiles
+from catseye.app.results.result_files import ResultFile, ResultFiles
 from catseye.app.results.scara.run_report import result_file_report
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.form_dialog import FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
+from catseye.app.tui.result_shelf import as_scaras
 from catseye.app.tui.screens.results import ResultsScreen
 from catseye.app.tui.widgets.figure_view import FigureView
 from catseye.app.tui.work import Done
@@ -198,7 +199,8 @@ async def test_a_late_validation_does_not_replace_another_results_screen(bench: 
         await press(app, pilot, "enter", "t", "enter")
         screen = app.screen
         assert isinstance(screen, ResultsScreen)
-        late = screen._files[1]  # noqa: SLF001  # what a command under way is given
+        late = as_scaras(screen._files[1])  # noqa: SLF001  # what a command under way is given
+        assert late is not None
         await press(app, pilot, "3")
         screen._validated(late, Done((), 0, validation().model_dump_json(), ""))  # noqa: SLF001  # as its end
         assert screen.query_one(ContentSwitcher).current == "values"
@@ -365,7 +367,7 @@ async def test_nothing_to_show_yet(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 async def test_no_count_before_the_files_were_read(bench: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     read, look = Event(), ResultFiles.look
 
-    def slow_look(files: ResultFiles) -> list[ResultFile]:
+    def slow_look(files: ResultFiles[Any]) -> list[ResultFile[Any]]:
         read.wait(10.0)
         return look(files)
 

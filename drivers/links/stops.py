@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from catseye.drivers.melfa.alarms import STOP_IS_ON
 from catseye.drivers.roles.errors import RefusedError
 
 
@@ -34,11 +33,13 @@ class StopWatch:
 
     Args:
         where: robot and endpoint, for the text.
+        number: the controller's own error number of a motion that a stop has ended; 0 where it has none.
     """
 
-    def __init__(self, stops: Stops, where: str) -> None:
+    def __init__(self, stops: Stops, where: str, number: int = 0) -> None:
         self._stops = stops
         self._where = where
+        self._number = number
         self._ended = stops.ended
 
     @property
@@ -53,4 +54,4 @@ class StopWatch:
             RefusedError: a stop has overtaken it.
         """
         if self.seen:
-            raise RefusedError(f"{self._where}: a stop overtook the motion: it does not go on", STOP_IS_ON)
+            raise RefusedError(f"{self._where}: a stop overtook the motion: it does not go on", self._number)

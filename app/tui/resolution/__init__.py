@@ -1,0 +1,1 @@
+"""What the screens show of motion resolution: staircases, step errors, least steps."""

@@ -1,0 +1,44 @@
+"""The controller's endpoint: the proxy of its variables."""
+
+from pydantic import Field
+
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.context import EmulationContext
+from catseye.simulators.emulator import DeviceOptions, Emulator, NewSession, Note
+from catseye.simulators.errors import EmulatorError
+from catseye.simulators.kuka.controller import KukaController
+from catseye.simulators.kuka.frames import LONGEST_BYTES
+from catseye.simulators.kuka.varproxy import Proxy, VarproxySession
+
+
+class KukaVarproxy(Emulator):
+    """KUKAVARPROXY or C3 Bridge over TCP."""
+
+    role = "robot"
+
+    class Options(DeviceOptions):
+        """Options.
+
+        Attributes:
+            old_proxy: a KUKAVARPROXY of old, which knows single ASCII variables only.
+            longest_reply_bytes: of the rest of a reply.
+        """
+
+        old_proxy: bool = False
+        longest_reply_bytes: int = Field(default=LONGEST_BYTES, ge=64, le=LONGEST_BYTES)
+
+    @classmethod
+    def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
+        """Make what all clients of the proxy share."""
+        options = cls.Options.of(device)
+        controller = context.controller
+        if not isinstance(controller, KukaController):
+            raise EmulatorError(f"{device.name}: the robot of this bench has no KUKA controller")
+        proxy = Proxy(
+            context.bench,
+            controller.variables,
+            context.config.seed,
+            longest_bytes=options.longest_reply_bytes,
+            old=options.old_proxy,
+        )
+        return lambda: VarproxySession(proxy, note)

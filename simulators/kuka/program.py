@@ -1,0 +1,232 @@
+"""The program CATSKUKA of the driver, carried out without an interpreter: it moves the arm on the orders of a PC."""
+
+import math
+from collections.abc import Callable
+from enum import IntEnum
+from functools import partial
+from typing import Final
+
+import numpy as np
+
+from catseye.simulators.config import Joints, SerialArm
+from catseye.simulators.kuka.arm_control import ArmControl, Begin
+from catseye.simulators.kuka.kinematics import Kinematics, UnsolvableError
+from catseye.simulators.kuka.values import AXES, Structure, Value, e6axis, single
+from catseye.simulators.world.types import Floats
+
+CYCLE_S: Final = 0.012
+"""Interpolation cycle of a KR C4, in which interrupts are looked for, s."""
+
+HEARTBEAT_S: Final = 0.5
+STEP_PERCENT: Final = 1
+"""$VEL_AXIS of a step; with $OV_PRO = 10 the 0.1 % of the paper."""
+
+MOVE_PERCENT: Final = 100
+LINE_M_S: Final = 0.002
+_MOST_KNOTS = 64
+
+
+class Order(IntEnum):
+    """CATS_CMD."""
+
+    NONE = 0
+    AXES = 1
+    STEP_AXIS = 2
+    STEP_LINE = 3
+
+
+class Result(IntEnum):
+    """CATS_RESULT."""
+
+    DONE = 0
+    UNDER_WAY = 1
+    STOPPED = 2
+    NO_HEARTBEAT = 3
+    STOP_STANDS = 4
+    NOT_PREPARED = 5
+    TOO_LARGE = 6
+    UNKNOWN = 7
+
+
+def declarations() -> dict[str, Value]:
+    """Return the variables of CATSVARS.dat with their initial values."""
+    return {
+        "CATS_VERSION": 1,
+        "CATS_SEQ": 0,
+        "CATS_FOR": 0,
+        "CATS_CMD": 0,
+        "CATS_AXIS": 0,
+        "CATS_INC": 0.0,
+        "CATS_X": 0.0,
+        "CATS_Y": 0.0,
+        "CATS_Z": 0.0,
+        "CATS_GOAL": e6axis((0.0,) * len(AXES)),
+        "CATS_STOP": False,
+        "CATS_BEAT": False,
+        "CATS_TAKEN": 0,
+        "CATS_DONE": 0,
+        "CATS_RESULT": 0,
+        "CATS_MOVING": False,
+        "CATS_MAX_DEG": 10.0,
+        "CATS_MAX_MM": 10.0,
+    }
+
+
+class CatsKuka:
+    """The program, on bench time.
+
+    Args:
+        arm: that it moves.
+        control: of the arm.
+        speed: returns bench seconds in one real second: a PC's heartbeat lives in real time.
+
+    Attributes:
+        variables: its own, by name.
+        running: it was started and neither held nor ended.
+    """
+
+    def __init__(self, arm: SerialArm, control: ArmControl, speed: Callable[[], float]) -> None:
+        self.variables = declarations()
+        self.running = True
+        self._arm = arm
+        self._control = control
+        self._bench = control.bench
+        self._speed = speed
+        self._kinematics = Kinematics(arm)
+        self._alive_until_s = -math.inf
+        self._under_way = False
+        self._halting = False
+        control.on_arrival = partial(self._end, Result.DONE)
+        control.on_hold = self._stand
+
+    def written(self) -> None:
+        """Take note that a client has written a variable: the program sees it in its next cycle."""
+        cycle = math.floor(self._bench.time_s / CYCLE_S) + 1
+        self._bench.call_at(cycle * CYCLE_S, self._look)
+
+    def start(self) -> None:
+        """Go on, as after the start key; a motion that was held is continued."""
+        self.running = True
+        self._control.release()
+        self.written()
+
+    def _stand(self) -> None:
+        self.running = False
+
+    def _look(self) -> None:
+        if not self.running:
+            return
+        if self._under_way:
+            self._watch()
+        elif self.variables["CATS_SEQ"] != self.variables["CATS_TAKEN"]:
+            self._take()
+
+    def _watch(self) -> None:
+        """Do what the interrupts do while the arm moves."""
+        if self._halting:
+            return
+        if self.variables["CATS_STOP"]:
+            self._halt(Result.STOPPED)
+            return
+        if self.variables["CATS_BEAT"]:
+            self.variables["CATS_BEAT"] = False
+            self._hear()
+        if self._bench.time_s >= self._alive_until_s:
+            self._halt(Result.NO_HEARTBEAT)
+
+    def _hear(self) -> None:
+        self._alive_until_s = self._bench.time_s + HEARTBEAT_S * self._speed()
+        self._bench.call_at(self._alive_until_s, self._look)
+
+    def _take(self) -> None:
+        number = self._whole("CATS_SEQ")
+        result, begin = self._examined(number)
+        self.variables["CATS_TAKEN"] = number
+        if begin is None:
+            self._end(result)
+            return
+        self.variables |= {"CATS_RESULT": int(Result.UNDER_WAY), "CATS_MOVING": True, "CATS_BEAT": False}
+        self._under_way = True
+        self._hear()
+        self._control.go(begin)
+
+    def _examined(self, number: int) -> tuple[Result, Begin | None]:
+        """Return what becomes of an order: a refusal, or how its motion begins."""
+        if self.variables["CATS_STOP"]:
+            return Result.STOP_STANDS, None
+        if self.variables["CATS_FOR"] != number:
+            return Result.NOT_PREPARED, None
+        match self.variables["CATS_CMD"]:
+            case Order.AXES:
+                return Result.UNDER_WAY, partial(self._drive, self._goal(), MOVE_PERCENT)
+            case Order.STEP_AXIS:
+                return self._axis_step()
+            case Order.STEP_LINE:
+                return self._line_step()
+        return Result.UNKNOWN, None
+
+    def _goal(self) -> Joints:
+        goal = self.variables["CATS_GOAL"]
+        members = goal.members if isinstance(goal, Structure) else {}
+        return tuple(members[axis] for axis in AXES)
+
+    def _axis_step(self) -> tuple[Result, Begin | None]:
+        axis, increment = self._whole("CATS_AXIS") - 1, self._real("CATS_INC")
+        if not 0 <= axis < len(AXES):
+            return Result.UNKNOWN, None
+        if abs(increment) > self._real("CATS_MAX_DEG"):
+            return Result.TOO_LARGE, None
+        goal = list(self._bench.joints)
+        # REALs have 32 bits: what is measured, the increment and their sum.
+        goal[axis] = single(single(self._bench.measured[axis]) + increment)
+        return Result.UNDER_WAY, partial(self._drive, tuple(goal), STEP_PERCENT)
+
+    def _line_step(self) -> tuple[Result, Begin | None]:
+        increment = np.array([self._real(name) for name in ("CATS_X", "CATS_Y", "CATS_Z")])
+        if np.linalg.norm(increment) > self._real("CATS_MAX_MM"):
+            return Result.TOO_LARGE, None
+        goal = self._kinematics.flange(self._bench.joints)
+        measured = self._kinematics.flange(self._bench.measured)
+        goal[:3, 3] = measured[:3, 3] + increment
+        return Result.UNDER_WAY, partial(self._lead, goal)
+
+    def _drive(self, goal: Joints, percent: int, override: float) -> None:
+        ranges = zip(goal, self._arm.joints, strict=True)
+        if not all(joint.low <= value <= joint.high for value, joint in ranges):
+            self._control.raise_alarm(_SOFTWARE_LIMIT)
+            return
+        self._bench.move_to(goal, percent / 100.0 * override)
+
+    def _lead(self, goal: Floats, override: float) -> None:
+        start = self._bench.joints
+        way_mm = float(np.linalg.norm(goal[:3, 3] - self._kinematics.flange(start)[:3, 3]))
+        duration_s = max(way_mm / (1e3 * LINE_M_S * override), CYCLE_S)
+        count = min(_MOST_KNOTS, math.ceil(duration_s / CYCLE_S))
+        try:
+            knots = self._kinematics.line(start, goal, count)
+        except UnsolvableError:
+            self._control.raise_alarm(_SOFTWARE_LIMIT)
+            return
+        self._bench.follow(duration_s * np.arange(1, count + 1) / count, knots)
+
+    def _halt(self, result: Result) -> None:
+        """BRAKE, and RESUME once the arm stands."""
+        self._halting = True
+        self._bench.call_at(self._control.brake(), partial(self._end, result))
+
+    def _end(self, result: Result) -> None:
+        self._under_way = self._halting = False
+        taken = self.variables["CATS_TAKEN"]
+        self.variables |= {"CATS_RESULT": int(result), "CATS_MOVING": False, "CATS_DONE": taken}
+        self.written()
+
+    def _whole(self, name: str) -> int:
+        return int(self._real(name))
+
+    def _real(self, name: str) -> float:
+        value = self.variables[name]
+        return float(value) if isinstance(value, int | float) else math.nan
+
+
+_SOFTWARE_LIMIT = 1
+"""The controller's message of a goal beyond the software limit switches; the sheet has no numbers of messages."""

@@ -1,0 +1,173 @@
+"""Values of KRL and their texts: INT, REAL, BOOL, CHAR[], enumerations and structures such as E6AXIS."""
+
+import math
+import re
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+AXES = tuple(f"A{number}" for number in range(1, 7))
+EXTERNAL = tuple(f"E{number}" for number in range(1, 7))
+PLACE = ("X", "Y", "Z")
+ANGLES = ("A", "B", "C")
+
+_INT = re.compile(r"[+-]?\d{1,10}")
+_REAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+_MEMBER = re.compile(r"\s*([A-Za-z_$]\w*)\s+(\S+)\s*")
+_STRUCTURE = re.compile(r"\{\s*(?:(\w+)\s*:)?(.*)\}", re.DOTALL)
+_LARGEST_INT = 2**31
+
+
+class ValueTextError(Exception):
+    """A text is no value of the type."""
+
+
+@dataclass(frozen=True)
+class Structure:
+    """A value with members, all of them REAL but those named in `whole`.
+
+    Attributes:
+        kind: name of its type.
+        members: in order.
+    """
+
+    kind: str
+    members: Mapping[str, float]
+    whole: frozenset[str] = frozenset()
+
+    def __str__(self) -> str:
+        shown = (
+            f"{name} {int(value) if name in self.whole else value_text(float(value))}"
+            for name, value in self.members.items()
+        )
+        return f"{{{self.kind}: {', '.join(shown)}}}"
+
+    def changed(self, text: str) -> "Structure":
+        """Return it with the members that a text names; the others keep their values.
+
+        Raises:
+            ValueTextError: the text is no structure of this type.
+        """
+        found = _STRUCTURE.fullmatch(text.strip())
+        if found is None or (found[1] is not None and found[1].upper() != self.kind):
+            raise ValueTextError
+        members = dict(self.members)
+        for part in found[2].split(","):
+            member = _MEMBER.fullmatch(part)
+            if member is None or member[1].upper() not in members:
+                raise ValueTextError
+            members[member[1].upper()] = real_of(member[2])
+        return replace(self, members=members)
+
+
+@dataclass(frozen=True)
+class Symbol:
+    """A constant of an enumeration.
+
+    Attributes:
+        name: without its #.
+        known: constants of the enumeration.
+    """
+
+    name: str
+    known: frozenset[str] = field(default_factory=frozenset)
+
+    def __str__(self) -> str:
+        return f"#{self.name}"
+
+
+Value = bool | int | float | str | Structure | Symbol
+
+
+def value_text(value: Value) -> str:
+    """Return a value as the controller writes it."""
+    match value:
+        case bool():
+            return "TRUE" if value else "FALSE"
+        case float():
+            return _real_text(value)
+        case str():
+            return f'"{value}"'
+        case _:
+            return str(value)
+
+
+def parsed(text: str, old: Value) -> Value:
+    """Return the value of a text, of the type of a value that it replaces.
+
+    Raises:
+        ValueTextError: the text is none of that type.
+    """
+    text = text.strip()
+    match old:
+        case bool():
+            if text.upper() not in {"TRUE", "FALSE"}:
+                raise ValueTextError
+            return text.upper() == "TRUE"
+        case int():
+            return _int_of(text)
+        case float():
+            return real_of(text)
+        case str():
+            if len(text) < 2 or text[0] != '"' or text[-1] != '"':
+                raise ValueTextError
+            return text[1:-1]
+        case Structure():
+            return old.changed(text)
+        case Symbol():
+            if text[:1] != "#" or text[1:].upper() not in old.known:
+                raise ValueTextError
+            return replace(old, name=text[1:].upper())
+
+
+def single(value: float) -> float:
+    """Return a number as a REAL of the controller keeps it: 32 bits."""
+    return float(struct.unpack("<f", struct.pack("<f", value))[0])
+
+
+def real_of(text: str) -> float:
+    """Return the REAL of a text.
+
+    Raises:
+        ValueTextError: the text is no number, or none that a REAL can be.
+    """
+    if not _REAL.fullmatch(text):
+        raise ValueTextError
+    try:
+        return single(float(text))
+    except OverflowError:
+        raise ValueTextError from None
+
+
+def _int_of(text: str) -> int:
+    if not _INT.fullmatch(text) or not -_LARGEST_INT <= int(text) < _LARGEST_INT:
+        raise ValueTextError
+    return int(text)
+
+
+def _real_text(value: float) -> str:
+    """Return the shortest text that a REAL of 32 bits is read back from."""
+    kept = single(value)
+    if not math.isfinite(kept):
+        return str(kept)
+    digits = next(n for n in range(1, 10) if single(float(f"{kept:.{n}g}")) == kept)
+    return repr(float(f"{kept:.{digits}g}"))
+
+
+def e6axis(values: tuple[float, ...]) -> Structure:
+    """Return joints as E6AXIS, deg; there are no external axes."""
+    axes = dict(zip(AXES, map(single, values), strict=True))
+    return Structure("E6AXIS", axes | dict.fromkeys(EXTERNAL, 0.0))
+
+
+def frame(x: float = 0.0, y: float = 0.0, z: float = 0.0, *angles: float) -> Structure:
+    """Return a FRAME, mm and deg."""
+    a, b, c = angles or (0.0, 0.0, 0.0)
+    values = map(single, (x, y, z, a, b, c))
+    return Structure("FRAME", dict(zip((*PLACE, *ANGLES), values, strict=True)))
+
+
+def e6pos(place: Structure, status: int, turn: int) -> Structure:
+    """Return a FRAME as E6POS with status and turn; there are no external axes."""
+    members = {**place.members, "S": float(status), "T": float(turn), **dict.fromkeys(EXTERNAL, 0.0)}
+    return Structure("E6POS", members, frozenset({"S", "T"}))

@@ -1,0 +1,248 @@
+"""One client of the proxy: what it asks is carried out in turn, one request of all clients after the other.
+
+A request takes 5 to 15 ms of bench time (sheet A1). What has come is carried out even where its client is gone.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Final
+
+import numpy as np
+
+from catseye.simulators.kuka.frames import (
+    LONGEST_BYTES,
+    ErrorCode,
+    Frame,
+    FrameBuffer,
+    PayloadError,
+    PayloadReader,
+    ascii_text,
+    reply,
+    utf16_text,
+)
+from catseye.simulators.kuka.values import ValueTextError
+from catseye.simulators.kuka.variables import UnknownVariableError, Variables, WriteProtectedError
+from catseye.simulators.ports.session import Answer, Pending, Session
+from catseye.simulators.world.timed_bench import TimedBench
+
+INTERNAL: Final = {
+    "@PROXY_TYPE": "C3 BRIDGE INTERFACE",
+    "@PROXY_VERSION": "1.7",
+    "@PROXY_FEATURES": "",
+    "@PROXY_HOSTNAME": "EMULATOR",
+    "@PROXY_TIME": "0",
+    "@PROXY_ADDRESS": "127.0.0.1",
+    "@PROXY_PORT": "7000",
+    "@PROXY_ENABLED": "TRUE",
+}
+"""Names that the proxy answers itself."""
+
+_SHORTEST_S, _LONGEST_S = 0.005, 0.015
+_OVERHEAD_BYTES = 4
+
+
+class Proxy:
+    """What the clients of one proxy share.
+
+    Args:
+        bench: whose time it lives in.
+        variables: of the controller.
+        seed: of how long requests take.
+        longest_bytes: of the rest of a reply; more is refused as a long answer.
+        old: it is a KUKAVARPROXY of old: it knows PING and single ASCII variables, nothing else.
+    """
+
+    def __init__(
+        self,
+        bench: TimedBench,
+        variables: Variables,
+        seed: int,
+        *,
+        longest_bytes: int = LONGEST_BYTES,
+        old: bool = False,
+    ) -> None:
+        self.bench = bench
+        self.longest_bytes = longest_bytes
+        self.old = old
+        self._variables = variables
+        self._delays = np.random.default_rng([seed, 20])
+        self._busy_until_s = -math.inf
+
+    def turn_s(self) -> float:
+        """Return the bench time at which a request that comes now is carried out."""
+        took_s = float(self._delays.uniform(_SHORTEST_S, _LONGEST_S))
+        self._busy_until_s = max(self._busy_until_s, self.bench.time_s) + took_s
+        return self._busy_until_s
+
+    def read(self, name: str) -> tuple[ErrorCode, str]:
+        """Return a variable's value, or why there is none."""
+        try:
+            return ErrorCode.SUCCESS, self._variables.read(name)
+        except UnknownVariableError:
+            own = "PONG" if name == "PING" else "" if self.old else INTERNAL.get(name, "")
+            return (ErrorCode.SUCCESS, own) if own else (ErrorCode.ARGUMENT, "")
+
+    def write(self, name: str, text: str) -> tuple[ErrorCode, str]:
+        """Write a variable; return what is read back, or why it was not written."""
+        try:
+            return ErrorCode.SUCCESS, self._variables.write(name, text)
+        except WriteProtectedError:
+            return ErrorCode.ACCESS, ""
+        except (UnknownVariableError, ValueTextError):
+            return ErrorCode.ARGUMENT, ""
+
+
+@dataclass
+class _Turn:
+    """A request that waits for its turn.
+
+    Attributes:
+        due_s: bench time at which it is carried out.
+        answer: its reply, once it was.
+    """
+
+    due_s: float
+    answer: bytes = b""
+    done: bool = field(default=False)
+
+
+class VarproxySession(Session):
+    """Conversation with one client.
+
+    Args:
+        note: called with each request.
+    """
+
+    def __init__(self, proxy: Proxy, note: Callable[[str], None]) -> None:
+        self._proxy = proxy
+        self._note = note
+        self._buffer = FrameBuffer()
+
+    def feed(self, data: bytes) -> None:
+        """Take bytes, cut anywhere."""
+        self._buffer.feed(data)
+
+    def answer(self) -> Answer | None:
+        """Have the next request carried out in its turn."""
+        turn = self._next()
+        if turn is None:
+            return None
+        return Pending(lambda: None if turn.done else turn.due_s, lambda: turn.answer)
+
+    def close(self) -> None:
+        """Carry out what the client sent before it went."""
+        while self._next() is not None:
+            pass
+
+    def _next(self) -> _Turn | None:
+        request = self._buffer.take()
+        if request is None:
+            return None
+        turn = _Turn(self._proxy.turn_s())
+        self._proxy.bench.call_at(turn.due_s, partial(self._carry_out, request, turn))
+        return turn
+
+    def _carry_out(self, request: Frame, turn: _Turn) -> None:
+        turn.answer = answer_to(request, self._proxy, self._note)
+        turn.done = True
+
+
+def answer_to(request: Frame, proxy: Proxy, note: Callable[[str], None]) -> bytes:
+    """Carry out a request; return the reply."""
+    kinds = _OLD_KINDS if proxy.old else _KINDS
+    carry_out = kinds.get(request.kind)
+    if carry_out is None:
+        note(f"type {request.kind}")
+        return reply(request, b"", ErrorCode.NOT_IMPLEMENTED)
+    payload, error = carry_out(PayloadReader(request.payload), proxy, note)
+    if len(payload) + _OVERHEAD_BYTES > proxy.longest_bytes:
+        return reply(request, b"\0" if request.kind in _MULTIPLE else ascii_text(""), ErrorCode.LONG_ANSWER)
+    return reply(request, payload, error)
+
+
+_Done = tuple[bytes, ErrorCode]
+_Carry = Callable[[PayloadReader, Proxy, Callable[[str], None]], _Done]
+
+
+def _read_ascii(reader: PayloadReader, proxy: Proxy, note: Callable[[str], None]) -> _Done:
+    try:
+        name = reader.ascii()
+    except PayloadError:
+        return ascii_text(""), ErrorCode.GENERAL
+    note(f"read {name}")
+    error, text = proxy.read(name)
+    # The open server says no more than that it failed.
+    return ascii_text(text), ErrorCode.SUCCESS if error is ErrorCode.SUCCESS else ErrorCode.GENERAL
+
+
+def _write_ascii(reader: PayloadReader, proxy: Proxy, note: Callable[[str], None]) -> _Done:
+    try:
+        name, text = reader.ascii(), reader.ascii()
+    except PayloadError:
+        return ascii_text(""), ErrorCode.GENERAL
+    note(f"write {name} = {text}")
+    error, _ = proxy.write(name, text)
+    if error is ErrorCode.SUCCESS:
+        return ascii_text(text), error
+    return ascii_text(""), ErrorCode.GENERAL
+
+
+def _read_utf16(reader: PayloadReader, proxy: Proxy, note: Callable[[str], None]) -> _Done:
+    try:
+        name = reader.utf16()
+    except PayloadError:
+        return utf16_text(""), ErrorCode.PROTOCOL
+    note(f"read {name}")
+    error, text = proxy.read(name)
+    return utf16_text(text), error
+
+
+def _write_utf16(reader: PayloadReader, proxy: Proxy, note: Callable[[str], None]) -> _Done:
+    try:
+        name, text = reader.utf16(), reader.utf16()
+    except PayloadError:
+        return utf16_text(""), ErrorCode.PROTOCOL
+    note(f"write {name} = {text}")
+    error, _ = proxy.write(name, text)
+    return utf16_text(text if error is ErrorCode.SUCCESS else ""), error
+
+
+def _multiple(
+    one: Callable[[PayloadReader, Proxy, Callable[[str], None]], tuple[ErrorCode, str]],
+    reader: PayloadReader,
+    proxy: Proxy,
+    note: Callable[[str], None],
+) -> _Done:
+    try:
+        count = reader.byte()
+        found = [one(reader, proxy, note) for _ in range(count)]
+    except PayloadError:
+        return b"\0", ErrorCode.PROTOCOL
+    payload = bytes([count]) + b"".join(bytes([error]) + utf16_text(text) for error, text in found)
+    failed = any(error is not ErrorCode.SUCCESS for error, _ in found)
+    return payload, ErrorCode.GENERAL if failed else ErrorCode.SUCCESS
+
+
+def _read_one(reader: PayloadReader, proxy: Proxy, note: Callable[[str], None]) -> tuple[ErrorCode, str]:
+    name = reader.utf16()
+    note(f"read {name}")
+    return proxy.read(name)
+
+
+def _write_one(reader: PayloadReader, proxy: Proxy, note: Callable[[str], None]) -> tuple[ErrorCode, str]:
+    name, text = reader.utf16(), reader.utf16()
+    note(f"write {name} = {text}")
+    return proxy.write(name, text)
+
+
+_MULTIPLE: Final = frozenset({6, 7})
+_OLD_KINDS: Final[Mapping[int | None, _Carry]] = {0: _read_ascii, 1: _write_ascii}
+_KINDS: Final[Mapping[int | None, _Carry]] = {
+    **_OLD_KINDS,
+    4: _read_utf16,
+    5: _write_utf16,
+    6: partial(_multiple, _read_one),
+    7: partial(_multiple, _write_one),
+}

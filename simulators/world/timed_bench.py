@@ -1,0 +1,89 @@
+"""What every bench has, whatever arm stands on it: bench time, what is to be done at a moment of it, and the air."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+
+from catseye.simulators.config import EmulationConfig, Joints
+from catseye.simulators.world.air import Air, AirSample
+
+OnEvent = Callable[[str], None]
+"""Called with what happens on the bench, at the moment it happens."""
+
+
+class TimedBench(ABC):
+    """Bench time and the air. Commands act at the present bench time; `advance` lets time pass.
+
+    Results depend on the sequence of commands and their bench times, never on the steps of `advance`.
+
+    Attributes:
+        time_s: bench time, s.
+    """
+
+    def __init__(self, config: EmulationConfig) -> None:
+        self.time_s = 0.0
+        self._air = Air(config.air, config.seed)
+        self._scheduled: list[tuple[float, Callable[[], None]]] = []
+
+    @property
+    @abstractmethod
+    def joints(self) -> Joints:
+        """Joints as commanded at this moment, deg or mm."""
+
+    @property
+    @abstractmethod
+    def true_joints(self) -> Joints:
+        """Joints as they really are at this moment, deg or mm."""
+
+    @property
+    @abstractmethod
+    def moving(self) -> bool:
+        """A motion is under way."""
+
+    @abstractmethod
+    def clear_faults(self) -> None:
+        """End what goes wrong on the bench."""
+
+    def advance(self, step_s: float) -> None:
+        """Let bench time pass, s."""
+        self.advance_to(self.time_s + step_s)
+
+    def call_at(self, time_s: float, action: Callable[[], None]) -> None:
+        """Have something done at a moment of bench time, before anything later happens.
+
+        Args:
+            time_s: bench time, s; a moment in the past is now, at the next `advance_to`.
+            action: may command the arm and schedule further calls.
+        """
+        self._scheduled.append((max(time_s, self.time_s), action))
+
+    def advance_to(self, time_s: float) -> None:
+        """Let bench time pass up to a moment, with all that is to be done until then; the past is left alone."""
+        while due := [at for at in self._scheduled if at[0] <= time_s]:
+            first = min(due, key=lambda at: at[0])
+            self._scheduled.remove(first)
+            self._pass_to(first[0])
+            first[1]()
+        self._pass_to(time_s)
+        if not self.moving:
+            self._note_arrival()
+
+    def air(self) -> AirSample:
+        """Return the air's state at this moment."""
+        return self._air.at(self.time_s)
+
+    def air_index(self) -> float:
+        """Return the refractive index of the air for a helium-neon laser at this moment."""
+        return self._air.index_at(self.time_s)
+
+    @abstractmethod
+    def _pass_to(self, time_s: float) -> None:
+        """Let bench time pass up to a moment at which nothing was to be done before; the past is left alone."""
+
+    @abstractmethod
+    def _note_arrival(self) -> None:
+        """Report the end of a motion, once."""
+
+
+def listed(joints: Joints) -> str:
+    """Return joints for the journal."""
+    return ", ".join(f"{value:.3f}" for value in joints)

@@ -1,0 +1,27 @@
+"""Benches of a KR 210 with its controller, for tests."""
+
+from catseye.simulators.config import EmulatedDevice, EmulationConfig, Joints, Option
+from catseye.simulators.emulated_bench import EmulatedSerialBench
+from catseye.simulators.kuka.controller import KukaController
+from tests.unit.simulators.world.serial.arms import serial_arm
+
+UPRIGHT: Joints = (0.0, -90.0, 90.0, 0.0, 30.0, 0.0)
+"""Away from limits and singularities."""
+
+
+def kuka_config(*, speed: float = 1.0, options: dict[str, Option] | None = None) -> EmulationConfig:
+    """Return the configuration of a KR 210 that stands upright, with its proxy on a free port."""
+    device = EmulatedDevice("robot", "kuka-varproxy", options=options or {})
+    arm = serial_arm("kr210-r2700")
+    return EmulationConfig(serial=arm, start_joints=UPRIGHT, devices=(device,), speed=speed)
+
+
+def kuka_bench(*, speed: float = 1.0, options: dict[str, Option] | None = None) -> EmulatedSerialBench:
+    """Return its emulated bench."""
+    config = kuka_config(speed=speed, options=options)
+    return EmulatedSerialBench(config, serial_arm("kr210-r2700"))
+
+
+def standing_controller() -> KukaController:
+    """Return a controller whose program runs and whose arm stands; only the test lets bench time pass."""
+    return kuka_bench().controller

@@ -1,0 +1,271 @@
+"""The proxy as its clients see it: the sheet's vectors, values, errors, several clients, a client of the field."""
+
+import asyncio
+import struct
+from urllib.parse import urlsplit
+
+import pytest
+from py_openshowvar import openshowvar
+
+from catseye.simulators.config import EmulatedDevice
+from catseye.simulators.emulated_bench import EmulatedBench
+from catseye.simulators.errors import EmulatorError
+from catseye.simulators.kuka.frames import ErrorCode
+from catseye.simulators.kuka.varproxy import Proxy, VarproxySession
+from catseye.simulators.ports.session import Pending
+from tests.unit.simulators.benches import QUIET
+from tests.unit.simulators.kuka.benches import UPRIGHT, kuka_bench
+
+READ_MEASURED = bytes.fromhex("00 01 00 11 00 00 0E 24 41 58 49 53 5F 41 43 54 5F 4D 45 41 53")
+WRITE_OVERRIDE = bytes.fromhex("00 02 00 0E 01 00 07 24 4F 56 5F 50 52 4F 00 02 35 30")
+
+
+class Client:
+    """Asks a session on bench time."""
+
+    def __init__(self, *, old: bool = False, longest_bytes: int = 0xFFFF) -> None:
+        self.emulation = kuka_bench()
+        self.bench = self.emulation.bench
+        self.requests: list[str] = []
+        variables = self.emulation.controller.variables
+        self.proxy = Proxy(self.bench, variables, 1, old=old, longest_bytes=longest_bytes)
+        self.session = VarproxySession(self.proxy, self.requests.append)
+
+    def ask(self, data: bytes) -> bytes:
+        self.session.feed(data)
+        answer = self.session.answer()
+        assert isinstance(answer, Pending)
+        due_s = answer.due()
+        assert due_s is not None
+        self.bench.advance_to(due_s)
+        assert answer.due() is None
+        return answer.reply()
+
+    def say(self, kind: int, payload: bytes) -> tuple[bytes, int, int]:
+        """Return the payload of a reply, its error and its success."""
+        reply = self.ask(struct.pack(">HHB", 5, 1 + len(payload), kind) + payload)
+        tag, length = struct.unpack_from(">HH", reply)
+        assert (tag, length, reply[4]) == (5, len(reply) - 4, kind)
+        error, success = struct.unpack(">HB", reply[-3:])
+        return reply[5:-3], error, success
+
+    def read(self, name: str) -> str:
+        payload, error, success = self.say(0, narrow(name))
+        assert (error, success) == (1, 1)
+        return payload[2:].decode("ascii")
+
+
+def narrow(text: str) -> bytes:
+    return struct.pack(">H", len(text)) + text.encode("ascii")
+
+
+def wide(text: str) -> bytes:
+    return struct.pack(">H", len(text)) + text.encode("utf-16-le")
+
+
+@pytest.fixture
+def client() -> Client:
+    return Client()
+
+
+def test_the_sheets_vectors_are_answered(client: Client) -> None:
+    reply = client.ask(READ_MEASURED)
+    value = (
+        b"{E6AXIS: A1 0.0, A2 -90.0, A3 90.0, A4 0.0, A5 30.0, A6 0.0, "
+        b"E1 0.0, E2 0.0, E3 0.0, E4 0.0, E5 0.0, E6 0.0}"
+    )
+    body = b"\x00" + struct.pack(">H", len(value)) + value + b"\x00\x01\x01"
+    assert reply == b"\x00\x01" + struct.pack(">H", len(body)) + body
+    assert client.ask(WRITE_OVERRIDE) == bytes.fromhex("00 02 00 08 01 00 02 35 30 00 01 01")
+    assert client.read("$OV_PRO") == "50"
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("$AXIS_ACT_MEAS.A2", "-90.0"),
+        ("$axis_act.a3", "90.0"),
+        ("$MODE_OP", "#EX"),
+        ("$PRO_STATE", "#P_ACTIVE"),
+        ("$PERI_RDY", "TRUE"),
+        ("$VEL_AXIS_ACT[1]", "0.0"),
+        ("$TORQUE_AXIS_ACT[6]", "0.0"),
+        ("$MODEL_NAME[]", '"#KR210R2700 EMULATOR C4 FLR"'),
+        ("$TOOL", "{FRAME: X 0.0, Y 0.0, Z 0.0, A 0.0, B 0.0, C 0.0}"),
+        ("$POS_ACT.S", "2"),
+        ("CATS_FOR", "0"),
+        ("PING", "PONG"),
+        ("@PROXY_TYPE", "C3 BRIDGE INTERFACE"),
+    ],
+)
+def test_values_have_the_form_of_their_type(client: Client, name: str, text: str) -> None:
+    assert client.read(name) == text
+
+
+def test_values_fit_into_the_buffer_of_a_small_client(client: Client) -> None:
+    client.emulation.controller.variables.write("$TOOL", "{X -1234.567,Y -1234.567,Z -1234.567,A 1.234567}")
+    for name in ("$AXIS_ACT", "$POS_ACT", "$POS_ACT_MEAS", "$TOOL"):
+        assert len(client.read(name)) <= 246
+
+
+@pytest.mark.parametrize(
+    "name", ["$NOTHING", "$AXIS_ACT.Q1", "$OV_PRO[1]", "$TORQUE_AXIS_ACT[7]", "", "ping", "@X"]
+)
+def test_an_unknown_variable_is_an_error(client: Client, name: str) -> None:
+    assert client.say(0, narrow(name)) == (b"\x00\x00", ErrorCode.GENERAL, 0)
+    assert client.say(4, wide(name)) == (b"\x00\x00", ErrorCode.ARGUMENT, 0)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "error"),
+    [
+        ("$AXIS_ACT", "{A1 1.0}", ErrorCode.ACCESS),
+        ("$MODE_OP", "#T1", ErrorCode.ACCESS),
+        ("$OV_PRO", "101", ErrorCode.ARGUMENT),
+        ("$OV_PRO", "ten", ErrorCode.ARGUMENT),
+        ("$OV_PRO", "10.5", ErrorCode.ARGUMENT),
+        ("CATS_STOP", "1", ErrorCode.ARGUMENT),
+        ("CATS_GOAL", "{Q1 1.0}", ErrorCode.ARGUMENT),
+        ("CATS_INC", "1e99", ErrorCode.ARGUMENT),
+        ("CATS_SEQ", "99999999999", ErrorCode.ARGUMENT),
+    ],
+)
+def test_a_value_that_cannot_be_written_is_an_error(
+    client: Client, name: str, text: str, error: ErrorCode
+) -> None:
+    before = client.emulation.controller.variables.read(name)
+    assert client.say(1, narrow(name) + narrow(text)) == (b"\x00\x00", ErrorCode.GENERAL, 0)
+    assert client.say(5, wide(name) + wide(text)) == (b"\x00\x00", error, 0)
+    assert client.emulation.controller.variables.read(name) == before
+
+
+def test_members_that_a_text_leaves_out_keep_their_values(client: Client) -> None:
+    client.say(1, narrow("$BASE") + narrow("{X 1.5, Z -2}"))
+    client.say(1, narrow("$BASE.Y") + narrow("3"))
+    assert client.read("$BASE") == "{FRAME: X 1.5, Y 3.0, Z -2.0, A 0.0, B 0.0, C 0.0}"
+
+
+def test_reals_have_32_bits(client: Client) -> None:
+    client.say(1, narrow("CATS_INC") + narrow("0.1000000001"))
+    assert client.read("CATS_INC") == "0.1"
+
+
+def test_several_variables_are_read_at_once(client: Client) -> None:
+    payload, error, success = client.say(6, b"\x03" + wide("$OV_PRO") + wide("$NO") + wide("PING"))
+    assert (error, success) == (ErrorCode.GENERAL, 0)
+    assert payload == b"\x03\x01" + wide("100") + b"\x03" + wide("") + b"\x01" + wide("PONG")
+
+
+def test_several_variables_are_written_and_read_back(client: Client) -> None:
+    payload, error, success = client.say(
+        7, b"\x02" + wide("$OV_PRO") + wide(" 7 ") + wide("CATS_INC") + wide("2")
+    )
+    assert (payload, error, success) == (b"\x02\x01" + wide("7") + b"\x01" + wide("2.0"), 1, 1)
+
+
+@pytest.mark.parametrize("kind", [2, 3, 10, 11, 12, 13, 20, 50, 63, 255])
+def test_other_types_are_not_implemented(client: Client, kind: int) -> None:
+    assert client.say(kind, b"\x00\x01A") == (b"", ErrorCode.NOT_IMPLEMENTED, 0)
+
+
+@pytest.mark.parametrize("kind", [4, 5, 6, 7])
+def test_an_old_proxy_knows_single_variables_only(kind: int) -> None:
+    old = Client(old=True)
+    assert old.say(kind, wide("PING")) == (b"", ErrorCode.NOT_IMPLEMENTED, 0)
+    assert old.read("PING") == "PONG"
+    assert old.say(0, narrow("@PROXY_TYPE"))[1:] == (ErrorCode.GENERAL, 0)
+
+
+def test_an_answer_that_is_too_long_is_an_error() -> None:
+    small = Client(longest_bytes=100)
+    payload, error, success = small.say(6, b"\x02" + 2 * wide("$AXIS_ACT"))
+    assert (payload, error, success) == (b"\x00", ErrorCode.LONG_ANSWER, 0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "payload", "reply"),
+    [
+        (0, b"\x00\x09abc", (b"\x00\x00", ErrorCode.GENERAL, 0)),
+        (1, b"\x00\x01a", (b"\x00\x00", ErrorCode.GENERAL, 0)),
+        (4, b"\x00\x02ab", (b"\x00\x00", ErrorCode.PROTOCOL, 0)),
+        (6, b"\x05", (b"\x00", ErrorCode.PROTOCOL, 0)),
+        (7, b"", (b"\x00", ErrorCode.PROTOCOL, 0)),
+    ],
+)
+def test_a_payload_that_is_cut_off_is_an_error(
+    client: Client, kind: int, payload: bytes, reply: tuple[bytes, int, int]
+) -> None:
+    assert client.say(kind, payload) == reply
+
+
+def test_a_request_takes_five_to_fifteen_milliseconds(client: Client) -> None:
+    started_s = client.bench.time_s
+    for _ in range(50):
+        client.read("PING")
+    assert 0.25 < client.bench.time_s - started_s < 0.75
+
+
+def test_clients_wait_for_each_other() -> None:
+    first = Client()
+    other = VarproxySession(first.proxy, first.requests.append)
+    turns = []
+    for session in (first.session, other):
+        session.feed(READ_MEASURED)
+        answer = session.answer()
+        assert isinstance(answer, Pending)
+        due_s = answer.due()
+        assert due_s is not None
+        turns.append(due_s)
+    assert turns[1] - turns[0] >= 0.005
+
+
+def test_what_a_client_sent_before_it_went_is_carried_out(client: Client) -> None:
+    client.session.feed(WRITE_OVERRIDE * 2)
+    client.session.close()
+    client.bench.advance(0.1)
+    assert client.emulation.controller.variables.read("$OV_PRO") == "50"
+    assert client.requests == ["write $OV_PRO = 50"] * 2
+
+
+def test_a_request_in_pieces_is_answered_once_it_is_whole(client: Client) -> None:
+    for byte in READ_MEASURED[:-1]:
+        client.session.feed(bytes([byte]))
+        assert client.session.answer() is None
+    assert client.ask(READ_MEASURED[-1:]).endswith(b"\x00\x01\x01")
+
+
+def test_a_bench_without_a_kuka_has_no_proxy() -> None:
+    device = EmulatedDevice("robot", "kuka-varproxy")
+    with pytest.raises(EmulatorError, match="no KUKA controller"):
+        EmulatedBench(type(QUIET)(QUIET.reflectors, devices=(device,)))
+
+
+async def test_a_public_client_leads_the_emulator_unmodified() -> None:
+    async with kuka_bench() as bench:
+        port = urlsplit(bench.endpoints[0].endpoint).port
+        assert port is not None
+        assert await asyncio.to_thread(led_by_openshowvar, port) == {
+            "axes": tuple(UPRIGHT),
+            "override": b"20",
+            "unknown": None,
+            "protected": None,
+            "mode": b"#EX",
+        }
+
+
+def led_by_openshowvar(port: int) -> dict[str, object]:
+    """Do what scripts in the field do."""
+    client = openshowvar("127.0.0.1", port)
+    try:
+        text = client.read("$AXIS_ACT", debug=False).decode()
+        members = dict(part.split() for part in text.strip("{}").removeprefix("E6AXIS: ").split(", "))
+        assert client.write("$OV_PRO", "20", debug=False) == b"20"
+        return {
+            "axes": tuple(float(members[f"A{number}"]) for number in range(1, 7)),
+            "override": client.read("$OV_PRO", debug=False),
+            "unknown": client.read("$NOBODY", debug=False),
+            "protected": client.write("$MODE_OP", "#T1", debug=False),
+            "mode": client.read("$MODE_OP", debug=False),
+        }
+    finally:
+        client.close()
