@@ -307,8 +307,12 @@ class ResolutionResult(ResultPart):
 
 def resolution_text(result: ResolutionResult) -> str:
     """Return the text of a result file; what a test does not give is null."""
-    document = result.model_dump(mode="json", by_alias=True)
-    return json.dumps(document, ensure_ascii=False, indent=1) + "\n"
+    return json.dumps(result.model_dump(mode="json", by_alias=True), ensure_ascii=False, indent=1) + "\n"
+
+
+def resolution_summary(result: ResolutionResult) -> dict[str, Any]:
+    """Return a result as the file has it, without its recordings."""
+    return result.model_dump(mode="json", by_alias=True, exclude={"tests": {"__all__": {"staircase"}}})
 
 
 def write_resolution(result: ResolutionResult, path: Path) -> None:

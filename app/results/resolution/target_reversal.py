@@ -1,4 +1,4 @@
-"""Reversal error from a file of target deviations (`.rtl`, `.rta`): no recording, but targets seen from both sides."""
+"""Reversal error from a file of target deviations (`.rtl`, `.rta`): no recording, but targets seen both ways."""
 
 import math
 from pathlib import Path

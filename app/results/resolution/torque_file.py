@@ -36,7 +36,7 @@ def read_torque(path: Path, channel: str | None = None) -> Columns:
     """
     if path.suffix.lower() == ".dat":
         return _of_channels(path, read_trace(path), channel)
-    if channel is None and _has_own_header(path):
+    if channel is None and (path.suffix == ".parquet" or _has_own_header(path)):
         return read_table(path, TORQUE)
     return _of_channels(path, _csv_channels(path), channel)
 
