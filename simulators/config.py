@@ -240,6 +240,45 @@ class Remounting:
     ahead_mm: float = 0.5
 
 
+@dataclass(frozen=True)
+class ArmOptics:
+    """An interferometer on a tripod beside a serial arm, and the retroreflectors that hands fasten to the arm.
+
+    Where the resolution paper states no figure (sections 2.2, 3.2) it is an assumption of this emulation.
+
+    Attributes:
+        spacing_mm: nominal distance of the two prisms of the angular retroreflector.
+        u_spacing_mm: standard deviation of the true distance.
+        target_mm: place of the linear retroreflector in the frame of the flange.
+        distance_mm: from interferometer to retroreflector when it is mounted: the dead path.
+        angle_limit_deg: rotation of a well placed retroreflector at which the signal is lost.
+        shift_limit_mm: shift of a retroreflector across the beam at which it is.
+        tilt_limit_mrad: misalignment of the beam at which it is.
+        hand_tilt_mrad: largest misalignment that a mounting leaves, of each of two directions.
+        mrad_per_turn: what a turn of a screw of the stage tilts the beam by.
+        tripod_urad: rms of the slow tilt of the tripods against each other.
+        tripod_um: rms of their slow displacement.
+        turbulence_nm: rms of what the air's turbulence adds to a length.
+        noise_nm: standard deviation of one reading.
+        resolution_nm: step of the reading.
+    """
+
+    spacing_mm: float = 30.0
+    u_spacing_mm: float = 0.01
+    target_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    distance_mm: float = 250.0
+    angle_limit_deg: float = 10.0
+    shift_limit_mm: float = 3.0
+    tilt_limit_mrad: float = 4.0
+    hand_tilt_mrad: float = 2.0
+    mrad_per_turn: float = 1.0
+    tripod_urad: float = 0.3
+    tripod_um: float = 0.1
+    turbulence_nm: float = 5.0
+    noise_nm: float = 2.0
+    resolution_nm: float = 1.0
+
+
 Option = str | int | float | bool | list[dict[str, Any]]
 """Value of an option of an emulated device: a plain one, or a list of tables."""
 
@@ -316,6 +355,7 @@ class EmulationConfig:
         air: state of the air.
         axis_pattern: axes in position answers: 4 (native), 6 or 8 (what some clients demand).
         answer_suffix: what the controller appends to an answer: nothing, CR or CR LF.
+        arm_optics: what measures a serial arm.
     """
 
     reflectors: tuple[ReflectorPlace, ...] = ()
@@ -345,3 +385,4 @@ class EmulationConfig:
     air: AirState = field(default_factory=AirState)
     axis_pattern: int = 4
     answer_suffix: str = ""
+    arm_optics: ArmOptics = field(default_factory=ArmOptics)

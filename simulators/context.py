@@ -11,6 +11,7 @@ from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.door import Door
 from catseye.simulators.world.instrument import Instrument
 from catseye.simulators.world.journal import Journal
+from catseye.simulators.world.serial.bench import SerialBench
 from catseye.simulators.world.timed_bench import TimedBench
 from catseye.simulators.world.timekeeper import TimeKeeper
 
@@ -94,12 +95,19 @@ class EmulationContext:
             raise EmulatorError("the arm of this bench carries no beam")
         return self.bench
 
-    def instrument(self, device: str) -> Instrument:
-        """Return the length counter of a device; all its endpoints and clients lead to the same one.
+    @property
+    def serial_bench(self) -> SerialBench:
+        """The bench of a serial arm.
 
         Raises:
-            EmulatorError: the arm of this bench carries no beam.
+            EmulatorError: there stands another one.
         """
+        if not isinstance(self.bench, SerialBench):
+            raise EmulatorError("on this bench stands no serial arm")
+        return self.bench
+
+    def instrument(self, device: str) -> Instrument:
+        """Return the length counter of a device; all its endpoints and clients lead to the same one."""
         if device not in self.instruments:
-            self.instruments[device] = Instrument(self.beam_bench)
+            self.instruments[device] = Instrument(self.bench)
         return self.instruments[device]

@@ -17,7 +17,8 @@ from catseye.simulators.world.journal import Journal
 from catseye.simulators.world.scara.arm import scara_bench
 from catseye.simulators.world.scara.truth import draw_truth, true_arm, truth_document
 from catseye.simulators.world.serial.bench import SerialBench
-from catseye.simulators.world.serial.plant import IdealArm
+from catseye.simulators.world.serial.driven_arm import DrivenArm
+from catseye.simulators.world.serial.truth import draw_joint_truth, joint_truth_document, read_joint_truth
 from catseye.simulators.world.timekeeper import TimeKeeper
 from catseye.simulators.world.tracker import Tracker
 
@@ -125,18 +126,23 @@ class EmulatedSerialBench(ServedBench):
         config: its `serial` is the arm.
 
     Raises:
-        EmulatorError: a protocol or an option cannot be used.
+        EmulatorError: the truth file, a protocol or an option cannot be used.
     """
 
     def __init__(self, config: EmulationConfig, arm: SerialArm) -> None:
         _require_speed(config)
         journal = Journal(lambda: self.bench.time_s)
-        plant = IdealArm(arm, config.start_joints)
+        truth = (
+            draw_joint_truth(arm, config.seed)
+            if config.truth is None
+            else read_joint_truth(config.truth, arm)
+        )
+        plant = DrivenArm(arm, truth.joints, config.start_joints, config.seed)
         self.bench = SerialBench(plant, config, lambda text: journal.add("robot", "motion", text))
         keeper = TimeKeeper(self.bench, config.speed)
         self.controller = KukaController(self.bench, arm, keeper)
         probe = AirProbe(self.bench)
-        document = {"arm": arm.name}
+        document = joint_truth_document(truth)
         super().__init__(
             EmulationContext(config, self.bench, document, self.controller, keeper, journal, probe)
         )

@@ -60,11 +60,13 @@ class Emulator(ABC):
 
     Attributes:
         role: what kind of device it emulates.
+        arm: of a robot's, what stands on its bench; of others it means nothing.
         Options: its options.
         link: what carries its bytes where no endpoint says so.
     """
 
     role: ClassVar[Role]
+    arm: ClassVar[Literal["scara", "serial"]] = "scara"
     Options: ClassVar[type[DeviceOptions]] = DeviceOptions
     link: ClassVar[Literal["tcp", "udp"]] = "tcp"
 

@@ -48,7 +48,7 @@ def load_cell(path: Path) -> LoadedCell:
     raw = read_document(path, f"there is no such file; write one with: catseye init {path}")
     text = document_text(raw, path)
     data = parse_toml(text, path)
-    _find_arm(data, path)
+    _find_descriptions(data, path)
     try:
         cell = Cell.model_validate(data)
     except ValidationError as error:
@@ -60,12 +60,16 @@ def load_cell(path: Path) -> LoadedCell:
     return LoadedCell(cell, path, hashlib.sha256(raw).hexdigest(), _origins(cell, data, ""))
 
 
-def _find_arm(data: dict[str, Any], path: Path) -> None:
-    """Put the whole path of an arm's description in place of one from the cell file's folder."""
+def _find_descriptions(data: dict[str, Any], path: Path) -> None:
+    """Put the whole paths of an arm's and a tool's description in place of those from the cell file's folder."""
     robot = data.get("robot")
-    arm = robot.get("arm") if isinstance(robot, dict) else None
-    if isinstance(robot, dict) and isinstance(arm, str) and is_path(arm):
+    if not isinstance(robot, dict):
+        return
+    arm, tool = robot.get("arm"), robot.get("tool")
+    if isinstance(arm, str) and is_path(arm):
         robot["arm"] = str((path.parent / arm).absolute())
+    if isinstance(tool, str):
+        robot["tool"] = str((path.parent / tool).absolute())
 
 
 def _sentence(path: Path, text: str, fault: ErrorDetails) -> str:

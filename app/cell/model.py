@@ -43,6 +43,10 @@ def _checked_further(text: str | None) -> str | None:
     return None if text is None else _checked_endpoint(text)
 
 
+def _usual_model(stated: dict[str, Any]) -> str:
+    return "RH-3FRH5515" if stated.get("arm") == "rh-3frh5515" else ""
+
+
 class Robot(ScaraRobot):
     """[robot]: controller and nominal arm; the driver chooses how the arm follows a path."""
 
@@ -51,7 +55,10 @@ class Robot(ScaraRobot):
     datalink_endpoint: str | None = None
     mxt_endpoint: str | None = None
     settings: Settings = Field(default_factory=dict)
-    expected_model: str = "RH-3FRH5515"
+    # Path of the description of what the flange carries.
+    tool: str | None = None
+    # A controller that drives another arm calls itself otherwise; only of the one described first is it known how.
+    expected_model: str = Field(default_factory=_usual_model)
     override_cap_percent: Annotated[float, Field(ge=1.0, le=100.0, allow_inf_nan=False)] = 20.0
     override_cap_reason: str = ""
     # Only where set points are streamed: the fastest joint on the way from node to node.

@@ -51,7 +51,7 @@ def emulate(
     Example: catseye emulate cell.toml --speed 50
     """
     from catseye.app.cell.load import load_cell
-    from catseye.app.service.scara.emulation import emulation_config
+    from catseye.app.service.emulated_arm import emulation_config
 
     if suffix not in _SUFFIXES:
         raise ConfigError(f"--suffix {suffix}: answers end with {', '.join(_SUFFIXES)}")
@@ -66,7 +66,7 @@ def emulate(
 
 
 async def _serve(config: "EmulationConfig", what: str, end_with_stdin: bool) -> None:
-    from catseye.simulators.emulated_bench import EmulatedBench
+    from catseye.simulators.emulated_bench import served_bench
 
     ended = asyncio.Event()
     loop = asyncio.get_running_loop()
@@ -74,7 +74,7 @@ async def _serve(config: "EmulationConfig", what: str, end_with_stdin: bool) -> 
         loop.add_signal_handler(number, ended.set)
     if end_with_stdin:
         loop.add_reader(sys.stdin.fileno(), _end_at_the_end, sys.stdin.fileno(), ended)
-    async with EmulatedBench(config) as bench:
+    async with served_bench(config) as bench:
         for served in bench.endpoints:
             write_json({"device": served.device, "protocol": served.protocol, "endpoint": served.endpoint})
         note(f"emulating {what}; Ctrl-C ends it")

@@ -37,6 +37,20 @@ class StateChanged(Event):
     reason: str = ""
 
 
+class LiveStepData(Message):
+    """A step of a series as its plateaus look now; see `catseye.procedures.kit.live.LiveStep`."""
+
+    series: str
+    number: int
+    count: int
+    command: float
+    measured: float
+    unit: Literal["deg", "mm"]
+    error_percent: float
+    band_percent: float
+    torque_nm: float | None
+
+
 class LiveData(Message):
     """A live value with its acceptance band. `accepted` is judged once, by the kit."""
 
@@ -47,6 +61,7 @@ class LiveData(Message):
     high: float | None
     accepted: bool
     text: str
+    step: LiveStepData | None = Field(default=None, exclude_if=absent)
 
     @classmethod
     def of(cls, live: Live) -> Self:

@@ -149,7 +149,7 @@ def beam_lines(bench: "BenchStatus | None", since_s: float) -> list[Content]:
         since_s: time since then, s.
     """
     if bench is None or bench.beam is None:
-        return [Content.styled("no interferometer answers", "dim")]
+        return [_nobody(bench, "interferometer", "interferometer")]
     beam = bench.beam
     style, age = age_style(beam.age_s, since_s)
     return [
@@ -162,7 +162,8 @@ def beam_lines(bench: "BenchStatus | None", since_s: float) -> list[Content]:
 def air_lines(bench: "BenchStatus | None", since_s: float) -> list[Content]:
     """Return state and refractive index of the air, door and disk."""
     air = None if bench is None else bench.air
-    return [*_air(air, since_s), Content("") if bench is None else _surroundings(bench)]
+    shown = [_nobody(bench, "environment", "air sensor")] if air is None else _air(air, since_s)
+    return [*shown, *([] if bench is None else [_surroundings(bench)])]
 
 
 def engine_lines(engine: EngineState, most: int) -> list[Content]:
@@ -265,9 +266,14 @@ def _length_lines(beam: "BeamStatus", style: str) -> list[Content]:
     return found
 
 
-def _air(air: "AirStatus | None", since_s: float) -> list[Content]:
-    if air is None:
-        return [Content.styled("no air sensor answers", "dim")]
+def _nobody(bench: "BenchStatus | None", device: str, name: str) -> Content:
+    """Return that a device does not answer, or that the cell has none and where one is described."""
+    if bench is not None and bench.device(device) is None:
+        return Content.styled(f"the cell has no {name}: F10, c", "dim")
+    return Content.styled(f"no {name} answers", "dim")
+
+
+def _air(air: "AirStatus", since_s: float) -> list[Content]:
     style, age = age_style(air.age_s, since_s, _SLOW_STALE_S["environment"])
     quantities = (
         (air.temperature_c, ".2f", "°C"),

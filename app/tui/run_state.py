@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         FirstMotionShown,
         Happened,
         LiveData,
+        LiveStepData,
         Progressed,
         PromptAsked,
         RunEnded,
@@ -123,6 +124,7 @@ class RunState:
         progress: last event about progress.
         live: values by name.
         newest_live: name of the value that came last.
+        staircase: steps of the series under way that this client has seen, oldest first.
         prompt: the open question.
         prompt_at_s: when it came.
         points_seen: how many distances were measured.
@@ -147,6 +149,7 @@ class RunState:
     progress: "Progressed | None" = None
     live: dict[str, LiveValue] = field(default_factory=dict)
     newest_live: str = ""
+    staircase: "list[LiveStepData]" = field(default_factory=list)
     prompt: "PromptAsked | None" = None
     prompt_at_s: float = 0.0
     points_seen: int = 0
@@ -213,7 +216,7 @@ class RunState:
 
         match event:
             case run_events.LiveShown():
-                self._live(event.data, now_s)
+                self.take_live(event.data, now_s)
             case run_events.FirstMotionShown() | run_events.DrivesLeft() | run_events.Happened():
                 self._happened(event)
             case run_events.StateChanged():
@@ -244,12 +247,22 @@ class RunState:
             case run_events.RunEnded():
                 self._ended(event)
 
-    def _live(self, data: "LiveData", now_s: float) -> None:
+    def take_live(self, data: "LiveData", now_s: float) -> None:
+        """Take a value that is watched."""
         value = LiveValue(data, now_s)
         if (known := self.live.get(data.name)) is not None:
             value.history = known.history
         value.history.append(data)
+        if data.step is not None:
+            self._step(data.step)
         self.live[data.name], self.newest_live = value, data.name
+
+    def _step(self, step: "LiveStepData") -> None:
+        """Take a step; another series, or one that is recorded anew, begins another staircase."""
+        last = self.staircase[-1] if self.staircase else None
+        if last is not None and (last.series != step.series or last.number >= step.number):
+            self.staircase = []
+        self.staircase.append(step)
 
     def _happened(self, event: "FirstMotionShown | DrivesLeft | Happened") -> None:
         data = event.json_object()["data"]

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from catseye.drivers.roles.pose import Unit
+
 
 def in_band(value: float, low: float | None, high: float | None) -> bool:
     """Return whether a value lies in a band; what is not a number lies in none that has a limit.
@@ -15,6 +17,33 @@ def in_band(value: float, low: float | None, high: float | None) -> bool:
 
 
 @dataclass(frozen=True)
+class LiveStep:
+    """A step of an arm as its plateaus look while the series goes on; results come from the whole recording.
+
+    Attributes:
+        series: what is stepped where.
+        number: of the step, from 1.
+        count: of the series.
+        command: signed size, in the unit.
+        measured: signed size, positive in the direction that positive commands lead to.
+        unit: of both.
+        error_percent: of the command.
+        band_percent: largest error that is shown as accepted.
+        torque_nm: of the motor at its end; None where the controller states none.
+    """
+
+    series: str
+    number: int
+    count: int
+    command: float
+    measured: float
+    unit: Unit
+    error_percent: float
+    band_percent: float
+    torque_nm: float | None = None
+
+
+@dataclass(frozen=True)
 class Live:
     """A value that a technician watches while it changes.
 
@@ -25,6 +54,7 @@ class Live:
         low: smallest accepted value; None for no lower limit.
         high: largest accepted value; None for no upper limit.
         text: what to do about it, one sentence; empty when there is nothing to do.
+        step: that the value is of; None where it is of no step.
     """
 
     name: str
@@ -33,6 +63,7 @@ class Live:
     low: float | None = None
     high: float | None = None
     text: str = ""
+    step: LiveStep | None = None
 
     @property
     def accepted(self) -> bool:

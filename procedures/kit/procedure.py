@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar, Literal, cast
 
 from pydantic import BaseModel
 
@@ -12,6 +12,8 @@ from catseye.procedures.kit.event_text import EventTexts
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.records import Record
 
+LivePlots = Literal["points", "steps"]
+
 
 @dataclass(frozen=True)
 class Stage:
@@ -20,6 +22,7 @@ class Stage:
     Attributes:
         order: places are sorted by it; steps of ten leave room for others.
         purpose: what it is for.
+        way: which way: a cell is led along those for which it has what they need.
         since: procedure without whose run, or before which, a run does not count; empty for none.
         renewed_by: procedure whose later run makes another one necessary; empty for none.
         fresh_for_s: a run counts for so long; None for ever.
@@ -29,6 +32,7 @@ class Stage:
 
     order: int
     purpose: str
+    way: str = ""
     since: str = ""
     renewed_by: str = ""
     fresh_for_s: float | None = None
@@ -71,6 +75,8 @@ class Procedure(ABC):
         records: types of what it records.
         analyses: commands that work on its runs, the most sensible first.
         event_texts: of its own events.
+        live_plots: what is plotted while it runs: innovations and maps of points, or the staircase and the errors of
+            steps.
         demo: parameters of its run in the demonstration, as on the command line; None where it has none.
     """
 
@@ -82,6 +88,7 @@ class Procedure(ABC):
     records: ClassVar[tuple[type[Record], ...]] = ()
     analyses: ClassVar[tuple[Analysis, ...]] = ()
     event_texts: ClassVar[EventTexts] = {}
+    live_plots: ClassVar[LivePlots] = "points"
     demo: ClassVar[tuple[str, ...] | None] = None
 
     # Each procedure has a bench, parameters and a plan of types of its own.

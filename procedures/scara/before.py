@@ -17,29 +17,33 @@ LEVELLED: Final = After("beam-level", "levelling")
 ALIGNED: Final = After("beam-to-j4", "alignment")
 WARM: Final = After("warmup", "warm arm", fresh_for_s=WARM_S)
 
-LEVELLING: Final = Stage(10, "the beam in the plane of the arm")
-ALIGNING: Final = Stage(20, "the beam through the J4 axis", renewed_by="beam-level")
-SEARCHING: Final = Stage(30, "where the reflectors stand")
+_WAY: Final = "tracking"
+"""From an unknown bench to error maps."""
+
+LEVELLING: Final = Stage(10, "the beam in the plane of the arm", _WAY)
+ALIGNING: Final = Stage(20, "the beam through the J4 axis", _WAY, renewed_by="beam-level")
+SEARCHING: Final = Stage(30, "where the reflectors stand", _WAY)
 WARMING: Final = Stage(
     40,
     "the arm at its working temperature",
+    _WAY,
     fresh_for_s=WARM_S,
     covered_by="open-loop",
     covered="the measurement is made",
 )
-MEASURING: Final = Stage(50, "the distances", since="reflector-search")
+MEASURING: Final = Stage(50, "the distances", _WAY, since="reflector-search")
 IDENTIFY: Final = Analysis(
     "identify",
     gives="error maps with their uncertainty",
-    stage=Stage(60, "error maps from the distances"),
+    stage=Stage(60, "error maps from the distances", _WAY),
     writes_result=True,
     usage="{run} -o result-{run}.json",
 )
-DRIVING_A_PATH: Final = Stage(70, "a path that shows what the map is worth", since="open-loop")
+DRIVING_A_PATH: Final = Stage(70, "a path that shows what the map is worth", _WAY, since="open-loop")
 VALIDATE: Final = Analysis(
     "validate",
     gives="",
-    stage=Stage(80, "the error map against the path"),
+    stage=Stage(80, "the error map against the path", _WAY),
     writes_result=False,
     usage="{result} --measured path.csv, from: catseye export {name} -o path.csv",
 )

@@ -148,6 +148,28 @@ class Log(Answer):
     entries: list[JournalEntry]
 
 
+class OpticsState(Answer):
+    """What an interferometer beside a serial arm looks at.
+
+    Attributes:
+        kind: of the retroreflector, None for none.
+        joint: that carries it, None for none.
+        returns: the beam is returned.
+        miss: 0 for a full signal, 1 where it is lost.
+        spacing_mm: true distance of the prisms of the angular retroreflector.
+        tilts_mrad: how far the beam is misaligned, by the screws' names.
+        turns: what each screw's head has turned, clockwise positive.
+    """
+
+    kind: Literal["angular", "linear"] | None
+    joint: str | None
+    returns: bool
+    miss: float
+    spacing_mm: float
+    tilts_mrad: dict[str, float]
+    turns: dict[str, float]
+
+
 class Nests(Answer):
     """Names of the nests with a reflector in them."""
 
@@ -249,10 +271,10 @@ class SetSpeed(Request[Answer]):
 
 
 class TurnScrew(Request[Answer]):
-    """Turn a screw of the mount, clockwise positive."""
+    """Turn a screw of the mount, clockwise positive: of the arm's own, or of the stage beside a serial arm."""
 
     op = "turn_screw"
-    screw: Literal["stage", "level"]
+    screw: Literal["stage", "level", "pitch", "yaw"]
     # A screw has an end, and so has a hand's patience.
     turns: float = Field(ge=-20.0, le=20.0)
 
@@ -270,6 +292,37 @@ class PlaceReflector(Request[Nests]):
     op = "place_reflector"
     answer = Nests
     reflector: str
+
+
+class MountAngularOptics(Request[OpticsState]):
+    """Fasten the angular retroreflector to what a joint of a serial arm turns, and lead the beam to it roughly.
+
+    Attributes:
+        joint: its name.
+        lever_mm: distance of the retroreflector from the joint's axis.
+        offset_mm: along the beam, from the plane through that axis in which it should stand.
+    """
+
+    op = "mount_angular_optics"
+    answer = OpticsState
+    joint: str
+    lever_mm: float = Field(default=60.0, ge=0.0, le=1000.0)
+    offset_mm: float = Field(default=0.0, ge=-1000.0, le=1000.0)
+
+
+class MountLinearOptics(Request[OpticsState]):
+    """Fasten the linear retroreflector to the tool of a serial arm, with the beam along an axis of the base."""
+
+    op = "mount_linear_optics"
+    answer = OpticsState
+    axis: Literal["X", "Y", "Z"]
+
+
+class ReadOptics(Request[OpticsState]):
+    """What does the interferometer beside a serial arm look at?"""
+
+    op = "optics"
+    answer = OpticsState
 
 
 class ClearBeam(Request[Answer]):
@@ -442,6 +495,9 @@ _OPERATIONS: dict[str, type[Request[Any]]] = {
         TurnScrew,
         MountInterferometer,
         PlaceReflector,
+        MountAngularOptics,
+        MountLinearOptics,
+        ReadOptics,
         ClearBeam,
         PressKey,
         Fault,

@@ -23,6 +23,8 @@ from catseye.simulators.ports.session import Session
 from catseye.simulators.world.air_probe import AirFault
 from catseye.simulators.world.beam import Beam
 from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.optics import NOBODY
+from catseye.simulators.world.serial.bench import SerialBench
 from catseye.simulators.world.tracker import Tracker
 
 LONGEST_BYTES = 65_536
@@ -81,24 +83,46 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
             context.keeper.speed = request.value
         case messages.PressKey():
             context.controller.press(request.key)
+        case messages.TurnScrew():
+            context.bench.beam.turn_screw(request.screw, request.turns)
+        case messages.ClearBeam():
+            context.bench.beam.unblock()
         case messages.Fault():
             _happen(request, reach)
+        case messages.MountAngularOptics() | messages.MountLinearOptics() | messages.ReadOptics():
+            return _work_on_the_optics(request, context.serial_bench)
         case _:
             return _work_on_the_beam(request, context.beam_bench.beam)
     return Answer()
 
 
+def _work_on_the_optics(request: Request[Any], bench: SerialBench) -> Answer:
+    match request:
+        case messages.MountAngularOptics():
+            joint = bench.joint_named(request.joint)
+            bench.beam.mount_angular(joint, request.lever_mm, request.offset_mm)
+        case messages.MountLinearOptics():
+            x, y, z = (1.0 if axis == request.axis else 0.0 for axis in "XYZ")
+            bench.beam.mount_linear((x, y, z))
+    mounting, sight = bench.beam.mounting, bench.beam.observe()
+    return messages.OpticsState(
+        kind=None if mounting is None else mounting.kind,
+        joint=None if mounting is None else bench.joint_names[mounting.frame - 1],
+        returns=bool(sight.index[0] != NOBODY),
+        miss=float(sight.miss_mm[0]),
+        spacing_mm=bench.beam.spacing_mm,
+        tilts_mrad=bench.beam.tilts_mrad,
+        turns={name: screw.turns for name, screw in bench.beam.screws.items()},
+    )
+
+
 def _work_on_the_beam(request: Request[Any], beam: Beam) -> Answer:
     match request:
-        case messages.TurnScrew():
-            beam.turn_screw(request.screw, request.turns)
         case messages.MountInterferometer():
             beam.remount(request.turned_deg)
         case messages.PlaceReflector():
             beam.place_reflector(request.reflector)
             return messages.Nests(in_place=beam.in_place)
-        case messages.ClearBeam():
-            beam.unblock()
         case _:
             raise TypeError(f"{type(request).__name__} has no operation")
     return Answer()
@@ -117,6 +141,14 @@ def _happen(fault: messages.Fault, reach: Reach) -> None:
             controller.set_teach_mode(on=fault.on)
         case messages.ServoOff():
             controller.switch_servo_off()
+        case messages.BlockBeam():
+            bench.beam.block(fault.duration_s)
+        case messages.Overspeed():
+            bench.beam.outrun_counters()
+        case messages.LoseLaser():
+            bench.beam.set_laser(ready=fault.ready)
+        case messages.Weaken():
+            bench.beam.weaken(fault.factor)
         case messages.SpoilAir():
             errors = (fault.temperature_k, fault.pressure_hpa, fault.humidity_percent)
             context.probe.fault = AirFault(fault.nan, *errors)
@@ -135,23 +167,15 @@ def _happen(fault: messages.Fault, reach: Reach) -> None:
             for number, port in enumerate(reach.ports_of(fault.device)):
                 port.lossy = Lossy(fault.share, fault.seed + number)
         case _:
-            _spoil_the_beam(fault, context.beam_bench)
+            _push_the_arm(fault, context.beam_bench)
 
 
-def _spoil_the_beam(fault: messages.Fault, bench: Bench) -> None:
+def _push_the_arm(fault: messages.Fault, bench: Bench) -> None:
     match fault:
-        case messages.BlockBeam():
-            bench.beam.block(fault.duration_s)
         case messages.MoveReflector():
             bench.beam.move_reflector(fault.reflector, fault.dx_mm, fault.dy_mm)
-        case messages.Overspeed():
-            bench.beam.outrun_counters()
         case messages.Vibrate():
             bench.shake(1e-3 * fault.amplitude_um, fault.duration_s)
-        case messages.LoseLaser():
-            bench.beam.set_laser(ready=fault.ready)
-        case messages.Weaken():
-            bench.beam.weaken(fault.factor)
         case messages.Slip():
             bench.slip(fault.joint, fault.deg)
         case _:

@@ -15,6 +15,7 @@ class KukaVarproxy(Emulator):
     """KUKAVARPROXY or C3 Bridge over TCP."""
 
     role = "robot"
+    arm = "serial"
 
     class Options(DeviceOptions):
         """Options.

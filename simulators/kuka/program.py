@@ -67,8 +67,8 @@ def declarations() -> dict[str, Value]:
         "CATS_DONE": 0,
         "CATS_RESULT": 0,
         "CATS_MOVING": False,
-        "CATS_MAX_DEG": 10.0,
-        "CATS_MAX_MM": 10.0,
+        "CATS_MAX_DEG": 1.0,
+        "CATS_MAX_MM": 2.0,
     }
 
 

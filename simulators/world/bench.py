@@ -25,6 +25,8 @@ class Bench(TimedBench):
         beam: that the arm carries.
     """
 
+    beam: Beam
+
     def __init__(
         self, arm: Arm, reflectors: Reflectors, config: EmulationConfig, on_event: OnEvent | None = None
     ) -> None:

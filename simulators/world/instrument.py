@@ -1,42 +1,13 @@
-"""The length counter of an emulated interferometer, on whatever bench has a beam."""
+"""The length counter of an emulated interferometer."""
 
-from collections.abc import Callable
-from typing import Protocol
-
-from catseye.simulators.world.counted_beam import CountedBeam
 from catseye.simulators.world.counter import Reading
-
-
-class BeamBench(Protocol):
-    """A bench with a beam, as its instruments see it."""
-
-    @property
-    def time_s(self) -> float:
-        """Bench time, s."""
-        ...
-
-    @property
-    def beam(self) -> CountedBeam:
-        """What the instruments look along."""
-        ...
-
-    def call_at(self, time_s: float, action: Callable[[], None]) -> None:
-        """Have something done at a moment of bench time, before anything later happens."""
-        ...
-
-    def velocity_mm_s(self) -> float:
-        """Return the displacement rate at this moment, mm/s; 0 without a beam."""
-        ...
-
-    def air_index(self) -> float:
-        """Return the refractive index of the air for a helium-neon laser at this moment."""
-        ...
+from catseye.simulators.world.timed_bench import TimedBench
 
 
 class Instrument:
     """One emulated instrument's length counter; several look along the same beam."""
 
-    def __init__(self, bench: BeamBench) -> None:
+    def __init__(self, bench: TimedBench) -> None:
         self.bench = bench
         self._counter = bench.beam.new_counter()
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.world.air import Air, AirSample
+from catseye.simulators.world.counted_beam import CountedBeam
 
 OnEvent = Callable[[str], None]
 """Called with what happens on the bench, at the moment it happens."""
@@ -17,7 +18,10 @@ class TimedBench(ABC):
 
     Attributes:
         time_s: bench time, s.
+        beam: what instruments look along.
     """
+
+    beam: CountedBeam
 
     def __init__(self, config: EmulationConfig) -> None:
         self.time_s = 0.0
@@ -38,6 +42,10 @@ class TimedBench(ABC):
     @abstractmethod
     def moving(self) -> bool:
         """A motion is under way."""
+
+    @abstractmethod
+    def velocity_mm_s(self) -> float:
+        """Return the displacement rate at this moment, mm/s; 0 without a beam."""
 
     @abstractmethod
     def clear_faults(self) -> None:

@@ -51,6 +51,7 @@ _NO_GEOMETRY: Final = (
     "datalink_endpoint",
     "mxt_endpoint",
     "settings",
+    "tool",
     "override_cap_percent",
     "override_cap_reason",
     "gear_orders",

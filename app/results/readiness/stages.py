@@ -42,7 +42,7 @@ def stages_of(
     results: Mapping[str, Path],
     cell: Path,
 ) -> list[CellStage]:
-    """Return the stages, at most one of them the next.
+    """Return the stages of the ways that a cell is made for, at most one of them the next.
 
     Args:
         bases: runs that plans are made from now, by the procedure that makes such runs.
@@ -58,8 +58,22 @@ def stages_of(
             (analysis.stage, _on_data(analysis, procedure.name, counting, results))
             for analysis in procedure.analyses
         ]
-    ordered = [step for _, step in sorted(steps, key=lambda each: each[0].order)]
+    shut = _ways_shut(procedures, needs)
+    open_steps = [(stage, step) for stage, step in steps if stage.way not in shut]
+    ordered = [step for _, step in sorted(open_steps or steps, key=lambda each: each[0].order)]
     return list(_with_states(_with_result(ordered), runs, needs))
+
+
+def _ways_shut(procedures: Iterable[Procedure], needs: Mapping[str, list[Need]]) -> set[str]:
+    """Return the ways for which the cell file has not what any of their procedures needs."""
+    stated: dict[str, bool] = {}
+    for each in procedures:
+        if each.stage is not None:
+            lacks = any(
+                need.what == "cell file" and need.met == "missing" for need in needs.get(each.name, [])
+            )
+            stated[each.stage.way] = stated.get(each.stage.way, False) or not lacks
+    return {way for way, there in stated.items() if not there}
 
 
 def results_in(folders: Iterable[Path]) -> dict[str, Path]:

@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import Iterable
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Final
 
@@ -18,6 +18,7 @@ from catseye.app.tui.dialogs.override_dialog import OverrideDialog
 from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
+from catseye.app.tui.resolution.step_plots import StaircasePlot, StepErrorPlot
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.screens.working import free_name
@@ -28,13 +29,14 @@ from catseye.app.tui.widgets.progress_line import ProgressLine
 from catseye.app.tui.widgets.prompt_panel import PromptPanel
 from catseye.app.tui.widgets.run_end import RunEnd
 from catseye.app.tui.widgets.run_log import RunLog
-from catseye.app.tui.widgets.run_plots import MapPlot, ResidualPlot
+from catseye.app.tui.widgets.run_plots import MapPlot, ResidualPlot, RunPlot
 from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.widgets.step_list import PlannedStep, StepList
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
     from catseye.app.protocol.commands import CommandEvent
+    from catseye.procedures.kit.procedure import LivePlots
 
 WALK: Final = "walk"
 """Name of the procedure under which a walk is stored."""
@@ -59,10 +61,13 @@ class RunScreen(MainScreen):
     RunScreen.-low.asked RunLog { display: none; }
     RunScreen.-low.asked RunPlot { display: none; }
     RunScreen.-low.asked.log RunLog { display: block; }
-    RunScreen.-low #maps { display: none; }
-    RunScreen.-low.maps #maps { display: block; }
-    RunScreen.-low.maps #residuals { display: none; }
-    RunScreen.-low.asked #maps { display: none; }
+    RunScreen.-low .second { display: none; }
+    RunScreen.-low.maps .second { display: block; }
+    RunScreen.-low.maps .first { display: none; }
+    RunScreen.-low.asked .second { display: none; }
+    RunScreen #steps-plots { display: none; }
+    RunScreen.stepping #steps-plots { display: block; }
+    RunScreen.stepping #points-plots { display: none; }
     RunScreen.-low.ended LivePanel { display: none; }
     RunScreen.-narrow StepList { display: none; }
     """
@@ -93,7 +98,13 @@ class RunScreen(MainScreen):
         ),
         Binding("c", "control", "control", id="run.control", tooltip="take control, or give it back"),
         Binding("o", "override", "override", id="run.override", tooltip="lower the speed override"),
-        Binding("v", "view", "plot", id="run.view", tooltip="innovations, or uncertainty of the maps"),
+        Binding(
+            "v",
+            "view",
+            "plot",
+            id="run.view",
+            tooltip="innovations or maps; staircase or step errors",
+        ),
         Binding("l", "log", "log", id="run.log", tooltip="the log on the whole screen, and back"),
         Binding(
             "w", "level", "level", show=False, id="run.level", tooltip="all of the log, warnings, errors"
@@ -130,8 +141,12 @@ class RunScreen(MainScreen):
             yield StepList()
             with Vertical(id="right"):
                 yield LivePanel()
-                yield ResidualPlot()
-                yield MapPlot()
+                with Vertical(id="points-plots"):
+                    yield ResidualPlot()
+                    yield MapPlot()
+                with Vertical(id="steps-plots"):
+                    yield StaircasePlot()
+                    yield StepErrorPlot()
         yield PromptPanel()
         yield RunEnd()
         yield RunLog()
@@ -148,7 +163,7 @@ class RunScreen(MainScreen):
             )
         yield SystemCommand("Take or give back control", "of the engine", self.action_control)
         yield SystemCommand("Lower the speed override", "before the next motion", self.action_override)
-        yield SystemCommand("Innovations or maps", "the other plot", self.action_view)
+        yield SystemCommand("The other plot", "where there is room for one only", self.action_view)
         yield SystemCommand("Log on the whole screen", "and back", self.action_log)
         yield SystemCommand("Level of the log", "all, warnings, errors", self.action_level)
         yield SystemCommand("Earlier steps", "move the list", self.action_earlier)
@@ -195,8 +210,9 @@ class RunScreen(MainScreen):
         instruction.display = not ended
         self.query_one(StepList).show(run, self._planned)
         self.query_one(LivePanel).show(run, now_s)
-        self.query_one(ResidualPlot).show(run)
-        self.query_one(MapPlot).show(run)
+        self.set_class(run is not None and _live_plots(run.procedure) == "steps", "stepping")
+        for plot in self.query(RunPlot):
+            plot.show(run)
         self.query_one(RunLog).show(run, _holder_text(engine))
         self.query_one(RunEnd).show(run, self._advice(run), self._doing)
         prompt, at_s = (None, 0.0) if run is None else (run.prompt, run.prompt_at_s)
@@ -409,6 +425,16 @@ def _holder_text(engine: EngineState) -> str:
     if engine.control is None:
         return "nobody"
     return "you" if engine.in_control else engine.control.text
+
+
+@cache
+def _live_plots(procedure: str) -> "LivePlots":
+    """Return what is plotted of a procedure's runs."""
+    # The first screen is painted before procedures are imported.
+    from catseye.app.protocol.procedures import declared_by
+
+    declared = declared_by(procedure)
+    return "points" if declared is None else declared.live_plots
 
 
 def _instruction(engine: EngineState) -> Content:

@@ -72,6 +72,11 @@ def from_the_side(posture: Posture) -> View:
 FROM_ABOVE: Final = View((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
 
+def views_of(columns: int, rows: int) -> int:
+    """Return how many views have room, 1 or 2."""
+    return 2 if columns >= _BESIDE_COLUMNS or rows >= _BELOW_ROWS else 1
+
+
 def draw_posture(posture: Posture, moving: int | None, columns: int, rows: int) -> list[Line]:
     """Return both views where they have room, else the one from the side.
 

@@ -5,7 +5,7 @@ from typing import Final
 from textual.geometry import Size
 
 from catseye.app.protocol.posture import Posture
-from catseye.app.tui.serial.posture_drawing import draw_posture
+from catseye.app.tui.serial.posture_drawing import draw_posture, views_of
 from catseye.app.tui.widgets.inks import painted
 from catseye.app.tui.widgets.picture import Picture, Seen
 
@@ -22,6 +22,7 @@ _STYLES: Final = {
 def posture_picture(posture: Posture, seen: Seen, size: Size) -> Picture:
     """Return an arm as it stands."""
     moving = _place(seen)
+    title = "From the side, from above" if views_of(size.width, size.height) > 1 else "From the side"
     lines = draw_posture(posture, moving, size.width, size.height)
     if seen.stale:
         caption = "arm as it was: old"
@@ -29,7 +30,7 @@ def posture_picture(posture: Posture, seen: Seen, size: Size) -> Picture:
         caption = f"● {seen.names[moving]} moves"
     else:
         caption = "○ joints  ◎ flange"
-    return Picture("From the side, from above", painted(lines, _STYLES, faded=seen.stale), caption)
+    return Picture(title, painted(lines, _STYLES, faded=seen.stale), caption)
 
 
 def _place(seen: Seen) -> int | None:

@@ -42,8 +42,8 @@ class RunPlot(Widget):
     RunPlot { height: 1fr; min-height: 4; }
     """
 
-    def __init__(self, title: str, *, id: str) -> None:
-        super().__init__(id=id, classes="panel")
+    def __init__(self, title: str, *, id: str, classes: str) -> None:
+        super().__init__(id=id, classes=f"panel {classes}")
         self._title = title
         self.border_title = title
         self._of: tuple[object, ...] = ()
@@ -76,7 +76,7 @@ class ResidualPlot(RunPlot):
     """Innovations, newest at the right, what lies outside its band marked; before the first, another live value."""
 
     def __init__(self) -> None:
-        super().__init__("Innovation", id="residuals")
+        super().__init__("Innovation", id="residuals", classes="first")
 
     def key_of(self, run: RunState | None) -> object:
         """Return the newest value."""
@@ -103,7 +103,7 @@ class MapPlot(RunPlot):
     """Largest standard uncertainty of each map, on a logarithmic scale."""
 
     def __init__(self) -> None:
-        super().__init__("Largest u of the maps / mdeg", id="maps")
+        super().__init__("Largest u of the maps / mdeg", id="maps", classes="second")
 
     def key_of(self, run: RunState | None) -> object:
         """Return how often it was said, and the last."""

@@ -3,9 +3,12 @@
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.errors import BenchError
 from catseye.simulators.world.motion import SHORTEST
-from catseye.simulators.world.serial.plant import SerialPlant
+from catseye.simulators.world.serial.arm_beam import ArmBeam
+from catseye.simulators.world.serial.driven_arm import DrivenArm
 from catseye.simulators.world.timed_bench import OnEvent, TimedBench, listed
 from catseye.simulators.world.types import Floats
+
+_MOMENT_S = 1e-3
 
 
 class SerialBench(TimedBench):
@@ -14,13 +17,34 @@ class SerialBench(TimedBench):
     Args:
         plant: the arm with its drives.
         on_event: called with motions, stops and arrivals.
+
+    Attributes:
+        beam: of the interferometer beside the arm.
     """
 
-    def __init__(self, plant: SerialPlant, config: EmulationConfig, on_event: OnEvent | None = None) -> None:
+    beam: ArmBeam
+
+    def __init__(self, plant: DrivenArm, config: EmulationConfig, on_event: OnEvent | None = None) -> None:
         super().__init__(config)
         self.plant = plant
+        self.beam = ArmBeam(plant, config, self._air.index_at, lambda: self.time_s)
         self._on_event = on_event or (lambda _text: None)
         self._arrived = True
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints from the base outwards."""
+        return self.plant.names
+
+    def joint_named(self, name: str) -> int:
+        """Return the number of a joint, from 1.
+
+        Raises:
+            BenchError: there is no such joint.
+        """
+        if name not in self.joint_names:
+            raise BenchError(f"there is no joint {name!r}; there are {', '.join(self.joint_names)}")
+        return self.joint_names.index(name) + 1
 
     @property
     def joints(self) -> Joints:
@@ -52,23 +76,29 @@ class SerialBench(TimedBench):
         """Bench time at which the present or last commanded motion ends, s."""
         return self.plant.motion.end_s
 
+    def velocity_mm_s(self) -> float:
+        """Return the displacement rate over the last millisecond, mm/s; 0 without a beam."""
+        return self.beam.rate_mm_s(max(0.0, self.time_s - _MOMENT_S), self.time_s)
+
     def move_to(self, target: Joints, speed_fraction: float) -> None:
-        """Start a synchronous motion of all axes; see `SerialPlant.move_to`.
+        """Start a synchronous motion of all axes; see `DrivenArm.move_to`.
 
         Raises:
             BenchError: the arm moves already.
         """
         self._require_rest()
+        self.beam.observe()
         self.plant.move_to(target, self.time_s, speed_fraction)
         self._begun(f"motion to {listed(target)} at {speed_fraction:.2%}")
 
     def follow(self, times_s: Floats, joints: Floats) -> None:
-        """Start a motion through knots; see `SerialPlant.follow`.
+        """Start a motion through knots; see `DrivenArm.follow`.
 
         Raises:
             BenchError: the arm moves already.
         """
         self._require_rest()
+        self.beam.observe()
         self.plant.follow(times_s, joints, self.time_s)
         self._begun(f"way through {times_s.size} knots to {listed(self.plant.motion.end)}")
 
@@ -76,13 +106,18 @@ class SerialBench(TimedBench):
         """Decelerate to a standstill; without a motion nothing happens."""
         if not self.moving:
             return
+        self.beam.observe()
         self.plant.brake(self.time_s)
         self._begun(f"stop towards {listed(self.plant.motion.end)}")
 
     def clear_faults(self) -> None:
-        """End what goes wrong on the bench: nothing yet does."""
+        """Take away what stands in the beam, dims it or unlocks the laser."""
+        self.beam.unblock()
+        self.beam.weaken(1.0)
+        self.beam.set_laser(ready=True)
 
     def _begun(self, text: str) -> None:
+        self.beam.plan_looks()
         self._on_event(text)
         self._arrived = not self.moving
 
@@ -94,6 +129,7 @@ class SerialBench(TimedBench):
     def _pass_to(self, time_s: float) -> None:
         if time_s <= self.time_s:
             return
+        self.beam.observe_until(time_s)
         if time_s > self.standstill_s + SHORTEST:
             self._note_arrival()
         self.time_s = time_s

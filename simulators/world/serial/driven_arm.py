@@ -34,6 +34,7 @@ _HEAVIER = 1e-3
 """A resting joint notices a change of its load by this part of its friction."""
 
 _RINGING_DECAY_S = 0.15
+_CALM_S = 30.0 * _RINGING_DECAY_S
 _KEPT = 512
 """Motions that are remembered, for instruments that look back."""
 
@@ -76,10 +77,12 @@ class DrivenArm:
         seed: of everything random.
 
     Attributes:
+        names: of the joints.
         screws: geometry of the arm.
     """
 
     def __init__(self, arm: SerialArm, truths: Sequence[JointTruth], start: Joints, seed: int) -> None:
+        self.names = tuple(joint.name for joint in arm.joints)
         self.screws = ScrewArm(arm.joints, arm.loads)
         self._truths = tuple(truths)
         self._dynamics = ArmDynamics(
@@ -139,6 +142,8 @@ class DrivenArm:
         Returns:
             Angles, deg, shape (m, n).
         """
+        if times_s[0] >= self.motion.start_s:
+            return self._links(self._stretches[-1], times_s)
         starts_s = [stretch.motion.start_s for stretch in self._stretches]
         of = np.maximum(np.searchsorted(starts_s, times_s, side="right") - 1, 0)
         links = np.empty((times_s.size, len(self._truths)))
@@ -224,7 +229,7 @@ class DrivenArm:
 
     def _links(self, stretch: _Stretch, times_s: Floats) -> Floats:
         links = self._at(stretch, times_s).link_deg
-        if not stretch.rings_deg.any():
+        if times_s[0] > stretch.motion.end_s + _CALM_S:
             return links
         after_s = np.maximum(times_s - stretch.motion.end_s, 0.0)[:, None]
         rates = [2.0 * np.pi * truth.ringing_hz for truth in self._truths]

@@ -66,9 +66,9 @@ class Drivetrains:
         twist: Floats = torque_nm / self._stiffness + play_deg
         return twist
 
-    def at_rest(self, link_deg: Floats, hold_nm: Floats) -> Drive:
+    def at_rest(self, motor_deg: Floats, hold_nm: Floats) -> Drive:
         """Return drives that rest without friction."""
-        return Drive(link_deg + self.twist_deg(hold_nm), link_deg, hold_nm, np.zeros_like(link_deg))
+        return Drive(motor_deg, motor_deg - self.twist_deg(hold_nm), hold_nm, np.zeros_like(motor_deg))
 
     def wavy(self, link_deg: Floats) -> Floats:
         """Return the friction at places as a part of its mean."""

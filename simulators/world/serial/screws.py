@@ -39,22 +39,25 @@ class ScrewArm:
         self._signs = np.array([joint.sign for joint in joints], dtype=np.float64)
         self._axes = self._home[1:, :3, 2] * self._signs[:, None]
         self._points = self._home[1:, :3, 3]
+        self._crosses = np.array([_cross(axis) for axis in self._axes])
 
     def frames(self, joints_deg: Floats) -> Floats:
         """Return the frame of each joint.
 
         Args:
-            joints_deg: poses, shape (m, n).
+            joints_deg: poses, shape (m, n); fewer joints give the frames of the first ones.
 
         Returns:
             Homogeneous transforms into the base, mm, shape (m, n + 1, 4, 4); the first is the base.
         """
-        moved = np.tile(np.eye(4), (len(joints_deg), 1, 1))
-        frames = [moved @ self._home[0]]
-        for k, angles in enumerate(np.deg2rad(joints_deg).T):
-            moved = moved @ _turn(self._axes[k], self._points[k], angles)
-            frames.append(moved @ self._home[k + 1])
-        return np.stack(frames, axis=1)
+        count = joints_deg.shape[1]
+        turns = _turns(self._crosses[:count], self._points[:count], np.deg2rad(joints_deg))
+        frames = np.empty((len(joints_deg), count + 1, 4, 4))
+        frames[:, 0] = moved = np.eye(4)
+        for k in range(count):
+            moved = moved @ turns[:, k]
+            frames[:, k + 1] = moved @ self._home[k + 1]
+        return frames
 
     def axes(self, joints_deg: Floats) -> tuple[Floats, Floats]:
         """Return the joints' axes at poses, counted as the joints count.
@@ -90,22 +93,32 @@ class ScrewArm:
 
 def _at_zero(joint: SerialJoint) -> Floats:
     """Return the frame of a joint at 0 in that of the joint before."""
-    alpha, theta = np.deg2rad((joint.alpha_deg, joint.theta_offset_deg))
-    twisted = _turn(np.array([1.0, 0.0, 0.0]), np.zeros(3), np.array([alpha]))[0]
-    turned = _turn(np.array([0.0, 0.0, 1.0]), np.zeros(3), np.array([theta]))[0]
+    crosses = np.array([_cross(axis) for axis in np.eye(3)[[0, 2]]])
+    angles = np.deg2rad([[joint.alpha_deg, joint.theta_offset_deg]])
+    twisted, turned = _turns(crosses, np.zeros((2, 3)), angles)[0]
     twisted[:3, 3] = twisted[:3, 0] * joint.a_mm
     turned[2, 3] = joint.d_mm
     placed: Floats = twisted @ turned
     return placed
 
 
-def _turn(axis: Floats, point: Floats, angles_rad: Floats) -> Floats:
-    """Return rotations about a line by Rodrigues' formula, shape (m, 4, 4)."""
+def _cross(axis: Floats) -> Floats:
+    """Return the matrix of a cross product by an axis from the left."""
     x, y, z = axis
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    turned = np.zeros((angles_rad.size, 4, 4))
-    sine, versine = np.sin(angles_rad)[:, None, None], 1.0 - np.cos(angles_rad)[:, None, None]
-    turned[:, :3, :3] = np.eye(3) + sine * cross + versine * (cross @ cross)
-    turned[:, :3, 3] = point - turned[:, :3, :3] @ point
-    turned[:, 3, 3] = 1.0
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def _turns(crosses: Floats, points: Floats, angles_rad: Floats) -> Floats:
+    """Return rotations about lines by Rodrigues' formula, shape (m, n, 4, 4).
+
+    Args:
+        crosses: matrices of the cross products by their directions, shape (n, 3, 3).
+        points: on them, shape (n, 3).
+        angles_rad: shape (m, n).
+    """
+    turned = np.zeros((*angles_rad.shape, 4, 4))
+    sine, versine = np.sin(angles_rad)[..., None, None], 1.0 - np.cos(angles_rad)[..., None, None]
+    turned[..., :3, :3] = np.eye(3) + sine * crosses + versine * (crosses @ crosses)
+    turned[..., :3, 3] = points - (turned[..., :3, :3] @ points[..., None])[..., 0]
+    turned[..., 3, 3] = 1.0
     return turned

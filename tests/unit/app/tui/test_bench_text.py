@@ -195,3 +195,9 @@ def test_air_is_old_after_three_looks_of_two_seconds(age_s: float, old: bool) ->
 def test_beam_is_old_after_two_seconds(age_s: float, old: bool) -> None:
     lines = beam_lines(bench_status(beam={"age_s": age_s}), 0.0)
     assert any("old)" in line.plain for line in lines) is old
+
+
+def test_a_device_that_the_cell_lacks_leads_to_set_up() -> None:
+    status = bench_status(devices=[], beam=None, air=None)
+    assert said(beam_lines(status, 0.0)) == "the cell has no interferometer: F10, c"
+    assert "the cell has no air sensor: F10, c" in said(air_lines(status, 0.0))

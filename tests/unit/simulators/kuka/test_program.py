@@ -103,8 +103,8 @@ def test_an_order_is_carried_out_once(pc: Pc) -> None:
 @pytest.mark.parametrize(
     ("values", "result"),
     [
-        ({"CATS_CMD": "2", "CATS_AXIS": "1", "CATS_INC": "10.1"}, Result.TOO_LARGE),
-        ({"CATS_CMD": "3", "CATS_X": "8.0", "CATS_Z": "-8.0"}, Result.TOO_LARGE),
+        ({"CATS_CMD": "2", "CATS_AXIS": "1", "CATS_INC": "1.1"}, Result.TOO_LARGE),
+        ({"CATS_CMD": "3", "CATS_X": "1.5", "CATS_Z": "-1.5"}, Result.TOO_LARGE),
         ({"CATS_CMD": "2", "CATS_AXIS": "7", "CATS_INC": "0.1"}, Result.UNKNOWN),
         ({"CATS_CMD": "9"}, Result.UNKNOWN),
         ({"CATS_CMD": "2", "CATS_AXIS": "1", "CATS_STOP": "TRUE"}, Result.STOP_STANDS),

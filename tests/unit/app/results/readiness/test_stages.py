@@ -5,8 +5,10 @@ import sqlite3
 from contextlib import closing
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import Any
 
 import pytest
+from pydantic import BaseModel
 
 from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.load import load_cell
@@ -20,6 +22,8 @@ from catseye.app.results.readiness.needs import cell_basis
 from catseye.app.results.readiness.stages import CellStage, results_in, stages_of
 from catseye.app.results.readiness.survey import Survey, survey_cell
 from catseye.app.store.run_store import RunStore
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.procedure import Procedure, Stage
 from catseye.procedures.kit.records import Json
 from tests.unit.app.engine.fakes import ManualClock
 
@@ -209,3 +213,41 @@ def test_only_error_maps_count_as_results(tmp_path: Path) -> None:
     (tmp_path / "a.json").write_text("{")
     (tmp_path / "b.json").write_text('{"format": "catseye-result/1", "model": "conventional"}')
     assert results_in([tmp_path, tmp_path / "none"]) == {}
+
+
+class Measures(Procedure):
+    """Stands on one way."""
+
+    name, title, params_type, stage = "measures", "", BaseModel, Stage(10, "one", "first way")
+
+    def plan(self, bench: Any, params: Any) -> None:
+        """Plan nothing."""
+
+    async def run(self, ctx: Context, plan: Any) -> None:
+        """Do nothing."""
+
+
+class Steps(Measures):
+    """Stands on another way."""
+
+    name, stage = "steps", Stage(20, "two", "second way")
+
+
+LACKING = [Need("cell file", "missing", "add it to the cell file")]
+
+
+@pytest.mark.parametrize(
+    ("needs", "shown"),
+    [
+        ({"measures": LACKING, "steps": []}, ["steps"]),
+        ({"measures": [], "steps": LACKING}, ["measures"]),
+        ({"measures": [], "steps": []}, ["measures", "steps"]),
+        ({"measures": LACKING, "steps": LACKING}, ["measures", "steps"]),
+    ],
+)
+def test_only_ways_that_the_cell_is_made_for_are_shown(
+    history: History, needs: dict[str, list[Need]], shown: list[str]
+) -> None:
+    runs = runs_of_cell(history.root, "lab-1", START)
+    found = stages_of([Measures(), Steps()], runs, needs, {}, {}, history.cell)
+    assert [stage.name for stage in found] == shown

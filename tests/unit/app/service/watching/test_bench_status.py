@@ -194,7 +194,7 @@ def test_the_aim_is_the_reflector_the_beam_points_to(
     assert aim(math.pi) != goal.name
 
 
-def test_an_arm_without_a_layout_has_a_posture_and_its_ranges() -> None:
+def test_an_arm_without_a_layout_has_posture_and_ranges() -> None:
     latest = LatestValues(ManualClock())
     latest.take_joints((10.0, -90.0, 90.0, 0.0, 0.0, 0.0))
     status = bench_status(facts_of(CELL, bench_of(CELL)), latest, moving=False, simulated=None, free_bytes=1)

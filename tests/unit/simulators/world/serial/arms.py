@@ -1,7 +1,12 @@
 """Arms of the bench for tests, from the shipped descriptions."""
 
-from catseye.app.cell.arm import RevoluteJoint, shipped_arm
-from catseye.simulators.config import SerialArm, SerialJoint, SerialLoad
+import json
+from dataclasses import replace
+
+from catseye.app.cell.arm import shipped_arm
+from catseye.app.service.serial.emulation import serial_arm_of
+from catseye.simulators.config import SerialArm, SerialLoad, TruthText
+from catseye.simulators.world.serial.truth import FORMAT, ArmTruth, JointTruth, joint_truth_document
 
 TOOL = SerialLoad(6, 20.0, (0.0, 0.0, 145.0))
 """A gripper on the flange, of which the paper says no more than that there is one."""
@@ -9,29 +14,32 @@ TOOL = SerialLoad(6, 20.0, (0.0, 0.0, 145.0))
 
 def serial_arm(name: str, *more: SerialLoad) -> SerialArm:
     """Return a shipped arm, with further loads."""
-    described = shipped_arm(name)
-    names = [joint.name for joint in described.joint]
+    arm = serial_arm_of(shipped_arm(name))
+    return replace(arm, loads=(*arm.loads, *more))
+
+
+def exact_truth(arm: SerialArm) -> TruthText:
+    """Return the document of drivetrains without friction, play, torsion, scatter and noise."""
     joints = tuple(
-        SerialJoint(
+        JointTruth(
             name=joint.name,
-            prismatic=False,
-            alpha_deg=joint.alpha_deg,
-            a_mm=joint.a_mm,
-            theta_offset_deg=joint.theta_offset_deg,
-            d_mm=joint.d_mm,
-            sign=joint.sign,
-            low=joint.low_deg,
-            high=joint.high_deg,
-            speed=joint.speed,
-            gear_ratio=joint.gear_ratio,
-            encoder_bits=joint.encoder_bits,
+            stiffness_nm_per_deg=1e15,
+            play_deg=0.0,
+            engagement_nm=1.0,
+            link_friction_nm=0.0,
+            friction_waviness=0.0,
+            presliding_deg=1.0,
+            creep=0.0,
+            motor_friction_nm=0.0,
+            static_friction_nm=0.0,
+            servo_nm_per_deg=1.0,
+            stop_scatter_deg=0.0,
+            stop_window_deg=0.0,
+            encoder_noise_counts=0.0,
+            encoder_error_deg=0.0,
+            ringing_s=0.0,
         )
-        for joint in described.joint
-        if isinstance(joint, RevoluteJoint)
+        for joint in arm.joints
     )
-    loads = tuple(
-        SerialLoad(0 if link.joint in {None, "base"} else names.index(str(link.joint)) + 1, link.mass_kg, xyz)
-        for link in described.link
-        for xyz in [(link.centre_mm[0], link.centre_mm[1], link.centre_mm[2])]
-    )
-    return SerialArm(described.name, joints, (*loads, *more))
+    document = joint_truth_document(ArmTruth(format=FORMAT, joints=joints))
+    return TruthText(json.dumps(document).encode(), "exact.json")

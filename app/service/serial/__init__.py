@@ -1,0 +1,1 @@
+"""Emulated benches of serial arms."""

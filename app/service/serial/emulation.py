@@ -1,0 +1,81 @@
+"""The emulated bench of a cell file with a serial arm."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from catseye.app.cell.arm import ArmDescription, Joint, arm_description
+from catseye.app.cell.model import Cell
+from catseye.app.cell.serial_arm import loads_of
+from catseye.app.cell.tool import ToolDescription, read_tool
+from catseye.app.files.documents import read_document
+from catseye.app.service.emulation import emulated_devices
+from catseye.simulators.config import (
+    ArmOptics,
+    EmulationConfig,
+    SerialArm,
+    SerialJoint,
+    SerialLoad,
+    TruthText,
+)
+
+
+def serial_emulation_config(cell: Cell, speed: float, seed: int, truth: Path | None) -> EmulationConfig:
+    """Return the emulated bench of a cell file; its arm stands in the middle of its ranges.
+
+    Args:
+        cell: the arm, and where the devices answer.
+        speed: bench seconds in one real second.
+        seed: of everything random.
+        truth: JSON with the true arm; None draws one.
+
+    Raises:
+        ConfigError: an endpoint cannot be emulated, or the file with the tool or the true arm cannot be read.
+    """
+    tool = None if cell.robot.tool is None else read_tool(Path(cell.robot.tool))
+    arm = serial_arm_of(arm_description(cell.robot.arm), tool)
+    return EmulationConfig(
+        serial=arm,
+        limits=tuple((joint.low, joint.high) for joint in arm.joints),
+        start_joints=tuple(0.5 * (joint.low + joint.high) for joint in arm.joints),
+        devices=emulated_devices(cell),
+        control="tcp://127.0.0.1:0" if cell.tracker is None else cell.tracker.endpoint,
+        speed=speed,
+        seed=seed,
+        arm_optics=_optics(tool),
+        truth=None if truth is None else TruthText(read_document(truth), str(truth)),
+    )
+
+
+def serial_arm_of(description: ArmDescription, tool: ToolDescription | None = None) -> SerialArm:
+    """Return an arm with its tool as the emulation takes it."""
+    loads = tuple(
+        SerialLoad(load.frame, load.mass_kg, load.centre_mm) for load in loads_of(description, tool)
+    )
+    return SerialArm(description.name, tuple(map(_joint, description.joint)), loads)
+
+
+def _optics(tool: ToolDescription | None) -> ArmOptics:
+    """Return optics whose linear retroreflector sits at the first target of the tool, or on the flange."""
+    if tool is None or not tool.target:
+        return ArmOptics()
+    return ArmOptics(target_mm=tool.place_mm(tool.target[0].name))
+
+
+def _joint(joint: Joint) -> SerialJoint:
+    low, high = joint.range
+    described = SerialJoint(
+        name=joint.name,
+        prismatic=joint.type == "prismatic",
+        alpha_deg=joint.alpha_deg,
+        a_mm=joint.a_mm,
+        theta_offset_deg=joint.theta_offset_deg,
+        d_mm=joint.d_mm,
+        sign=joint.sign,
+        low=low,
+        high=high,
+        speed=joint.speed,
+        gear_ratio=joint.gear_ratio,
+        encoder_bits=joint.encoder_bits,
+    )
+    stated = joint.acceleration
+    return described if stated is None else replace(described, acceleration=stated)

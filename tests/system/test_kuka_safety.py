@@ -1,0 +1,100 @@
+"""A KUKA stops: on request whatever its links do, and by itself when the program that moves it is gone.
+
+The campaign of the same is `tests/campaigns/test_kuka_stop_moments.py`.
+"""
+
+import random
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from catseye.app.testing.proxy import ProxyThread
+from catseye.simulators.kuka.program import HEARTBEAT_S
+from tests.patience import HANG_S
+from tests.system.command import Emulated, emulated, environment, own_runtime
+from tests.system.guarded import until
+from tests.system.kuka_stops import Figures, one_stop
+from tests.unit.simulators.kuka.benches import kuka_bench
+
+EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "kuka.toml"
+SEED = 20261124
+STOPS = 6
+MOVER = "tests.system.kuka_mover"
+GUARD_S = 0.25
+"""A guard says STOP when its engine's end of a pipe closes, which takes a moment; proxy and program follow."""
+
+CONTROL = """
+[tracker]
+driver = "bench-tracker"
+endpoint = "tcp://127.0.0.1:10099"
+"""
+"""Names the control port, by which the bench is watched."""
+
+
+@contextmanager
+def kuka(folder: Path) -> Iterator[tuple[Emulated, str]]:
+    """Emulate the example in real time; yield it with the proxy's endpoint."""
+    with own_runtime(), emulated(folder, text=EXAMPLE.read_text(encoding="utf-8") + CONTROL) as bench:
+        bench.ask(op="speed", value=1.0)
+        found = re.search(r'^endpoint = "(.+?)"', bench.cell.read_text(encoding="utf-8"), re.MULTILINE)
+        assert found is not None
+        yield bench, found[1]
+
+
+def is_moving(bench: Emulated) -> bool:
+    return bool(bench.ask(op="arm")["moving"])
+
+
+def rest_after_kill_s(bench: Emulated, endpoint: str, how: str) -> float:
+    """Kill a program while it moves the arm; return the bench time from then to the standstill, s."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", MOVER, endpoint, how],
+        cwd=bench.cell.parent,
+        env=environment(),
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        until(lambda: is_moving(bench) or process.poll() is not None)
+        assert process.poll() is None, process.communicate()[1]
+        # Heartbeats have come for a while.
+        time.sleep(1.0)
+        assert is_moving(bench)
+        killed_s = float(bench.ask(op="arm")["time_s"])
+        process.kill()
+        until(lambda: not is_moving(bench))
+        arrivals = [
+            entry["time_s"]
+            for entry in bench.ask(op="log", device="robot")["entries"]
+            if entry["text"].startswith("arrival")
+        ]
+        return float(arrivals[-1]) - killed_s
+    finally:
+        process.kill()
+        process.communicate(timeout=HANG_S)
+
+
+async def test_stop_is_heard_whatever_a_link_does() -> None:
+    source, found = random.Random(SEED), Figures()
+    with ProxyThread("proxies") as threads:
+        async with kuka_bench() as bench:
+            for _ in range(STOPS):
+                await one_stop(bench, source, threads, found)
+    assert (found.unconfirmed, found.moving, found.deaf, found.twice) == (0, 0, 0, 0)
+    assert max(found.brakes_s) < 0.5
+
+
+@pytest.mark.parametrize("how", ["guarded", "alone"])
+def test_the_arm_stops_when_its_program_is_killed(tmp_path: Path, how: str) -> None:
+    with kuka(tmp_path) as (bench, endpoint):
+        rest_s = rest_after_kill_s(bench, endpoint, how)
+        written = [e["text"] for e in bench.ask(op="log", device="robot")["entries"]]
+        assert ("write CATS_STOP = TRUE" in written) == (how == "guarded")
+    # The last heartbeat may have come a period before the end; a cycle and the deceleration follow.
+    assert rest_s < (GUARD_S if how == "guarded" else HEARTBEAT_S) + 0.25
