@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Final
 
 _SCARA: Final = "catseye.app.cli.scara"
+_RESOLUTION: Final = "catseye.app.cli.resolution"
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,9 @@ COMMANDS: Final[Mapping[str, Command]] = {
         _SCARA,
     ),
     "design": Command("Find where to put the reflectors and which commands to use.", _SCARA),
+    "resolution": Command(
+        "Find step errors, least increment steps and reversal errors in recordings.", _RESOLUTION
+    ),
     "report": Command(
         "Write one self-contained HTML page about a run or a result, or about several results of motion resolution."
     ),

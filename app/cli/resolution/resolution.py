@@ -44,9 +44,6 @@ def resolution(
     deviation_unit: Annotated[
         Literal["mrad", "urad", "arcsec", "mdeg"] | None, typer.Option(help="of the deviations of a .rta")
     ] = None,
-    align: Annotated[
-        Literal["auto", "none"], typer.Option(help="find offset and drift between the clocks of the two files")
-    ] = "none",
     threshold: Annotated[
         float, typer.Option(metavar="PERCENT", min=0.1, max=100.0, help="largest error of a step that counts")
     ] = 10.0,
@@ -89,7 +86,6 @@ def resolution(
             moves,
             joint_torque,
             torque_channel,
-            align == "auto",
             deviation_unit,
         ),
         _given(arm, "--arm"),

@@ -1,15 +1,25 @@
 """Tests that another program recorded, from their files to a result."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from catseye.app.cell.arm import ArmDescription, arm_description
 from catseye.app.errors import ConfigError, UsageError
-from catseye.app.results.resolution.evaluation import Asked, evaluated
+from catseye.app.results.origin import now_utc
+from catseye.app.results.provenance import Provenance
+from catseye.app.results.resolution.evaluation import Asked, Series, evaluated
 from catseye.app.results.resolution.input_files import RecordingFile, read_moves, read_recording
-from catseye.app.results.resolution.result import AngularTest, AnyTest, LinearTest
+from catseye.app.results.resolution.result import (
+    Actuation,
+    AngularTest,
+    AnyTest,
+    LinearTest,
+    ResolutionResult,
+)
 from catseye.app.results.resolution.target_reversal import DeviationUnit, is_target_file, reversal_of_targets
 from catseye.app.results.resolution.torque_file import read_torque
+from catseye.app.store.software import SOFTWARE
+from catseye.calibration.resolution.optics import LinearOptics
 
 _AXES = ("X", "Y", "Z")
 
@@ -24,7 +34,6 @@ class Import:
         moves: commanded meanwhile; None with target deviations.
         joint_torque: of the motor; None for none.
         torque_channel: of a trace with several torques.
-        align: find offset and drift of the two clocks.
         deviation_unit: of the deviations of a `.rta`.
     """
 
@@ -33,7 +42,6 @@ class Import:
     moves: Path | None = None
     joint_torque: Path | None = None
     torque_channel: str | None = None
-    align: bool = False
     deviation_unit: DeviationUnit | None = None
 
 
@@ -49,8 +57,39 @@ def named_arm(arm: str, asked: Asked) -> ArmDescription:
         raise UsageError(f"--arm {arm}: {error}") from error
     joints = _AXES if asked.test == "cartesian" else tuple(joint.name for joint in found.joint)
     if asked.joint not in joints:
-        raise UsageError(f"--joint {asked.joint}: a {asked.test} test of {found.name} is of {', '.join(joints)}")
+        raise UsageError(
+            f"--joint {asked.joint}: a {asked.test} test of {found.name} is of {', '.join(joints)}"
+        )
     return found
+
+
+def imported_result(given: Import, arm: str) -> ResolutionResult:
+    """Return the result of a test in files.
+
+    Args:
+        given: the test.
+        arm: name of a shipped arm, or path of its description.
+
+    Raises:
+        UsageError: as for `imported_test`, or the arm has no such joint.
+        CalibrationError: recording and moves do not fit.
+    """
+    description = named_arm(arm, given.asked)
+    return ResolutionResult(
+        arm=description.name,
+        actuation=actuation_of(description),
+        tests=[imported_test(given)],
+        provenance=Provenance(runs=[given.recording.path.name], software=SOFTWARE, created=now_utc()),
+    )
+
+
+def actuation_of(description: ArmDescription) -> list[Actuation]:
+    """Return what drives the joints, as far as the description of an arm says it."""
+    return [
+        Actuation(joint=joint.name, gear_ratio=joint.gear_ratio, encoder_bits=joint.encoder_bits)
+        for joint in description.joint
+        if joint.gear_ratio is not None and joint.encoder_bits is not None and joint.type == "revolute"
+    ]
 
 
 def imported_test(given: Import) -> AnyTest:
@@ -58,17 +97,21 @@ def imported_test(given: Import) -> AnyTest:
 
     Raises:
         UsageError: a file cannot be used, or they do not belong together; names line and remedy.
-        CalibrationError: recording and moves do not fit, or the clocks cannot be aligned without doubt.
+        CalibrationError: recording and moves do not fit.
     """
     if is_target_file(given.recording.path) and given.asked.test == "backlash":
         return _of_targets(given)
     if given.moves is None:
-        raise UsageError(f"{given.recording.path}: --moves is missing: when each move was commanded, and its size")
+        raise UsageError(
+            f"{given.recording.path}: --moves is missing: when each move was commanded, and its size"
+        )
     recording, moves = read_recording(given.recording), read_moves(given.moves)
-    torque = None
+    optics = LinearOptics() if recording.unit == "mm" else given.recording.optics
+    series = Series(recording, moves, optics)
     if given.joint_torque is not None:
         torque = read_torque(given.joint_torque, given.torque_channel)
-    return evaluated(given.asked, recording, moves, torque, align=given.align)
+        series = replace(series, torque_s=torque["t_s"], torque_nm=torque["torque_nm"])
+    return evaluated(given.asked, [series])
 
 
 def _of_targets(given: Import) -> AnyTest:
@@ -84,6 +127,8 @@ def _of_targets(given: Import) -> AnyTest:
             "moves": [],
             "reversal": reversal,
             "targets": targets,
-            "flags": ["from deviations at targets: nothing is known of single steps and of the motor's torque"],
+            "flags": [
+                "from deviations at targets: nothing is known of single steps and of the motor's torque"
+            ],
         }
     )

@@ -22,9 +22,7 @@ Unit: TypeAlias = Literal["deg", "mm"]
 
 RESOLUTION_FORMAT: Final = "catseye-resolution/1"
 
-_WITH_UNIT: Final = frozenset(
-    {"position", "command", "measured", "u", "lis", "reversal", "forward", "backward", "plateau"}
-)
+_WITH_UNIT: Final = frozenset({"position", "command", "measured", "u", "lis", "reversal", "plateau"})
 
 
 def _keys_in(unit: Unit) -> Callable[[str], str]:
@@ -133,15 +131,11 @@ class _Target(ResultPart):
     """A position of a backlash test that was reached from both sides.
 
     Attributes:
-        position: commanded, from the first one.
-        forward: mean measured position, reached in the positive direction.
-        backward: likewise in the negative direction.
+        position: commanded, from where the test began.
         reversal: lost motion there, positive.
     """
 
     position: Finite
-    forward: Finite
-    backward: Finite
     reversal: Finite
 
 

@@ -1,7 +1,6 @@
 """What every test of a result says of its steps: moves, staircase, flags; angles in degrees."""
 
 import math
-from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -58,9 +57,9 @@ def staircase(recording: Recording, found: Steps) -> dict[str, Any]:
     }
 
 
-def duration_s(found: Sequence[Steps]) -> float:
-    """Return how long the series of a test took, from their first moves to the ends of their last plateaus."""
-    return float(sum(one.plateaus.start_s[-1] + one.plateaus.length_s - one.moves.time_s[0] for one in found))
+def duration_s(found: Steps) -> float:
+    """Return how long a series took, from its first move to the end of its last plateau, s."""
+    return float(found.plateaus.start_s[-1] + found.plateaus.length_s - found.moves.time_s[0])
 
 
 def _rounded(values: Floats, decimals: int) -> list[float]:

@@ -56,12 +56,8 @@ def reversal_of_targets(
     repeats = len(found.forward), len(found.backward)
     variance = sides.s_up**2 / repeats[0] + sides.s_down**2 / repeats[1]
     u = float(np.sqrt(variance.sum())) / variance.size
-    targets = [
-        {"position": target, "forward": target + up, "backward": target + down, "reversal": down - up}
-        for target, up, down in zip(
-            found.target[inner].tolist(), sides.mean_up.tolist(), sides.mean_down.tolist(), strict=True
-        )
-    ]
+    places = zip(found.target[inner].tolist(), (-sides.reversal).tolist(), strict=True)
+    targets = [{"position": place, "reversal": lost} for place, lost in places]
     value = -float(sides.reversal.mean())
     return "mm" if linear else "deg", Reversal(value=value, u=u, valid=None), targets
 
