@@ -37,6 +37,8 @@ class RevoluteJoint(_Joint):
     high_deg: Finite
     speed_deg_s: Positive
     acceleration_deg_s2: Positive | None = None
+    # Where the joint's motion resolution is tested.
+    test_places_deg: Annotated[list[Finite], Field(min_length=1)] | None = None
 
     @property
     def unit(self) -> Unit:

@@ -26,20 +26,29 @@ def _axis(joint: Joint, limits: Sequence[float]) -> Axis:
     return Axis(joint.name, joint.unit, low, high, joint.speed, joint.acceleration)
 
 
+def _test_places(joint: Joint) -> tuple[float, ...]:
+    return tuple((joint.type == "revolute" and joint.test_places_deg) or ())
+
+
 def arm_of(robot: Robot) -> Arm:
     """Return the arm of a cell as its description and [robot.limits_deg] have it.
 
     Raises:
         ConfigError: its driver is not installed, or is none of a robot.
     """
-    axes = axes_of(arm_description(robot.arm), robot.limits_deg.model_dump(exclude_unset=True))
+    description = arm_description(robot.arm)
+    axes = axes_of(description, robot.limits_deg.model_dump(exclude_unset=True))
+    abilities = robot_driver(robot.driver).abilities
     return Arm(
         axes=axes,
         range_keys=tuple(f"limits_deg.{axis.name.lower()}" for axis in axes),
         override_percent=robot.override_cap_percent,
-        following=robot_driver(robot.driver).abilities.following,
+        following=abilities.following,
         follow_speed_deg_s=robot.follow_speed_deg_s,
         follow_acceleration_deg_s2=robot.follow_acceleration_deg_s2,
+        test_places=tuple(map(_test_places, description.joint)),
+        steps=abilities.steps,
+        command_resolution=abilities.command_resolution,
     )
 
 

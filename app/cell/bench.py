@@ -8,9 +8,10 @@ from catseye.app.cell.model import Cell
 from catseye.app.cell.scara.bench import scara_bench, stated_arm
 from catseye.app.cell.scara.sections import ScaraSections
 from catseye.app.errors import ConfigError
-from catseye.procedures.kit.bench import Bench, Timing
+from catseye.procedures.kit.bench import AngularOptics, Bench, LinearOptics, Timing
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.system import System
+from catseye.procedures.kit.tasks import OpticsKind
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.system import ScaraSystem
 
@@ -64,8 +65,15 @@ def bench_for(cell: Cell, needs: Needs, wanted_by: str) -> Bench:
     """
     of_bench = stated_scara_sections(cell).missing if issubclass(needs.bench, ScaraBench) else []
     devices = [f"[{role}]" for role in needs.roles if role not in cell.instruments]
-    _require_none([*of_bench, *devices], cell, wanted_by)
+    optics = [f"[{kind}_optics]" for kind in needs.optics if kind not in optics_of(cell)]
+    _require_none([*of_bench, *devices, *optics], cell, wanted_by)
     return bench_of(cell)
+
+
+def optics_of(cell: Cell) -> tuple[OpticsKind, ...]:
+    """Return the kinds of optics that a cell file has beside those of open-loop tracking."""
+    kinds: dict[OpticsKind, object] = {"angular": cell.angular_optics, "linear": cell.linear_optics}
+    return tuple(kind for kind, section in kinds.items() if section is not None)
 
 
 def system_of(bench: Bench) -> System:
@@ -79,7 +87,7 @@ def _require_none(missing: Sequence[str], cell: Cell, wanted_by: str) -> None:
 
 
 def _bench(cell: Cell) -> Bench:
-    timing = cell.measurement
+    timing, angular, linear = cell.measurement, cell.angular_optics, cell.linear_optics
     return Bench(
         name=cell.name,
         arm=stated_arm(arm_of(cell.robot), cell.robot),
@@ -88,4 +96,6 @@ def _bench(cell: Cell) -> Bench:
             timing.settle_time_s, timing.dwell_time_s, timing.readings, timing.spread_limit_um * 1e-3
         ),
         tracker=cell.tracker is not None,
+        angular_optics=None if angular is None else AngularOptics(**angular.model_dump()),
+        linear_optics=None if linear is None else LinearOptics(**linear.model_dump()),
     )

@@ -167,6 +167,23 @@ class Tracker(Section):
         return {}
 
 
+class AngularOptics(Section):
+    """[angular_optics]: angular interferometer and retroreflector, for the motion resolution of joints."""
+
+    # Distance of the retroreflector's two prisms: the baseline of the angle.
+    spacing_mm: Positive
+    u_spacing_mm: NotNegative = 0.01
+    distance_mm: Positive = 250.0
+    signal_min: Annotated[float, Field(ge=0.0, le=1.0, allow_inf_nan=False)] = 0.5
+
+
+class LinearOptics(Section):
+    """[linear_optics]: linear interferometer and retroreflector, for the Cartesian resolution."""
+
+    distance_mm: Positive = 250.0
+    signal_min: Annotated[float, Field(ge=0.0, le=1.0, allow_inf_nan=False)] = 0.5
+
+
 class Conditions(Section):
     """[conditions]: the air in which a measurement goes on; outside of it the run is suspended."""
 
@@ -205,6 +222,8 @@ class Cell(Section):
     io: Io | None = None
     material: Material | None = None
     tracker: Tracker | None = None
+    angular_optics: AngularOptics | None = None
+    linear_optics: LinearOptics | None = None
     device: list[FurtherDevice] = Field(default_factory=list)
     optics: Optics = Optics()
     alignment: Alignment = Alignment()

@@ -16,7 +16,7 @@ from catseye.app.engine.length_meter import LengthMeter
 from catseye.app.engine.mover import Mover
 from catseye.app.engine.operator import Answer, Operator
 from catseye.app.engine.recording import require_recordable, rows_of
-from catseye.app.engine.stepping import LineTarget, axis_step, line_step
+from catseye.app.engine.stepping import LineTarget, axis_step, line_step, pose_step
 from catseye.app.engine.timekeeping import Progress, StepTime
 from catseye.app.engine.waiting import cancel, uncancelled
 from catseye.app.errors import ConfigError, UnwalkedError, UsageError
@@ -216,6 +216,11 @@ class RunContext:
         """
         await self.checkpoint()
         return await self._mover.step(axis_step(self._devices.robot, self._axes, axis, increment))
+
+    async def step_to(self, target: Pose) -> Stepped:
+        """Step to a pose through the gate; raises as `step_axis` does."""
+        await self.checkpoint()
+        return await self._mover.step(pose_step(self._devices.robot, self._axes, target))
 
     async def step_line(self, increment_mm: Vector) -> Stepped:
         """Step along a straight line through the gate; raises as `step_axis` does."""

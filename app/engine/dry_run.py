@@ -20,14 +20,22 @@ from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Arm
 from catseye.procedures.kit.columns import Columns, TableRule
 from catseye.procedures.kit.context import Measurement, Prompt, Stepped
-from catseye.procedures.kit.ideal import Hit
+from catseye.procedures.kit.ideal import Hit, SteadyBeam
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import legs_refusal
 from catseye.procedures.kit.motion.motion_time import way_time_s
-from catseye.procedures.kit.motion.steps import Vector, axis_target, length_mm, line_target
+from catseye.procedures.kit.motion.steps import (
+    Vector,
+    axis_target,
+    largest_change,
+    length_mm,
+    line_target,
+    step_time_s,
+)
 from catseye.procedures.kit.recording import Recorded, Recording
 from catseye.procedures.kit.records import Json, Record, Row
 from catseye.procedures.kit.system import System
+from catseye.procedures.kit.tasks import MountOptics
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
@@ -241,6 +249,14 @@ class DryRunContext:
         """
         return await self._step(axis_target(self._arm.axes, self.pose, axis, increment), increment)
 
+    async def step_to(self, target: Pose) -> Stepped:
+        """Drive to where a step ends.
+
+        Raises:
+            LimitError: that is outside the limits.
+        """
+        return await self._step(target, largest_change(self.pose, target))
+
     async def step_line(self, increment_mm: Vector) -> Stepped:
         """Drive to where a straight step ends.
 
@@ -254,6 +270,8 @@ class DryRunContext:
     async def _step(self, target: Pose, commanded: float) -> Stepped:
         before, sent_s = self.pose, self._account.time_s
         await self.move(target)
+        # Steps are driven slowly, whatever the axes can do.
+        self._account.time_s = max(self._account.time_s, sent_s + step_time_s(commanded))
         return Stepped(before, commanded, sent_s, self._account.time_s, self.pose)
 
     async def torques(self) -> tuple[float, ...]:
@@ -381,6 +399,8 @@ class DryRunContext:
             MeasurementRejectedError: questions follow each other for ever.
         """
         self.prompts.append(prompt)
+        if isinstance(prompt.task, MountOptics):
+            self.ideal = SteadyBeam()
         self.asked_s.append(self.total_s)
         self._questions += 1
         if self._questions > _MOST_QUESTIONS:

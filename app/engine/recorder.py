@@ -9,7 +9,7 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import Final
 
-from catseye.app.engine.waiting import cancel
+from catseye.app.engine.waiting import cancel, together
 from catseye.app.errors import StorageError
 from catseye.app.store.chunks import Chunk, Kept, Key
 from catseye.app.store.run_store import RunStore
@@ -134,7 +134,11 @@ class Recorder:
     async def take_in(self) -> None:
         """Take readings until `end` is called."""
         try:
-            await (self._stream() if self._counter.streams else self._poll())
+            if self._counter.streams:
+                await self._stream()
+            else:
+                # A disk that takes its time must not keep the counter from being asked.
+                await together(self._poll(), self._keep_up())
         except Exception as error:
             self.failure = error
             raise
@@ -185,13 +189,17 @@ class Recorder:
         """Store what an instrument sends by itself."""
         self._counter.listen(self._take)
         try:
-            while not self._ending:
-                await self._due.wait()
-                self._due.clear()
-                if self._is_due():
-                    await self._keep()
+            await self._keep_up()
         finally:
             self._counter.listen(None)
+
+    async def _keep_up(self) -> None:
+        """Store what has come, chunk after chunk."""
+        while not self._ending:
+            await self._due.wait()
+            self._due.clear()
+            if self._is_due():
+                await self._keep()
 
     async def _poll(self) -> None:
         """Ask at a steady rate. What cannot be asked in time is left out and counted, never made up for."""
@@ -203,8 +211,6 @@ class Recorder:
             passed = max(1, math.ceil((self._clock.monotonic_s() - due_s) / self._period_s))
             self._lost += passed - 1
             due_s += passed * self._period_s
-            if self._is_due():
-                await self._keep()
 
     async def _ask(self, due_s: float) -> None:
         try:

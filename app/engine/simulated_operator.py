@@ -7,12 +7,26 @@ from urllib.parse import urlsplit
 
 from catseye.app.errors import LinkFailedError
 from catseye.procedures.kit.records import Json
-from catseye.procedures.kit.tasks import ClearBeam, MountInterferometer, PlaceReflector, Task, TurnScrew
+from catseye.procedures.kit.tasks import (
+    AlignOptics,
+    ClearBeam,
+    MountInterferometer,
+    MountOptics,
+    PlaceReflector,
+    Task,
+    TurnScrew,
+)
 
 _LIMIT_S = 10.0
 """Real seconds that one grip may take."""
 
+_TRIAL_TURNS = 0.8
+"""To either side of where a screw stands, to see how the signal changes."""
+
 _LONGEST_ANSWER_BYTES = 1 << 16
+
+
+_SingleGrip = TurnScrew | PlaceReflector | MountInterferometer | MountOptics | ClearBeam
 
 
 class SimulatedOperator:
@@ -36,16 +50,46 @@ class SimulatedOperator:
         Raises:
             LinkFailedError: the bench does not answer, or cannot do it.
         """
+        if isinstance(task, AlignOptics):
+            return {"op": "align_optics", **{screw: await self._aligned(screw) for screw in ("pitch", "yaw")}}
         request = self._request(task)
+        await self._done(request)
+        return request
+
+    async def _aligned(self, screw: str) -> float:
+        """Turn a screw of the optics' stage to where the signal is at its largest; return by how much.
+
+        Like a person, it knows nothing but the signal: on either side of where the screw stands, and there. The
+        square of what the signal lacks is a parabola in the screw's turns.
+        """
+        at, up, down = [
+            await self._lack_after(screw, turns) for turns in (0.0, _TRIAL_TURNS, -2.0 * _TRIAL_TURNS)
+        ]
+        curvature = up + down - 2.0 * at
+        best = _TRIAL_TURNS * (down - up) / (2.0 * curvature) if curvature > 0.0 else 0.0
+        await self._turned(screw, self._sense * best + _TRIAL_TURNS)
+        return best
+
+    async def _lack_after(self, screw: str, turns: float) -> float:
+        """Return the square of what the signal lacks after a turn, 0 for a full one."""
+        await self._turned(screw, turns)
+        found = (await self._done({"op": "optics"})).get("miss")
+        return found * found if isinstance(found, int | float) else 0.0
+
+    async def _turned(self, screw: str, turns: float) -> None:
+        if turns:
+            await self._done({"op": "turn_screw", "screw": screw, "turns": turns})
+
+    async def _done(self, request: Mapping[str, Json]) -> dict[str, Json]:
         answer = await self._ask(request)
         if answer.get("ok") is not True:
             raise LinkFailedError(
                 f"the emulated bench at {self._endpoint} refused {request}: {answer.get('error')}; put the cell "
                 "file beside the emulator in order, or answer the question otherwise"
             )
-        return request
+        return answer
 
-    def _request(self, task: Task) -> dict[str, Json]:
+    def _request(self, task: _SingleGrip) -> dict[str, Json]:
         match task:
             case TurnScrew():
                 return {"op": "turn_screw", "screw": task.screw, "turns": self._sense * task.turns}
@@ -53,6 +97,10 @@ class SimulatedOperator:
                 return {"op": "place_reflector", "reflector": task.reflector}
             case MountInterferometer():
                 return {"op": "mount_interferometer", "turned_deg": task.turned_deg}
+            case MountOptics(optics="angular"):
+                return {"op": "mount_angular_optics", "joint": task.on}
+            case MountOptics():
+                return {"op": "mount_linear_optics", "axis": task.on}
             case ClearBeam():
                 return {"op": "clear_beam"}
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import Final
 
 from catseye.app.errors import LimitError
-from catseye.drivers.roles.pose import SYMBOLS, Axes, Pose, Unit, with_axis
+from catseye.drivers.roles.pose import SYMBOLS, Axes, Pose, Unit, pose_text, with_axis
 from catseye.drivers.roles.robot import Robot
-from catseye.procedures.kit.motion.steps import MOST, Vector, axis_target, length_mm
+from catseye.procedures.kit.motion.steps import MOST, Vector, axis_target, largest_change, length_mm
 
 LineTarget = Callable[[Pose, Vector], Pose]
 """Returns the joints after a straight shift of the tool in the base frame, from given joints."""
@@ -70,6 +70,24 @@ def axis_step(robot: Robot, axes: Axes, axis: str, increment: float) -> Step:
     if robot.abilities.steps:
         return Step(text, farthest, lambda _here: increment, by_controller)
     return Step(text, farthest, as_resolved, by_program)
+
+
+def pose_step(robot: Robot, axes: Axes, target: Pose) -> Step:
+    """Return a step to a pose; the gate refuses it where the arm stands farther off than a step is."""
+
+    def commanded(here: Pose) -> float:
+        return largest_change(here, target)
+
+    def farthest(here: Pose) -> Pose:
+        for axis, at, to in zip(axes, here, target, strict=True):
+            _require_small(f"a step of {axis.name}", to - at, axis.unit)
+        return target
+
+    async def send(here: Pose, increment: float) -> None:
+        del here, increment
+        await robot.move_joints(target)
+
+    return Step(f"the arm to {pose_text(axes, target)}", farthest, commanded, send)
 
 
 def line_step(robot: Robot, line_target: LineTarget, increment_mm: Vector) -> Step:

@@ -4,11 +4,12 @@ Made from the cell file by the app.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from catseye.calibration.kinematics.bodies import Box, Capsule
 from catseye.calibration.kinematics.chain import Chain
-from catseye.drivers.roles.pose import Axes
+from catseye.drivers.roles.pose import Axes, Unit
 from catseye.drivers.roles.robot import Following
 
 
@@ -23,6 +24,9 @@ class Arm:
         following: how the arm follows a path.
         follow_speed_deg_s: fastest revolute axis while set points are streamed.
         follow_acceleration_deg_s2: its acceleration then.
+        test_places: where each axis is tested, deg or mm, as the arm's description has it; empty where it has none.
+        steps: the controller itself adds increments to the measured position.
+        command_resolution: smallest increment that the controller can command, by the unit of an axis; None unknown.
     """
 
     axes: Axes
@@ -31,6 +35,39 @@ class Arm:
     following: Following = "stops"
     follow_speed_deg_s: float = 20.0
     follow_acceleration_deg_s2: float = 200.0
+    test_places: tuple[tuple[float, ...], ...] = ()
+    steps: bool = False
+    command_resolution: Mapping[Unit, float] | None = None
+
+
+@dataclass(frozen=True)
+class AngularOptics:
+    """An angular interferometer on its stand, and the retroreflector that turns with a joint.
+
+    Attributes:
+        spacing_mm: distance of the retroreflector's two prisms, the baseline S of θ = arcsin(ΔL / S).
+        u_spacing_mm: its standard uncertainty.
+        distance_mm: between interferometer and retroreflector, at most.
+        signal_min: smallest level of the returning beam with which a recording begins, 0…1.
+    """
+
+    spacing_mm: float
+    u_spacing_mm: float
+    distance_mm: float
+    signal_min: float
+
+
+@dataclass(frozen=True)
+class LinearOptics:
+    """A linear interferometer on its stand, and the retroreflector at the tool.
+
+    Attributes:
+        distance_mm: between interferometer and retroreflector at the place of a series: its dead path.
+        signal_min: smallest level of the returning beam with which a recording begins, 0…1.
+    """
+
+    distance_mm: float
+    signal_min: float
 
 
 @dataclass(frozen=True)
@@ -98,6 +135,8 @@ class Bench:
         workspace: bodies of the arm and around it.
         timing: how a point is measured.
         tracker: the cell has an independent instrument that the program reads.
+        angular_optics: that turn with a joint; None where the cell has none.
+        linear_optics: whose reflector the tool carries; None where the cell has none.
     """
 
     name: str
@@ -105,6 +144,8 @@ class Bench:
     workspace: Workspace
     timing: Timing
     tracker: bool = True
+    angular_optics: AngularOptics | None = None
+    linear_optics: LinearOptics | None = None
 
     @property
     def stands(self) -> tuple[Stand, ...]:

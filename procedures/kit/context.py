@@ -225,6 +225,14 @@ class Context(Protocol):
         """
         ...
 
+    async def step_to(self, target: Pose) -> Stepped:
+        """Drive one axis a little, to a pose of its own, as `step_axis` drives it by an increment.
+
+        Args:
+            target: pose; only one axis differs from where the arm was sent before.
+        """
+        ...
+
     async def step_line(self, increment_mm: tuple[float, float, float]) -> Stepped:
         """Shift the tool along a straight line of the base frame, orientation kept; as `step_axis` else.
 

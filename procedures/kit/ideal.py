@@ -59,6 +59,23 @@ class IdealBeam(Protocol):
         ...
 
 
+class SteadyBeam(IdealBeam):
+    """Optics that are set up where the arm stands: their beam returns as long as the plan keeps them in range."""
+
+    max_miss_mm: Final = 0.0
+    acceptance_mm: Final = 0.0
+
+    def hit(self, pose: Pose) -> Hit | None:
+        """Return the retroreflector; its displacement is not modelled."""
+        del pose
+        return Hit("retroreflector", 0.0)
+
+    def watch(self, poses: Floats, target: str) -> Watched:
+        """Return that the beam is kept."""
+        del poses, target
+        return Watched(kept=True, miss_mm=None)
+
+
 class NoBeam(IdealBeam):
     """An arm without a beam."""
 

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 from catseye.drivers.roles.device import Role
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.tasks import OpticsKind
 
 
 @dataclass(frozen=True)
@@ -112,6 +113,7 @@ class Needs:
     Attributes:
         bench: kind of bench that it is planned on.
         roles: of the devices that it uses beside the robot.
+        optics: that stand beside the arm; the cell file describes them.
         equipment: of the bench.
         after: procedures that should have been run.
         basis: earlier run that the plan is made from; None for none.
@@ -120,6 +122,7 @@ class Needs:
 
     bench: type[Bench] = Bench
     roles: tuple[Role, ...] = ()
+    optics: tuple[OpticsKind, ...] = ()
     equipment: tuple[Equipment, ...] = ()
     after: tuple[After, ...] = ()
     basis: Basis | None = None

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from catseye.drivers.roles.pose import Axes, Pose, with_axis
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.errors import ManualStepError, WayBlockedError
-from catseye.procedures.kit.ideal import IdealBeam, NoBeam
+from catseye.procedures.kit.ideal import IdealBeam, NoBeam, SteadyBeam
 from catseye.procedures.kit.motion.clear_way import way_refusal
 from catseye.procedures.kit.records import Json
 
@@ -40,7 +40,8 @@ class System:
 
     def ideal_beam(self) -> IdealBeam:
         """Return the beam of an ideal instrument on an ideal arm."""
-        return NoBeam()
+        optics = self.bench.angular_optics or self.bench.linear_optics
+        return NoBeam() if optics is None else SteadyBeam()
 
     def tool_mm(self, poses: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return where the tool is, mm, shape (n, 2 or 3).

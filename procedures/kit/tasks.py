@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 from typing import Literal
 
+OpticsKind = Literal["angular", "linear"]
+"""Of an interferometer that stands beside the arm."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class TurnScrew:
@@ -39,10 +42,32 @@ class MountInterferometer:
 
 
 @dataclass(frozen=True, kw_only=True)
+class MountOptics:
+    """Set optics up: the retroreflector on the arm, the interferometer and the laser on their stands.
+
+    Attributes:
+        optics: which.
+        on: axis with which an angular retroreflector turns, or X, Y, Z of the base frame, along which a linear one
+            moves.
+    """
+
+    do: Literal["mount-optics"] = "mount-optics"
+    optics: OpticsKind
+    on: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class AlignOptics:
+    """Adjust what is set up until the returning beam is as strong as it gets."""
+
+    do: Literal["align-optics"] = "align-optics"
+
+
+@dataclass(frozen=True, kw_only=True)
 class ClearBeam:
     """Take away what stands in the beam."""
 
     do: Literal["clear-beam"] = "clear-beam"
 
 
-Task = TurnScrew | PlaceReflector | MountInterferometer | ClearBeam
+Task = TurnScrew | PlaceReflector | MountInterferometer | MountOptics | AlignOptics | ClearBeam

@@ -42,6 +42,8 @@ def scara_bench(bench: Bench, sections: ScaraSections) -> ScaraBench:
         workspace=bench.workspace,
         timing=bench.timing,
         tracker=bench.tracker,
+        angular_optics=bench.angular_optics,
+        linear_optics=bench.linear_optics,
         link1_mm=link1_mm,
         link2_mm=link2_mm,
         j3_mm=robot.j3_mm,

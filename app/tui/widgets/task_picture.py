@@ -3,7 +3,15 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from catseye.procedures.kit.tasks import ClearBeam, MountInterferometer, PlaceReflector, Task, TurnScrew
+from catseye.procedures.kit.tasks import (
+    AlignOptics,
+    ClearBeam,
+    MountInterferometer,
+    MountOptics,
+    PlaceReflector,
+    Task,
+    TurnScrew,
+)
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
@@ -19,6 +27,12 @@ def task_picture(task: Task | None, reflectors: "Sequence[ReflectorPlace]" = ())
             return _nests(task.reflector, reflectors)
         case MountInterferometer():
             return _mounting(task.turned_deg)
+        case MountOptics(optics="angular"):
+            return [f"▣━━━━━━━┫▞┣━━━━━━━◖◗   the double reflector turns with {task.on}"]
+        case MountOptics():
+            return [f"▣━━━━━━━┫▞┣━━━━━━━◖ →   the reflector moves along {task.on}"]
+        case AlignOptics():
+            return ["▣━━━━━━━┫▞┣━━━━━━━◖◗   turn and shift until the signal is at its largest"]
         case ClearBeam():
             return ["▣━━━━━━━ ╳ ━━━━━━━◗   nothing may stand in the beam"]
         case None:

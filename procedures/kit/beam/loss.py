@@ -144,15 +144,22 @@ class BeamLoss:
     Args:
         target_name: what is aimed at, for people: reflector P1.
         question_id: returns the id of a question by its number, from 1; answers files name it.
+        otherwise: what else to do where the beam does not come back.
     """
 
     def __init__(
-        self, ctx: Context, policy: BeamLossPolicy, target_name: str, question_id: Callable[[int], str]
+        self,
+        ctx: Context,
+        policy: BeamLossPolicy,
+        target_name: str,
+        question_id: Callable[[int], str],
+        otherwise: str = "search again (reflector-search)",
     ) -> None:
         self._ctx = ctx
         self._count = LossCount(policy)
         self._target_name = target_name
         self._question_id = question_id
+        self._otherwise = otherwise
 
     @property
     def failures(self) -> int:
@@ -187,7 +194,7 @@ class BeamLoss:
         raise BeamLostError(
             f"the beam to {self._target_name} was lost{times}: check that nothing stands in it and that the "
             f"reflector has not been moved. {where}: {cause.text}. What is stored stays; go on with "
-            "catseye resume when the beam is back, or search again (reflector-search)"
+            f"catseye resume when the beam is back, or {self._otherwise}"
         )
 
     def succeeded(self) -> None:

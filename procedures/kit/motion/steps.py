@@ -14,6 +14,21 @@ MOST: Final[dict[Unit, float]] = {"deg": 1.0, "mm": 2.0}
 """Largest relative motion: tests of the resolution step by a tenth of a degree and by a millimetre."""
 
 
+_SPEED_SHARE: Final = 1e-3
+"""Of an axis' or the tool's full speed with which steps are driven: resolution tests go at 0.1 %."""
+
+_FULL: Final = 100.0
+"""deg/s or mm/s: a rough full speed, for estimates of time."""
+
+_MESSAGES_S: Final = 0.2
+"""Spent on looking, sending and asking again, for each step."""
+
+
+def step_time_s(increment: float) -> float:
+    """Return the expected time of a step, s, by its size in deg or mm; its driver sets the true speed."""
+    return _MESSAGES_S + abs(increment) / (_SPEED_SHARE * _FULL)
+
+
 def axis_target(axes: Axes, here: Pose, axis: str, increment: float) -> Pose:
     """Return the joints after a step of one axis, deg or mm.
 
@@ -22,6 +37,11 @@ def axis_target(axes: Axes, here: Pose, axis: str, increment: float) -> Pose:
     """
     number = [each.name for each in axes].index(axis)
     return with_axis(here, number, here[number] + increment)
+
+
+def largest_change(here: Pose, target: Pose) -> float:
+    """Return the signed change of the axis that changes most, deg or mm."""
+    return max((to - at for at, to in zip(here, target, strict=True)), key=abs)
 
 
 def length_mm(shift_mm: Vector) -> float:

@@ -16,6 +16,9 @@ ALLOWED = {
     "cell/scara": "the room of that system; a contributor to its budget has such a name",
     "cell/scara/template.py": "comments of the cell file of that system",
     "cell/wizard/scara": "questions about the cell file of that system",
+    "results/resolution": "the room of that system, whose tests are called as the procedures are",
+    "tui/resolution": "as its results",
+    "tui/screens/results.py": "identifiers of widgets",
 }
 """Where a name may stand, and why; docstrings and the examples of help texts may name them anywhere."""
 

@@ -259,6 +259,10 @@ class IdealContext:
         """Refuse: open-loop tracking drives to poses."""
         raise AssertionError(f"{axis} was stepped by {increment}")
 
+    async def step_to(self, target: Pose) -> Stepped:
+        """Refuse as a step of an axis."""
+        raise AssertionError(f"the arm was stepped to {target}")
+
     async def step_line(self, increment_mm: tuple[float, float, float]) -> Stepped:
         """Refuse as a step of an axis."""
         raise AssertionError(f"the tool was stepped by {increment_mm}")

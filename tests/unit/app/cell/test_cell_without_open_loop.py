@@ -147,7 +147,9 @@ def test_readiness_names_what_is_missing(tmp_path: Path) -> None:
     for name in procedure_names():
         (need,) = needs_of(load_procedure(name), cell, bench, {}, runs)
         assert (need.what, need.met) == ("cell file", "missing")
-        assert need.text.startswith(f"{name} needs [[reflector]]")
+        kinds = load_procedure(name).needs.optics
+        missing = f"[{kinds[0]}_optics]" if kinds else "[[reflector]]"
+        assert need.text.startswith(f"{name} needs {missing}")
 
 
 def test_limits_that_the_cell_does_not_narrow_are_the_arms(tmp_path: Path) -> None:

@@ -1,0 +1,1 @@
+"""Motion resolution and backlash of joints, and the Cartesian resolution: an arm is stepped and recorded."""

@@ -1,0 +1,93 @@
+"""Making the places and series of a campaign."""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from typing import Annotated, Final
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from catseye.drivers.roles.pose import Pose
+from catseye.procedures.kit.bench import Bench
+from catseye.procedures.kit.errors import PlanError
+from catseye.procedures.resolution.campaign_plan import CampaignPlan, Place, Series, require_possible
+from catseye.procedures.resolution.places import chosen_axes, chosen_places, standing, turned
+
+Degrees = Annotated[float, Field(ge=-720.0, le=720.0)]
+
+SIGNS: Final = {1: "+", -1: "-"}
+
+_CHECK_DEG: Final = 1.0
+"""Between two looks at the beam while its range is checked."""
+
+
+class CampaignParams(BaseModel):
+    """What may be chosen for every test of resolution."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    standstill_s: float = Field(60.0, ge=10.0, le=600.0, description="standstill before the first move, s")
+    dwell_s: float = Field(5.0, ge=1.0, le=60.0, description="standstill after each move, s")
+    rate_hz: float = Field(
+        25.0,
+        ge=20.0,
+        le=1000.0,
+        description="rate at which a counter is asked that sends nothing by itself, Hz",
+    )
+
+
+class JointParams(CampaignParams):
+    """What may be chosen for tests of joints."""
+
+    joints: list[str] = Field([], description="axes to test; every axis that turns when empty")
+    positions: list[str] = Field([], description="K1 … K5 of each axis; all when empty")
+    pose_deg: list[Degrees] = Field(
+        [],
+        description="how the axes stand that are not tested, a value for each; middles of their ranges when empty",
+    )
+    run_in_deg: float = Field(
+        5.0, ge=0.5, le=10.0, description="motion in the test's direction before it, deg"
+    )
+
+
+MakeSeries = Callable[[str, str, Pose], Iterable[Series]]
+"""Returns the series at a place: axis, name of the position, pose."""
+
+
+def joint_campaign(bench: Bench, params: JointParams, make: MakeSeries) -> CampaignPlan:
+    """Return the campaign of a test over joints and positions, every pose and way of it checked.
+
+    Raises:
+        PlanLimitError: a pose lies outside the limits.
+        PlanError: a name is unknown, bodies come too near each other, or the cell has no angular optics.
+    """
+    rest = standing(bench, params.pose_deg)
+    places = []
+    for axis in chosen_axes(bench, params.joints):
+        for name, value in chosen_places(bench, axis, params.positions):
+            pose = turned(bench, rest, axis, value)
+            check = tuple(turned(bench, pose, axis, value + by) for by in _to_and_fro(params.run_in_deg))
+            places.append(
+                Place(axis, name, pose, value, "deg", "angular", check, tuple(make(axis, name, pose)))
+            )
+    return campaign(bench, params, places)
+
+
+def campaign(bench: Bench, params: CampaignParams, places: Sequence[Place]) -> CampaignPlan:
+    """Return a campaign over places, every pose and way of it checked.
+
+    Raises:
+        PlanLimitError: a pose lies outside the limits.
+        PlanError: there is nothing to do, bodies come too near each other, or optics are missing.
+    """
+    if not all(series.orders for place in places for series in place.series):
+        raise PlanError("a series has no step that this controller can command: begin with a larger one")
+    return require_possible(
+        CampaignPlan(bench, tuple(places), params.standstill_s, params.dwell_s, params.rate_hz)
+    )
+
+
+def _to_and_fro(reach_deg: float) -> list[float]:
+    """Return offsets from 0 up to a reach, down to its negative and back to 0."""
+    count = math.ceil(reach_deg / _CHECK_DEG)
+    up = [reach_deg * number / count for number in range(1, count + 1)]
+    return [*up, *reversed(up[:-1]), 0.0, *(-by for by in up), *(-by for by in reversed(up[:-1])), 0.0]

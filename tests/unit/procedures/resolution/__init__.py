@@ -1,0 +1,1 @@
+"""Tests of procedures that measure motion resolution."""
