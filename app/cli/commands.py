@@ -70,7 +70,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
     ),
     "design": Command("Find where to put the reflectors and which commands to use.", _SCARA),
     "resolution": Command(
-        "Find step errors, least increment steps and reversal errors in recordings.", _RESOLUTION
+        "Find step errors, least increment steps and reversal errors in runs or recordings.", _RESOLUTION
     ),
     "report": Command(
         "Write one self-contained HTML page about a run or a result, or about several results of motion resolution."

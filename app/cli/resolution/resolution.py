@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 
 import typer
 
-from catseye.app.cli.options import AsJson
+from catseye.app.cli.options import AsJson, MeasuredRuns, Runs, Unverified
 from catseye.app.cli.output import note, write_json, write_line
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.errors import UsageError
@@ -21,6 +21,7 @@ def resolution(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="result JSON to write; not with --preview")
     ] = None,
+    run: MeasuredRuns = None,
     recording: Annotated[
         Path | None, typer.Option(help="recording, CSV or Parquet; .rtl or .rta for --test backlash")
     ] = None,
@@ -44,6 +45,10 @@ def resolution(
     deviation_unit: Annotated[
         Literal["mrad", "urad", "arcsec", "mdeg"] | None, typer.Option(help="of the deviations of a .rta")
     ] = None,
+    align: Annotated[
+        Literal["auto", "none"],
+        typer.Option(help="find offset and drift between the clocks of the two files"),
+    ] = "none",
     threshold: Annotated[
         float, typer.Option(metavar="PERCENT", min=0.1, max=100.0, help="largest error of a step that counts")
     ] = 10.0,
@@ -56,25 +61,32 @@ def resolution(
     preview: Annotated[
         bool, typer.Option("--preview", help="show how the recording is read, write its mapping to stdout")
     ] = False,
+    runs: Runs = None,
+    unverified: Unverified = False,
     as_json: AsJson = False,
 ) -> None:
-    """Find step errors, least increment steps and reversal errors in recordings.
+    """Find step errors, least increment steps and reversal errors in runs or recordings.
 
     Example: catseye resolution --recording laser.csv --moves moves.csv --test decaying --joint A1 --position-deg 0
     --arm kr210-r2700 --spacing-mm 30 -o a1.json
     """
-    source = _given(recording, "--recording")
     if preview:
-        _show_preview(source, mapping, rate_hz, as_json=as_json)
+        _show_preview(_given(recording, "--recording"), mapping, rate_hz, as_json=as_json)
         return
+    result_file = _given(output, "-o")
+    require_output(result_file, recording, moves, joint_torque, mapping)
+    if run:
+        if recording is not None:
+            raise UsageError("state either runs or --recording")
+        _hand_over(_result_of_runs(run, threshold, runs, unverified=unverified), result_file, as_json=as_json)
+        return
+    source = _given(recording, "RUN or --recording")
     from catseye.app.results.resolution.csv_mapping import read_mapping
     from catseye.app.results.resolution.evaluation import Asked
     from catseye.app.results.resolution.imported import Import, imported_result
     from catseye.app.results.resolution.input_files import RecordingFile
     from catseye.calibration.resolution.optics import AngularOptics
 
-    result_file = _given(output, "-o")
-    require_output(result_file, source, moves, joint_torque, mapping)
     result = imported_result(
         Import(
             RecordingFile(
@@ -86,6 +98,7 @@ def resolution(
             moves,
             joint_torque,
             torque_channel,
+            align == "auto",
             deviation_unit,
         ),
         _given(arm, "--arm"),
@@ -97,6 +110,21 @@ def _given(value: GivenT | None, option: str) -> GivenT:
     if value is None:
         raise UsageError(f"{option} is missing; catseye resolution -h explains the options")
     return value
+
+
+def _result_of_runs(
+    names: list[str], threshold: float, runs: Path | None, *, unverified: bool
+) -> "ResolutionResult":
+    from catseye.app.results.resolution.recorded_runs import result_of_runs
+    from catseye.app.store.catalog import resolve_run
+    from catseye.app.store.reader import RunReader, accept
+    from catseye.app.store.runs_folder import runs_folder
+    from catseye.app.store.unverified import taken_as_it_is
+
+    folder = runs_folder(runs)
+    readers = [RunReader(resolve_run(folder, name), accept(unverified=unverified)) for name in names]
+    with taken_as_it_is(*readers):
+        return result_of_runs(readers, threshold)
 
 
 def _show_preview(source: Path, mapping: Path | None, rate_hz: float | None, *, as_json: bool) -> None:

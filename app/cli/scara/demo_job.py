@@ -21,11 +21,11 @@ from catseye.app.exitcode import ExitCode
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.documents import read_truth
 from catseye.app.protocol.procedures import analysed_by, on_the_way, parse_params
+from catseye.app.results.runs.run_source import are_simulated
 from catseye.app.results.scara.budget_part import BudgetPart
 from catseye.app.results.scara.export import run_export
 from catseye.app.results.scara.identify import (
     MODELS,
-    are_simulated,
     bench_of_runs,
     identified_result,
     identify_points,

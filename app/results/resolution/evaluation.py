@@ -6,9 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from catseye.calibration.resolution.backlash import backlash
-from catseye.calibration.resolution.decaying import decaying_test
-from catseye.calibration.resolution.iso import IsoTest, iso_amplitude, iso_test
 
 from catseye.app.results.resolution.result import (
     AngularTest,
@@ -21,8 +18,11 @@ from catseye.app.results.resolution.result import (
 )
 from catseye.app.results.resolution.step_parts import duration_s, move_rows, outside, staircase, unit_of
 from catseye.calibration.core.types import Floats
+from catseye.calibration.resolution.backlash import backlash
+from catseye.calibration.resolution.decaying import decaying_test
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.flags import Flag
+from catseye.calibration.resolution.iso import IsoTest, iso_amplitude, iso_test
 from catseye.calibration.resolution.moves import Moves
 from catseye.calibration.resolution.noise import standstill_before
 from catseye.calibration.resolution.optics import Optics

@@ -7,18 +7,20 @@ from catseye.app.cell.arm import ArmDescription, arm_description
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.results.origin import now_utc
 from catseye.app.results.provenance import Provenance
+from catseye.app.results.resolution.actuation import actuation_of
 from catseye.app.results.resolution.evaluation import Asked, Series, evaluated
 from catseye.app.results.resolution.input_files import RecordingFile, read_moves, read_recording
 from catseye.app.results.resolution.result import (
-    Actuation,
     AngularTest,
     AnyTest,
+    Clocks,
     LinearTest,
     ResolutionResult,
 )
 from catseye.app.results.resolution.target_reversal import DeviationUnit, is_target_file, reversal_of_targets
 from catseye.app.results.resolution.torque_file import read_torque
 from catseye.app.store.software import SOFTWARE
+from catseye.calibration.resolution.alignment import ClockAlignment, align
 from catseye.calibration.resolution.optics import LinearOptics
 
 _AXES = ("X", "Y", "Z")
@@ -34,6 +36,7 @@ class Import:
         moves: commanded meanwhile; None with target deviations.
         joint_torque: of the motor; None for none.
         torque_channel: of a trace with several torques.
+        align: find offset and drift of the two clocks.
         deviation_unit: of the deviations of a `.rta`.
     """
 
@@ -42,6 +45,7 @@ class Import:
     moves: Path | None = None
     joint_torque: Path | None = None
     torque_channel: str | None = None
+    align: bool = False
     deviation_unit: DeviationUnit | None = None
 
 
@@ -83,21 +87,12 @@ def imported_result(given: Import, arm: str) -> ResolutionResult:
     )
 
 
-def actuation_of(description: ArmDescription) -> list[Actuation]:
-    """Return what drives the joints, as far as the description of an arm says it."""
-    return [
-        Actuation(joint=joint.name, gear_ratio=joint.gear_ratio, encoder_bits=joint.encoder_bits)
-        for joint in description.joint
-        if joint.gear_ratio is not None and joint.encoder_bits is not None and joint.type == "revolute"
-    ]
-
-
 def imported_test(given: Import) -> AnyTest:
     """Return what a test in files comes to.
 
     Raises:
         UsageError: a file cannot be used, or they do not belong together; names line and remedy.
-        CalibrationError: recording and moves do not fit.
+        CalibrationError: recording and moves do not fit, or their clocks cannot be aligned without doubt.
     """
     if is_target_file(given.recording.path) and given.asked.test == "backlash":
         return _of_targets(given)
@@ -111,7 +106,31 @@ def imported_test(given: Import) -> AnyTest:
     if given.joint_torque is not None:
         torque = read_torque(given.joint_torque, given.torque_channel)
         series = replace(series, torque_s=torque["t_s"], torque_nm=torque["torque_nm"])
-    return evaluated(given.asked, [series])
+    if not given.align:
+        return evaluated(given.asked, [series])
+    clocks = align(recording, moves)
+    torque_s = None if series.torque_s is None else clocks.times_s(series.torque_s)
+    aligned = evaluated(given.asked, [replace(series, moves=clocks.moves(moves), torque_s=torque_s)])
+    stated = _clocks(clocks)
+    return aligned.model_copy(update={"clocks": stated, "flags": [_clocks_text(stated), *aligned.flags]})
+
+
+def _clocks(found: ClockAlignment) -> Clocks:
+    return Clocks(
+        offset_s=found.offset_s,
+        u_offset_s=found.u_offset_s,
+        drift_ppm=1e6 * found.drift,
+        u_drift_ppm=1e6 * found.u_drift,
+        peaks=found.peaks,
+    )
+
+
+def _clocks_text(clocks: Clocks) -> str:
+    return (
+        f"the recording's clock is {clocks.offset_s:.3f} s ± {clocks.u_offset_s:.3f} s ahead of that of the moves "
+        f"and gains {clocks.drift_ppm:.0f} ppm ± {clocks.u_drift_ppm:.0f} ppm (from {clocks.peaks} steps): the moves "
+        "were aligned to it"
+    )
 
 
 def _of_targets(given: Import) -> AnyTest:

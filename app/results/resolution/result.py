@@ -182,6 +182,24 @@ class Torque(ResultPart):
     backward_nm: Finite
 
 
+class Clocks(ResultPart):
+    """The recording's clock against that of the moves, where they were aligned.
+
+    Attributes:
+        offset_s: what it is ahead, s.
+        u_offset_s: standard uncertainty, s.
+        drift_ppm: what it gains.
+        u_drift_ppm: standard uncertainty.
+        peaks: steps that this comes from.
+    """
+
+    offset_s: Finite
+    u_offset_s: Uncertainty
+    drift_ppm: Finite
+    u_drift_ppm: Uncertainty
+    peaks: int
+
+
 class _Test(ResultPart):
     """One test of a joint at one position, or of a Cartesian direction.
 
@@ -197,6 +215,7 @@ class _Test(ResultPart):
         pose: name of the pose of a Cartesian test.
         duration_s: from the first move to the end of the last plateau.
         torque: of a backlash test.
+        clocks: None where recording and moves have one clock.
         shipped: comes with the program, recorded on the emulated bench, and is not of this arm.
     """
 
@@ -211,6 +230,7 @@ class _Test(ResultPart):
     pose: str | None = None
     duration_s: Uncertainty | None = None
     torque: Torque | None = None
+    clocks: Clocks | None = None
     shipped: bool = False
 
 
