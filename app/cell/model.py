@@ -43,8 +43,7 @@ def _checked_further(text: str | None) -> str | None:
     return None if text is None else _checked_endpoint(text)
 
 
-def _usual_model(stated: dict[str, Any]) -> str:
-    return "RH-3FRH5515" if stated.get("arm") == "rh-3frh5515" else ""
+_DEFAULT_ARM: Final = ScaraRobot.model_fields["arm"].default
 
 
 class Robot(ScaraRobot):
@@ -57,8 +56,7 @@ class Robot(ScaraRobot):
     settings: Settings = Field(default_factory=dict)
     # Path of the description of what the flange carries.
     tool: str | None = None
-    # A controller that drives another arm calls itself otherwise; only of the one described first is it known how.
-    expected_model: str = Field(default_factory=_usual_model)
+    expected_model: str = "RH-3FRH5515"
     override_cap_percent: Annotated[float, Field(ge=1.0, le=100.0, allow_inf_nan=False)] = 20.0
     override_cap_reason: str = ""
     # Only where set points are streamed: the fastest joint on the way from node to node.
@@ -72,6 +70,14 @@ class Robot(ScaraRobot):
         """Endpoints of connections for paths, by their keys."""
         given = {"datalink_endpoint": self.datalink_endpoint, "mxt_endpoint": self.mxt_endpoint}
         return {key: endpoint for key, endpoint in given.items() if endpoint is not None}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _model_of_another_arm(cls, data: Any) -> Any:
+        """How a controller calls itself is known of the default's arm only; of others any name will do."""
+        if isinstance(data, dict) and data.get("arm", _DEFAULT_ARM) != _DEFAULT_ARM:
+            return {"expected_model": "", **data}
+        return data
 
     _endpoint = field_validator("endpoint")(_checked_endpoint)
     _further = field_validator("datalink_endpoint", "mxt_endpoint")(_checked_further)

@@ -14,7 +14,7 @@ class Command:
 
     Attributes:
         summary: the first line of its own docstring.
-        package: holds a module of the command's name, which declares it.
+        package: holds a module of the command's name, hyphens as underscores, which declares it.
     """
 
     summary: str
@@ -71,6 +71,12 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "design": Command("Find where to put the reflectors and which commands to use.", _SCARA),
     "resolution": Command(
         "Find step errors, least increment steps and reversal errors in runs or recordings.", _RESOLUTION
+    ),
+    "resolution-model": Command(
+        "Make look-up tables of step errors from results of motion resolution.", _RESOLUTION
+    ),
+    "predict-resolution": Command(
+        "Predict the smallest steps of the tool at poses, from look-up tables of its joints.", _RESOLUTION
     ),
     "report": Command(
         "Write one self-contained HTML page about a run or a result, or about several results of motion resolution."

@@ -30,8 +30,9 @@ def add_commands(cli: typer.Typer) -> None:
 
 def declaration_of(name: str) -> Callable[..., None] | typer.Typer:
     """Return what the command's module declares: a function, or a Typer with commands of its own."""
+    python_name = name.replace("-", "_")
     declared: Callable[..., None] | typer.Typer = getattr(
-        import_module(f"{COMMANDS[name].package}.{name}"), name
+        import_module(f"{COMMANDS[name].package}.{python_name}"), python_name
     )
     return declared
 

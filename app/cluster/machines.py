@@ -30,7 +30,7 @@ _LOOK_S = 2.0
 _PATIENCE = 15
 """After so many looks without any worker the work is given up; a busy machine takes ten seconds to restart one."""
 
-_PACKAGES = ("catseye", "numpy", "scipy", "distributed")
+_PACKAGES = ("catseye", "numpy", "scipy", "scikit-learn", "distributed")
 
 
 class Machines:

@@ -55,15 +55,18 @@ def table_blocks(path: Path, table: TableRule, names: Sequence[str] = ()) -> Ite
         raise _without_rows(path, table)
 
 
-def read_rows(path: Path, table: TableRule) -> tuple[list[CsvRow], Columns]:
+def read_rows(path: Path, table: TableRule, names: Sequence[str] = ()) -> tuple[list[CsvRow], Columns]:
     """Read a CSV table with the text of its cells.
+
+    Args:
+        names: as for `table_blocks`.
 
     Raises:
         UsageError: as for `table_blocks`.
     """
     rows: list[CsvRow] = []
     blocks: list[Columns] = []
-    for found, block in csv_blocks_of_text(path, table):
+    for found, block in csv_blocks_of_text(path, table, tuple(names)):
         rows += found
         blocks.append(block)
     if not rows:

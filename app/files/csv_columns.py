@@ -34,10 +34,12 @@ def csv_blocks(path: Path, table: TableRule, names: tuple[str, ...]) -> Iterator
         yield share, replace(block, attached=top.attached)
 
 
-def csv_blocks_of_text(path: Path, table: TableRule) -> Iterator[tuple[list[CsvRow], Columns]]:
+def csv_blocks_of_text(
+    path: Path, table: TableRule, names: tuple[str, ...]
+) -> Iterator[tuple[list[CsvRow], Columns]]:
     """Read the same with the text of the cells."""
     for top, line, text, _ in _below_header(path, table):
-        yield _row_by_row(path, top.header, form_of(table, top.header), line, text, ())
+        yield _row_by_row(path, top.header, form_of(table, top.header), line, text, names)
 
 
 @dataclass(frozen=True)

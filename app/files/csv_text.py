@@ -4,6 +4,7 @@ import csv
 import io
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 _MARK: Final = "'"
@@ -16,6 +17,16 @@ _FORMULA: Final = r"(?=(?:[^\S\t\r\n]|[\"'])*[=+\-@\uff1d\uff0b\uff0d\uff20]|'*[
 _UNMARKED: Final = re.compile(_BEGINNING + _FORMULA)
 _MARKED: Final = re.compile(_BEGINNING + _MARK + _FORMULA)
 _NUMBER: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+
+
+@dataclass(frozen=True)
+class OwnWord:
+    """A word that the program alone can have written, +X for example: it stands as it is."""
+
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
 
 
 def csv_text(names: Sequence[str], rows: Iterable[Sequence[object]], comments: Iterable[str] = ()) -> str:

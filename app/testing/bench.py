@@ -16,9 +16,11 @@ from catseye.simulators.config import (
 from catseye.simulators.control_port.client import ask, ask_blocking
 from catseye.simulators.control_port.messages import (
     Answer,
+    ArmState,
     ClearFaults,
     Fault,
     JournalEntry,
+    ReadArm,
     ReadLog,
     ReadState,
     ReadTruth,
@@ -26,7 +28,7 @@ from catseye.simulators.control_port.messages import (
     State,
     fault_named,
 )
-from catseye.simulators.emulated_bench import EmulatedBench
+from catseye.simulators.emulated_bench import ServedBench, served_bench
 from catseye.simulators.emulator import load_emulator
 from catseye.simulators.errors import EmulatorError
 
@@ -94,6 +96,10 @@ class RunningBench(_ServedBench):
     def state(self) -> State:
         """Return the true state of the bench: joints, motion, beam, servo, alarm."""
         return self.ask(ReadState())
+
+    def arm(self) -> ArmState:
+        """Return the true state of the arm, whatever it carries: joints, motion, servo, alarm."""
+        return self.ask(ReadArm())
 
     def truth(self) -> dict[str, Any]:
         """Return the true arm in the result format."""
@@ -171,7 +177,7 @@ def bench_in_thread(config: EmulationConfig) -> Iterator[RunningBench]:
     Raises:
         EmulatorError: a protocol, an option or an endpoint cannot be used.
     """
-    bench = EmulatedBench(config)
+    bench = served_bench(config)
     with LoopThread("catseye emulators") as thread:
         thread.run(bench.__aenter__())
         try:
@@ -187,11 +193,11 @@ async def bench_on_loop(config: EmulationConfig) -> AsyncIterator[AsyncBench]:
     Raises:
         EmulatorError: a protocol, an option or an endpoint cannot be used.
     """
-    async with EmulatedBench(config) as bench:
+    async with served_bench(config) as bench:
         yield AsyncBench(*_served(bench))
 
 
-def _served(bench: EmulatedBench) -> tuple[Endpoints, str]:
+def _served(bench: ServedBench) -> tuple[Endpoints, str]:
     return by_name([(served.device, served.endpoint) for served in bench.endpoints])
 
 

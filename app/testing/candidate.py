@@ -2,17 +2,22 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
 
+from catseye.app.cell.arm import shipped_arm
 from catseye.drivers.roles.device import Role
 from catseye.drivers.roles.registry import load_driver
 from catseye.simulators.config import Option
-from catseye.simulators.emulator import emulator_names
+from catseye.simulators.emulator import emulator_names, load_emulator
 
 _LEAST_PATIENCE_S, _MOST_PATIENCE_S = 5.0, 40.0
 _SLOW = ("move", "start", "servo", "stop")
 """Beginnings of the names of time-outs that are no question's."""
+
+
+BUILT_IN_ARMS: Final = {"scara": "rh-3frh5515", "serial": "kr210-r2700"}
+"""Descriptions of the arms on the built-in benches, by what emulators of robots call them."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +32,7 @@ class Candidate:
         settings: as in a cell file.
         allow_motion: a robot behind `endpoint` may be moved.
         options: of the built-in emulator, beyond the settings.
+        arm: of a robot's, the name of its description.
     """
 
     name: str
@@ -36,6 +42,7 @@ class Candidate:
     settings: Mapping[str, Any] = field(default_factory=dict)
     allow_motion: bool = False
     options: Mapping[str, Option] = field(default_factory=dict)
+    arm: str = BUILT_IN_ARMS["scara"]
 
     @property
     def emulated(self) -> bool:
@@ -77,6 +84,7 @@ def candidate_of(
     endpoint: str | None = None,
     settings: Mapping[str, Any] | None = None,
     allow_motion: bool = False,
+    arm: str | None = None,
 ) -> Candidate:
     """Return a driver by its entry point.
 
@@ -84,9 +92,11 @@ def candidate_of(
         name: entry point in the group `catseye.drivers`.
         endpoint: what it is to talk to; None for the built-in emulator.
         allow_motion: a robot behind `endpoint` may be moved.
+        arm: of a robot, the name of its description; None for the one that stands on the built-in bench.
 
     Raises:
         LookupError: there is no such driver, no emulator for it, or the class is no driver; the text says what to do.
+        ValueError: there is no such arm.
     """
     driver = load_driver(name)
     candidate = Candidate(name, driver, driver.role, endpoint, dict(settings or {}), allow_motion)
@@ -94,7 +104,10 @@ def candidate_of(
         raise LookupError(
             f"there is no emulator for {name}: give --endpoint URL of the device or of an emulator"
         )
-    return candidate
+    emulated = [load_emulator(door).arm for door in candidate.doors.values() if door in emulator_names()]
+    named = arm or BUILT_IN_ARMS[emulated[0] if emulated else "scara"]
+    shipped_arm(named)
+    return replace(candidate, arm=named)
 
 
 def parse_setting(text: str) -> tuple[str, Any]:

@@ -24,6 +24,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="a setting of the driver; may be repeated",
     )
     group.addoption(
+        "--arm", metavar="NAME", help="description of a robot's arm; that of the built-in bench if left out"
+    )
+    group.addoption(
         "--allow-motion", action="store_true", help="the robot behind --endpoint may move, slowly"
     )
 
@@ -47,6 +50,7 @@ def pytest_configure(config: pytest.Config) -> None:
             endpoint=config.getoption("--endpoint"),
             settings=dict(map(parse_setting, config.getoption("--setting"))),
             allow_motion=config.getoption("--allow-motion"),
+            arm=config.getoption("--arm"),
         )
     except (LookupError, ValueError) as error:
         raise pytest.UsageError(str(error.args[0])) from error

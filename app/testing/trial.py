@@ -8,13 +8,15 @@ from dataclasses import dataclass
 from typing import Any, Final
 from urllib.parse import urlsplit
 
+from catseye.app.cell.arm import shipped_arm
+from catseye.app.service.serial.emulation import serial_arm_of
 from catseye.app.testing.bench import RunningBench, bench_config, bench_in_thread
 from catseye.app.testing.candidate import Candidate
 from catseye.app.testing.proxy import Proxy, ProxyThread
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.device import Role
 from catseye.drivers.roles.errors import DeviceError
-from catseye.simulators.config import ArmDynamics, EmulatedDevice
+from catseye.simulators.config import ArmDynamics, EmulatedDevice, EmulationConfig
 from catseye.simulators.emulator import load_emulator
 
 ROBOT = "robot"
@@ -183,7 +185,7 @@ def trial_of(candidate: Candidate) -> Iterator[Trial]:
         threads = stack.enter_context(ProxyThread("catseye proxies"))
         bench: RunningBench | None = None
         if candidate.emulated:
-            config = bench_config(*_devices(candidate), dynamics=ArmDynamics(servo_delay_s=_SERVO_DELAY_S))
+            config = _config(candidate)
             bench = stack.enter_context(bench_in_thread(config))
             endpoints = _bench_endpoints(candidate, bench)
         else:
@@ -196,6 +198,16 @@ def trial_of(candidate: Candidate) -> Iterator[Trial]:
                 proxies.append(proxy)
                 endpoints[name] = proxy.endpoint
         yield Trial(candidate, endpoints, proxies, threads, bench)
+
+
+def _config(candidate: Candidate) -> EmulationConfig:
+    """Return the bench of the arm that the driver moves; for other devices any arm will do."""
+    devices = _devices(candidate)
+    if all(load_emulator(device.protocol).arm == "scara" for device in devices):
+        return bench_config(*devices, dynamics=ArmDynamics(servo_delay_s=_SERVO_DELAY_S))
+    arm = serial_arm_of(shipped_arm(candidate.arm))
+    middle = tuple(0.5 * (joint.low + joint.high) for joint in arm.joints)
+    return EmulationConfig(serial=arm, start_joints=middle, devices=tuple(devices))
 
 
 def _devices(candidate: Candidate) -> list[EmulatedDevice]:

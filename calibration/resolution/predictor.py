@@ -161,10 +161,10 @@ def _least_step(
     expected = int(steps_within(mean, threshold))
     if not expected:
         text = f"the error is {mean[0]:+.0f} % at the first step, {sizes[0]:.2g} {unit}: the least step is larger"
-        return PredictedStep(None, None, None, text)
+        return no_prediction(text)
     if expected == sizes.size:
         text = f"within ±{threshold:g} % down to {sizes[-1]:.2g} {unit}, where {why_end}"
-        return PredictedStep(None, None, None, text)
+        return no_prediction(text)
     runs = steps_within(moving_mean(errors_percent.T), threshold)
     fewest, most = np.quantile(runs, [0.025, 0.975], method="weibull")
     fewest, most = min(math.floor(fewest), expected), max(math.ceil(most), expected)
@@ -191,4 +191,9 @@ def unit_of(direction: str) -> str:
 
 def _empty(direction: str, reason: str) -> DirectionPrediction:
     none = np.zeros(0)
-    return DirectionPrediction(direction, none, none, none, none, PredictedStep(None, None, None, reason))
+    return DirectionPrediction(direction, none, none, none, none, no_prediction(reason))
+
+
+def no_prediction(reason: str) -> PredictedStep:
+    """Return that there is no least step, and why."""
+    return PredictedStep(None, None, None, reason)

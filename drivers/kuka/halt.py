@@ -31,7 +31,7 @@ class Halt:
     """One stop of the robot.
 
     Args:
-        proxies: every connection; the first is asked where the arm is, then the second.
+        proxies: every connection on which STOP is written and the arm is looked at.
         clock: time of the polls.
     """
 
@@ -44,41 +44,50 @@ class Halt:
     def send(self) -> None:
         """Hand STOP to the operating system on every connection; waits for nothing."""
         for proxy in self._proxies:
-            try:
-                proxy.link.send_urgent(STOP_BYTES, cut=b"")
-            except LinkError as exc:
-                self._refusals.append(str(exc))
+            self._write(proxy)
 
     async def confirm(self) -> None:
-        """Repeat STOP until the arm is seen to stand.
+        """Repeat STOP on every connection until one of them sees the arm stand.
 
         Raises:
             LinkError: nobody says that it stands: use the emergency stop.
         """
+        looks = {asyncio.create_task(self._look_until_it_stands(proxy)) for proxy in self._proxies}
         try:
-            async with asyncio.timeout(self._settings.stop_timeout_s):
-                while not await self._stands():
-                    await asyncio.sleep(PERIOD_S)
-                    self.send()
-        except TimeoutError:
+            done, _ = await asyncio.wait(
+                looks, timeout=self._settings.stop_timeout_s, return_when=asyncio.FIRST_COMPLETED
+            )
+        finally:
+            for look in looks:
+                look.cancel()
+            await asyncio.gather(*looks, return_exceptions=True)
+            for proxy in self._proxies:
+                await proxy.link.end_flood()
+        if not done:
             raise LinkError(
                 f"{self._proxies[0].where}: STOP was written, but the standstill is not confirmed: {_PRESS} "
                 f"({'; '.join(self._refusals[-3:]) or 'the arm moves on'})"
-            ) from None
-        finally:
-            for proxy in self._proxies:
-                await proxy.link.end_flood()
+            )
+        for look in done:
+            look.result()
 
-    async def _stands(self) -> bool:
-        """Stop and look on one connection after the other; return whether one saw the arm at rest."""
-        for proxy in self._proxies:
+    def _write(self, proxy: Proxy) -> None:
+        try:
+            proxy.link.send_urgent(STOP_BYTES, cut=b"")
+        except LinkError as exc:
+            self._refusals.append(str(exc))
+
+    async def _look_until_it_stands(self, proxy: Proxy) -> None:
+        """Stop and look on one connection, which is healed for it, until the arm is at rest."""
+        while True:
             try:
                 await proxy.write(STOP)
                 if await self._rests(proxy):
-                    return True
+                    return
             except DeviceError as exc:
                 self._refusals.append(str(exc))
-        return False
+            await asyncio.sleep(PERIOD_S)
+            self._write(proxy)
 
     async def _rests(self, proxy: Proxy) -> bool:
         """Return whether the program moves nothing and a few looks see one and the same place."""

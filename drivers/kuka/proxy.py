@@ -159,7 +159,12 @@ class Proxy:
             )
 
     async def _greet(self) -> None:
-        await self._ping()
+        try:
+            await self._ping()
+        except ProtocolError as exc:
+            raise ProtocolError(
+                f"{exc}: check that the endpoint is that of KUKAVARPROXY or C3 Bridge"
+            ) from None
         reply = await self._exchange(_TYPE)
         named = reply.items[0].text if reply.error == codec.SUCCESS else ""
         self.kind = named if named.upper().startswith(_C3) else ""

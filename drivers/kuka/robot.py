@@ -52,7 +52,7 @@ class KukaVarproxy(Robot):
 
     Settings: ClassVar[type[KukaSettings]] = KukaSettings
     summary: ClassVar[str] = "KUKA controller with KUKAVARPROXY or C3 Bridge and the program CATSKUKA"
-    abilities: ClassVar[RobotAbilities] = RobotAbilities(takes_guard=True, steps=True)
+    abilities: ClassVar[RobotAbilities] = RobotAbilities(takes_guard=True, numbers_alarms=False, steps=True)
 
     def __init__(
         self,

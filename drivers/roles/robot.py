@@ -55,6 +55,7 @@ class RobotAbilities:
         takes_guard: `at` takes a setting `guard`, to which it hands its connections.
         further_endpoint: key of the [robot] section, and argument of `at`, with the endpoint of a connection of its
             own for paths; empty for none.
+        numbers_alarms: the controller tells the number of its alarm; otherwise any alarm is number 1.
         steps: `step_axis` and `step_line` move by increments that the controller adds itself.
         command_resolution: smallest increment of an axis that the controller tells from none, by the unit of the
             axis: {"deg": 0.001}; None where its maker states none.
@@ -64,6 +65,7 @@ class RobotAbilities:
     jogs: bool = False
     takes_guard: bool = False
     further_endpoint: str = ""
+    numbers_alarms: bool = True
     steps: bool = False
     command_resolution: Mapping[Unit, float] | None = None
 

@@ -31,6 +31,8 @@ _NO_BODIES: Final = (
     "io",
     "material",
     "tracker",
+    "angular_optics",
+    "linear_optics",
     "device",
     "alignment",
     "conditions",

@@ -41,7 +41,7 @@ def serial_emulation_config(cell: Cell, speed: float, seed: int, truth: Path | N
         control="tcp://127.0.0.1:0" if cell.tracker is None else cell.tracker.endpoint,
         speed=speed,
         seed=seed,
-        arm_optics=_optics(tool),
+        arm_optics=_optics(cell, tool),
         truth=None if truth is None else TruthText(read_document(truth), str(truth)),
     )
 
@@ -54,11 +54,17 @@ def serial_arm_of(description: ArmDescription, tool: ToolDescription | None = No
     return SerialArm(description.name, tuple(map(_joint, description.joint)), loads)
 
 
-def _optics(tool: ToolDescription | None) -> ArmOptics:
-    """Return optics whose linear retroreflector sits at the first target of the tool, or on the flange."""
-    if tool is None or not tool.target:
-        return ArmOptics()
-    return ArmOptics(target_mm=tool.place_mm(tool.target[0].name))
+def _optics(cell: Cell, tool: ToolDescription | None) -> ArmOptics:
+    """Return the optics of a cell; the linear retroreflector sits at the tool's first target, or on the flange."""
+    optics = ArmOptics()
+    if cell.angular_optics is not None:
+        angular = cell.angular_optics
+        optics = replace(optics, spacing_mm=angular.spacing_mm, u_spacing_mm=angular.u_spacing_mm)
+    if cell.linear_optics is not None:
+        optics = replace(optics, distance_mm=cell.linear_optics.distance_mm)
+    if tool is not None and tool.target:
+        optics = replace(optics, target_mm=tool.place_mm(tool.target[0].name))
+    return optics
 
 
 def _joint(joint: Joint) -> SerialJoint:

@@ -114,8 +114,11 @@ async def arguments_carry_units(trial: Trial) -> None:
     for name, member in inspect.getmembers(trial.candidate.driver, inspect.isroutine):
         if name.startswith("_"):
             continue
+        # A role has its own reasons: the unit of an increment is that of its axis.
+        of_role = getattr(_PROTOCOLS[trial.candidate.role], name, None)
+        named = set() if of_role is None else set(inspect.signature(of_role).parameters)
         for argument in inspect.signature(member).parameters.values():
-            plain = argument.annotation not in {float, "float"}
+            plain = argument.annotation not in {float, "float"} or argument.name in named
             expect(plain or _has_unit(argument.name), f"{name}({argument.name}): end the name in its unit")
 
 

@@ -142,8 +142,7 @@ class ArmBeam(CountedBeam):
         return self._arm.links_deg(np.array([self._now()]))
 
     def _frames(self, joint: int, times_s: Floats) -> Floats:
-        frames: Floats = self._arm.screws.frames(self._arm.links_deg(times_s)[:, :joint])[:, joint]
-        return frames
+        return self._arm.screws.last_frame(self._arm.links_deg(times_s)[:, :joint])
 
     def _drift_mm(self, times_s: Floats) -> Floats:
         """Return what tripods and air add: to the angular optics, whose beams share them, their difference alone."""

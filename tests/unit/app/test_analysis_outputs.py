@@ -15,6 +15,8 @@ COMMANDS = {
     "validate": ["validate", "result.json", "--measured", "points.csv"],
     "compensate": ["compensate", "result.json", "--path", "points.csv", "--cell", "cell.toml"],
     "design": ["design", "--cell", "cell.toml", "--path", "points.csv"],
+    "resolution-model": ["resolution-model", "result.json"],
+    "predict-resolution": ["predict-resolution", "points.csv", "--arm", "irb120", "--poses", "cell.toml"],
     "report": ["report", "result.json"],
     "export": ["export", "result.json"],
 }

@@ -9,7 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from catseye.app.files.csv_lines import cells_of
-from catseye.app.files.csv_text import csv_text, marked, unmarked
+from catseye.app.files.csv_text import OwnWord, csv_text, marked, unmarked
 from catseye.app.files.tabular import table_csv
 from catseye.app.results.scara.points import COLUMNS, point_columns, points_csv, read_points
 from catseye.procedures.kit.columns import Columns
@@ -95,3 +95,7 @@ def test_each_text_comes_back(text: str) -> None:
 def test_each_text_comes_back_through_a_line(text: str) -> None:
     line = csv_text(["x", text], []).removesuffix("\n")
     assert cells_of(Path("t.csv"), 1, line) == ["x", text]
+
+
+def test_a_word_of_the_program_stands_as_it_is() -> None:
+    assert csv_text(["direction"], [[OwnWord("+X")], ["+X"]]) == "direction\n+X\n'+X\n"

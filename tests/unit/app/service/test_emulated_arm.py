@@ -64,6 +64,18 @@ def test_the_tool_loads_the_flange_and_carries_the_retroreflector(tmp_path: Path
     assert config.arm_optics.target_mm == (10.0, 20.0, 300.0)
 
 
+def test_emulated_optics_are_those_of_the_cell() -> None:
+    sections = """
+[angular_optics]
+spacing_mm = 31.5
+u_spacing_mm = 0.02
+[linear_optics]
+distance_mm = 400.0
+"""
+    optics = emulation_config(Cell.model_validate(tomllib.loads(LEAST + sections)), 1.0, 0, None).arm_optics
+    assert (optics.spacing_mm, optics.u_spacing_mm, optics.distance_mm) == (31.5, 0.02, 400.0)
+
+
 def test_a_melfa_moves_a_scara() -> None:
     assert emulation_config(Cell.model_validate(tomllib.loads(TEMPLATE)), 1.0, 0, None).serial is None
 

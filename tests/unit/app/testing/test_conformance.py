@@ -33,6 +33,14 @@ def test_a_foreign_robot_is_moved_by_permission_only() -> None:
     assert not moving & {check.name for check in applicable(allowed)}
 
 
+def test_a_robot_has_the_arm_of_its_emulator_unless_named() -> None:
+    arms = [candidate_of(name).arm for name in ("melfa-r3", "kuka-varproxy")]
+    assert arms == ["rh-3frh5515", "kr210-r2700"]
+    assert candidate_of("kuka-varproxy", endpoint="tcp://192.0.2.1:7000", arm="irb120").arm == "irb120"
+    with pytest.raises(ValueError, match="no description"):
+        candidate_of("kuka-varproxy", endpoint="tcp://192.0.2.1:7000", arm="kr3")
+
+
 def test_a_candidate_has_the_role_of_its_class() -> None:
     roles = {
         name: candidate_of(name).role for name in ("melfa-r3", "line-counter", "modbus-air", "bench-tracker")

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, Joints, Option, SerialArm
 from catseye.simulators.emulated_bench import EmulatedSerialBench
-from catseye.simulators.kuka.controller import KukaController
 from tests.unit.simulators.world.serial.arms import exact_truth, serial_arm
 
 UPRIGHT: Joints = (0.0, -90.0, 90.0, 0.0, 30.0, 0.0)
@@ -29,8 +28,3 @@ def _exact_arm() -> SerialArm:
     """Return the arm with encoders of no coarser step than floating point."""
     arm = serial_arm("kr210-r2700")
     return replace(arm, joints=tuple(replace(joint, encoder_bits=48) for joint in arm.joints))
-
-
-def standing_controller() -> KukaController:
-    """Return a controller whose program runs and whose arm stands; only the test lets bench time pass."""
-    return kuka_bench().controller

@@ -7,6 +7,7 @@ from catseye.app.cell.arm import shipped_arm
 from catseye.app.cell.serial_arm import chain_of, loads_of
 from catseye.calibration.kinematics.gravity import Load, gravity_torques
 from catseye.simulators.config import SerialJoint, SerialLoad
+from catseye.simulators.errors import BenchError
 from catseye.simulators.world.serial.screws import ScrewArm
 from catseye.simulators.world.types import Floats
 from tests.unit.simulators.world.serial.arms import TOOL, serial_arm
@@ -36,6 +37,18 @@ def test_screws_and_kinematics_agree_on_holding_torques(name: str) -> None:
     expected = -signs * gravity_torques(chain_of(described), loads, poses)
     found = ScrewArm(arm.joints, arm.loads).holding_torques(poses)
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-9)
+
+
+def test_a_sliding_joint_is_refused() -> None:
+    slide = SerialJoint("A3", True, 0.0, 0.0, 0.0, 0.0, 1, 0.0, 100.0, 100.0)
+    with pytest.raises(BenchError, match="A3 slides"):
+        ScrewArm([slide])
+
+
+def test_frames_of_many_poses_are_those_of_each() -> None:
+    poses = np.tile(poses_of("kr210-r2700"), (6, 1))
+    screws = ScrewArm(serial_arm("kr210-r2700").joints)
+    np.testing.assert_array_equal(screws.last_frame(poses), screws.frames(poses)[:, -1])
 
 
 def test_a_level_pendulum_is_held_by_its_moment() -> None:

@@ -2,13 +2,19 @@
 
 import json
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from catseye.simulators.config import SerialArm, TruthText
 from catseye.simulators.errors import TruthFileError
-from catseye.simulators.world.serial.truth import draw_joint_truth, joint_truth_document, read_joint_truth
+from catseye.simulators.world.serial.truth import (
+    JointTruth,
+    draw_joint_truth,
+    joint_truth_document,
+    read_joint_truth,
+)
 from tests.unit.simulators.world.serial.arms import serial_arm
 
 ARM = serial_arm("kr210-r2700")
@@ -50,6 +56,12 @@ def changed(change: Callable[[Any], object]) -> TruthText:
 def test_a_wrong_truth_is_refused_by_its_key(change: Callable[[Any], object], said: str) -> None:
     with pytest.raises(TruthFileError, match=said):
         read_joint_truth(changed(change), ARM)
+
+
+def test_every_key_is_documented() -> None:
+    files = (Path(__file__).parents[5] / "docs" / "files.md").read_text("utf-8")
+    section = files.split("## joint truth JSON")[1].split("\n## ")[0]
+    assert [key for key in JointTruth.model_fields if f"`{key}`" not in section] == []
 
 
 def test_an_arm_of_five_joints_needs_a_truth_file() -> None:

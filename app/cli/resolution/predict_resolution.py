@@ -1,0 +1,161 @@
+"""predict-resolution: from look-up tables of joints to the smallest steps of the tool."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from catseye.app.cli.options import AsJson, Dask, InsecureCluster, Output, Workers
+from catseye.app.cli.output import note, write_json
+from catseye.app.cli.progress import ProgressBar
+from catseye.app.cli.report_output import note_statements, write_tables
+from catseye.app.cluster.sharing import sharing
+from catseye.app.errors import UsageError
+from catseye.app.files.atomic import require_output
+
+if TYPE_CHECKING:
+    from catseye.app.cell.arm import ArmDescription
+    from catseye.calibration.core.types import Floats
+    from catseye.calibration.resolution.workspace_slice import AxisName, SliceAxis
+
+Tables = Annotated[Path, typer.Argument(metavar="TABLES", help="CSV of catseye resolution-model")]
+ArmOption = Annotated[str, typer.Option(help="name of a shipped arm, or path of a description")]
+Poses = Annotated[Path, typer.Option(help="poses CSV: pose, q1_deg …")]
+Tool = Annotated[
+    Path | None, typer.Option(help="tool TOML whose target is the tool centre point [the flange]")
+]
+Target = Annotated[str | None, typer.Option(help="of the tool, where it has several")]
+Reversal = Annotated[
+    bool,
+    typer.Option("--reversal", help="joints that reverse, by the pose before, lose their reversal error"),
+]
+Draws = Annotated[int, typer.Option(min=40, max=100_000, help="runs that are simulated")]
+Seed = Annotated[int, typer.Option(min=0, help="of the draws")]
+Threshold = Annotated[
+    float, typer.Option(metavar="PERCENT", min=0.1, max=100.0, help="largest error of a step that counts")
+]
+FromMm = Annotated[float, typer.Option(min=1e-4, max=100.0, help="first step of translations")]
+FromDeg = Annotated[float, typer.Option(min=1e-5, max=10.0, help="first step of rotations")]
+Slice = Annotated[
+    str | None,
+    typer.Option(
+        "--map",
+        metavar="SLICE",
+        help="a grid instead of the poses, oriented as the first: x=800:2000:7,z=500:2000:6 (mm:mm:points)",
+    ),
+]
+
+
+def predict_resolution(
+    tables: Tables,
+    arm: ArmOption,
+    poses: Poses,
+    output: Output,
+    tool: Tool = None,
+    target: Target = None,
+    reversal: Reversal = False,
+    draws: Draws = 50,
+    seed: Seed = 1,
+    threshold: Threshold = 10.0,
+    from_mm: FromMm = 1.0,
+    from_deg: FromDeg = 0.03,
+    map_slice: Slice = None,
+    workers: Workers = 1,
+    dask: Dask = None,
+    insecure_cluster: InsecureCluster = False,
+    as_json: AsJson = False,
+) -> None:
+    """Predict the smallest steps of the tool at poses, from look-up tables of its joints.
+
+    Example: catseye predict-resolution tables.csv --arm kr210-r2700 --poses poses.csv -o predicted.csv
+    """
+    from catseye.app.files.poses import read_poses
+    from catseye.app.results.resolution import cartesian_prediction as prediction
+    from catseye.app.results.resolution.joint_tables import read_joint_tables
+    from catseye.calibration.resolution.cartesian_steps import StepSeries
+    from catseye.calibration.resolution.predictor import PredictionMethod
+    from catseye.calibration.resolution.workspace_slice import slice_points
+
+    require_output(output, tables, poses, tool)
+    axes = None if map_slice is None else _axes(map_slice)
+    description = _description(arm)
+    predictor = prediction.predictor_of(
+        description,
+        read_joint_tables(tables, [joint.name for joint in description.joint]),
+        PredictionMethod(threshold, draws, seed, StepSeries(from_mm, from_deg)),
+        _tool_frame(tool, target),
+    )
+    named = read_poses(poses, [joint.unit for joint in description.joint])
+    if axes is None:
+        places = prediction.places_of(named, reversal=reversal)
+    else:
+        points = slice_points(predictor.chain, named.joints[0], axes, predictor.tool)
+        places = prediction.places_of_slice(points, reversal=reversal)
+    bar = ProgressBar("prediction")
+    with sharing(workers, dask, insecure=insecure_cluster) as share:
+        try:
+            rows = prediction.predict_places(
+                predictor, places, share, lambda n, of: bar.update(n, of, f"{n} of {of} poses")
+            )
+        finally:
+            bar.close()
+    prediction.write_predicted_steps(rows, output)
+    report = prediction.prediction_report(description, rows, tables)
+    if as_json:
+        write_json({"output": str(output), **prediction.prediction_document(rows).json_object()})
+    else:
+        write_tables(report)
+    note_statements(report)
+    note(f"{output} written")
+
+
+def _description(arm: str) -> "ArmDescription":
+    from catseye.app.cell.arm import arm_description
+
+    try:
+        return arm_description(arm)
+    except ValueError as error:
+        raise UsageError(
+            f"--arm {arm}: {error}; or give the path of a description, ending with .toml"
+        ) from error
+
+
+def _tool_frame(tool: Path | None, target: str | None) -> "Floats | None":
+    """Return the tool centre point; a tool with one target needs no name."""
+    from catseye.app.cell.serial_arm import tool_frame
+    from catseye.app.cell.tool import read_tool
+
+    if tool is None:
+        if target is not None:
+            raise UsageError("--target names a target of a tool: give --tool FILE, too")
+        return None
+    description = read_tool(tool)
+    names = [one.name for one in description.target]
+    if target is None and len(names) != 1:
+        listed = ", ".join(names) or "none"
+        raise UsageError(f"{tool}: which target is the tool centre point? It has {listed}: add --target NAME")
+    try:
+        return tool_frame(description, target or names[0])
+    except ValueError as error:
+        raise UsageError(f"{tool}: {error}") from error
+
+
+def _axes(text: str) -> "dict[AxisName, SliceAxis]":
+    from typing import cast
+
+    from catseye.calibration.resolution.workspace_slice import AxisName, SliceAxis
+
+    axes: dict[AxisName, SliceAxis] = {}
+    for part in text.split(","):
+        name, _, numbers = part.strip().partition("=")
+        ends = numbers.split(":")
+        try:
+            if name not in {"x", "y", "z"} or name in axes or len(ends) != 3:
+                raise ValueError(part)
+            axes[cast("AxisName", name)] = SliceAxis(float(ends[0]), float(ends[1]), int(ends[2]))
+        except ValueError as error:
+            raise UsageError(
+                f"--map {text}: {part!r} is no axis of a slice ({error}): write x, y or z once each with first, last "
+                "and number of points, as in --map x=800:2000:7,z=500:2000:6"
+            ) from error
+    return axes

@@ -1,0 +1,47 @@
+"""resolution-model: from results of motion resolution to look-up tables."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from catseye.app.cli.options import AsJson, Dask, InsecureCluster, Output, Workers
+from catseye.app.cli.output import note, write_json
+from catseye.app.cli.progress import ProgressBar
+from catseye.app.cli.report_output import note_statements, write_tables
+from catseye.app.cluster.sharing import sharing
+from catseye.app.files.atomic import require_output
+
+
+def resolution_model(
+    result: Annotated[
+        list[Path], typer.Argument(metavar="RESULT...", help="result JSON of catseye resolution, one arm's")
+    ],
+    output: Output,
+    workers: Workers = 1,
+    dask: Dask = None,
+    insecure_cluster: InsecureCluster = False,
+    as_json: AsJson = False,
+) -> None:
+    """Make look-up tables of step errors from results of motion resolution.
+
+    Example: catseye resolution-model a1.json a2.json a3.json -o tables.csv
+    """
+    from catseye.app.results.resolution.joint_tables import write_joint_tables
+    from catseye.app.results.resolution.modelling import model_arm, model_document, model_report
+
+    require_output(output, *result)
+    bar = ProgressBar("models")
+    with sharing(workers, dask, insecure=insecure_cluster) as share:
+        try:
+            modelled = model_arm(result, share, lambda n, of: bar.update(n, of, f"{n} of {of} models"))
+        finally:
+            bar.close()
+    write_joint_tables(modelled.tables, output)
+    report = model_report(modelled)
+    if as_json:
+        write_json({"output": str(output), **model_document(modelled).json_object()})
+    else:
+        write_tables(report)
+    note_statements(report)
+    note(f"{output} written")

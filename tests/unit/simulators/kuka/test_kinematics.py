@@ -1,0 +1,52 @@
+"""What the controller believes of its arm, against what its description states and against plain geometry."""
+
+import numpy as np
+import pytest
+
+from catseye.simulators.kuka.kinematics import Kinematics, UnsolvableError
+from tests.unit.simulators.kuka.benches import UPRIGHT
+from tests.unit.simulators.world.serial.arms import serial_arm
+
+KUKA = Kinematics(serial_arm("kr210-r2700"))
+CANDLE = (0.0, -90.0, 90.0, 0.0, 0.0, 0.0)
+
+
+def test_the_flange_is_where_the_description_states_it() -> None:
+    place = KUKA.place(CANDLE).members
+    # kr210-r2700.toml: X 1765, Y 0, Z 1784, A 0, B 90, C 0.
+    assert [place[axis] for axis in "XYZ"] == pytest.approx([1765.0, 0.0, 1784.0], abs=1e-3)
+    assert place["B"] == pytest.approx(90.0, abs=1e-4)
+
+
+def test_a1_turns_the_flange_about_the_column_clockwise() -> None:
+    place = KUKA.place((30.0, *UPRIGHT[1:])).members
+    straight = KUKA.place(UPRIGHT).members
+    assert np.arctan2(place["Y"], place["X"]) == pytest.approx(np.deg2rad(-30.0), abs=1e-6)
+    assert place["Z"] == pytest.approx(straight["Z"], abs=1e-3)
+    assert (place["A"] - straight["A"]) % 360.0 == pytest.approx(330.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0), (0.6, 0.0, -0.8)])
+def test_a_line_is_straight_and_keeps_the_orientation(direction: tuple[float, float, float]) -> None:
+    start = KUKA.flange(UPRIGHT)
+    goal = start.copy()
+    goal[:3, 3] += 2.0 * np.array(direction)
+    way = KUKA.line(UPRIGHT, goal, 8)
+    for number, joints in enumerate(way, 1):
+        flange = KUKA.flange(tuple(joints))
+        assert flange[:3, :3] == pytest.approx(start[:3, :3], abs=1e-9)
+        assert flange[:3, 3] == pytest.approx(start[:3, 3] + 0.25 * number * np.array(direction), abs=1e-6)
+
+
+def test_a_line_through_a_singularity_has_no_joints() -> None:
+    goal = KUKA.flange(CANDLE)
+    goal[1, 3] += 1.0
+    with pytest.raises(UnsolvableError):
+        KUKA.line(CANDLE, goal, 4)
+
+
+def test_a_goal_out_of_reach_has_no_joints() -> None:
+    goal = KUKA.flange(UPRIGHT)
+    goal[0, 3] += 5000.0
+    with pytest.raises(UnsolvableError):
+        KUKA.line(UPRIGHT, goal, 4)
