@@ -7,7 +7,10 @@ import numpy as np
 from catseye.calibration.core.arguments import require_one_of, require_shape
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.resolution.errors import MovesError
-from catseye.calibration.resolution.units import Unit
+from catseye.calibration.resolution.units import Unit, shown
+
+_EQUAL = 1e-6
+"""Sizes that differ by this share were written with fewer digits."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,22 @@ class Moves:
     def directions(self) -> Ints:
         """Sign of each move, shape (n,)."""
         return np.sign(self.command).astype(np.int64)
+
+    def equal_size(self) -> float:
+        """Return the size of moves that are all of one size.
+
+        Raises:
+            MovesError: one of them differs.
+        """
+        size = np.abs(self.command)
+        other = np.flatnonzero(np.abs(size - size[0]) > _EQUAL * size[0])
+        if other.size:
+            found, first = (shown(float(self.command[k]), self.unit) for k in (int(other[0]), 0))
+            raise MovesError(
+                f"move {other[0] + 1} is {found}, the first one {first}: this test has steps of one size; evaluate "
+                "each size by itself, or state which test it was"
+            )
+        return float(size[0])
 
     def delayed(self, offset_s: float, drift: float, about_s: float) -> "Moves":
         """Return the moves at the times that another clock shows.

@@ -17,7 +17,7 @@ _URAD = 1e-6
 _METRE_MM = 1e3
 _UM_MM = 1e-3
 _MAKERS_K = 2.0
-"""A maker's accuracy is read as an expanded uncertainty (ADR 31)."""
+"""A maker's accuracy is read as an expanded uncertainty (ADR 34)."""
 
 
 class Optics(Protocol):

@@ -1,0 +1,176 @@
+"""Two clocks: by how much that of the recording is ahead of that of the moves, and what it gains.
+
+First every offset is tried at which the recording covers all moves: what the position does over each dwell is
+compared with the commands. Then the velocity peaks of the larger steps give offset and drift. A delay of the motion
+behind its command is part of the offset; the part that grows with the step is fitted beside.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from catseye.calibration.core.types import Floats
+from catseye.calibration.resolution.errors import ClockError
+from catseye.calibration.resolution.lowess import half_window, lowess, velocity
+from catseye.calibration.resolution.moves import Moves
+from catseye.calibration.resolution.recording import Recording
+
+_GRID_S = 0.05
+_SAME_CELL = 0.9
+"""Offsets nearer than so many dwells may show the same steps: all but the time that a motion takes."""
+
+_OTHER_CELL = 0.1
+"""Offsets nearer than so many dwells to a whole number of dwells from the best one are those of other steps."""
+
+_EXPLAINED = 0.5
+"""Share of the commands' sum of squares that no offset may leave unexplained."""
+
+_CLEAR = 10.8
+"""F of one degree of freedom that chance exceeds once in a thousand: how much worse any other cell has to be."""
+
+_SEEN = 8.0
+_FEWEST_PEAKS = 6
+_SIMILAR = 0.1
+_NORMAL_MAD = 1.4826
+
+
+@dataclass(frozen=True)
+class ClockAlignment:
+    """The recording's clock against that of the moves.
+
+    Attributes:
+        offset_s: what it is ahead at `about_s`, the delay of a small step behind its command included, s.
+        u_offset_s: standard uncertainty, s.
+        drift: what it gains a second.
+        u_drift: standard uncertainty.
+        about_s: time by the clock of the moves at which the offset holds, s.
+        peaks: steps that it comes from.
+    """
+
+    offset_s: float
+    u_offset_s: float
+    drift: float
+    u_drift: float
+    about_s: float
+    peaks: int
+
+    def moves(self, moves: Moves) -> Moves:
+        """Return the moves by the recording's clock."""
+        return moves.delayed(self.offset_s, self.drift, self.about_s)
+
+    def times_s(self, time_s: Floats) -> Floats:
+        """Return times of the moves' clock by that of the recording: of a torque traced with the moves."""
+        return np.asarray(time_s + self.offset_s + self.drift * (time_s - self.about_s))
+
+
+def align(recording: Recording, moves: Moves) -> ClockAlignment:
+    """Find offset and drift of the two clocks.
+
+    Raises:
+        ClockError: the recording is shorter than the moves take, no offset explains the moves, another offset does so
+            as well, or too few steps stand out.
+    """
+    offset_s = _coarse_offset(recording, moves)
+    about_s = float(moves.time_s.mean())
+    lag_s, size = _peak_lags(recording, moves.delayed(offset_s, 0.0, about_s))
+    good = np.isfinite(lag_s)
+    if np.count_nonzero(good) < _FEWEST_PEAKS:
+        raise ClockError(
+            f"{np.count_nonzero(good)} steps stand out of the noise: the alignment of the clocks needs "
+            f"{_FEWEST_PEAKS} or more; use a test with larger steps"
+        )
+    since_s = moves.time_s - about_s
+    columns = [np.ones(size.size), since_s]
+    if np.ptp(size[good]) > _SIMILAR * size[good].max():
+        columns.append(size / size.max())
+    found, covariance = _fitted(np.column_stack(columns)[good], lag_s[good])
+    return ClockAlignment(
+        offset_s=offset_s + float(found[0]),
+        u_offset_s=math.sqrt(covariance[0, 0]),
+        drift=float(found[1]),
+        u_drift=math.sqrt(covariance[1, 1]),
+        about_s=about_s,
+        peaks=int(np.count_nonzero(good)),
+    )
+
+
+def _coarse_offset(recording: Recording, moves: Moves) -> float:
+    """Return the offset, on a grid, at which the recording shows the commanded steps."""
+    half_s = 0.5 * moves.dwell_s
+    first_s = recording.start_s - moves.time_s[0] + half_s
+    last_s = recording.end_s - moves.time_s[-1] - half_s
+    if last_s < first_s:
+        raise ClockError(
+            f"the recording lasts {recording.end_s - recording.start_s:.4g} s, the moves take "
+            f"{moves.time_s[-1] - moves.time_s[0] + moves.dwell_s:.4g} s: it does not cover them, whatever the "
+            "clocks show; it is cut off, or of another run"
+        )
+    offsets = np.arange(first_s, last_s + _GRID_S, _GRID_S)
+    misfit = _misfits(recording, moves, offsets, half_s)
+    best = int(np.argmin(misfit))
+    # The middle of the offsets that fit as well: a step fits wherever its motion lies within the dwell.
+    dwells = (offsets - offsets[best]) / moves.dwell_s
+    _require_clear(misfit, best, dwells, offsets, moves)
+    scatter = misfit[best] / max(len(moves) - 1, 1)
+    fitting = offsets[(np.abs(dwells) < _SAME_CELL) & (misfit <= misfit[best] + _CLEAR * scatter)]
+    return float(fitting.mean())
+
+
+def _misfits(recording: Recording, moves: Moves, offsets: Floats, half_s: float) -> Floats:
+    """Return for each offset the sum of squares of what the position does about each move minus the command."""
+    time_s, position = recording.time_s(), lowess(recording.position, half_window(recording.rate_hz))
+    total = np.zeros(offsets.size)
+    for at_s, command in zip(moves.time_s.tolist(), moves.command.tolist(), strict=True):
+        behind = np.interp(at_s + offsets + half_s, time_s, position)
+        ahead = np.interp(at_s + offsets - half_s, time_s, position)
+        total += (behind - ahead - command) ** 2
+    return total
+
+
+def _require_clear(misfit: Floats, best: int, dwells: Floats, offsets: Floats, moves: Moves) -> None:
+    whole = float(moves.command @ moves.command)
+    if misfit[best] > _EXPLAINED * whole:
+        raise ClockError(
+            f"at no offset of the clocks does the recording show the moves (the best one leaves "
+            f"{100.0 * misfit[best] / whole:.0f} % of them): these are moves of another run or joint, or sign, "
+            "spacing or unit are wrong"
+        )
+    whole_dwells = np.round(dwells)
+    other = (whole_dwells != 0.0) & (np.abs(dwells - whole_dwells) < _OTHER_CELL)
+    others = np.where(other, misfit, np.inf)
+    second = int(np.argmin(others))
+    if others[second] - misfit[best] > _CLEAR * misfit[best] / max(len(moves) - 1, 1):
+        return
+    raise ClockError(
+        f"the moves fit the recording at an offset of {offsets[best]:.2f} s and as well at "
+        f"{offsets[second]:.2f} s, {abs(dwells[second]):.1f} dwells away: the offset is ambiguous; record from the "
+        "standstill before the first move until after the last one, or correct the times of the moves"
+    )
+
+
+def _peak_lags(recording: Recording, moves: Moves) -> tuple[Floats, Floats]:
+    """Return how far behind its time each move was fastest, s, NaN where that does not stand out, and its size."""
+    speed = velocity(recording.position, recording.rate_hz)
+    limit = _SEEN * _NORMAL_MAD * float(np.median(np.abs(speed)))
+    half_s, lags = 0.5 * moves.dwell_s, np.full(len(moves), np.nan)
+    for number, (at_s, way) in enumerate(zip(moves.time_s.tolist(), moves.directions.tolist(), strict=True)):
+        first, end = recording.index(at_s - half_s), recording.index(at_s + half_s) - 1
+        window = way * speed[first:end]
+        fastest = int(np.argmax(window))
+        if window[fastest] > limit:
+            lags[number] = recording.start_s + (first + fastest + 0.5) / recording.rate_hz - at_s
+    return lags, np.abs(moves.command)
+
+
+def _fitted(design: Floats, lag_s: Floats) -> tuple[Floats, Floats]:
+    """Return the parameters of lags and their covariance, without lags far off the others."""
+    good = np.ones(lag_s.size, dtype=np.bool_)
+    for _ in range(3):
+        found = np.linalg.lstsq(design[good], lag_s[good], rcond=None)[0]
+        off = np.abs(lag_s - design @ found)
+        good = off <= max(4.0 * _NORMAL_MAD * float(np.median(off)), 1e-9)
+    left = lag_s[good] - design[good] @ found
+    variance = float(left @ left) / max(int(good.sum()) - design.shape[1], 1)
+    covariance = variance * np.linalg.inv(design[good].T @ design[good])
+    return np.asarray(found, dtype=np.float64), np.asarray(covariance, dtype=np.float64)

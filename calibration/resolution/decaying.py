@@ -1,0 +1,169 @@
+"""The test with decreasing steps: step errors, their moving mean and scatter, and the least increment step.
+
+The resolution paper, sections 3.4, 3.6 and 4.1. What is stated is the least step of the mean error, with an interval:
+one series alone leaves the threshold early or late by some steps of the series (ADR 34).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from catseye.calibration.core.arguments import require_count, require_positive
+from catseye.calibration.core.types import Floats
+from catseye.calibration.resolution.errors import MovesError
+from catseye.calibration.resolution.flags import Flag, flag_moves
+from catseye.calibration.resolution.least_step import WINDOW, moving_mean, steps_within
+from catseye.calibration.resolution.mean_curve import draw_mean_curves
+from catseye.calibration.resolution.steps import Steps
+from catseye.calibration.resolution.units import shown
+
+THRESHOLD_PERCENT = 10.0
+"""Of ASME B5.64, which the paper follows."""
+
+_DRAWS = 1000
+_TAIL = 0.025
+"""What lies beyond either end of a 95 % interval."""
+
+_HALF = WINDOW // 2
+
+
+@dataclass(frozen=True)
+class LeastStep:
+    """Least increment step of the mean error, in the unit of the moves.
+
+    Attributes:
+        value: a step of the series: the median of what the series leaves open.
+        u: standard deviation of what it leaves open.
+        low: lower end of the 95 % interval; 0 where the steps that were judged do not end the search.
+        high: upper end of it.
+    """
+
+    value: float
+    u: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class DecayingTest:
+    """Result of a series of decreasing steps in one direction.
+
+    Attributes:
+        steps: what was measured.
+        error_percent: E_s of the moves that were judged, NaN of the others, shape (n,).
+        mean_percent: their 11-point moving mean; at the ends, of the steps that are there, shape (n,).
+        spread_percent: standard deviation of the errors about their moving mean in the same window, shape (n,).
+        threshold_percent: largest mean error of a step that counts as made.
+        by_rule: least step by the paper's rule from this series as it is, None where not even the largest is within.
+        least_step: None where the largest steps are not within the threshold with enough certainty.
+        flags: of the steps and of the result.
+    """
+
+    steps: Steps
+    error_percent: Floats
+    mean_percent: Floats
+    spread_percent: Floats
+    threshold_percent: float
+    by_rule: float | None
+    least_step: LeastStep | None
+    flags: tuple[Flag, ...]
+
+
+def decaying_test(
+    steps: Steps, threshold_percent: float = THRESHOLD_PERCENT, seed: int = 1, draws: int = _DRAWS
+) -> DecayingTest:
+    """Evaluate a series of decreasing steps in one direction.
+
+    Args:
+        steps: of the whole series.
+        threshold_percent: largest mean error of a step that counts as made.
+        seed: of the draws that the interval comes from.
+
+    Raises:
+        MovesError: the steps do not decrease, change their direction, or fewer than 11 of them are judged.
+        ArgumentError: the threshold is not positive, or there are fewer than two draws.
+    """
+    require_positive(threshold_percent, "threshold_percent")
+    require_count(draws, "draws", 2)
+    size = _sizes(steps)
+    error = np.where(steps.judged, steps.error_percent, np.nan)
+    mean = moving_mean(error)
+    spread = np.sqrt(moving_mean((error - mean) ** 2))
+    within = int(steps_within(mean, threshold_percent))
+    judged = int(np.count_nonzero(steps.judged))
+    rng = np.random.default_rng(seed)
+    scales = 1.0 + steps.u_scale * rng.standard_normal(draws)
+    curves = draw_mean_curves(np.log(size[:judged]), error[:judged], draws, rng)
+    drawn = (100.0 + curves) * scales[:, None] - 100.0
+    counts = steps_within(moving_mean(drawn), threshold_percent)
+    least = _least_step(size[:judged], counts + rng.uniform(-0.5, 0.5, draws))
+    by_rule = float(size[within - 1]) if within else None
+    flags = (*steps.flags, *_flags(steps, judged, least, size))
+    return DecayingTest(steps, error, mean, spread, threshold_percent, by_rule, least, flags)
+
+
+def _sizes(steps: Steps) -> Floats:
+    """Return the sizes of the commanded steps, or refuse a series that is none of decreasing ones."""
+    command = steps.moves.command
+    size = np.abs(command)
+    turned = np.flatnonzero(command * command[0] < 0.0)
+    if turned.size:
+        raise MovesError(
+            f"move {turned[0] + 1} goes the other way: a test with decreasing steps has one direction; evaluate each "
+            "direction by itself, or state which test it was"
+        )
+    grown = np.flatnonzero(np.diff(size) >= 0.0)
+    if grown.size:
+        raise MovesError(
+            f"move {grown[0] + 2} is {shown(float(size[grown[0] + 1]), steps.moves.unit)} and no smaller than "
+            "the one before: the steps of this test decrease; check the moves, or state which test it was"
+        )
+    judged = int(np.count_nonzero(steps.judged))
+    if judged < WINDOW:
+        raise MovesError(
+            f"{judged} of {size.size} steps lie above what the instrument resolves, and a moving mean takes "
+            f"{WINDOW}: begin with larger steps, or measure in calmer air"
+        )
+    return size
+
+
+def _least_step(size: Floats, counts: Floats) -> LeastStep | None:
+    """Return the least step of counts of steps within, which are spread over the cells of the series.
+
+    A count of whole steps has ends that jump by a step; spread over half a step to either side, an interval's ends
+    lie where they hold as often as they say.
+
+    Args:
+        size: by decreasing step, shape (n,).
+        counts: of steps within, shape (draws,).
+    """
+    if np.mean(counts < 0.5) > _TAIL:
+        return None
+    low, middle, high = np.quantile(counts, [1.0 - _TAIL, 0.5, _TAIL]) - 1.0
+    number = np.arange(size.size, dtype=np.float64)
+    # The series falls by the same factor a step; half a step beyond its ends belongs to them.
+    slope, start = np.polyfit(number, np.log(size), 1)
+    found = size[np.clip(np.round(counts - 1.0), 0, size.size - 1).astype(np.int64)]
+    open_below = float(np.mean(counts > size.size - 0.5)) > _TAIL
+    return LeastStep(
+        value=float(size[int(np.clip(round(middle), 0, size.size - 1))]),
+        u=float(found.std()),
+        low=0.0 if open_below else float(np.exp(start + slope * low)),
+        high=float(np.exp(start + slope * high)),
+    )
+
+
+def _flags(steps: Steps, judged: int, least: LeastStep | None, size: Floats) -> list[Flag]:
+    numbers = np.arange(size.size)
+    ends = steps.judged & ((numbers < _HALF) | (numbers >= judged - _HALF))
+    flags = flag_moves("partial-mean", ends, f"the moving mean takes fewer than {WINDOW} steps here")
+    unit = steps.moves.unit
+    if least is None:
+        largest = shown(float(size[0]), unit)
+        text = f"the mean error of the largest step, {largest}, may exceed the threshold: no least step is stated"
+        return [*flags, Flag("least-step-open", text)]
+    if least.low == 0.0:
+        smallest = shown(float(size[judged - 1]), unit)
+        text = f"the mean error may keep within the threshold beyond the smallest judged step, {smallest}: no low end"
+        return [*flags, Flag("least-step-open", text)]
+    return flags

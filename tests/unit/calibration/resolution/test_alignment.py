@@ -1,0 +1,77 @@
+"""Clocks whose offset and drift are written down."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from catseye.calibration.core.types import Floats
+from catseye.calibration.resolution.alignment import ClockAlignment, align
+from catseye.calibration.resolution.errors import ClockError
+from catseye.calibration.resolution.moves import Moves
+from tests.unit.calibration.resolution.staircase import DEG, STEPS_DEG, Bench
+
+BENCH = Bench(rate_hz=50.0, noise=1e-5 * DEG)
+COMMAND = STEPS_DEG[:60] * DEG
+EQUAL = np.repeat([1.0, -1.0, 1.0], 10) * 2e-3 * DEG
+
+
+def other_clock(moves: Moves, offset_s: float, drift: float) -> Moves:
+    """Return the moves by a clock that is behind by the offset in the middle of the test."""
+    about_s = float(moves.time_s.mean())
+    return replace(moves, time_s=about_s - offset_s + (moves.time_s - about_s) / (1.0 + drift))
+
+
+def aligned(command: Floats, offset_s: float, drift: float = 0.0, seed: int = 1) -> ClockAlignment:
+    moves = BENCH.moves(command)
+    return align(BENCH.recorded(moves, command, seed), other_clock(moves, offset_s, drift))
+
+
+@pytest.mark.parametrize("offset_s", [-13.3, 0.0, 41.7])
+@pytest.mark.parametrize("command", [COMMAND, EQUAL])
+def test_the_offset_is_found_to_a_fraction_of_the_motion(command: Floats, offset_s: float) -> None:
+    found = aligned(command, offset_s)
+    # A step is fastest 0.4 s behind its command, the same for all sizes.
+    assert found.offset_s == pytest.approx(offset_s + 0.4, abs=max(4.0 * found.u_offset_s, 0.02))
+    assert found.peaks >= 20
+
+
+def test_drift_is_found_within_its_uncertainty() -> None:
+    many = [aligned(COMMAND, 5.0, 3e-4, seed) for seed in range(10)]
+    assert np.array([one.drift for one in many]) == pytest.approx(3e-4, abs=1e-4)
+    assert np.sqrt(np.mean([((one.drift - 3e-4) / one.u_drift) ** 2 for one in many])) < 1.7
+
+
+def test_aligned_moves_fall_upon_the_motion() -> None:
+    moves = BENCH.moves(COMMAND)
+    given = other_clock(moves, 41.7, 1e-4)
+    found = align(BENCH.recorded(moves, COMMAND), given)
+    assert found.moves(given).time_s == pytest.approx(moves.time_s + 0.4, abs=0.05)
+    assert found.times_s(given.time_s) == pytest.approx(found.moves(given).time_s)
+
+
+def test_an_offset_ambiguous_by_a_dwell_is_refused() -> None:
+    moves = BENCH.moves(np.full(13, 2e-3 * DEG))
+    recording = BENCH.recorded(moves, moves.command)
+    fewer = Moves(moves.time_s[:12], moves.command[:12], "rad")
+    with pytest.raises(ClockError, match=r"1\.0 dwells away: the offset is ambiguous"):
+        align(recording, fewer)
+
+
+def test_moves_of_another_test_are_refused() -> None:
+    moves = BENCH.moves(COMMAND)
+    with pytest.raises(ClockError, match="at no offset"):
+        align(BENCH.recorded(moves, COMMAND), replace(moves, command=-moves.command))
+
+
+def test_a_recording_shorter_than_the_moves_is_refused() -> None:
+    moves = BENCH.moves(COMMAND)
+    with pytest.raises(ClockError, match="does not cover them"):
+        align(BENCH.recorded(moves, COMMAND).clipped(0.0, 200.0), moves)
+
+
+def test_steps_in_the_noise_are_refused() -> None:
+    bench = replace(BENCH, noise=5e-3 * DEG)
+    moves = bench.moves(STEPS_DEG[30:60] * DEG)
+    with pytest.raises(ClockError, match="stand out of the noise"):
+        align(bench.recorded(moves, moves.command), moves)

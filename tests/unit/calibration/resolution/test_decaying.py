@@ -1,0 +1,126 @@
+"""Least increment steps of joints whose mean step error is written down."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from catseye.calibration.core.errors import ArgumentError
+from catseye.calibration.core.types import Floats
+from catseye.calibration.resolution.decaying import DecayingTest, decaying_test
+from catseye.calibration.resolution.errors import MovesError
+from catseye.calibration.resolution.mean_curve import scatter_percent
+from tests.unit.calibration.resolution.measured import decaying_steps
+from tests.unit.calibration.resolution.staircase import DEG, STEPS_DEG
+
+COMMAND = STEPS_DEG * DEG
+
+
+def overtravel(size_deg: float, scatter_deg: float, seed: int) -> Floats:
+    """Return step errors of a joint that goes too far by so much, whatever the step, and scatters, %."""
+    noise = np.random.default_rng(seed).normal(0.0, scatter_deg, STEPS_DEG.size)
+    return 100.0 * (size_deg + noise) / STEPS_DEG
+
+
+def evaluated(errors: Floats, threshold: float = 10.0, u_step_deg: float = 0.0) -> DecayingTest:
+    return decaying_test(decaying_steps(COMMAND, errors, u_step_deg * DEG), threshold)
+
+
+def kinds(found: DecayingTest) -> set[str]:
+    return {flag.kind for flag in found.flags}
+
+
+@pytest.mark.parametrize("threshold", [5.0, 10.0, 25.0])
+def test_without_scatter_the_least_step_is_where_the_mean_leaves(threshold: float) -> None:
+    # The moving mean of 1/Δ over 11 steps of ratio r is (r⁵ + … + r⁻⁵)/11 = 1.0496 times that in its middle.
+    factor = float(np.mean(1.072267 ** np.arange(-5.0, 6.0)))
+    expected = STEPS_DEG[100.0 * 1e-4 * factor / STEPS_DEG <= threshold].min()
+    found = evaluated(overtravel(1e-4, 1e-7, 1), threshold)
+    assert found.by_rule == pytest.approx(expected * DEG)
+    assert found.least_step is not None
+    assert found.least_step.value == pytest.approx(expected * DEG)
+    assert found.least_step.high < 1.08 * found.least_step.value < 1.2 * found.least_step.low
+
+
+def test_intervals_hold_as_often_as_they_say() -> None:
+    factor = float(np.mean(1.072267 ** np.arange(-5.0, 6.0)))
+    true = STEPS_DEG[100.0 * 1e-4 * factor / STEPS_DEG <= 10.0].min() * DEG
+    held, apart = [], []
+    for seed in range(40):
+        least = evaluated(overtravel(1e-4, 1e-4, seed)).least_step
+        assert least is not None
+        held.append(least.low <= true <= least.high)
+        apart.append(np.log(least.value / true) / np.log(1.072267))
+    # 40 draws of a probability of 0.95: 34 or fewer happen once in 70.
+    assert sum(held) >= 35
+    assert abs(np.median(apart)) <= 1.5
+
+
+def test_the_moving_mean_and_spread_are_those_of_eleven_steps() -> None:
+    errors = overtravel(1e-4, 1e-4, 3)
+    found = evaluated(errors)
+    assert found.mean_percent[50] == pytest.approx(errors[45:56].mean())
+    assert found.mean_percent[0] == pytest.approx(errors[:6].mean())
+    means = found.mean_percent[45:56]
+    assert found.spread_percent[50] == pytest.approx(np.sqrt(np.mean((errors[45:56] - means) ** 2)))
+
+
+def test_ends_of_the_moving_mean_are_flagged() -> None:
+    (flag,) = [one for one in evaluated(overtravel(1e-4, 1e-4, 3)).flags if one.kind == "partial-mean"]
+    assert flag.moves == (1, 2, 3, 4, 5, 105, 106, 107, 108, 109)
+
+
+def test_steps_below_the_instrument_take_no_part() -> None:
+    errors = overtravel(1e-6, 1e-5, 1)
+    found = evaluated(errors, u_step_deg=1e-4)
+    assert np.isnan(found.error_percent[STEPS_DEG < 3e-4]).all()
+    assert found.least_step is not None
+    assert found.least_step.low == 0.0
+    assert found.least_step.value == pytest.approx(STEPS_DEG[STEPS_DEG >= 3e-4].min() * DEG)
+    assert "least-step-open" in kinds(found)
+
+
+def test_a_joint_beyond_the_threshold_everywhere_has_none() -> None:
+    found = evaluated(20.0 + overtravel(0.0, 1e-5, 1))
+    assert (found.least_step, found.by_rule) == (None, None)
+    assert "least-step-open" in kinds(found)
+
+
+def test_scale_of_the_optics_widens_the_interval() -> None:
+    steps = decaying_steps(COMMAND, overtravel(1e-4, 1e-6, 1))
+    sure, unsure = decaying_test(steps).least_step, decaying_test(replace(steps, u_scale=0.03)).least_step
+    assert sure is not None
+    assert unsure is not None
+    assert unsure.u > 3.0 * sure.u
+
+
+def test_the_scatter_is_found_as_a_function_of_the_step() -> None:
+    ratios = [
+        scatter_percent(np.log(STEPS_DEG), overtravel(1e-4, 1e-4, seed)) / (100.0 * 1e-4 / STEPS_DEG)
+        for seed in range(40)
+    ]
+    assert np.mean(ratios, axis=0) == pytest.approx(1.0, abs=0.12)
+    assert float(np.std(ratios, axis=0)[20:90].max()) < 0.2
+
+
+def test_the_same_seed_gives_the_same_interval() -> None:
+    steps = decaying_steps(COMMAND, overtravel(1e-4, 1e-4, 5))
+    assert decaying_test(steps, seed=4).least_step == decaying_test(steps, seed=4).least_step
+
+
+@pytest.mark.parametrize(
+    ("command", "text"),
+    [
+        (COMMAND[::-1], "move 2 is .* no smaller than the one before"),
+        (COMMAND * np.where(np.arange(109) == 60, -1.0, 1.0), "move 61 goes the other way"),
+        (COMMAND[:10], "10 of 10 steps"),
+    ],
+)
+def test_other_series_are_refused(command: Floats, text: str) -> None:
+    with pytest.raises(MovesError, match=text):
+        decaying_test(decaying_steps(command, np.zeros(command.size)))
+
+
+def test_a_threshold_has_to_be_positive() -> None:
+    with pytest.raises(ArgumentError, match="threshold_percent"):
+        evaluated(overtravel(1e-4, 1e-4, 1), 0.0)
