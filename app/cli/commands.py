@@ -66,6 +66,9 @@ COMMANDS: Final[Mapping[str, Command]] = {
         _SCARA,
     ),
     "design": Command("Find where to put the reflectors and which commands to use.", _SCARA),
+    "resolution": Command(
+        "Find step errors, least increment steps and reversal errors in runs or recordings.", _RESOLUTION
+    ),
     "resolution-model": Command(
         "Make look-up tables of step errors from results of motion resolution.", _RESOLUTION
     ),

@@ -46,10 +46,10 @@ def demo(
     from catseye.app.cli.scara.demo import demonstrate_scara
 
     demonstrate = {"scara": demonstrate_scara, "resolution": demonstrate_resolution}[system]
-    given = Demonstration(
-        out or Path(_FOLDER[system]), speed or _SPEED[system], seed, truth, _narrator
+    given = Demonstration(out or Path(_FOLDER[system]), speed or _SPEED[system], seed, truth, _narrator)
+    note(
+        f"emulators at {given.speed:g} times real speed, seed {seed}; everything is written to {given.folder}"
     )
-    note(f"emulators at {given.speed:g} times real speed, seed {seed}; everything is written to {given.folder}")
     try:
         demonstrate(given, as_json=as_json)
     except DemoInterruptedError as ended:

@@ -191,6 +191,4 @@ def _live_cell(path: Path, cell: str, process: EmulatorProcess) -> LoadedCell:
 
 def _with_ports(text: str, ports: Sequence[str]) -> str:
     left = iter(ports)
-    return re.sub(
-        r'(?<=^endpoint = "tcp://127\.0\.0\.1:)\d+', lambda _: next(left), text, flags=re.MULTILINE
-    )
+    return re.sub(r'(?<=^endpoint = "tcp://127\.0\.0\.1:)\d+', lambda _: next(left), text, flags=re.MULTILINE)

@@ -57,6 +57,8 @@ def _report_of_files(paths: list[Path]) -> "Report":
 
 
 def _report_of_run(name: str, runs: Path | None, *, unverified: bool) -> "Report":
+    from catseye.app.results.resolution.recorded_runs import holds_tests
+    from catseye.app.results.resolution.result_report import resolution_run_report
     from catseye.app.results.scara.run_report import run_report
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
@@ -65,4 +67,6 @@ def _report_of_run(name: str, runs: Path | None, *, unverified: bool) -> "Report
     path = resolve_run(runs_folder(runs), name)
     reader = RunReader(path, accept(unverified=unverified))
     with taken_as_it_is(reader):
+        if holds_tests(reader):
+            return resolution_run_report(reader)
         return run_report(reader, path.parent)

@@ -41,8 +41,12 @@ class CsvRow:
         return UsageError(f"{self.path}:{self.line}: {text}")
 
 
-def chunks(path: Path) -> Iterator[tuple[int, str, float]]:
+def chunks(path: Path, encoding: str = "utf-8-sig") -> Iterator[tuple[int, str, float]]:
     """Read a file, which may be a pipe, some megabytes at a time.
+
+    Args:
+        path: the file.
+        encoding: one in which a line feed is one byte of its own.
 
     Yields:
         The number of the first line, whole lines that end with line feeds, and the share of the file that is read.
@@ -53,11 +57,11 @@ def chunks(path: Path) -> Iterator[tuple[int, str, float]]:
     with named_faults(path):
         stream = path.open("rb")
     with stream:
-        yield from _whole_lines(path, stream, max(path.stat().st_size, 1))
+        yield from _whole_lines(path, stream, max(path.stat().st_size, 1), encoding)
 
 
-def _whole_lines(path: Path, stream: BinaryIO, size: int) -> Iterator[tuple[int, str, float]]:
-    line, rest, read, encoding = 1, b"", 0, "utf-8-sig"
+def _whole_lines(path: Path, stream: BinaryIO, size: int, encoding: str) -> Iterator[tuple[int, str, float]]:
+    line, rest, read = 1, b"", 0
     while chunk := _read(path, stream):
         read += len(chunk)
         rest += chunk
@@ -67,7 +71,7 @@ def _whole_lines(path: Path, stream: BinaryIO, size: int) -> Iterator[tuple[int,
             text = _table_text(path, line, rest[:whole], encoding)
             # A pipe has no size.
             yield line, text, min(read / size, 1.0)
-            line, rest, encoding = line + text.count("\n"), rest[whole:], "utf-8"
+            line, rest, encoding = line + text.count("\n"), rest[whole:], encoding.removesuffix("-sig")
         if len(rest) > 4 * LONGEST_LINE:
             require_line(path, line, rest.decode(encoding, "surrogateescape"))
     if rest:

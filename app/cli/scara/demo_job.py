@@ -19,11 +19,11 @@ from catseye.app.engine.signals import SignalInstaller
 from catseye.app.files.atomic import write_atomically
 from catseye.app.files.documents import read_truth
 from catseye.app.protocol.procedures import analysed_by, on_the_way
+from catseye.app.results.runs.run_source import are_simulated
 from catseye.app.results.scara.budget_part import BudgetPart
 from catseye.app.results.scara.export import run_export
 from catseye.app.results.scara.identify import (
     MODELS,
-    are_simulated,
     bench_of_runs,
     identified_result,
     identify_points,

@@ -22,9 +22,7 @@ Unit: TypeAlias = Literal["deg", "mm"]
 
 RESOLUTION_FORMAT: Final = "catseye-resolution/1"
 
-_WITH_UNIT: Final = frozenset(
-    {"position", "command", "measured", "u", "lis", "reversal", "forward", "backward", "plateau"}
-)
+_WITH_UNIT: Final = frozenset({"position", "command", "measured", "u", "lis", "reversal", "plateau"})
 
 
 def _keys_in(unit: Unit) -> Callable[[str], str]:
@@ -133,15 +131,11 @@ class _Target(ResultPart):
     """A position of a backlash test that was reached from both sides.
 
     Attributes:
-        position: commanded, from the first one.
-        forward: mean measured position, reached in the positive direction.
-        backward: likewise in the negative direction.
+        position: commanded, from where the test began.
         reversal: lost motion there, positive.
     """
 
     position: Finite
-    forward: Finite
-    backward: Finite
     reversal: Finite
 
 
@@ -188,6 +182,24 @@ class Torque(ResultPart):
     backward_nm: Finite
 
 
+class Clocks(ResultPart):
+    """The recording's clock against that of the moves, where they were aligned.
+
+    Attributes:
+        offset_s: what it is ahead, s.
+        u_offset_s: standard uncertainty, s.
+        drift_ppm: what it gains.
+        u_drift_ppm: standard uncertainty.
+        peaks: steps that this comes from.
+    """
+
+    offset_s: Finite
+    u_offset_s: Uncertainty
+    drift_ppm: Finite
+    u_drift_ppm: Uncertainty
+    peaks: int
+
+
 class _Test(ResultPart):
     """One test of a joint at one position, or of a Cartesian direction.
 
@@ -203,6 +215,7 @@ class _Test(ResultPart):
         pose: name of the pose of a Cartesian test.
         duration_s: from the first move to the end of the last plateau.
         torque: of a backlash test.
+        clocks: None where recording and moves have one clock.
         shipped: comes with the program, recorded on the emulated bench, and is not of this arm.
     """
 
@@ -217,6 +230,7 @@ class _Test(ResultPart):
     pose: str | None = None
     duration_s: Uncertainty | None = None
     torque: Torque | None = None
+    clocks: Clocks | None = None
     shipped: bool = False
 
 
@@ -307,8 +321,12 @@ class ResolutionResult(ResultPart):
 
 def resolution_text(result: ResolutionResult) -> str:
     """Return the text of a result file; what a test does not give is null."""
-    document = result.model_dump(mode="json", by_alias=True)
-    return json.dumps(document, ensure_ascii=False, indent=1) + "\n"
+    return json.dumps(result.model_dump(mode="json", by_alias=True), ensure_ascii=False, indent=1) + "\n"
+
+
+def resolution_summary(result: ResolutionResult) -> dict[str, Any]:
+    """Return a result as the file has it, without its recordings."""
+    return result.model_dump(mode="json", by_alias=True, exclude={"tests": {"__all__": {"staircase"}}})
 
 
 def write_resolution(result: ResolutionResult, path: Path) -> None:

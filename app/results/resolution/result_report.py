@@ -26,6 +26,7 @@ from catseye.app.results.resolution.figures.least_steps import least_step_figure
 from catseye.app.results.resolution.figures.staircase import staircase_figure
 from catseye.app.results.resolution.figures.step_errors import step_error_figure
 from catseye.app.results.resolution.naming import joints_of, least_step_text, place, title, with_unit
+from catseye.app.results.resolution.recorded_runs import result_of_runs
 from catseye.app.results.resolution.result import Actuation, AnyTest, ResolutionResult, read_resolution
 from catseye.app.results.resolution.tables_of_tests import (
     actuation_table,
@@ -36,6 +37,8 @@ from catseye.app.results.resolution.tables_of_tests import (
 )
 from catseye.app.results.runs.records import Sources
 from catseye.app.results.runs.trace import sources_of, trace_section
+from catseye.app.store.reader import RunReader
+from catseye.calibration.resolution.decaying import THRESHOLD_PERCENT
 
 _CONVENTIONS = (
     "Step error: measured minus commanded step, in percent of the commanded one.",
@@ -60,6 +63,16 @@ def resolution_files_report(sources: Sequence[Path]) -> Report:
         raise UsageError(f"the results are of several arms: {', '.join(arms)}; make a report of each")
     heading = f"Motion resolution of {arms[0]}" if len(sources) > 1 else f"Result {sources[0].name}"
     return resolution_report(heading, results, sources_of(sources))
+
+
+def resolution_run_report(reader: RunReader) -> Report:
+    """Return the report of a run that has recorded tests, evaluated with the threshold of ASME B5.64.
+
+    Raises:
+        CalibrationError: a recording does not fit its moves.
+    """
+    result = result_of_runs([reader], THRESHOLD_PERCENT)
+    return resolution_report(f"{reader.meta.get('procedure')} on {result.arm}", [result], sources_of())
 
 
 def resolution_report(heading: str, results: Sequence[ResolutionResult], sources: Sources) -> Report:

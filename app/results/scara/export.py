@@ -8,8 +8,8 @@ from typing import Any
 from catseye.app.errors import UsageError
 from catseye.app.files.tabular import Row, table_csv
 from catseye.app.results.model import Origin
+from catseye.app.results.runs.run_source import are_simulated, cell_of_run, origin_of_run
 from catseye.app.results.scara.budget_part import TableBudget
-from catseye.app.results.scara.identify import are_simulated, cell_of_run, origin_of_run
 from catseye.app.results.scara.measured_distances import measured_distances
 from catseye.app.results.scara.path_rows import holds_distances
 from catseye.app.results.scara.points import point_columns, points_csv, with_sigma

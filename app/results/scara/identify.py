@@ -8,14 +8,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
-from pydantic import ValidationError
 
 from catseye.app.cell.bench import scara_bench_of
-from catseye.app.cell.model import Cell
-from catseye.app.cell.section import RECORD
 from catseye.app.errors import UsageError
-from catseye.app.results.model import Origin
-from catseye.app.results.origin import origin_now
+from catseye.app.results.runs.run_source import cell_of_run
 from catseye.app.results.scara.budget_part import BudgetPart
 from catseye.app.results.scara.drift_text import drift_part
 from catseye.app.results.scara.measured_distances import measured_distances
@@ -45,18 +41,6 @@ MODELS: tuple[ModelName, ...] = ("conventional", "error-map")
 
 _PERIODIC = re.compile(r"periodic([12]):([0-9]{1,4})")
 _HIGHEST_ORDER = 2000
-
-
-def cell_of_run(reader: RunReader) -> Cell:
-    """Return the cell that a run was made with, from the run's own record.
-
-    Raises:
-        UsageError: the run does not describe its cell.
-    """
-    try:
-        return Cell.model_validate(reader.meta.get("configuration"), context=RECORD)
-    except ValidationError as error:
-        raise UsageError(f"{reader.path.name} does not hold the cell it was made with") from error
 
 
 def run_points(readers: Sequence[RunReader]) -> Columns:
@@ -164,16 +148,6 @@ def with_what_speaks_against(result: Result, texts: Iterable[str]) -> Result:
     unverified = list(dict.fromkeys(texts))
     provenance = result.provenance.model_copy(update={"unverified": unverified or None})
     return result.model_copy(update={"provenance": provenance})
-
-
-def are_simulated(readers: Sequence[RunReader]) -> bool | None:
-    """Return whether a run was made on emulated devices, None without runs."""
-    return any(bool(reader.meta.get("simulated")) for reader in readers) if readers else None
-
-
-def origin_of_run(reader: RunReader) -> Origin:
-    """Return the origin of what is made of a run now."""
-    return origin_now(simulated=bool(are_simulated([reader])), unverified=reader.unverified)
 
 
 def bench_of_runs(readers: Sequence[RunReader], root: Path) -> ScaraBench:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from statistics import fmean
 
 from catseye.app.cell.model import Material as MaterialSection
-from catseye.app.results.scara.identify import cell_of_run
+from catseye.app.results.runs.run_source import cell_of_run
 from catseye.app.results.scara.measured_distances import measured_distances
 from catseye.app.results.scara.result import Estimate, Result
 from catseye.app.store.reader import RunReader

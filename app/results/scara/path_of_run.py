@@ -5,10 +5,10 @@ from pathlib import Path
 
 from catseye.app.errors import UsageError
 from catseye.app.protocol.procedures import analysed_by
+from catseye.app.results.runs.run_source import are_simulated
 from catseye.app.results.scara.distance_validation import DistanceValidation, validate_on_distances
 from catseye.app.results.scara.identify import (
     MODELS,
-    are_simulated,
     bench_of_runs,
     identified_result,
     identify_points,

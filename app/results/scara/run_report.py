@@ -6,6 +6,7 @@ from pathlib import Path
 
 from catseye.app.results.model import Report
 from catseye.app.results.origin import origin_now
+from catseye.app.results.runs.run_source import are_simulated, cell_of_run, origin_of_run
 from catseye.app.results.runs.trace import sources_of
 from catseye.app.results.scara.arm_report import arm_report
 from catseye.app.results.scara.diagnosis import diagnose_points
@@ -13,12 +14,9 @@ from catseye.app.results.scara.findings import Findings
 from catseye.app.results.scara.identify import (
     MODELS,
     aimed_bench,
-    are_simulated,
     bench_of_runs,
-    cell_of_run,
     identified_result,
     identify_points,
-    origin_of_run,
     run_points,
 )
 from catseye.app.results.scara.material import with_reference_links

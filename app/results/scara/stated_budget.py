@@ -9,8 +9,8 @@ from catseye.app.cell.scara.uncertainty import PAPER_WAVELENGTH_PPM, Contributor
 from catseye.app.errors import UsageError
 from catseye.app.results.model import Origin
 from catseye.app.results.origin import origin_now
+from catseye.app.results.runs.run_source import are_simulated, cell_of_run
 from catseye.app.results.scara.budget_part import BudgetPart, CorrectedBy, SigmaRole
-from catseye.app.results.scara.identify import are_simulated, cell_of_run
 from catseye.app.results.scara.table_budget import SeenTable
 from catseye.app.store.reader import RunReader
 from catseye.calibration.scara.budget import Budget

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from catseye.app.render.page import write_page
-from catseye.app.results.scara.identify import are_simulated
+from catseye.app.results.runs.run_source import are_simulated
 from catseye.app.results.scara.result import Result, read_result, write_result
 from catseye.app.results.scara.run_report import result_file_report, run_report
 from tests.unit.app.render.page_reader import Page, read_page

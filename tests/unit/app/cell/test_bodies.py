@@ -10,7 +10,7 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cell.plausible import implausible
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.errors import ConfigError
-from catseye.app.results.scara.identify import cell_of_run
+from catseye.app.results.runs.run_source import cell_of_run
 from catseye.app.store.reader import RunReader
 from catseye.procedures.kit.records import Json
 from tests.unit.procedures.benches import WORKSPACE

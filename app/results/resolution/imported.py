@@ -1,0 +1,153 @@
+"""Tests that another program recorded, from their files to a result."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from catseye.app.cell.arm import ArmDescription, arm_description
+from catseye.app.errors import ConfigError, UsageError
+from catseye.app.results.origin import now_utc
+from catseye.app.results.provenance import Provenance
+from catseye.app.results.resolution.actuation import actuation_of
+from catseye.app.results.resolution.evaluation import Asked, Series, evaluated
+from catseye.app.results.resolution.input_files import RecordingFile, read_moves, read_recording
+from catseye.app.results.resolution.result import (
+    AngularTest,
+    AnyTest,
+    Clocks,
+    LinearTest,
+    ResolutionResult,
+)
+from catseye.app.results.resolution.target_reversal import DeviationUnit, is_target_file, reversal_of_targets
+from catseye.app.results.resolution.torque_file import read_torque
+from catseye.app.store.software import SOFTWARE
+from catseye.calibration.resolution.alignment import ClockAlignment, align
+from catseye.calibration.resolution.optics import LinearOptics
+
+_AXES = ("X", "Y", "Z")
+
+
+@dataclass(frozen=True)
+class Import:
+    """A test in files.
+
+    Attributes:
+        recording: of the laser, or target deviations.
+        asked: which test of what.
+        moves: commanded meanwhile; None with target deviations.
+        joint_torque: of the motor; None for none.
+        torque_channel: of a trace with several torques.
+        align: find offset and drift of the two clocks.
+        deviation_unit: of the deviations of a `.rta`.
+    """
+
+    recording: RecordingFile
+    asked: Asked
+    moves: Path | None = None
+    joint_torque: Path | None = None
+    torque_channel: str | None = None
+    align: bool = False
+    deviation_unit: DeviationUnit | None = None
+
+
+def named_arm(arm: str, asked: Asked) -> ArmDescription:
+    """Return the description of an arm that has the joint that was asked for.
+
+    Raises:
+        UsageError: there is no such arm, or it has no such joint.
+    """
+    try:
+        found = arm_description(arm)
+    except (ConfigError, ValueError) as error:
+        raise UsageError(f"--arm {arm}: {error}") from error
+    joints = _AXES if asked.test == "cartesian" else tuple(joint.name for joint in found.joint)
+    if asked.joint not in joints:
+        raise UsageError(
+            f"--joint {asked.joint}: a {asked.test} test of {found.name} is of {', '.join(joints)}"
+        )
+    return found
+
+
+def imported_result(given: Import, arm: str) -> ResolutionResult:
+    """Return the result of a test in files.
+
+    Args:
+        given: the test.
+        arm: name of a shipped arm, or path of its description.
+
+    Raises:
+        UsageError: as for `imported_test`, or the arm has no such joint.
+        CalibrationError: recording and moves do not fit.
+    """
+    description = named_arm(arm, given.asked)
+    return ResolutionResult(
+        arm=description.name,
+        actuation=actuation_of(description),
+        tests=[imported_test(given)],
+        provenance=Provenance(runs=[given.recording.path.name], software=SOFTWARE, created=now_utc()),
+    )
+
+
+def imported_test(given: Import) -> AnyTest:
+    """Return what a test in files comes to.
+
+    Raises:
+        UsageError: a file cannot be used, or they do not belong together; names line and remedy.
+        CalibrationError: recording and moves do not fit, or their clocks cannot be aligned without doubt.
+    """
+    if is_target_file(given.recording.path) and given.asked.test == "backlash":
+        return _of_targets(given)
+    if given.moves is None:
+        raise UsageError(
+            f"{given.recording.path}: --moves is missing: when each move was commanded, and its size"
+        )
+    recording, moves = read_recording(given.recording), read_moves(given.moves)
+    optics = LinearOptics() if recording.unit == "mm" else given.recording.optics
+    series = Series(recording, moves, optics)
+    if given.joint_torque is not None:
+        torque = read_torque(given.joint_torque, given.torque_channel)
+        series = replace(series, torque_s=torque["t_s"], torque_nm=torque["torque_nm"])
+    if not given.align:
+        return evaluated(given.asked, [series])
+    clocks = align(recording, moves)
+    torque_s = None if series.torque_s is None else clocks.times_s(series.torque_s)
+    aligned = evaluated(given.asked, [replace(series, moves=clocks.moves(moves), torque_s=torque_s)])
+    stated = _clocks(clocks)
+    return aligned.model_copy(update={"clocks": stated, "flags": [_clocks_text(stated), *aligned.flags]})
+
+
+def _clocks(found: ClockAlignment) -> Clocks:
+    return Clocks(
+        offset_s=found.offset_s,
+        u_offset_s=found.u_offset_s,
+        drift_ppm=1e6 * found.drift,
+        u_drift_ppm=1e6 * found.u_drift,
+        peaks=found.peaks,
+    )
+
+
+def _clocks_text(clocks: Clocks) -> str:
+    return (
+        f"the recording's clock is {clocks.offset_s:.3f} s ± {clocks.u_offset_s:.3f} s ahead of that of the moves "
+        f"and gains {clocks.drift_ppm:.0f} ppm ± {clocks.u_drift_ppm:.0f} ppm (from {clocks.peaks} steps): the moves "
+        "were aligned to it"
+    )
+
+
+def _of_targets(given: Import) -> AnyTest:
+    unit, reversal, targets = reversal_of_targets(given.recording.path, given.deviation_unit)
+    kind = AngularTest if unit == "deg" else LinearTest
+    asked = given.asked
+    return kind.model_validate(
+        {
+            "test": asked.test,
+            "joint": asked.joint,
+            "position": asked.position,
+            "threshold_percent": asked.threshold_percent,
+            "moves": [],
+            "reversal": reversal,
+            "targets": targets,
+            "flags": [
+                "from deviations at targets: nothing is known of single steps and of the motor's torque"
+            ],
+        }
+    )

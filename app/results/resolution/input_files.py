@@ -1,0 +1,94 @@
+"""Files of a test that another program recorded: recording and moves, for the evaluation in rad or mm."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from catseye.app.errors import UsageError
+from catseye.app.files.columns import read_table
+from catseye.app.results.resolution.csv_mapping import CsvMapping, read_mapped
+from catseye.app.results.resolution.tables import MOVES, RECORDING
+from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.resolution.errors import RecordingError
+from catseye.calibration.resolution.moves import Moves, moves_of
+from catseye.calibration.resolution.optics import AngularOptics
+from catseye.calibration.resolution.recording import Recording, recording_of
+from catseye.procedures.kit.columns import Columns
+
+_NO_RECORDING: Final = {
+    ".rtx": (
+        "is in a format that only the laser's own software reads: export the samples from the program that recorded "
+        "them as text or CSV, a row each with its time, and give that file with --preview to see how it is read"
+    ),
+    ".rtl": "holds deviations at targets and no times: it is no recording; --test backlash takes it as what it is",
+    ".rta": "holds deviations at targets and no times: it is no recording; --test backlash takes it as what it is",
+    ".dat": (
+        "is a trace of the controller, whose encoders do not see what the joint does: a recording comes from a "
+        "laser; as --joint-torque the trace is welcome"
+    ),
+}
+
+
+@dataclass(frozen=True)
+class RecordingFile:
+    """Where a recording comes from and how to read it.
+
+    Attributes:
+        path: CSV, or Parquet with the same columns.
+        mapping: of a file that another program wrote; None for one with the names of this program.
+        optics: that turn displacements into angles; None where displacements are what is judged.
+    """
+
+    path: Path
+    mapping: CsvMapping | None = None
+    optics: AngularOptics | None = None
+
+
+def recording_columns(file: RecordingFile) -> Columns:
+    """Read the columns of a recording, t_s and displacement_mm or angle_deg.
+
+    Raises:
+        UsageError: the file cannot be used; names line and remedy.
+    """
+    if refusal := _NO_RECORDING.get(file.path.suffix.lower()):
+        raise UsageError(f"{file.path}: {refusal}")
+    return read_table(file.path, RECORDING) if file.mapping is None else read_mapped(file.path, file.mapping)
+
+
+def read_recording(file: RecordingFile) -> Recording:
+    """Read a recording, of a joint in rad, of a slide or of the tool in mm.
+
+    Raises:
+        UsageError: the file cannot be used, its rate is not uniform, or times or signal cannot be; names line and
+            remedy.
+    """
+    columns = recording_columns(file)
+    time_s = columns["t_s"]
+    try:
+        if "angle_deg" in columns:
+            return recording_of(time_s, np.radians(columns["angle_deg"]), "rad")
+        displacement_mm = columns["displacement_mm"]
+        if file.optics is None:
+            return recording_of(time_s, displacement_mm, "mm")
+        return recording_of(time_s, file.optics.angle_rad(displacement_mm), "rad")
+    except RecordingError as error:
+        place = "" if error.row is None else f":{columns.lines[error.row - 1]}"
+        raise UsageError(f"{file.path}{place}: {error}") from error
+
+
+def read_moves(path: Path) -> Moves:
+    """Read the moves of a test, of a joint in rad, of a slide or of the tool in mm.
+
+    Raises:
+        UsageError: the file cannot be used; names line and remedy.
+    """
+    columns = read_table(path, MOVES)
+    angular = columns.get("command_deg")
+    try:
+        if angular is not None:
+            return moves_of(columns["t_s"], np.radians(angular), "rad")
+        return moves_of(columns["t_s"], columns["command_mm"], "mm")
+    except CalibrationError as error:
+        raise UsageError(f"{path}: {error} (move 1 stands in line {columns.lines[0]})") from error

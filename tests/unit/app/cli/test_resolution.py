@@ -1,0 +1,252 @@
+"""`catseye resolution` on recordings made from geometry: S · sin θ of a joint whose steps are known."""
+
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from catseye.app.cli import cli
+from catseye.app.errors import UsageError
+from catseye.app.results.resolution.result import ResolutionResult, read_resolution
+from catseye.calibration.core.types import Floats
+from catseye.calibration.resolution.errors import MovesError
+from tests.unit.app.results.resolution.recordings import (
+    DWELL_S,
+    STILL_S,
+    Files,
+    decaying_commands,
+    write_test,
+)
+
+_A1 = ("--joint", "A1", "--position-deg", "-90", "--arm", "kr210-r2700", "--spacing-mm", "30")
+
+
+def said(*words: object) -> tuple[str, str]:
+    """Return stdout and stderr of a command line that succeeds."""
+    done = CliRunner().invoke(cli, ["resolution", *map(str, words)])
+    if done.exception is not None:
+        raise done.exception
+    return done.stdout, done.stderr
+
+
+def _run(tmp_path: Path, files: Files, *more: object) -> ResolutionResult:
+    output = tmp_path / "result.json"
+    given = ("--recording", files.recording, "--moves", files.moves, "-o", output)
+    said(*given, *_A1, *more)
+    return read_resolution(output)
+
+
+@pytest.fixture
+def decaying(tmp_path: Path) -> Files:
+    """Steps down to 0.001°, each 2 % too large."""
+    command = decaying_commands(66)
+    return write_test(tmp_path, command.tolist(), (1.02 * command).tolist())
+
+
+def test_steps_are_measured_as_they_were_made(tmp_path: Path, decaying: Files) -> None:
+    result = _run(tmp_path, decaying, "--test", "decaying")
+    (test,) = result.tests
+    assert (result.arm, test.joint, test.position, test.direction) == ("KR 210 R2700", "A1", -90.0, 1)
+    errors = [move.error_percent for move in test.moves]
+    assert len(errors) == 66
+    assert errors == pytest.approx([2.0] * 66, abs=0.2)
+    assert test.staircase is not None
+    assert len(test.staircase.plateau) == 67
+
+
+def test_a_test_downwards_states_its_direction(tmp_path: Path) -> None:
+    command = decaying_commands(20, -1)
+    files = write_test(tmp_path, command.tolist(), command.tolist())
+    assert _run(tmp_path, files, "--test", "decaying").tests[0].direction == -1
+
+
+def test_the_actuation_comes_from_the_arm(tmp_path: Path, decaying: Files) -> None:
+    result = _run(tmp_path, decaying, "--test", "decaying")
+    assert [round(1e6 * one.ideal_lis_deg, 1) for one in result.actuation] == [5.3, 5.4, 5.8, 6.9, 6.5, 10.5]
+
+
+def test_the_least_step_is_where_the_errors_begin(tmp_path: Path) -> None:
+    """From the 60th step on the joint does not move, so the mean over 11 steps leaves 10 % at the 56th."""
+    command = decaying_commands(80)
+    moved = np.where(np.arange(80) < 60, command, 0.0)
+    test = _run(tmp_path, write_test(tmp_path, command.tolist(), moved.tolist()), "--test", "decaying").tests[
+        0
+    ]
+    assert test.lis is not None
+    assert test.lis.low <= command[55] <= test.lis.high
+    assert test.lis.high < command[50]
+
+
+def test_two_clocks_are_aligned_and_reported(tmp_path: Path) -> None:
+    command = decaying_commands(40)
+    files = write_test(tmp_path, command.tolist(), command.tolist(), ahead_s=1234.5)
+    test = _run(tmp_path, files, "--test", "decaying", "--align", "auto").tests[0]
+    assert test.clocks is not None
+    # A move is fastest 0.2 s after its command, which no recording can tell from a clock that is ahead.
+    assert test.clocks.offset_s == pytest.approx(1234.7, abs=0.05)
+    assert test.flags[0].startswith("the recording's clock is 1234.")
+    assert [move.error_percent for move in test.moves] == pytest.approx([0.0] * 40, abs=0.2)
+
+
+def test_iso_steps_that_play_swallows_do_not_pass(tmp_path: Path) -> None:
+    """Play of 0.003° swallows steps of 0.001° after each reversal, and leaves something of those of 0.01°."""
+    signs = np.repeat([1.0, -1.0, 1.0], 10)
+    command = np.concatenate([0.001 * signs, 0.01 * signs])
+    files = write_test(tmp_path, command.tolist(), _with_play(command, 0.003).tolist())
+    test = _run(tmp_path, files, "--test", "iso").tests[0]
+    assert test.amplitudes is not None
+    assert [one.distinguishable for one in test.amplitudes] == [False, True]
+    assert test.lis is not None
+    assert [test.lis.low, test.lis.value] == pytest.approx([0.001, 0.01])
+
+
+def _with_play(command: Floats, play_deg: float) -> Floats:
+    """Return what a joint does that follows one flank or the other of its play."""
+    motor, link, moved = 0.0, 0.0, []
+    for step in command.tolist():
+        motor += step
+        new = min(max(link, motor - play_deg), motor)
+        moved.append(new - link)
+        link = new
+    return np.array(moved)
+
+
+def _backlash(tmp_path: Path) -> Files:
+    """Return 5 × (10 + 10) steps of 0.1° of a joint with play of 0.006°, which it has taken up at the beginning."""
+    command = np.tile(np.repeat([0.1, -0.1], 10), 5)
+    moved = _with_play(np.concatenate([[0.1], command]), 0.006)[1:]
+    return write_test(tmp_path, command.tolist(), moved.tolist())
+
+
+def _trace(tmp_path: Path, names: tuple[str, ...]) -> Path:
+    """Write a trace whose torque is some 20 N m while the joint goes forwards and −10 N m on the way back."""
+    rows = int((STILL_S + 101 * DWELL_S) / 0.012)
+    noise = np.random.default_rng(5).normal(0.0, 0.5, rows)
+    header = [
+        "DIAEXTENDED",
+        "#BEGINGLOBALHEADER",
+        "101,x",
+        "#ENDGLOBALHEADER",
+        "#BEGINCHANNELHEADER",
+        "200,Zeit",
+    ]
+    header += ["202,s", "210,IMPLIZIT", f"220,{rows}", "240,0", "241,0.012", "#ENDCHANNELHEADER"]
+    for column, name in enumerate(names, 1):
+        header += ["#BEGINCHANNELHEADER", f"200,{name}", "202,Nm", "210,EXPLIZIT", "211,t.r64", "213,BLOCK"]
+        header += ["214,REAL64", f"220,{rows}", f"221,{column}", "#ENDCHANNELHEADER"]
+    (tmp_path / "t.dat").write_text("\n".join(header), "latin-1")
+    back = (0.012 * np.arange(rows) - STILL_S) // (10 * DWELL_S) % 2 == 1
+    values = np.repeat(np.where(back, -10.0, 20.0) + noise, len(names)).tolist()
+    (tmp_path / "t.r64").write_bytes(struct.pack(f"<{len(values)}d", *values))
+    return tmp_path / "t.dat"
+
+
+def test_the_torque_of_a_trace_stands_by_direction(tmp_path: Path) -> None:
+    trace = _trace(tmp_path, ("Torque_A1", "Torque_A2"))
+    more = ("--test", "backlash", "--joint-torque", trace, "--torque-channel", "Torque_A1")
+    torque = _run(tmp_path, _backlash(tmp_path), *more).tests[0].torque
+    assert torque is not None
+    assert [torque.forward_nm, torque.backward_nm] == pytest.approx([20.0, -10.0], abs=0.1)
+
+
+def test_lost_motion_is_found_between_the_ends(tmp_path: Path) -> None:
+    trace = _trace(tmp_path, ("Torque_A1",))
+    more = ("--test", "backlash", "--joint-torque", trace)
+    test = _run(tmp_path, _backlash(tmp_path), *more).tests[0]
+    assert test.reversal is not None
+    assert test.reversal.value == pytest.approx(0.006, abs=1e-5)
+    assert test.reversal.valid is True
+    assert test.targets is not None
+    assert len(test.targets) == 9
+
+
+def test_a_torque_of_another_run_is_refused(tmp_path: Path) -> None:
+    files, torque = _backlash(tmp_path), tmp_path / "torque.csv"
+    torque.write_text("t_s,torque_nm\n0,1\n10,2\n", "utf-8")
+    given = ("--recording", files.recording, "--moves", files.moves, "-o", tmp_path / "r.json", *_A1)
+    with pytest.raises(MovesError, match="the torque is cut off, of another run, or by another clock"):
+        said(*given, "--test", "backlash", "--joint-torque", torque)
+
+
+def test_target_deviations_give_a_reversal_error(tmp_path: Path) -> None:
+    lines = ["Target-count: 3", "Targets :", "0 1 2", "Run-count: 4", "Run Target Data:"]
+    lines += [f"{run} {target} {5.0 * (run % 2)}" for run in range(1, 5) for target in range(1, 4)]
+    path, output = tmp_path / "a1.rta", tmp_path / "r.json"
+    path.write_text("\n".join(lines), "utf-8")
+    more = ("--test", "backlash", "--deviation-unit", "arcsec", "-o", output)
+    said("--recording", path, *_A1, *more)
+    reversal = read_resolution(output).tests[0].reversal
+    assert reversal is not None
+    assert reversal.value == pytest.approx(-5.0 / 3600.0)
+    assert reversal.valid is None
+
+
+def test_a_preview_writes_a_mapping_that_reads_the_file(tmp_path: Path, decaying: Files) -> None:
+    foreign = tmp_path / "laser.txt"
+    rows = np.loadtxt(decaying.recording, delimiter=",", skiprows=1)
+    text = "\n".join(f"{1e3 * t:.3f};{1e3 * x:.9f}".replace(".", ",") for t, x in rows)
+    foreign.write_text(f"Laser 7\nZeit (ms);Weg (µm)\n{text}\n", "cp1252")
+    mapping, talk = said("--recording", foreign, "--preview")
+    assert "50.0000 Hz" in talk
+    (tmp_path / "laser.toml").write_text(mapping, "utf-8")
+    again = _run(
+        tmp_path, Files(foreign, decaying.moves), "--test", "decaying", "--mapping", tmp_path / "laser.toml"
+    )
+    plain = _run(tmp_path, decaying, "--test", "decaying")
+    measured, expected = ([move.measured for move in one.tests[0].moves] for one in (again, plain))
+    assert measured == pytest.approx(expected, abs=1e-8)
+
+
+def test_json_states_the_result_without_the_recording(tmp_path: Path, decaying: Files) -> None:
+    given = ("--recording", decaying.recording, "--moves", decaying.moves, "-o", tmp_path / "r.json")
+    out, _ = said(*given, *_A1, "--test", "decaying", "--json")
+    document: dict[str, Any] = json.loads(out)
+    assert document["tests"][0]["test"] == "decaying"
+    assert "staircase" not in document["tests"][0]
+
+
+@pytest.mark.parametrize(
+    ("changed", "complaint"),
+    [
+        (("--joint", "J7"), "--joint J7: a decaying test of KR 210 R2700 is of A1, A2"),
+        (("--arm", "kr999"), "--arm kr999: there is no description of an arm kr999"),
+        (("--spacing-mm", "300"), "the 10 largest moves show 0.102 of what was commanded"),
+        (("--test", "cartesian"), "--joint A1: a cartesian test of KR 210 R2700 is of X, Y, Z"),
+    ],
+)
+def test_what_does_not_belong_together_is_refused(
+    tmp_path: Path, decaying: Files, changed: tuple[str, str], complaint: str
+) -> None:
+    words = dict(zip(_A1[::2], _A1[1::2], strict=True)) | {"--test": "decaying"} | dict([changed])
+    given = ("--recording", decaying.recording, "--moves", decaying.moves, "-o", tmp_path / "r.json")
+    with pytest.raises((UsageError, MovesError), match=complaint):
+        said(*given, *(part for pair in words.items() for part in pair))
+    assert not (tmp_path / "r.json").exists()
+
+
+def test_moves_of_another_run_are_refused(tmp_path: Path, decaying: Files) -> None:
+    lines = decaying.moves.read_text("utf-8").splitlines()
+    later = [f"{float(t) + 400.0},{x}" for t, x in (line.split(",") for line in lines[1:])]
+    decaying.moves.write_text("\n".join([lines[0], *later]) + "\n", "utf-8")
+    given = ("--recording", decaying.recording, "--moves", decaying.moves, "-o", tmp_path / "r.json", *_A1)
+    with pytest.raises(MovesError, match="is cut off, these are moves of another run, or the clocks differ"):
+        said(*given, "--test", "decaying")
+
+
+@pytest.mark.parametrize("missing", ["--recording", "--moves", "--test", "--joint", "--arm", "-o"])
+def test_a_missing_option_is_named(tmp_path: Path, decaying: Files, missing: str) -> None:
+    words = {
+        "--recording": str(decaying.recording),
+        "--moves": str(decaying.moves),
+        "--test": "decaying",
+        "--joint": "A1",
+        "--arm": "kr210-r2700",
+        "-o": str(tmp_path / "r.json"),
+    }
+    del words[missing]
+    with pytest.raises(UsageError, match=f"{missing.removeprefix('--')} is missing"):
+        said(*(part for pair in words.items() for part in pair))

@@ -1,0 +1,161 @@
+"""Tests of motion resolution that a run has stored; what the joint did is known."""
+
+import zlib
+from array import array
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from catseye.app.cell.load import load_cell
+from catseye.app.cli.report import report
+from catseye.app.cli.resolution.resolution import resolution
+from catseye.app.errors import UsageError
+from catseye.app.results.resolution.recorded_runs import holds_tests, result_of_runs
+from catseye.app.results.resolution.result import read_resolution
+from catseye.app.store.chunks import Chunk, pack
+from catseye.app.store.reader import RunReader
+from catseye.app.store.run_store import RunStore
+from catseye.calibration.core.types import Floats
+from catseye.calibration.resolution.errors import MovesError
+from catseye.procedures.kit.recording import Recorded
+from catseye.procedures.kit.records import Record, row_of
+from catseye.procedures.resolution.records import Configuration, Move
+from tests.unit.app.results.resolution.recordings import DWELL_S, STILL_S, angles, decaying_commands
+from tests.unit.app.store.fakes import TickingClock
+
+_CELL = Path(__file__).parents[5] / "docs" / "examples" / "kuka.toml"
+_RATE_HZ = 50.0
+_SPACING_MM = 30.0
+_SCALE = 1.0002
+"""Of a reading, corrected for the air."""
+
+
+def _chunk(command: Floats, moved: Floats, *, linear: bool) -> tuple[Chunk, Floats]:
+    times_s: Floats = STILL_S + DWELL_S * np.arange(command.size, dtype=np.float64)
+    t_s = np.arange(0.0, float(times_s[-1]) + DWELL_S + 1.0, 1.0 / _RATE_HZ)
+    position = angles(t_s, times_s, moved)
+    length_mm = position if linear else _SPACING_MM * np.sin(np.radians(position))
+    length_mm = length_mm + np.random.default_rng(2).normal(0.0, 1e-7, t_s.size)
+    return Chunk(array("d", t_s.tolist()), array("d", (length_mm / _SCALE).tolist())), times_s
+
+
+def _rows(
+    test: str, command: Floats, moved: Floats, torque: Floats | None = None, **place: Any
+) -> tuple[Chunk, list[Record]]:
+    """Return readings and rows of one series."""
+    linear = test == "cartesian"
+    chunk, times_s = _chunk(command, moved, linear=linear)
+    recorded = Recorded(
+        name="series-1", method="streamed", origin_utc="2026-01-02T03:04:05+00:00", origin_clock_s=0.0,
+        readings=len(chunk.values), chunks=1, crc32=zlib.crc32(pack(chunk)), duration_s=100.0, rate_hz=_RATE_HZ,
+        jitter_s=0.0, longest_gap_s=0.02, late=0, lost=0, beam_lost=0, overspeed=0, values_lost=0, scale=_SCALE,
+        offset_mm=0.0,
+    )  # fmt: skip
+    configuration = Configuration(
+        recording="series-1", test=test, joint=place.get("joint", "A1"), position=place.get("position", "K3"),
+        position_value=None if linear else 0.0, direction=1, unit="mm" if linear else "deg",
+        amplitude=place.get("amplitude"), absolute=0, standstill_from_s=0.0, standstill_until_s=STILL_S - 1.0,
+        dwell_s=DWELL_S, spacing_mm=None if linear else _SPACING_MM, u_spacing_mm=None, distance_mm=500.0,
+        moves=command.size,
+    )  # fmt: skip
+    moves = [
+        Move(
+            recording="series-1",
+            joint="A1",
+            number=row + 1,
+            sequence=place.get("sequence", 1),
+            command=float(command[row]),
+            time_s=float(times_s[row]),
+            ended_s=float(times_s[row]) + 0.4,
+            torque_nm=None if torque is None else float(torque[row]),
+        )
+        for row in range(command.size)
+    ]
+    return chunk, [recorded, *moves, configuration]
+
+
+async def _stored(tmp_path: Path, *series: tuple[Chunk, Sequence[Record]], records: bool = True) -> RunReader:
+    meta: dict[str, Any] = {"configuration": load_cell(_CELL).cell.model_dump(mode="json"), "simulated": True}
+    kinds = (Recorded, Move, Configuration) if records else (Recorded,)
+    store = await RunStore.create(
+        tmp_path, "resolution", meta, TickingClock(), records=kinds, reserve_bytes=0
+    )
+    for number, (chunk, rows) in enumerate(series):
+        key = (f"series-{number}", 1, "series-1")
+        await store.append_chunk(key, 1, chunk)
+        await store.append_step(key[0], 1, "A1", {}, [(type(row).table, row_of(row)) for row in rows])
+    await store.finish("complete", 0)
+    return RunReader(store.path)
+
+
+async def test_a_run_gives_what_its_joint_did(tmp_path: Path) -> None:
+    command = decaying_commands(60)
+    reader = await _stored(tmp_path, _rows("decaying", command, 1.02 * command))
+    result = result_of_runs([reader], 10.0)
+    (test,) = result.tests
+    assert (result.arm, test.joint, test.position, test.direction) == ("KR 210 R2700", "A1", 0.0, 1)
+    assert [move.error_percent for move in test.moves] == pytest.approx([2.0] * 60, abs=0.2)
+    assert result.provenance is not None
+    assert result.provenance.simulated
+    assert result.provenance.runs == [reader.path.name]
+
+
+async def test_sizes_of_one_iso_test_belong_together(tmp_path: Path) -> None:
+    signs = np.repeat([1.0, -1.0, 1.0], 10)
+    small, large = 0.001 * signs, 0.01 * signs
+    reader = await _stored(
+        tmp_path,
+        _rows("iso", small, 0.0 * small, amplitude=0.001),
+        _rows("iso", large, large, amplitude=0.01),
+    )
+    (test,) = result_of_runs([reader], 10.0).tests
+    assert test.amplitudes is not None
+    assert [one.distinguishable for one in test.amplitudes] == [False, True]
+    assert [one.command for one in test.amplitudes] == pytest.approx([0.001, 0.01])
+
+
+async def test_torques_of_the_moves_judge_a_reversal(tmp_path: Path) -> None:
+    command = np.tile(np.repeat([0.1, -0.1], 10), 5)
+    torque = np.where(command > 0.0, 20.0, -10.0) + np.random.default_rng(4).normal(0.0, 0.2, command.size)
+    reader = await _stored(tmp_path, _rows("backlash", command, command, torque))
+    (test,) = result_of_runs([reader], 10.0).tests
+    assert test.reversal is not None
+    assert test.reversal.value == pytest.approx(0.0, abs=1e-5)
+    assert test.reversal.valid is True
+
+
+async def test_a_cartesian_test_is_in_mm_at_its_pose(tmp_path: Path) -> None:
+    command = 10.0 * decaying_commands(40)
+    reader = await _stored(tmp_path, _rows("cartesian", command, command, joint="X", position="P1"))
+    (test,) = result_of_runs([reader], 10.0).tests
+    assert (test.unit, test.joint, test.pose, test.position) == ("mm", "X", "P1", None)
+    assert test.moves[0].measured == pytest.approx(1.0, rel=1e-3)
+
+
+async def test_a_faulty_series_is_named_with_its_run(tmp_path: Path) -> None:
+    command = decaying_commands(30)
+    reader = await _stored(tmp_path, _rows("decaying", command, 0.1 * command))
+    with pytest.raises(
+        MovesError, match=f"{reader.path.name}, decaying test of A1 at K3: the 10 largest moves"
+    ):
+        result_of_runs([reader], 10.0)
+
+
+async def test_a_run_without_tests_is_refused(tmp_path: Path) -> None:
+    reader = await _stored(tmp_path, records=False)
+    assert not holds_tests(reader)
+    with pytest.raises(UsageError, match="has recorded no test of motion resolution"):
+        result_of_runs([reader], 10.0)
+
+
+async def test_commands_take_a_run_by_its_path(tmp_path: Path) -> None:
+    command = decaying_commands(40)
+    reader = await _stored(tmp_path, _rows("decaying", command, command))
+    output, page = tmp_path / "result.json", tmp_path / "page.html"
+    resolution(output, [str(reader.path)], threshold=10.0)
+    report([str(reader.path)], page)
+    assert len(read_resolution(output).tests) == 1
+    assert "resolution on KR 210 R2700" in page.read_text("utf-8")
