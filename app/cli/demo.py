@@ -41,7 +41,7 @@ def demo(
 
     Example: catseye demo --out /tmp/demo --seed 7
     """
-    from catseye.app.cli.demonstration import Demonstration, DemoInterruptedError
+    from catseye.app.cli.demonstration import DemoInterruptedError, Demonstration
     from catseye.app.cli.resolution.demo import demonstrate_resolution
     from catseye.app.cli.scara.demo import demonstrate_scara
 

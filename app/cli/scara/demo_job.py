@@ -42,6 +42,7 @@ from catseye.calibration.scara.layout import ModelName
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.simulators.world.scara.truth import true_arm
 
+
 @dataclass(frozen=True)
 class DemoResult:
     """Everything that the demo found.
