@@ -34,7 +34,7 @@ DemoRun = tuple[str, Sequence[str]]
 RUNS: Final[Sequence[DemoRun]] = (
     (
         "resolution",
-        (*_TIMES, 'joints=["A1", "A5"]', 'positions=["K3"]', "first_deg=0.02", "steps=86"),
+        (*_TIMES, 'joints=["A1", "A5"]', 'positions=["K3"]', "first_deg=0.01", "steps=60"),
     ),
     (
         "resolution-iso",
@@ -43,7 +43,7 @@ RUNS: Final[Sequence[DemoRun]] = (
     ("backlash", (*_TIMES, 'joints=["A5"]', 'positions=["K3"]')),
     (
         "resolution-cartesian",
-        (*_TIMES, "poses_deg=[[0, -80, 80, 0, 30, 0]]", "first_mm=0.3", "steps=60"),
+        (*_TIMES, "poses_deg=[[0, -80, 80, 0, 30, 0]]", "first_mm=0.2", "steps=40"),
     ),
 )
 """Less than the paper asks for, so that it takes minutes: shorter dwells, no steps far above the least one."""
