@@ -24,12 +24,22 @@ if TYPE_CHECKING:
     from catseye.calibration.kinematics.jacobian import jacobian as jacobian
     from catseye.calibration.kinematics.rotations import angles_of as angles_of
     from catseye.calibration.kinematics.rotations import pose_of as pose_of
+    from catseye.calibration.resolution.alignment import align as align
+    from catseye.calibration.resolution.backlash import backlash as backlash
     from catseye.calibration.resolution.cartesian_steps import StepSeries as StepSeries
+    from catseye.calibration.resolution.decaying import decaying_test as decaying_test
+    from catseye.calibration.resolution.iso import iso_amplitude as iso_amplitude
+    from catseye.calibration.resolution.iso import iso_test as iso_test
     from catseye.calibration.resolution.joint_model import JointModel as JointModel
     from catseye.calibration.resolution.joint_model import MeasuredSteps as MeasuredSteps
     from catseye.calibration.resolution.joint_model import table_of as table_of
+    from catseye.calibration.resolution.moves import moves_of as moves_of
+    from catseye.calibration.resolution.optics import AngularOptics as AngularOptics
+    from catseye.calibration.resolution.optics import LinearOptics as LinearOptics
     from catseye.calibration.resolution.predictor import PredictionMethod as PredictionMethod
     from catseye.calibration.resolution.predictor import predict_pose as predict_pose
+    from catseye.calibration.resolution.recording import recording_of as recording_of
+    from catseye.calibration.resolution.steps import steps as steps
     from catseye.calibration.resolution.tables import JointTable as JointTable
     from catseye.calibration.resolution.tables import ResolutionTables as ResolutionTables
     from catseye.calibration.scara.budget import Budget as Budget
@@ -84,9 +94,17 @@ _HOMES = {
     "kinematics.inverse": ("inverse_kinematics",),
     "kinematics.jacobian": ("jacobian",),
     "kinematics.rotations": ("angles_of", "pose_of"),
+    "resolution.alignment": ("align",),
+    "resolution.backlash": ("backlash",),
     "resolution.cartesian_steps": ("StepSeries",),
+    "resolution.decaying": ("decaying_test",),
+    "resolution.iso": ("iso_amplitude", "iso_test"),
     "resolution.joint_model": ("JointModel", "MeasuredSteps", "table_of"),
+    "resolution.moves": ("moves_of",),
+    "resolution.optics": ("AngularOptics", "LinearOptics"),
     "resolution.predictor": ("PredictionMethod", "predict_pose"),
+    "resolution.recording": ("recording_of",),
+    "resolution.steps": ("steps",),
     "resolution.tables": ("JointTable", "ResolutionTables"),
     "scara.budget": ("Budget", "Contributor"),
     "scara.comparison": ("Comparison", "compare"),

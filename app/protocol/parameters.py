@@ -44,7 +44,7 @@ def short_text(facts: dict[str, Any]) -> str:
     """
     facts = next((one for one in facts.get("anyOf", [facts]) if one.get("type") != "null"), facts)
     low, high, above = facts.get("minimum"), facts.get("maximum"), facts.get("exclusiveMinimum")
-    if _names(facts):
+    if takes_names(facts):
         return "names, by commas"
     if above is not None:
         return f"> {above:g} … {high:g}"
@@ -54,7 +54,7 @@ def short_text(facts: dict[str, Any]) -> str:
 def _list_text(facts: dict[str, Any]) -> str:
     items, fewest, most = facts.get("items", {}), facts.get("minItems"), facts.get("maxItems")
     if items.get("type") == "string":
-        return 'a list of names, such as ["P1", "P2"]'
+        return "names, separated by commas"
     if items.get("type") == "array":
         return f"a list of {fewest} to {most} such pairs: {range_text(items)}"
     return f"[{', '.join([range_text(items)] * int(fewest or 1))}]"
@@ -107,9 +107,8 @@ def param_text(facts: dict[str, Any], name: str, text: str) -> str:
     kinds = {one.get("type") for one in facts.get("anyOf", [facts])}
     if kinds <= {"string", "null"}:
         return f"{name}={json.dumps(text, ensure_ascii=False)}"
-    if _names(facts) and not text.startswith("["):
-        names = [part.strip() for part in text.split(",") if part.strip()]
-        return f"{name}={json.dumps(names, ensure_ascii=False)}"
+    if takes_names(facts) and not text.startswith("["):
+        return f"{name}={json.dumps(names_in(text), ensure_ascii=False)}"
     return f"{name}={text}"
 
 
@@ -122,7 +121,7 @@ def _fits(facts: dict[str, Any], text: str) -> bool:
         case "boolean":
             return text in {"true", "false"}
         case "array":
-            return (_names(facts) and not text.startswith("[")) or _is_list(facts, text)
+            return (takes_names(facts) and not text.startswith("[")) or _is_list(facts, text)
         case "null":
             return False
     return "enum" not in facts or text in facts["enum"]
@@ -143,9 +142,19 @@ def _in_range(facts: dict[str, Any], value: float) -> bool:
     )
 
 
-def _names(facts: dict[str, Any]) -> bool:
+def takes_names(facts: dict[str, Any]) -> bool:
+    """Return whether a parameter is a list of names; they may be typed without brackets.
+
+    Args:
+        facts: the parameter's JSON schema.
+    """
     one: dict[str, Any] = next((one for one in facts.get("anyOf", [facts]) if one.get("type") == "array"), {})
     return bool(one.get("items", {}).get("type") == "string")
+
+
+def names_in(text: str) -> list[str]:
+    """Return names that are separated by commas."""
+    return [part.strip() for part in text.split(",") if part.strip()]
 
 
 def _is_list(facts: dict[str, Any], text: str) -> bool:

@@ -11,7 +11,7 @@ from pydantic_core import ErrorDetails
 
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.documents import parse_toml
-from catseye.app.protocol.parameters import range_text
+from catseye.app.protocol.parameters import names_in, range_text, takes_names
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.columns import TableRule
 from catseye.procedures.kit.context import Context
@@ -141,7 +141,11 @@ def _given_value(params_type: type[BaseModel], key: str, text: str) -> Any:
     field = params_type.model_fields.get(key)
     value = _toml_value(text)
     table = next((rule for rule in field.metadata if isinstance(rule, TableRule)), None) if field else None
-    if table is None or not isinstance(value, str):
+    if not isinstance(value, str):
+        return value
+    if takes_names(params_type.model_json_schema()["properties"].get(key, {})) and not text.startswith("["):
+        return names_in(value)
+    if table is None:
         return value
     # Most commands read no such file, and start without what reads it.
     from catseye.app.files.columns import read_table

@@ -45,6 +45,7 @@ class LiveStepData(Message):
     count: int
     command: float
     measured: float
+    position: float
     unit: Literal["deg", "mm"]
     error_percent: float
     band_percent: float

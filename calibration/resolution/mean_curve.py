@@ -19,7 +19,7 @@ from catseye.calibration.core.types import Floats
 _AMPLITUDES: Final = (1.5, 5.0, 15.0, 50.0)
 """Of the mean, over the scatter of a step."""
 
-_LENGTHS: Final = (0.4, 0.8, 1.6, 3.2, 6.4)
+_LENGTHS: Final = (0.8, 1.6, 3.2, 6.4, 12.8)
 """Of the kernel, in e-folds of the step; the paper's window of 11 steps is 0.77 wide."""
 
 _CORRELATIONS: Final = (-0.45, -0.2, 0.0, 0.3, 0.6)

@@ -26,7 +26,8 @@ class LiveStep:
         count: of the series.
         command: signed size, in the unit.
         measured: signed size, positive in the direction that positive commands lead to.
-        unit: of both.
+        position: of the plateau after it, from the one before the first step.
+        unit: of all three.
         error_percent: of the command.
         band_percent: largest error that is shown as accepted.
         torque_nm: of the motor at its end; None where the controller states none.
@@ -37,6 +38,7 @@ class LiveStep:
     count: int
     command: float
     measured: float
+    position: float
     unit: Unit
     error_percent: float
     band_percent: float

@@ -199,7 +199,8 @@ class SeriesRecorder:
         if before is None or after is None:
             return
         # Which way the beam grows is a matter of mounting: the first step, the largest one, tells.
-        made.mounting = made.mounting or math.copysign(1.0, (after - before) * move.command)
+        if not made.mounting:
+            made.mounting, made.origin = math.copysign(1.0, (after - before) * move.command), before
         measured = made.mounting * (after - before)
         error = 100.0 * (measured / move.command - 1.0)
         step = LiveStep(
@@ -208,6 +209,7 @@ class SeriesRecorder:
             len(series.orders),
             move.command,
             measured,
+            made.mounting * (after - made.origin),
             self._place.unit,
             error,
             _THRESHOLD_PERCENT,
@@ -225,11 +227,13 @@ class _Made:
         recording: its name.
         moves: that were made.
         mounting: 1 or -1, as the beam grows or shrinks with positive commands; 0 before the first step.
+        origin: where the arm stood before it, by the beam, deg or mm.
     """
 
     recording: str
     moves: list[Move] = field(default_factory=list)
     mounting: float = 0.0
+    origin: float = 0.0
 
 
 class Torques:

@@ -17,9 +17,8 @@ override_cap_percent = 10               # the program never drives faster
 # override_cap_reason = ""              # why, for a cap above 30
 drives_off_after_s = 300                # of rest after a run that was started in the terminal UI
 
-[robot.limits_deg]                      # within the arm's own; narrower where cables and optics need it
-a2 = [-130.0, -20.0]
-a3 = [-110.0, 145.0]
+# [robot.limits_deg]                    # within the arm's own, which hold without; narrower where cables need it
+# a1 = [-170.0, 170.0]
 
 [interferometer]
 driver = "line-counter"
@@ -36,6 +35,10 @@ pressure_register = 44                  # of the emulator and of a DPT145: confi
 formula = "ciddor"                      # or "edlen", the modified equation of the NIST
 co2_ppm = 450
 vacuum_wavelength_nm = 632.9908         # any helium-neon laser; better: its certificate
+
+[tracker]                               # only the emulated bench has one; leave this out for real hardware
+driver = "bench-tracker"
+endpoint = "tcp://127.0.0.1:10099"
 
 # Optics that are set up at each place of the arm; the run asks for them and checks their signal.
 [angular_optics]

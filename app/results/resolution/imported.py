@@ -100,7 +100,8 @@ def imported_test(given: Import) -> AnyTest:
         raise UsageError(
             f"{given.recording.path}: --moves is missing: when each move was commanded, and its size"
         )
-    recording, moves = read_recording(given.recording), read_moves(given.moves)
+    recording = read_recording(given.recording)
+    moves = read_moves(given.moves, there_and_back=given.asked.test in {"iso", "backlash"})
     optics = LinearOptics() if recording.unit == "mm" else given.recording.optics
     series = Series(recording, moves, optics)
     if given.joint_torque is not None:

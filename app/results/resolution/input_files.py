@@ -78,17 +78,22 @@ def read_recording(file: RecordingFile) -> Recording:
         raise UsageError(f"{file.path}{place}: {error}") from error
 
 
-def read_moves(path: Path) -> Moves:
+def read_moves(path: Path, *, there_and_back: bool = False) -> Moves:
     """Read the moves of a test, of a joint in rad, of a slide or of the tool in mm.
+
+    Args:
+        path: of the file.
+        there_and_back: moves whose `sequence` is 0 only lead to the beginning of such a test, and are left out.
 
     Raises:
         UsageError: the file cannot be used; names line and remedy.
     """
     columns = read_table(path, MOVES)
-    angular = columns.get("command_deg")
+    angular, sequence = columns.get("command_deg"), columns.get("sequence")
+    counted = slice(None) if sequence is None or not there_and_back else sequence > 0.0
     try:
         if angular is not None:
-            return moves_of(columns["t_s"], np.radians(angular), "rad")
-        return moves_of(columns["t_s"], columns["command_mm"], "mm")
+            return moves_of(columns["t_s"][counted], np.radians(angular[counted]), "rad")
+        return moves_of(columns["t_s"][counted], columns["command_mm"][counted], "mm")
     except CalibrationError as error:
         raise UsageError(f"{path}: {error} (move 1 stands in line {columns.lines[0]})") from error

@@ -1,7 +1,6 @@
 """Tests that this program recorded, from runs of the store to a result."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from itertools import chain, groupby
 from typing import Any
 
@@ -13,18 +12,18 @@ from catseye.app.results.origin import now_utc
 from catseye.app.results.provenance import Provenance
 from catseye.app.results.resolution.actuation import actuation_of
 from catseye.app.results.resolution.evaluation import Asked, Series, evaluated
+from catseye.app.results.resolution.recorded_series import RecordedSeries, series_of_run
 from catseye.app.results.resolution.result import AnyTest, ResolutionResult
 from catseye.app.results.runs.run_source import are_simulated, cell_of_run
 from catseye.app.store.reader import RunReader
 from catseye.app.store.software import SOFTWARE
 from catseye.calibration.core.errors import CalibrationError
-from catseye.calibration.resolution.moves import Moves, moves_of
+from catseye.calibration.resolution.errors import MovesError
+from catseye.calibration.resolution.moves import moves_of
 from catseye.calibration.resolution.optics import AngularOptics, LinearOptics
 from catseye.calibration.resolution.recording import Recording, recording_of
 from catseye.calibration.resolution.standstill import standstill
-from catseye.procedures.resolution.records import Configuration, Move
-
-_Row = Mapping[str, Any]
+from catseye.procedures.resolution.records import Configuration
 
 
 def holds_tests(reader: RunReader) -> bool:
@@ -65,21 +64,23 @@ def result_of_runs(readers: Sequence[RunReader], threshold_percent: float) -> Re
 
 
 def _tests(reader: RunReader, threshold_percent: float) -> Iterator[AnyTest]:
-    rows: Sequence[_Row] = reader.rows(Configuration.table)
-    if not rows:
+    recorded = list(series_of_run(reader))
+    if not recorded:
         raise UsageError(f"{reader.path.name}: has recorded no test of motion resolution")
-    for _, group in groupby(rows, key=_test_of):
+    for _, group in groupby(recorded, key=_test_of):
         members = list(group)
-        asked = _asked(members[0], threshold_percent)
+        asked = _asked(members[0].configuration, threshold_percent)
         try:
-            yield evaluated(asked, [_series(reader, row) for row in members])
+            yield evaluated(asked, [_series(one) for one in members])
         except CalibrationError as error:
-            where = f"{reader.path.name}, {asked.test} test of {asked.joint} at {members[0]['position']}"
-            raise type(error)(f"{where}: {error}") from error
+            position = members[0].configuration["position"]
+            where = f"{reader.path.name}, {asked.test} test of {asked.joint} at {position}"
+            raise MovesError(f"{where}: {error}") from error
 
 
-def _test_of(row: _Row) -> tuple[object, ...]:
+def _test_of(recorded: RecordedSeries) -> tuple[object, ...]:
     """Return what the series of one test share: those of a test by ISO 230 differ in the size of their steps."""
+    row = recorded.configuration
     together = row["test"] == "iso"
     return (
         row["test"],
@@ -89,52 +90,32 @@ def _test_of(row: _Row) -> tuple[object, ...]:
     )
 
 
-def _asked(row: _Row, threshold_percent: float) -> Asked:
-    cartesian = row["test"] == "cartesian"
-    return Asked(
-        row["test"],
-        row["joint"],
-        row["position_value"],
-        row["position"] if cartesian else None,
-        threshold_percent,
-    )
+def _asked(row: Mapping[str, Any], threshold_percent: float) -> Asked:
+    pose = row["position"] if row["test"] == "cartesian" else None
+    return Asked(row["test"], row["joint"], row["position_value"], pose, threshold_percent)
 
 
-def _series(reader: RunReader, row: _Row) -> Series:
-    recording, optics = _recording(reader, row)
-    rows: list[_Row] = [
-        move
-        for move in reader.rows(Move.table)
-        if (move["step_id"], move["recording"]) == (row["step_id"], row["recording"])
-    ]
+def _series(recorded: RecordedSeries) -> Series:
+    row = recorded.configuration
+    recording, optics = _recording(recorded)
     still = standstill(recording.clipped(row["standstill_from_s"], row["standstill_until_s"]))
     # A test that goes there and back begins where its preliminary moves have led.
-    counted = [move for move in rows if row["test"] in {"decaying", "cartesian"} or move["sequence"] > 0]
-    series = Series(recording, _moves(counted, row["unit"]), optics, still)
-    torques = [(move["ended_s"], move["torque_nm"]) for move in counted if move["torque_nm"] is not None]
-    if not torques:
-        return series
-    torque_s, torque_nm = np.array(torques, dtype=np.float64).T
-    return replace(series, torque_s=torque_s, torque_nm=torque_nm)
+    there_and_back = row["test"] in {"iso", "backlash"}
+    counted = np.array([not there_and_back or move["sequence"] > 0 for move in recorded.moves])
+    time_s, command = recorded.move_time_s()[counted], recorded.command()[counted]
+    angular = recorded.unit == "deg"
+    moves = moves_of(time_s, np.radians(command) if angular else command, "rad" if angular else "mm")
+    torque_nm = recorded.torque_nm()
+    if torque_nm is None:
+        return Series(recording, moves, optics, still)
+    # Read at the end of the dwell, which may be the very moment of the next move: it belongs to the move before.
+    torque_s = np.array([move["ended_s"] for move in recorded.moves], dtype=np.float64)[counted]
+    return Series(recording, moves, optics, still, torque_s, torque_nm[counted])
 
 
-def _recording(reader: RunReader, row: _Row) -> tuple[Recording, AngularOptics | LinearOptics]:
-    recorded: _Row = next(
-        one
-        for one in reader.recordings()
-        if (one["step_id"], one["name"]) == (row["step_id"], row["recording"])
-    )
-    chunks = [(chunk.times_s, chunk.values) for chunk in reader.chunks(recorded)]
-    time_s = np.concatenate([np.array(times) for times, _ in chunks])
-    readings = np.concatenate([np.array(values) for _, values in chunks])
-    displacement_mm = recorded["scale"] * readings + recorded["offset_mm"]
+def _recording(recorded: RecordedSeries) -> tuple[Recording, AngularOptics | LinearOptics]:
+    row, displacement_mm = recorded.configuration, recorded.displacement_mm
     if row["spacing_mm"] is None:
-        return recording_of(time_s, displacement_mm, "mm"), LinearOptics()
+        return recording_of(recorded.time_s, displacement_mm, "mm"), LinearOptics()
     optics = AngularOptics(row["spacing_mm"], row["u_spacing_mm"] or 0.0, 1e-3 * row["distance_mm"])
-    return recording_of(time_s, optics.angle_rad(displacement_mm), "rad"), optics
-
-
-def _moves(rows: Sequence[_Row], unit: str) -> Moves:
-    time_s = np.array([row["time_s"] for row in rows], dtype=np.float64)
-    command = np.array([row["command"] for row in rows], dtype=np.float64)
-    return moves_of(time_s, np.radians(command), "rad") if unit == "deg" else moves_of(time_s, command, "mm")
+    return recording_of(recorded.time_s, optics.angle_rad(displacement_mm), "rad"), optics

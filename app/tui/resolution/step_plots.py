@@ -22,7 +22,7 @@ _NEWEST: Final = 12
 
 
 class StaircasePlot(RunPlot):
-    """The newest plateaus as they look now, against what was commanded."""
+    """The newest plateaus as they look now, each with where its step was to lead from the plateau before."""
 
     def __init__(self) -> None:
         super().__init__("Staircase", id="staircase", classes="first")
@@ -91,16 +91,17 @@ def _stairs(seen: "Sequence[LiveStepData]") -> "Panel":
 
     from catseye.app.results.figures import Axis, Line, Panel, Role
 
-    number = np.array([seen[0].number - 1, *(step.number for step in seen)], dtype=np.float64)
-    commanded, measured = (
-        np.concatenate([[0.0], np.cumsum(sizes)])
-        for sizes in ([step.command for step in seen], [step.measured for step in seen])
-    )
+    number = np.array([step.number for step in seen], dtype=np.float64)
+    reached = np.array([step.position for step in seen])
+    # The controller adds each increment to where it measures the joint to stand.
+    wanted = reached + np.array([step.command - step.measured for step in seen])
+    # The third place of each plateau breaks the line: steps that never came here are not made up.
+    across = np.column_stack([number - 0.5, number + 0.5, np.full(number.size, np.nan)]).ravel()
     marks = (
-        Line(number, commanded, Role.COMMAND, dash="dashed", step=True),
-        Line(number, measured, Role.CHOSEN, step=True),
+        Line(across, np.repeat(wanted, 3), Role.COMMAND, dash="dashed"),
+        Line(across, np.repeat(reached, 3), Role.CHOSEN),
     )
-    return Panel(f"{seen[0].unit}  ╌╌ commanded  ─○ plateaus", Axis("step"), Axis(), marks)
+    return Panel(f"{seen[0].unit}  ╌╌ commanded  ── plateaus", Axis("step"), Axis(), marks)
 
 
 def _errors(seen: "Sequence[LiveStepData]") -> "Panel":

@@ -49,7 +49,7 @@ class ProceduresScreen(MainScreen):
     AUTO_FOCUS = "#list"
 
     DEFAULT_CSS = """
-    ProceduresScreen #left { width: 25; }
+    ProceduresScreen #left { width: 29; }
     ProceduresScreen #list { height: auto; max-height: 12; border: none; padding: 0; background: $background; }
     ProceduresScreen #list-panel { height: auto; max-height: 60%; }
     ProceduresScreen #way { height: 1fr; }
@@ -65,7 +65,7 @@ class ProceduresScreen(MainScreen):
     ProceduresScreen #head-line { height: 1; color: $primary; }
     ProceduresScreen #table { height: 1fr; scrollbar-size: 1 1; background: $background; }
     ProceduresScreen.-low #needs.rehearsal { display: none; }
-    ProceduresScreen.-narrow #left { width: 20; }
+    ProceduresScreen.-narrow #left { width: 26; }
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [

@@ -22,7 +22,7 @@ from catseye.procedures.scara.open_loop.open_loop import OpenLoopParams
             "-360 … 360",
         ),
         ({"enum": ["automatic", "manual"], "type": "string"}, "automatic or manual"),
-        ({"type": "array", "items": {"type": "string"}}, 'a list of names, such as ["P1", "P2"]'),
+        ({"type": "array", "items": {"type": "string"}}, "names, separated by commas"),
         ({"type": "boolean"}, "true or false"),
     ],
 )
@@ -50,8 +50,8 @@ def test_every_number_of_every_procedure_has_a_range(name: str) -> None:
         ),
         (
             OpenLoopParams,
-            "reflectors=P9",
-            'P9 is not possible; it takes a list of names, such as ["P1", "P2"]',
+            "reflectors=9",
+            "9 is not possible; it takes names, separated by commas",
         ),
     ],
 )
@@ -61,6 +61,12 @@ def test_a_wrong_value_is_reported_with_what_is_possible(
     with pytest.raises(UsageError) as caught:
         parse_params(params, [given])
     assert message in str(caught.value)
+
+
+def test_names_need_no_brackets_on_the_command_line() -> None:
+    given = parse_params(OpenLoopParams, ["reflectors=P1, P2"])
+    assert isinstance(given, OpenLoopParams)
+    assert given.reflectors == ["P1", "P2"]
 
 
 def facts_of(name: str, key: str) -> dict[str, Any]:

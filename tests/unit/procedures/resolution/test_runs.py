@@ -289,4 +289,6 @@ async def test_steps_are_shown_as_they_are_made(tmp_path: Path) -> None:
     # The arm does nine tenths of each step; which way the counter counts is a matter of mounting.
     assert [step.measured for step in made] == pytest.approx([0.9 * step.command for step in made], rel=1e-3)
     assert [step.error_percent for step in made] == pytest.approx([-10.0] * 12, abs=0.1)
+    first = [step.measured for step in made[:6]]
+    assert [step.position for step in made[:6]] == pytest.approx([sum(first[: n + 1]) for n in range(6)])
     assert {(step.unit, step.torque_nm) for step in made} == {("deg", 40.0)}

@@ -127,6 +127,12 @@ def test_moves_are_read_in_their_unit(tmp_path: Path) -> None:
     assert (linear.unit, linear.command.tolist()) == ("mm", [0.5, 0.4])
 
 
+def test_moves_that_lead_to_a_test_do_not_count(tmp_path: Path) -> None:
+    path = _file(tmp_path, "t_s,command_deg,sequence\n1,0.5,0\n6,0.1,1\n11,-0.1,2\n")
+    assert read_moves(path, there_and_back=True).time_s.tolist() == [6.0, 11.0]
+    assert read_moves(path).time_s.tolist() == [1.0, 6.0, 11.0]
+
+
 def test_moves_that_go_back_in_time_are_refused(tmp_path: Path) -> None:
     path = _file(tmp_path, "# A1\nt_s,command_deg\n5,0.1\n1,0.1\n")
     with pytest.raises(UsageError, match=r"move 2 at 1 s does not follow .*\(move 1 stands in line 3\)"):

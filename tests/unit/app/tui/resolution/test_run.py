@@ -23,7 +23,8 @@ def step(number: int, series: str = "A1+ at K1", torque_nm: float | None = -12.3
     command = 0.1 / RATIO ** (number - 1)
     error = 100.0 * 2e-4 / command * math.cos(number)
     measured = command * (1.0 + error / 100.0)
-    return LiveStep(series, number, 109, command, measured, "deg", error, 10.0, torque_nm)
+    position = 1.5 - 15.0 * command
+    return LiveStep(series, number, 109, command, measured, position, "deg", error, 10.0, torque_nm)
 
 
 def show_step(link: ScriptedLink, made: LiveStep) -> None:

@@ -62,4 +62,4 @@ def test_the_emulated_arm_has_a_cell_file_of_its_own(folder: Path) -> None:
     assert not is_emulated(path, "scara")
     cell = load_cell(path).cell
     ports = {section.endpoint.rpartition(":")[2] for section in cell.instruments.values()}
-    assert len(ports) == len(cell.instruments) == 3
+    assert len(ports) == len(cell.instruments) == 4
