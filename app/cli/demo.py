@@ -13,7 +13,7 @@ from catseye.app.cli.output import note
 if TYPE_CHECKING:
     from catseye.app.engine.announcer import Publish
 
-_SPEED = {"scara": 400.0, "resolution": 20.0}
+_SPEED = {"scara": 400.0, "resolution": 4.0}
 _FOLDER = {"scara": "catseye-demo", "resolution": "catseye-demo-resolution"}
 
 
@@ -30,7 +30,7 @@ def demo(
         typer.Option(
             min=0.001,
             max=1e6,
-            help="bench seconds in one real second [400 for scara, 20 for resolution]",
+            help="bench seconds in one real second [400 for scara, 4 for resolution]",
         ),
     ] = None,
     seed: Seed = 2,

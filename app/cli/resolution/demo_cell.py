@@ -16,6 +16,9 @@ endpoint = "tcp://127.0.0.1:7000"
 arm = "kr210-r2700"
 override_cap_percent = 10
 
+[robot.settings]
+taken_timeout_s = 20.0
+
 [robot.limits_deg]
 a2 = [-130.0, -20.0]
 a3 = [-110.0, 145.0]
@@ -48,7 +51,7 @@ spacing_mm = 30.0
 [linear_optics]
 """
 
-# A busy machine lets the emulators of a fast bench wait.
+# On a busy machine the emulators of a fast bench answer late; time-outs are in real seconds.
 CELL: Final = _CELL.format(setting="timeout_s = 10.0")
 
 
