@@ -50,11 +50,17 @@ _ITERATIONS = 25
 _SETTLED = 1e-6
 """Relative change of the log likelihood that no longer matters."""
 
-_LEAST_DIFFERENCE = 0.1
-"""Part of the scatter by which positions differ, at least; five of them do not show that they are all alike."""
+_LEAST_DIFFERENCE = 1.0
+"""By how much of their scatter positions differ at least, as a standard deviation: five of them never show that they
+are all alike, and the most likely value is often nothing.
+"""
 
-_LENGTHS = np.array([[0.1, 20.0], [0.05, 20.0]])
-"""Shortest and longest lengths of differences, over log(step) and over position, in their scales."""
+_LENGTHS = np.array([[0.3, 3.0], [0.5, 0.5]])
+"""Shortest and longest lengths of differences, over log(step) and over position, in their scales.
+
+That over position is half the distance between neighbours, and not learnt: of five positions the most likely length
+was now far too long, which takes them for alike, and now far too short. What differs is then unknown half way.
+"""
 
 
 @dataclass(frozen=True)
@@ -118,7 +124,8 @@ class JointModel:
         self.steps = steps
         log = np.log(steps.commands)
         self._log_centre, self._log_scale = float(log.mean()), float(log.std()) or 1.0
-        self._span = float(np.ptp(steps.positions))
+        # The distance between neighbouring positions; 0 of a single one.
+        self._spacing = float(np.ptp(steps.positions)) / max(np.unique(steps.positions).size - 1, 1)
         inputs, errors = self._inputs(steps.positions, steps.commands), steps.errors_percent
         same = np.diff(steps.positions) == 0.0
         # Half the squared difference of neighbours: no mean is needed yet.
@@ -144,7 +151,7 @@ class JointModel:
         """Return the process of the mean, with the noise as it is known."""
         variances = self._noise.variances(inputs)
         with_scatter = np.column_stack([inputs, np.sqrt(variances)])
-        return _fitted(_mean_kernel(errors, several=bool(self._span)), with_scatter, errors, variances)
+        return _fitted(_mean_kernel(errors, several=bool(self._spacing)), with_scatter, errors, variances)
 
     def _spread_about_mean(self, inputs: Floats, errors: Floats) -> Floats:
         """Return squared residuals, each enlarged by what the fit took from it, %², shape (n,).
@@ -160,7 +167,7 @@ class JointModel:
     def _inputs(self, positions: Floats, commands: Floats) -> Floats:
         """Return log(step), and the position where there are several, in scales of their own, shape (n, 1 or 2)."""
         logs = (np.log(commands) - self._log_centre) / self._log_scale
-        return np.column_stack([logs, positions / self._span] if self._span else [logs])
+        return np.column_stack([logs, positions / self._spacing] if self._spacing else [logs])
 
 
 def table_of(model: JointModel, reversals: Mapping[float, float]) -> JointTable:
@@ -230,8 +237,8 @@ class _Noise:
         logs = np.bincount(groups, each) / sizes
         inputs = np.column_stack([np.bincount(groups, column) / sizes for column in inputs.T])
         self._centre = float(logs.mean())
-        scales = np.array([1.0, 0.5])[: inputs.shape[1]]
-        bounds = np.array([[0.3, 20.0], [0.2, 20.0]])[: inputs.shape[1]]
+        scales = np.array([1.0, 2.0])[: inputs.shape[1]]
+        bounds = np.array([[0.3, 20.0], [0.8, 80.0]])[: inputs.shape[1]]
         kernel = ConstantKernel(4.0, (1e-3, 1e3)) * RBF(scales, bounds)
         # The logarithm of a squared normal deviate has this variance, whatever the deviate's own.
         self._process = _fitted(kernel, inputs, logs - self._centre, 0.5 * math.pi**2 / sizes)
@@ -254,7 +261,7 @@ def _mean_kernel(errors: Floats, *, several: bool) -> Kernel:
     size = max(float(np.var(errors)), 1.0)
     kernel = ConstantKernel(size, (1e-6 * size, 1e3 * size)) * _OverStep(1.0, (0.1, 20.0))
     if several:
-        kernel += ConstantKernel(0.5, (_LEAST_DIFFERENCE**2, 1e4)) * _BetweenSectors([1.0, 0.5], _LENGTHS)
+        kernel += ConstantKernel(2.0, (_LEAST_DIFFERENCE**2, 1e4)) * _BetweenSectors([1.0, 0.5], _LENGTHS)
     return kernel
 
 

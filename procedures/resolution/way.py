@@ -2,11 +2,32 @@
 
 from typing import Final
 
-from catseye.procedures.kit.procedure import Stage
+from catseye.procedures.kit.procedure import Analysis, Stage
 
 _WAY: Final = "resolution"
 
 DECAYING: Final = Stage(110, "how small a step each joint still makes, in both directions", _WAY)
 EQUAL: Final = Stage(120, "the same by equal steps, as ISO 230 has it", _WAY)
 THERE_AND_BACK: Final = Stage(130, "what a reversal costs, and whether it is play", _WAY)
+EVALUATE: Final = Analysis(
+    "resolution",
+    gives="step errors, least increment steps and reversal error",
+    stage=Stage(140, "least steps with their intervals, from the recordings", _WAY),
+    writes_result=True,
+    usage="{run} -o result-{run}.json",
+)
+MODEL: Final = Analysis(
+    "resolution-model",
+    gives="",
+    stage=Stage(150, "look-up tables of the joints, for the prediction", _WAY),
+    writes_result=False,
+    usage="{result} -o tables.csv",
+)
+PREDICT: Final = Analysis(
+    "predict-resolution",
+    gives="",
+    stage=Stage(160, "least steps of the tool at poses, to be compared with measured ones", _WAY),
+    writes_result=False,
+    usage="tables.csv --arm ARM --poses POSES.csv -o predicted.csv",
+)
 STRAIGHT: Final = Stage(170, "how small a straight step the tool still makes", _WAY)

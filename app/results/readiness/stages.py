@@ -101,6 +101,7 @@ class _Step:
         command: what does it; `{result}` stands for the result that the way has led to so far.
         result: that it gave.
         works_on: procedure of the run that it works on, where there is none yet; empty for none.
+        on_bench: a procedure does it; otherwise a command, which may have the name of one.
     """
 
     name: str
@@ -109,6 +110,7 @@ class _Step:
     command: str
     result: Path | None = None
     works_on: str = ""
+    on_bench: bool = False
 
 
 @dataclass(frozen=True)
@@ -145,7 +147,8 @@ def _on_the_bench(procedure: Procedure, stage: Stage, counting: _Counting, cell:
     command = f"catseye run {procedure.name} --cell {cell}"
     if last is not None and last.resumable:
         command = f"catseye resume {last.name}"
-    return _Step(procedure.name, stage.purpose, stage.covered if covered else _by(run), _plain(command))
+    done = stage.covered if covered else _by(run)
+    return _Step(procedure.name, stage.purpose, done, _plain(command), on_bench=True)
 
 
 def _on_data(analysis: Analysis, procedure: str, counting: _Counting, results: Mapping[str, Path]) -> _Step:
@@ -173,7 +176,7 @@ def _with_states(
     for number, step in enumerate(steps):
         state: State = "done"
         text = step.done or step.purpose
-        on_bench = step.name in needs
+        on_bench = step.on_bench and step.name in needs
         if not step.done and on_bench and (why := _cannot(needs[step.name])):
             state, text = "left out", why
         elif not step.done and step.works_on and _cannot(needs[step.works_on]):
@@ -212,9 +215,11 @@ def _runs_of(path: Path) -> list[str]:
         data = parse_json(read_document(path, largest_bytes=LARGEST_RESULT_BYTES), path)
     except ConfigError:
         return []
-    if not isinstance(data, dict) or not str(data.get("format", "")).startswith("catseye-result/"):
+    if not isinstance(data, dict):
         return []
-    if data.get("model") != "error-map":
+    kind = str(data.get("format", "")).partition("/")[0]
+    maps = kind == "catseye-result" and data.get("model") == "error-map"
+    if not (maps or kind == "catseye-resolution"):
         return []
     provenance = data.get("provenance")
     runs = provenance.get("runs") if isinstance(provenance, dict) else None

@@ -12,6 +12,7 @@ from pydantic import BaseModel
 
 from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.load import load_cell
+from catseye.app.cell.templates import RESOLUTION
 from catseye.app.cli.init import init
 from catseye.app.cli.procedures import procedures as list_procedures
 from catseye.app.protocol.bench import DeviceStatus, LinkState
@@ -251,3 +252,20 @@ def test_only_ways_that_the_cell_is_made_for_are_shown(
     runs = runs_of_cell(history.root, "lab-1", START)
     found = stages_of([Measures(), Steps()], runs, needs, {}, {}, history.cell)
     assert [stage.name for stage in found] == shown
+
+
+async def test_an_arm_with_optics_is_led_to_its_least_steps(history: History, tmp_path: Path) -> None:
+    history.cell = tmp_path / "arm.toml"
+    init(history.cell, RESOLUTION)
+    names = ["resolution", "resolution-iso", "backlash"]
+    survey = history.survey()
+    assert [stage.name for stage in survey.stages][:3] == names
+    assert survey.next is not None
+    assert survey.next.name == "resolution"
+    run = await history.put("resolution", cell="arm-1")
+    result = {"format": "catseye-resolution/1", "provenance": {"runs": [run]}}
+    (tmp_path / "result.json").write_text(json.dumps(result))
+    (evaluated,) = [
+        stage for stage in history.survey().stages if stage.name == "resolution" and not stage.procedure
+    ]
+    assert (evaluated.state, evaluated.text) == ("done", str(tmp_path / "result.json"))
