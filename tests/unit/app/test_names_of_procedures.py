@@ -16,10 +16,14 @@ ALLOWED = {
     "cell/scara": "the room of that system; a contributor to its budget has such a name",
     "cell/scara/template.py": "comments of the cell file of that system",
     "cell/wizard/scara": "questions about the cell file of that system",
-    "cli/init.py": "a system is called as its first procedure is",
+    "cell/templates.py": "a system is called as its first procedure is",
+    "cell/resolution": "comments of the cell file of that system",
+    "cli/commands.py": "a command is called as the procedure whose runs it evaluates",
+    "cli/resolution": "the room of that system, whose tests are called as the procedures are",
     "results/resolution": "the room of that system, whose tests are called as the procedures are",
     "tui/resolution": "as its results",
     "tui/screens/results.py": "identifiers of widgets",
+    "tui/screens/setup.py": "identifiers of widgets",
 }
 """Where a name may stand, and why; docstrings and the examples of help texts may name them anywhere."""
 
