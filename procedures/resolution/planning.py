@@ -25,7 +25,7 @@ class CampaignParams(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
-    standstill_s: float = Field(60.0, ge=10.0, le=600.0, description="standstill before the first move, s")
+    standstill_s: float = Field(60.0, ge=15.0, le=600.0, description="standstill before the first move, s")
     dwell_s: float = Field(5.0, ge=1.0, le=60.0, description="standstill after each move, s")
     rate_hz: float = Field(
         25.0,

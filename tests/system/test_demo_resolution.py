@@ -23,7 +23,7 @@ def silent(procedure: str) -> Publish:
 @pytest.mark.slow
 async def test_the_demo_finds_steps_of_an_emulated_joint(tmp_path: Path) -> None:
     given = Demonstration(tmp_path, 4.0, 2, None, silent)
-    short = ("standstill_s=12", "dwell_s=1.5", 'joints=["A1"]', 'positions=["K3"]', "directions=[-1]")
+    short = ("standstill_s=15", "dwell_s=1.5", 'joints=["A1"]', 'positions=["K3"]', "directions=[-1]")
     runs = await measure(given, [("resolution", (*short, "first_deg=0.05", "steps=12"))])
     evaluate(given, runs)
     (test,) = read_resolution(result_file(given)).tests

@@ -26,7 +26,7 @@ from catseye.app.results.runs.trace import sources_of
 from catseye.app.store.reader import RunReader
 from catseye.calibration.resolution.decaying import THRESHOLD_PERCENT
 
-_TIMES: Final = ("standstill_s=12", "dwell_s=1.5")
+_TIMES: Final = ("standstill_s=15", "dwell_s=1.5")
 
 DemoRun = tuple[str, Sequence[str]]
 """Name of a procedure, and its parameters as on the command line."""

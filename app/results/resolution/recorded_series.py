@@ -14,7 +14,11 @@ from catseye.procedures.resolution.records import Configuration, Move
 Floats = NDArray[np.float64]
 
 _BLOCKS: Final = 40
-"""In each of so many parts of a stream some value arrives as soon as it can."""
+_IN_BLOCK: Final = 50
+"""In each of so many parts of a stream, none shorter than this, some value arrives as soon as it can."""
+
+_FEWEST_BLOCKS: Final = 4
+"""Fewer would not tell missing values from another interval."""
 
 _ROUNDS: Final = 3
 """Of narrowing down the interval of a stream; the second one changes it by less than its error already."""
@@ -113,7 +117,7 @@ def sent_times(arrival_s: Floats) -> Floats:
     Args:
         arrival_s: shape (n,).
     """
-    if arrival_s.size < 2 * _BLOCKS:
+    if arrival_s.size < _FEWEST_BLOCKS * _IN_BLOCK:
         return arrival_s
     number = np.arange(arrival_s.size)
     interval_s = float(arrival_s[-1] - arrival_s[0]) / (arrival_s.size - 1)
@@ -128,6 +132,7 @@ def sent_times(arrival_s: Floats) -> Floats:
 
 def _earliest(late_s: Floats) -> tuple[Floats, Floats]:
     """Return number and lateness of the earliest value in each part of a stream, shape (blocks,) each."""
-    edges = np.linspace(0, late_s.size, _BLOCKS + 1).astype(int)
+    blocks = min(_BLOCKS, late_s.size // _IN_BLOCK)
+    edges = np.linspace(0, late_s.size, blocks + 1).astype(int)
     earliest = np.array([a + int(np.argmin(late_s[a:b])) for a, b in pairwise(edges)])
     return earliest.astype(np.float64), late_s[earliest]

@@ -32,7 +32,7 @@ from tests.unit.app.engine.given_parts import Willing
 from tests.unit.procedures.resolution.benches import SIX, AngleCounter, SteppedArm
 from tests.unit.procedures.six_axes import STRETCHED
 
-SHORT = ResolutionParams(joints=["A1"], positions=["K3"], steps=6, standstill_s=10.0, dwell_s=2.0)
+SHORT = ResolutionParams(joints=["A1"], positions=["K3"], steps=6, standstill_s=15.0, dwell_s=2.0)
 
 
 @dataclass
@@ -219,7 +219,7 @@ async def test_a_broken_campaign_goes_on_with_its_series(tmp_path: Path) -> None
 
 async def test_backlash_drives_poses_and_reads_torques(tmp_path: Path) -> None:
     room = Room(tmp_path)
-    params = BacklashParams(joints=["A1"], positions=["K3"], standstill_s=10.0, dwell_s=1.0)
+    params = BacklashParams(joints=["A1"], positions=["K3"], standstill_s=15.0, dwell_s=1.0)
     outcome = await carried_out(room, Backlash(), Backlash().plan(SIX, params))
     assert outcome.status == "complete"
     reader = RunReader(outcome.path)
@@ -251,7 +251,7 @@ async def test_straight_series_are_stepped_along_lines(tmp_path: Path) -> None:
         poses_deg=[[0.0, -20.0, 20.0, 0.0, 40.0, 0.0]],
         directions=["-Z"],
         steps=5,
-        standstill_s=10.0,
+        standstill_s=15.0,
         dwell_s=1.0,
     )
     outcome = await carried_out(room, ResolutionCartesian(), ResolutionCartesian().plan(SIX, params))

@@ -32,6 +32,21 @@ def test_a_stream_in_bunches_gets_its_own_times(
     assert np.abs(found_s - sent_s).max() < interval_s
 
 
+def test_a_short_stream_gets_its_own_times_despite_late_values() -> None:
+    sent_s = 0.04 * np.arange(300)
+    # Nine values of ten are late by up to half an interval.
+    rng = np.random.default_rng(3)
+    late_s = np.where(rng.random(300) < 0.9, rng.uniform(0.0, 0.02, 300), 0.0)
+    found_s = sent_times(sent_s + late_s)
+    assert np.diff(found_s) == pytest.approx(np.full(299, 0.04), rel=1e-2)
+
+
+@pytest.mark.parametrize("lost", [60, 150, 250])
+def test_a_value_lost_from_a_short_stream_is_noticed(lost: int) -> None:
+    arrival_s = np.delete(0.04 * np.arange(301), lost)
+    assert sent_times(arrival_s) is arrival_s
+
+
 def test_a_stream_with_a_gap_keeps_its_arrivals() -> None:
     arrival_s = np.delete(0.001 * np.arange(10_000), slice(5000, 5003))
     assert sent_times(arrival_s) is arrival_s
