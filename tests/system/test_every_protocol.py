@@ -7,7 +7,8 @@ from catseye.drivers.roles.registry import driver_names
 from catseye.simulators.emulator import emulator_names
 from tests.system.command import catseye, emulated
 
-EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "every-protocol.toml"
+EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
+EXAMPLE = EXAMPLES / "every-protocol.toml"
 
 
 def every_protocol(folder: Path) -> str:
@@ -15,8 +16,9 @@ def every_protocol(folder: Path) -> str:
     return EXAMPLE.read_text(encoding="utf-8").replace("/tmp/catseye-", f"{folder}/")
 
 
-def test_the_example_has_every_driver_and_every_emulator() -> None:
-    text = EXAMPLE.read_text(encoding="utf-8")
+def test_examples_have_every_driver_and_every_emulator() -> None:
+    # A robot of another make stands on a bench of its own.
+    text = "".join((EXAMPLES / name).read_text(encoding="utf-8") for name in (EXAMPLE.name, "kuka.toml"))
     # Real-time control is a door of the controller that the data link's cell file opens too.
     for name in {*driver_names(), *emulator_names()} - {"melfa-mxt"}:
         assert f'driver = "{name}"' in text, name
