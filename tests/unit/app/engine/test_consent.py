@@ -57,6 +57,11 @@ QUESTIONS: dict[tuple[str, str], Asked] = {
     ("procedures/scara/path/validation_path.py", "_file_prompt"): Asked("text", (), ("measured.csv",)),
     ("procedures/scara/open_loop/campaign.py", "_place"): _YES,
     ("procedures/scara/open_loop/remount.py", "_ask"): _YES,
+    # "no" leaves the place out, and the next one is asked for.
+    ("procedures/resolution/optics.py", "_drive"): _YES,
+    # Either way the alignment is asked for before anything moves.
+    ("procedures/resolution/optics.py", "_mount"): Asked("confirm", (), ("yes", "no")),
+    ("procedures/resolution/optics.py", "_align"): Asked("choice", ("aligned",), ("skip", "stop"), "stop"),
 }
 
 _ANSWERS = [(place, answer) for place, asked in QUESTIONS.items() for answer in asked.moves + asked.rests]
