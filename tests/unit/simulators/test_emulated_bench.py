@@ -147,9 +147,9 @@ async def test_a_stalled_device_answers_late() -> None:
         client(bench, "control") as control,
         client(bench, "interferometer") as counter,
     ):
+        stalled_s = bench.bench.time_s
         request = {"op": "fault", "name": "stall", "device": "interferometer", "duration_s": 60.0}
         assert json.loads(await control.ask(json.dumps(request).encode() + b"\n"))["ok"]
-        stalled_s = bench.bench.time_s
         assert (await counter.ask(b"I\r\n")).startswith(b"CATSEYE")
         assert bench.bench.time_s - stalled_s >= 59.0
 

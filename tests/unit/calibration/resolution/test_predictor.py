@@ -56,14 +56,16 @@ def test_joints_without_errors_make_exact_steps(pose: Floats) -> None:
 def test_a_scaled_joint_leaves_its_share_of_the_jacobian(pose: Floats, name: str, percent: float) -> None:
     slope = jacobian(ARM, pose, TOOL)[0]
     joint = ARM.frame_of(name) - 1
-    if np.linalg.cond(slope) > 1e4:
+    if np.linalg.cond(slope) > 1e3:
         return
-    tiny = PredictionMethod(series=StepSeries(1e-5, 1e-5, count=11))
+    tiny = PredictionMethod(series=StepSeries(1e-4, 1e-4, count=11))
     found = predict_pose(ARM, pose[0], flat(ARM, {name: percent}), tiny, TOOL)
-    for one, unit in zip(found, UNITS, strict=True):
+    for there, back, unit in zip(found[::2], found[1::2], UNITS[::2], strict=True):
         share = float(unit @ slope[:, joint] * np.linalg.solve(slope, unit)[joint])
-        if one.steps.size:
-            assert one.mean_percent == pytest.approx(np.full(11, percent * share), abs=1e-3)
+        if there.steps.size and back.steps.size:
+            # The Jacobian knows no bend of the way, which is the other way round there and back.
+            straight = (there.mean_percent + back.mean_percent) / 2.0
+            assert straight == pytest.approx(np.full(11, percent * share), abs=1e-3)
 
 
 def test_errors_are_those_of_absolute_poses_in_a_loop() -> None:
