@@ -206,19 +206,19 @@ def _reversal_at(position: float, reversals: Mapping[float, float]) -> float | N
 class _OverStep(RBF):  # type: ignore[misc]  # scikit-learn has no types
     """Of the size of the step alone, whatever the position."""
 
-    def __call__(self, X: Floats, Y: Floats | None = None, eval_gradient: bool = False) -> Any:  # noqa: N803
+    def __call__(self, X: Floats, Y: Floats | None = None, eval_gradient: bool = False) -> Any:  # noqa: N803  # scikit-learn's name
         return super().__call__(X[:, :1], None if Y is None else Y[:, :1], eval_gradient)
 
 
 class _BetweenSectors(RBF):  # type: ignore[misc]  # scikit-learn has no types
     """Of size and position, in parts of the scatter: where steps scatter, positions differ, too."""
 
-    def __call__(self, X: Floats, Y: Floats | None = None, eval_gradient: bool = False) -> Any:  # noqa: N803
+    def __call__(self, X: Floats, Y: Floats | None = None, eval_gradient: bool = False) -> Any:  # noqa: N803  # scikit-learn's name
         scale = np.outer(X[:, 2], (X if Y is None else Y)[:, 2])
         found = super().__call__(X[:, :2], None if Y is None else Y[:, :2], eval_gradient)
         return (scale * found[0], scale[..., None] * found[1]) if eval_gradient else scale * found
 
-    def diag(self, X: Floats) -> Floats:  # noqa: N803
+    def diag(self, X: Floats) -> Floats:  # noqa: N803  # scikit-learn's name
         return np.square(X[:, 2])
 
 

@@ -1,4 +1,4 @@
-"""Joint models from results of motion resolution, and what is told of them."""
+"""Joint models from results of motion resolution, and what is said of them."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

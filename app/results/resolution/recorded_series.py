@@ -6,12 +6,10 @@ from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from catseye.app.store.reader import RunReader
+from catseye.calibration.core.types import Floats
 from catseye.procedures.resolution.records import Configuration, Move
-
-Floats = NDArray[np.float64]
 
 _BLOCKS: Final = 40
 _IN_BLOCK: Final = 50

@@ -52,7 +52,7 @@ def moved_mm(pose_deg: Floats, increments_deg: Floats, rng: np.random.Generator)
 
 
 def least_step(steps: Floats, errors_percent: Floats, threshold: float) -> float:
-    """Return the least increment step by the paper's rule, written as it is told."""
+    """Return the least increment step by the paper's rule, as the paper puts it."""
     found = math.nan
     for k, step in enumerate(steps):
         window = errors_percent[max(0, k - 5) : k + 6]

@@ -1,4 +1,4 @@
-"""The paper's rule, against the same told in plain words."""
+"""The paper's rule, against the same in plain words."""
 
 import numpy as np
 from hypothesis import given
