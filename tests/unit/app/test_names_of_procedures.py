@@ -67,7 +67,7 @@ def test_no_procedure_is_named_in_the_application() -> None:
 
 
 @pytest.mark.parametrize("allowed", ALLOWED)
-def test_each_place_that_may_name_procedures_does(allowed: str) -> None:
+def test_each_place_allowed_to_name_procedures_does(allowed: str) -> None:
     assert any(names for place, names in named().items() if place.startswith(allowed))
 
 
