@@ -50,7 +50,7 @@ def test_the_spread_is_that_about_the_mean() -> None:
     assert live_errors(steps(errors)).spread_percent == pytest.approx(expected)
 
 
-def test_the_least_step_so_far_is_where_the_mean_leaves_the_band() -> None:
+def test_the_least_step_is_where_the_mean_leaves_the_band() -> None:
     errors = [0.0] * 20 + [-40.0] * 20
     # The mean is -40 k / 11 with k large errors in its window: k = 2 is within 10 %, k = 3 is not.
     last = next(place for place in range(40) if abs(mean_of(errors, place)) > 10.0) - 1
