@@ -74,9 +74,9 @@ class SeriesRecorder:
             return cause
         made = _Made(name)
         async with self._ctx.recording(name, self._plan.rate_hz) as recording:
-            await self._ctx.pause(LOOK_AFTER_S)
-            await self._rate.require(recording, series.run_in[-1])
             live = LiveSteps(self._ctx, series, self._place, self._optics)
+            await live.stand_still(recording, LOOK_AFTER_S, self._plan.dwell_s)
+            await self._rate.require(recording, series.run_in[-1])
             await live.stand_still(recording, self._plan.standstill_s - LOOK_AFTER_S, self._plan.dwell_s)
             cause = await self._moves(series, recording, made, live)
         for move in made.moves:
