@@ -45,12 +45,12 @@ def plans(joint: str, position: str) -> tuple[CampaignPlan, ...]:
     )
 
 
-def tests_at(joint: str, position: str) -> Iterator[dict[str, Any]]:
-    """Yield the tests of a place, as the file has them."""
-    truth = arm_truth(SEED)
+def made_at(joint: str, position: str, seed: int = SEED) -> Iterator[dict[str, Any]]:
+    """Yield the tests of a place of the arm of a seed, as the file has them."""
+    truth = arm_truth(seed)
     for kind, plan in enumerate(plans(joint, position)):
         number = kind + 3 * (POSITIONS.index(position) + len(POSITIONS) * JOINTS.index(joint))
-        series = recorded(truth, plan, plan.places[0], 1000 * SEED + number)
+        series = recorded(truth, plan, plan.places[0], 1000 * seed + number)
         for test in tests_of_series(series, "shipped", THRESHOLD_PERCENT):
             yield as_filed(test)
 
@@ -75,9 +75,9 @@ def _rounded(value: Any) -> Any:
     return [_rounded(one) for one in value] if isinstance(value, list) else value
 
 
-def result_text(joint: str) -> str:
+def result_text(joint: str, seed: int = SEED) -> str:
     """Return the file of a joint, a test a line."""
-    tests = [test for position in POSITIONS for test in tests_at(joint, position)]
+    tests = [test for position in POSITIONS for test in made_at(joint, position, seed)]
     actuation = [one.model_dump(mode="json") for one in actuation_of(shipped_arm(ARM)) if one.joint == joint]
     lines = ",\n".join(json.dumps(test, ensure_ascii=False, separators=(",", ":")) for test in tests)
     head = json.dumps(

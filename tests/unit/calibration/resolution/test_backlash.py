@@ -52,12 +52,11 @@ def test_lost_motion_is_found_within_its_uncertainty(drift_per_s: float) -> None
     many = [found(seed, drift_per_s) for seed in range(100)]
     z = [(one.lost_motion - PLAY) / one.u for one in many]
     assert np.sqrt(np.mean(np.square(z))) == pytest.approx(1.0, abs=0.15)
-    # The mean over nine places of the difference of two means of five; neighbours that are alike by chance add some.
-    independent = NOISE * np.sqrt(2.0 / 45.0)
-    assert independent < np.mean([one.u for one in many]) < 1.1 * independent
+    # The mean over nine places of the difference of two means of five.
+    assert np.mean([one.u for one in many]) == pytest.approx(NOISE * np.sqrt(2.0 / 45.0), rel=0.05)
 
 
-@pytest.mark.parametrize("shared", [0.3, 0.6])
+@pytest.mark.parametrize("shared", [0.2, 0.4])
 def test_neighbours_that_are_alike_make_it_less_certain(shared: float) -> None:
     z = []
     for seed in range(200):

@@ -35,8 +35,8 @@ def test_neighbours_that_are_left_out_do_not_count() -> None:
     assert correlation_within(left, WAY, left == 0.0) == 0.0
 
 
-def test_a_correlation_below_zero_is_taken_for_chance() -> None:
-    assert correlation_within(np.tile([1.0, -1.0], 10), WAY, ALL) == 0.0
+def test_positions_that_alternate_cost_no_more_than_the_bound() -> None:
+    assert correlation_within(np.tile([1.0, -1.0], 10), WAY, ALL) == -0.5
 
 
 def test_a_known_correlation_is_found() -> None:

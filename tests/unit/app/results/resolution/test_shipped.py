@@ -7,8 +7,8 @@ import pytest
 from catseye.app.results.resolution.result import AnyTest
 from catseye.app.results.resolution.shipped import shipped_results
 from catseye.procedures.resolution.step_sizes import CYCLE_STEPS, CYCLES, STEPS
-from tests.shipped_recordings import ARM, JOINTS, POSITIONS, as_filed
-from tests.shipped_recordings import tests_at as made_at
+from tests.shipped_recordings import JOINTS, POSITIONS, as_filed, made_at
+from tests.virtual_bench import ARM
 
 
 def shipped(joint: str) -> list[AnyTest]:
