@@ -1,5 +1,6 @@
 """A recording of a position at a uniform rate, and what makes one unfit to be evaluated."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,8 @@ _IRREGULAR = 0.05
 _FROZEN_S = 0.2
 _FEWEST_FROZEN = 5
 _USUALLY_ALIVE = 0.9
+_BY_CHANCE = 1e-3
+"""Probability that a recording of a sound signal of few digits holds a stretch that counts as frozen."""
 
 
 @dataclass(frozen=True)
@@ -104,8 +107,8 @@ def frozen_signal(start_s: float, rate_hz: float, position: Floats) -> list[Flag
         start_s: time of the first sample, s.
         position: shape (n,).
     """
-    least = max(_FEWEST_FROZEN, round(_FROZEN_S * rate_hz))
     changes = np.flatnonzero(np.diff(position) != 0.0)
+    least = max(_FEWEST_FROZEN, round(_FROZEN_S * rate_hz), _beyond_chance(position.size, changes.size))
     edges = np.concatenate([[-1], changes, [position.size - 1]])
     lengths = np.diff(edges)
     frozen = int(lengths[lengths >= least].sum())
@@ -122,6 +125,12 @@ def frozen_signal(start_s: float, rate_hz: float, position: Floats) -> list[Flag
         "steps there are not real, so keep within the range of the optics and measure again"
     )
     return [Flag("frozen-signal", text)]
+
+
+def _beyond_chance(samples: int, changes: int) -> int:
+    """Return the least number of equal samples in a row that digits as coarse as these do not make by chance."""
+    same = 1.0 - changes / max(samples - 1, 1)
+    return 1 + math.ceil(math.log(_BY_CHANCE / samples) / math.log(same)) if 0.0 < same < 1.0 else 1
 
 
 def _require_numbers(values: Floats, what: str) -> None:

@@ -51,6 +51,7 @@ class Analysis:
         writes_result: it writes a result file of the run.
         usage: the words after its name: `{run}` is the id of the run, `{name}` its name, `{result}` the result that
             the way has led to so far.
+        writes: name of another file that it writes: one that is newer than the results says that it is done.
     """
 
     command: str
@@ -58,6 +59,7 @@ class Analysis:
     stage: Stage
     writes_result: bool
     usage: str
+    writes: str = ""
 
 
 class Procedure(ABC):

@@ -19,7 +19,7 @@ from catseye.procedures.resolution.campaign_plan import CampaignPlan, Order, Pla
 from catseye.procedures.resolution.planning import SIGNS, CampaignParams, Degrees, campaign
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.procedures.resolution.step_sizes import FIRST_MM, decaying
-from catseye.procedures.resolution.way import STRAIGHT
+from catseye.procedures.resolution.way import EVALUATE, REPORT, STRAIGHT
 
 Direction = Literal["+X", "-X", "+Y", "-Y", "+Z", "-Z"]
 
@@ -47,6 +47,7 @@ class ResolutionCartesian(Procedure):
     title = "Cartesian motion resolution"
     needs = Needs(roles=("interferometer", "environment"), optics=("linear",))
     stage = STRAIGHT
+    analyses = (EVALUATE, REPORT)
     live_plots = "steps"
     records = (Configuration, Move, Recorded)
     event_texts = LOSS_TEXTS

@@ -26,7 +26,8 @@ async def set_up(ctx: Context, plan: CampaignPlan, place: Place) -> Row:
     if await ctx.ask(_drive(place, where)) != "yes":
         return {"skipped": True}
     await ctx.move(place.pose)
-    await ctx.ask(_mount(plan, place, where))
+    if await _asked(ctx, _mount(plan, place, where), place) == "skip":
+        return {"skipped": True}
     optics = plan.optics(place)
     fault = ""
     for number in range(1, _MOST_ALIGNMENTS + 1):
@@ -43,7 +44,9 @@ async def set_up(ctx: Context, plan: CampaignPlan, place: Place) -> Row:
     )
 
 
-async def _asked(ctx: Context, prompt: Prompt, place: Place, watch: Callable[[], Awaitable[Live]]) -> str:
+async def _asked(
+    ctx: Context, prompt: Prompt, place: Place, watch: Callable[[], Awaitable[Live]] | None = None
+) -> str:
     answer = await ctx.ask(prompt, watch)
     if answer == "stop":
         raise AlignmentError(
@@ -70,14 +73,22 @@ def _mount(plan: CampaignPlan, place: Place, where: str) -> Prompt:
         text = (
             f"Mount the angular retroreflector so that it turns with {place.joint}, its axis in the plane through "
             "the joint's axis across the beam; stand the angular interferometer before it, at most "
-            f"{distance_mm:g} mm away, and lay the beam. Is that done?"
+            f"{distance_mm:g} mm away, and lay the beam."
         )
     else:
         text = (
             f"Mount the linear retroreflector on the tool, stand the linear interferometer {distance_mm:g} mm before "
-            f"it and lay the beam along {place.joint} of the base frame. Is that done?"
+            f"it and lay the beam along {place.joint} of the base frame."
         )
-    return Prompt(f"mount/{where}", "confirm", text, task=MountOptics(optics=place.optics, on=place.joint))
+    return Prompt(
+        f"mount/{where}",
+        "choice",
+        f"{text} Mounted: the alignment is asked for next (mounted), leave the place out (skip), or end the run "
+        "(stop)? The question waits meanwhile, and the arm stands.",
+        choices=("mounted", "skip", "stop"),
+        safe_answer="stop",
+        task=MountOptics(optics=place.optics, on=place.joint),
+    )
 
 
 def _align(place: Place, where: str, number: int) -> Prompt:

@@ -22,6 +22,7 @@ MODEL: Final = Analysis(
     stage=Stage(150, "look-up tables of the joints, for the prediction", _WAY),
     writes_result=False,
     usage="{result} -o tables.csv",
+    writes="tables.csv",
 )
 PREDICT: Final = Analysis(
     "predict-resolution",
@@ -29,5 +30,14 @@ PREDICT: Final = Analysis(
     stage=Stage(160, "least steps of the tool at poses, to be compared with measured ones", _WAY),
     writes_result=False,
     usage="tables.csv --arm ARM --poses POSES.csv -o predicted.csv",
+    writes="predicted.csv",
 )
 STRAIGHT: Final = Stage(170, "how small a straight step the tool still makes", _WAY)
+REPORT: Final = Analysis(
+    "report",
+    gives="",
+    stage=Stage(180, "certificate, tables and figures on one page", _WAY),
+    writes_result=False,
+    usage="{result} -o resolution.html",
+    writes="resolution.html",
+)

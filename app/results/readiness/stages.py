@@ -41,12 +41,14 @@ def stages_of(
     bases: Mapping[str, CellRun | None],
     results: Mapping[str, Path],
     cell: Path,
+    folders: Sequence[Path] = (),
 ) -> list[CellStage]:
     """Return the stages of the ways that a cell is made for, at most one of them the next.
 
     Args:
         bases: runs that plans are made from now, by the procedure that makes such runs.
         results: by the name of the run that they hold.
+        folders: where the other files of analyses are looked for.
     """
     procedures = list(procedures)
     counting = _Counting(runs, bases, {each.name: each.stage for each in procedures if each.stage})
@@ -54,10 +56,8 @@ def stages_of(
     for procedure in procedures:
         if procedure.stage is not None:
             steps.append((procedure.stage, _on_the_bench(procedure, procedure.stage, counting, cell)))
-        steps += [
-            (analysis.stage, _on_data(analysis, procedure.name, counting, results))
-            for analysis in procedure.analyses
-        ]
+    for analysis, names in _works_on(procedures).items():
+        steps.append((analysis.stage, _on_data(analysis, names, counting, results, folders)))
     shut = _ways_shut(procedures, needs)
     open_steps = [(stage, step) for stage, step in steps if stage.way not in shut]
     ordered = [step for _, step in sorted(open_steps or steps, key=lambda each: each[0].order)]
@@ -99,8 +99,8 @@ class _Step:
         purpose: what it is for.
         done: by what it is done; empty for not yet.
         command: what does it; `{result}` stands for the result that the way has led to so far.
-        result: that it gave.
-        works_on: procedure of the run that it works on, where there is none yet; empty for none.
+        results: that it gave.
+        works_on: procedures of whose runs it works on one, where there is none yet; empty for none.
         on_bench: a procedure does it; otherwise a command, which may have the name of one.
     """
 
@@ -108,8 +108,8 @@ class _Step:
     purpose: str
     done: str
     command: str
-    result: Path | None = None
-    works_on: str = ""
+    results: tuple[Path, ...] = ()
+    works_on: tuple[str, ...] = ()
     on_bench: bool = False
 
 
@@ -151,22 +151,61 @@ def _on_the_bench(procedure: Procedure, stage: Stage, counting: _Counting, cell:
     return _Step(procedure.name, stage.purpose, done, _plain(command), on_bench=True)
 
 
-def _on_data(analysis: Analysis, procedure: str, counting: _Counting, results: Mapping[str, Path]) -> _Step:
-    run = counting.run(procedure)
-    result = results.get(run.name) if run is not None and analysis.writes_result else None
-    known = {"run": run.id if run else "RUN", "name": run.name if run else "RUN", "result": "{result}"}
-    command = f"catseye {analysis.command} {analysis.usage.format(**known)}"
+def _works_on(procedures: Iterable[Procedure]) -> dict[Analysis, list[str]]:
+    """Return each analysis once, with the names of the procedures on whose runs it works."""
+    found: dict[Analysis, list[str]] = {}
+    for procedure in procedures:
+        for analysis in procedure.analyses:
+            found.setdefault(analysis, []).append(procedure.name)
+    return found
+
+
+def _on_data(
+    analysis: Analysis,
+    names: Sequence[str],
+    counting: _Counting,
+    results: Mapping[str, Path],
+    folders: Sequence[Path],
+) -> _Step:
+    runs = [run for name in names if (run := counting.run(name)) is not None]
+    made = tuple(dict.fromkeys(results[run.name] for run in runs if run.name in results))
+    # Each run has a result of its own: the first one without is the next to be worked on.
+    waiting = [run for run in runs if run.name not in results] or runs
+    known = {"run": waiting[0].id, "name": waiting[0].name} if waiting else {"run": "RUN", "name": "RUN"}
+    done = ""
+    if analysis.writes_result and runs and all(run.name in results for run in runs):
+        done = ", ".join(map(str, made))
+    elif analysis.writes:
+        done = str(_newer(analysis.writes, folders, made) or "")
     return _Step(
-        analysis.command, analysis.stage.purpose, str(result or ""), command, result, "" if run else procedure
+        analysis.command,
+        analysis.stage.purpose,
+        done,
+        f"catseye {analysis.command} {analysis.usage.format(**known, result='{result}')}",
+        made if analysis.writes_result else (),
+        () if runs else tuple(names),
     )
 
 
+def _newer(name: str, folders: Sequence[Path], results: Sequence[Path]) -> Path | None:
+    """Return a file that is newer than all results; None without one, or without results."""
+    found = (folder / name for folder in folders)
+    return next((path for path in found if results and _changed(path) >= max(map(_changed, results))), None)
+
+
+def _changed(path: Path) -> float:
+    try:
+        return path.stat().st_mtime
+    except OSError:
+        return 0.0
+
+
 def _with_result(steps: Sequence[_Step]) -> Iterable[_Step]:
-    """Yield the stages with the result that the way has led to in their commands."""
-    result: Path | None = None
+    """Yield the stages with the results that the way has led to in their commands."""
+    results: tuple[Path, ...] = ()
     for step in steps:
-        result = step.result or result
-        yield replace(step, command=step.command.format(result=result or "RESULT"))
+        results = step.results or results
+        yield replace(step, command=step.command.format(result=" ".join(map(str, results)) or "RESULT"))
 
 
 def _with_states(
@@ -179,8 +218,9 @@ def _with_states(
         on_bench = step.on_bench and step.name in needs
         if not step.done and on_bench and (why := _cannot(needs[step.name])):
             state, text = "left out", why
-        elif not step.done and step.works_on and _cannot(needs[step.works_on]):
-            state, text = "left out", f"it takes a run of {step.works_on}, which this cell cannot make"
+        elif not step.done and step.works_on and all(_cannot(needs[name]) for name in step.works_on):
+            one = " or ".join(step.works_on)
+            state, text = "left out", f"it takes a run of {one}, which this cell cannot make"
         elif (
             not step.done
             and on_bench

@@ -54,7 +54,8 @@ def survey_cell(path: Path, root: Path, now: datetime) -> Survey:
     installed = procedures()
     found = {basis: cell_basis(basis, bench, root, runs) for basis in bases(bench)}
     needs = {each.name: needs_of(each, cell, bench, found, runs) for each in installed}
-    results = results_in((path.parent, root.absolute().parent, root))
+    folders = (path.parent, root.absolute().parent, root)
+    results = results_in(folders)
     made = {basis.procedure: each.run for basis, each in found.items()}
-    stages = stages_of(installed, runs, needs, made, results, path)
+    stages = stages_of(installed, runs, needs, made, results, path, folders)
     return Survey(cell.name, installed, needs, runs, stages)

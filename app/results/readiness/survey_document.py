@@ -53,7 +53,7 @@ class SurveyDocument(BaseModel):
     Attributes:
         cell: its name; empty where no cell file was given.
         procedures: that are installed.
-        stages: on the way to a validated error map.
+        stages: on the way to a validated result.
     """
 
     cell: str = ""

@@ -26,12 +26,12 @@ def procedures_report(survey: "SurveyDocument") -> Report:
 
 
 def survey_report(survey: "SurveyDocument") -> Report:
-    """Return what each procedure needs on a cell, and the way to a validated error map."""
+    """Return what each procedure needs on a cell, and the way to a validated result."""
     sections = [_procedure_section(entry, readiness(entry.needs, entry.last)) for entry in survey.procedures]
     return Report(
         f"What cell {survey.cell} is ready for",
         origin_now(),
-        (*sections, section("stages", "The way to a validated error map", [_stages(survey)], brief=True)),
+        (*sections, section("stages", "The way to a validated result", [_stages(survey)], brief=True)),
     )
 
 

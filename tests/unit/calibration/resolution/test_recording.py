@@ -91,6 +91,14 @@ def test_a_coarse_signal_is_not_taken_for_a_frozen_one() -> None:
     assert recording_of(TIME_S, coarse, "rad").flags == ()
 
 
+def test_equal_readings_of_few_digits_are_no_frozen_signal() -> None:
+    # A reading of a counter with 2 nm noise and 1 nm digits, 25 a second: five equal ones in a row are common.
+    rng, time_s = np.random.default_rng(5), np.arange(15000) / 25.0
+    coarse = np.round(rng.normal(0.0, 2.0, (40, time_s.size)))
+    flagged = [one for one in coarse if recording_of(time_s, one * 1e-6, "mm").flags]
+    assert len(flagged) <= 1
+
+
 def test_an_empty_recording_is_refused() -> None:
     with pytest.raises(RecordingError, match="fewer than two samples"):
         recording_of(np.zeros(1), np.zeros(1), "rad")

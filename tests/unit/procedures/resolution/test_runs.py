@@ -174,6 +174,30 @@ async def test_a_place_that_is_skipped_is_left_out(tmp_path: Path) -> None:
     assert room.arm.targets == []
 
 
+async def test_optics_that_are_not_mounted_are_not_aligned(tmp_path: Path) -> None:
+    room, plan = Room(tmp_path), Resolution().plan(SIX, SHORT)
+    room.answers["mount/A1/K3"] = "stop"
+    first = await carried_out(room, Resolution(), plan)
+    assert first.status == "failed"
+    assert "catseye resume" in first.text
+    assert [prompt.id for prompt in room.asked] == ["drive/A1/K3", "mount/A1/K3"]
+    again = Room(tmp_path)
+    again.arm.pose = room.arm.pose
+    outcome = await carried_out(again, Resolution(), plan, resume=first.path)
+    assert outcome.status == "complete"
+    assert "mount/A1/K3" in [prompt.id for prompt in again.asked]
+
+
+async def test_a_place_is_left_out_at_the_mounting(tmp_path: Path) -> None:
+    room = Room(tmp_path)
+    room.answers["mount/A1/K3"] = "skip"
+    outcome = await carried_out(room, Resolution(), Resolution().plan(SIX, SHORT))
+    assert outcome.status == "complete"
+    assert RunReader(outcome.path).result("A1/K3/optics") == {"skipped": True}
+    assert [prompt.id for prompt in room.asked] == ["drive/A1/K3", "mount/A1/K3"]
+    assert room.arm.steps == []
+
+
 async def test_a_weak_signal_is_aligned_again(tmp_path: Path) -> None:
     room = Room(tmp_path)
     room.angle.beam = replace(room.angle.beam, signal=0.2)

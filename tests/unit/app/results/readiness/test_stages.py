@@ -1,6 +1,7 @@
 """The next sensible step follows what is stored of a cell, and nothing else."""
 
 import json
+import os
 import sqlite3
 from contextlib import closing
 from datetime import UTC, datetime, timedelta
@@ -17,6 +18,7 @@ from catseye.app.cli.init import init
 from catseye.app.cli.procedures import procedures as list_procedures
 from catseye.app.protocol.bench import DeviceStatus, LinkState
 from catseye.app.protocol.procedures import bases, procedure_names, procedures
+from catseye.app.results.readiness.after_run import after_run
 from catseye.app.results.readiness.cell_runs import runs_of_cell
 from catseye.app.results.readiness.need import Need, links_need
 from catseye.app.results.readiness.needs import cell_basis
@@ -64,6 +66,15 @@ class History:
         }
         found = stages_of(procedures(), runs, needs, made, results_in([self.cell.parent]), self.cell)
         return {stage.name: stage for stage in found}
+
+    def data_stage(self, name: str) -> CellStage:
+        """Return the only stage of that name that is work on stored data."""
+        runs = runs_of_cell(self.root, "lab-1", self.clock.now_utc())
+        folder = self.cell.parent
+        needs: dict[str, list[Need]] = {each: [] for each in procedure_names()}
+        found = stages_of(procedures(), runs, needs, {}, results_in([folder]), self.cell, [folder])
+        (stage,) = [each for each in found if each.name == name and not each.procedure]
+        return stage
 
     def next(self, later_s: float = 0.0) -> str:
         """Return the name of the only stage that is the next."""
@@ -269,3 +280,48 @@ async def test_an_arm_with_optics_is_led_to_its_least_steps(history: History, tm
         stage for stage in history.survey().stages if stage.name == "resolution" and not stage.procedure
     ]
     assert (evaluated.state, evaluated.text) == ("done", str(tmp_path / "result.json"))
+
+
+def evaluated_into(folder: Path, *runs: str, changed_s: float) -> Path:
+    """Write a result of runs; return its file."""
+    path = folder / f"result-{runs[0].rpartition('_')[2]}.json"
+    path.write_text(
+        json.dumps({"format": "catseye-resolution/1", "provenance": {"runs": list(runs)}}), encoding="utf-8"
+    )
+    os.utime(path, (changed_s, changed_s))
+    return path
+
+
+@pytest.mark.parametrize("procedure", ["resolution-iso", "backlash", "resolution-cartesian"])
+async def test_every_run_of_steps_is_evaluated_next(history: History, tmp_path: Path, procedure: str) -> None:
+    first = await history.put("resolution")
+    evaluated_into(tmp_path, first, changed_s=1e9)
+    second = await history.put(procedure)
+    waiting = history.data_stage("resolution")
+    assert waiting.state != "done"
+    assert waiting.command.startswith(f"catseye resolution {second.rpartition('_')[2]} -o ")
+    both = evaluated_into(tmp_path, second, changed_s=1e9)
+    done = history.data_stage("resolution")
+    assert (done.state, str(both) in done.text) == ("done", True)
+    assert f"result-{first.rpartition('_')[2]}.json" in history.data_stage("report").command
+    assert str(both) in history.data_stage("report").command
+
+
+async def test_a_report_is_done_while_it_is_newer_than_the_results(history: History, tmp_path: Path) -> None:
+    run = await history.put("resolution")
+    evaluated_into(tmp_path, run, changed_s=1e9)
+    page = tmp_path / "resolution.html"
+    page.write_text("", encoding="utf-8")
+    os.utime(page, (1e9 - 1.0, 1e9 - 1.0))
+    assert history.data_stage("report").state != "done"
+    os.utime(page, (1e9 + 1.0, 1e9 + 1.0))
+    report = history.data_stage("report")
+    assert (report.state, report.text) == ("done", str(page))
+
+
+@pytest.mark.parametrize("procedure", ["resolution", "resolution-iso", "backlash", "resolution-cartesian"])
+def test_a_run_of_steps_is_advised_to_be_evaluated(tmp_path: Path, procedure: str) -> None:
+    run = f"20261121T090000Z_{procedure}_00beef"
+    first = after_run(procedure, "complete", run, tmp_path / "runs")[0]
+    assert (first.kind, first.command[:2]) == ("analyse", ("resolution", run))
+    assert first.writes == tmp_path / "result-00beef.json"
