@@ -324,6 +324,7 @@ class _Run:
             self._warn(text)
         here = await require_rest(devices.robot, self._clock, self._request.clock_speed, context.warn)
         percent = await gate.lower_override()
+        gate.require_speed(percent)
         self._drives_on = True
         await devices.robot.servo(on=True)
         require_ready(await devices.robot.status())
@@ -400,7 +401,7 @@ class _Run:
             ending.exit_code,
             ending.text,
             times,
-            drives_on=None if left is None else left.on,
+            drives_on=left.on if left is not None and left.switched else None,
             unacknowledged=self._control.unacknowledged,
         )
 

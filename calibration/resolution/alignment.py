@@ -12,9 +12,10 @@ import numpy as np
 
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.errors import ClockError
-from catseye.calibration.resolution.lowess import half_window, lowess, velocity
+from catseye.calibration.resolution.lowess import half_window, lowess
 from catseye.calibration.resolution.moves import Moves
 from catseye.calibration.resolution.recording import Recording
+from catseye.calibration.resolution.speed import speed_of
 
 _GRID_S = 0.05
 _SAME_CELL = 0.9
@@ -151,12 +152,12 @@ def _require_clear(misfit: Floats, best: int, dwells: Floats, offsets: Floats, m
 
 def _peak_lags(recording: Recording, moves: Moves) -> tuple[Floats, Floats]:
     """Return how far behind its time each move was fastest, s, NaN where that does not stand out, and its size."""
-    speed = velocity(recording.position, recording.rate_hz)
-    limit = _SEEN * _NORMAL_MAD * float(np.median(np.abs(speed)))
+    speed = speed_of(recording)
+    limit = _SEEN * _NORMAL_MAD * float(np.nanmedian(np.abs(speed)))
     half_s, lags = 0.5 * moves.dwell_s, np.full(len(moves), np.nan)
     for number, (at_s, way) in enumerate(zip(moves.time_s.tolist(), moves.directions.tolist(), strict=True)):
         first, end = recording.index(at_s - half_s), recording.index(at_s + half_s) - 1
-        window = way * speed[first:end]
+        window = np.nan_to_num(way * speed[first:end], nan=-np.inf)
         fastest = int(np.argmax(window))
         if window[fastest] > limit:
             lags[number] = recording.start_s + (first + fastest + 0.5) / recording.rate_hz - at_s

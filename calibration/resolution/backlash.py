@@ -55,12 +55,14 @@ class _Groups:
     """Plateaus behind the moves, grouped by position and direction of approach.
 
     Attributes:
-        of: number of each plateau's group, shape (n,).
+        there: plateaus that no gap of the recording swallows, shape (moves,).
+        of: number of the group of each of those, shape (n,).
         forward: group that reaches each interior position forwards, shape (m,).
         backward: the same backwards, shape (m,).
         place: number of each interior position, 0 where the test began, shape (m,).
     """
 
+    there: Bools
     of: Ints
     forward: Ints
     backward: Ints
@@ -75,8 +77,10 @@ class _Groups:
         return np.asarray(np.bincount(self.of, weights=values) / self.counts())
 
     def interior(self) -> Bools:
-        """Return which plateaus are at positions that are reached from both sides."""
-        return np.isin(self.of, np.concatenate([self.forward, self.backward]))
+        """Return which moves lead to positions that are reached from both sides, shape (moves,)."""
+        inside = np.zeros(self.there.size, dtype=np.bool_)
+        inside[self.there] = np.isin(self.of, np.concatenate([self.forward, self.backward]))
+        return inside
 
 
 def backlash(steps: Steps, torque_time_s: Floats | None = None, torque_nm: Floats | None = None) -> Backlash:
@@ -112,8 +116,9 @@ def backlash(steps: Steps, torque_time_s: Floats | None = None, torque_nm: Float
 
 
 def _groups(steps: Steps) -> _Groups:
-    direction = steps.moves.directions
-    place = np.cumsum(direction)
+    direction, there = steps.moves.directions, np.isfinite(steps.position[1:])
+    place = np.cumsum(direction)[there]
+    direction = direction[there]
     keys, of = np.unique(np.column_stack([place, direction]), axis=0, return_inverse=True)
     counts = np.bincount(of)
     often = {
@@ -126,7 +131,7 @@ def _groups(steps: Steps) -> _Groups:
             "test goes ten steps forth and ten back, five times; are these moves of another test, or too few?"
         )
     numbers = [np.array([often[one, way] for one in both], dtype=np.int64) for way in (1, -1)]
-    return _Groups(of.ravel().astype(np.int64), numbers[0], numbers[1], np.array(both, dtype=np.int64))
+    return _Groups(there, of.ravel().astype(np.int64), numbers[0], numbers[1], np.array(both, dtype=np.int64))
 
 
 def _require_motion(steps: Steps) -> None:
@@ -137,7 +142,8 @@ def _require_motion(steps: Steps) -> None:
         raise MovesError(
             f"{listed(numbers)} of {still.size} moved by less than {100 * _NO_MOTION:.0f} % of the command: fewer "
             "steps were driven than commanded, these are moves of another run, or the steps are no larger than the "
-            "play; then measure with larger ones"
+            "play; then measure with larger ones",
+            numbers[0],
         )
 
 
@@ -150,7 +156,7 @@ def _reversal(steps: Steps, groups: _Groups) -> tuple[Floats, float, float]:
     # Whoever only lists procedures imports this module too.
     from scipy import special
 
-    position, time_s = steps.position[1:], steps.plateaus.middle_s[1:]
+    position, time_s = steps.position[1:][groups.there], steps.plateaus.middle_s[1:][groups.there]
     mean_s = groups.means(time_s)
     from_mean_s = time_s - mean_s[groups.of]
     dof = position.size - groups.counts().size - 1

@@ -12,7 +12,7 @@ from catseye.calibration.core.arguments import require_count, require_positive
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.flags import Flag, flag_moves
-from catseye.calibration.resolution.least_step import WINDOW, moving_mean, steps_within
+from catseye.calibration.resolution.least_step import WINDOW, moving_mean, moving_spread, steps_within
 from catseye.calibration.resolution.mean_curve import draw_mean_curves
 from catseye.calibration.resolution.steps import Steps
 from catseye.calibration.resolution.units import shown
@@ -88,13 +88,16 @@ def decaying_test(
     size = _sizes(steps)
     error = np.where(steps.judged, steps.error_percent, np.nan)
     mean = moving_mean(error)
-    spread = np.sqrt(moving_mean((error - mean) ** 2))
+    spread = moving_spread(error, mean)
     within = int(steps_within(mean, threshold_percent))
-    judged = int(np.count_nonzero(steps.judged))
+    # A gap of the recording leaves steps out on the way to the smallest one that is judged.
+    judged = int(np.flatnonzero(steps.judged)[-1]) + 1
+    known = steps.judged[:judged]
     rng = np.random.default_rng(seed)
     scales = 1.0 + steps.u_scale * rng.standard_normal(draws)
-    curves = draw_mean_curves(np.log(size[:judged]), error[:judged], draws, rng)
-    drawn = (100.0 + curves) * scales[:, None] - 100.0
+    curves = draw_mean_curves(np.log(size[:judged][known]), error[:judged][known], draws, rng)
+    drawn = np.full((draws, judged), np.nan)
+    drawn[:, known] = (100.0 + curves) * scales[:, None] - 100.0
     counts = steps_within(moving_mean(drawn), threshold_percent)
     least = _least_step(size[:judged], counts + rng.uniform(-0.5, 0.5, draws))
     by_rule = float(size[within - 1]) if within else None
@@ -110,13 +113,15 @@ def _sizes(steps: Steps) -> Floats:
     if turned.size:
         raise MovesError(
             f"move {turned[0] + 1} goes the other way: a test with decreasing steps has one direction; evaluate each "
-            "direction by itself, or state which test it was"
+            "direction by itself, or state which test it was",
+            int(turned[0]) + 1,
         )
     grown = np.flatnonzero(np.diff(size) >= 0.0)
     if grown.size:
         raise MovesError(
             f"move {grown[0] + 2} is {shown(float(size[grown[0] + 1]), steps.moves.unit)} and no smaller than "
-            "the one before: the steps of this test decrease; check the moves, or state which test it was"
+            "the one before: the steps of this test decrease; check the moves, or state which test it was",
+            int(grown[0]) + 2,
         )
     judged = int(np.count_nonzero(steps.judged))
     if judged < WINDOW:

@@ -8,6 +8,8 @@ from catseye.calibration.core.types import Bools
 
 FlagKind = Literal[
     "irregular-sampling",
+    "gap",
+    "missed",
     "frozen-signal",
     "drift",
     "no-standstill",
@@ -44,14 +46,15 @@ class Flag:
     moves: tuple[int, ...] = ()
 
 
-def flag_moves(kind: FlagKind, concerned: Bools, what: str) -> list[Flag]:
+def flag_moves(kind: FlagKind, concerned: Bools, what: str, first: int = 1) -> list[Flag]:
     """Return a flag for the moves concerned, none where there are none.
 
     Args:
         concerned: for each move, shape (n,).
         what: what the text says after the moves' numbers.
+        first: number of the first move.
     """
-    numbers = tuple(int(number) + 1 for number in concerned.nonzero()[0])
+    numbers = tuple(int(number) + first for number in concerned.nonzero()[0])
     return [Flag(kind, f"{listed(numbers)}: {what}", numbers)] if numbers else []
 
 

@@ -35,6 +35,7 @@ class IsoAmplitude:
         sequence: number of the sequence that each move belongs to, from 0, shape (n,).
         distinguishable: for each move, shape (n,).
         masked: moves at the begin of a sequence after a reversal that are not distinguishable, shape (n,).
+        unknown: moves that a gap of the recording swallows, shape (n,).
         flags: of the steps and of the result.
     """
 
@@ -43,18 +44,19 @@ class IsoAmplitude:
     sequence: Ints
     distinguishable: Bools
     masked: Bools
+    unknown: Bools
     flags: tuple[Flag, ...]
 
     @property
     def passed(self) -> bool:
-        """Every step is distinguishable."""
-        return bool(self.distinguishable.all())
+        """Every step that was measured is distinguishable."""
+        return bool((self.distinguishable | self.unknown).all())
 
     @property
     def passed_between_reversals(self) -> bool:
         """Every step is distinguishable that does not follow a reversal, and some in every sequence are."""
         in_each = [bool(self.distinguishable[self.sequence == k].any()) for k in range(_SEQUENCES)]
-        return bool((self.distinguishable | self.masked).all()) and all(in_each)
+        return bool((self.distinguishable | self.masked | self.unknown).all()) and all(in_each)
 
 
 @dataclass(frozen=True)
@@ -92,15 +94,15 @@ def iso_amplitude(steps: Steps) -> IsoAmplitude:
             "there fewer moves than the test has, or those of another run?"
         )
     forward = steps.measured * steps.moves.directions
-    if float(np.median(forward)) < _BACKWARD * amplitude:
+    if float(np.nanmedian(forward)) < _BACKWARD * amplitude:
         raise MovesError(
             "the steps go the other way than commanded: change the sign of the recording, or these are other moves"
         )
-    good = forward > DISTINGUISHABLE * steps.u
-    masked = _masked(sequence, good)
+    good, unknown = forward > DISTINGUISHABLE * steps.u, np.isnan(forward)
+    masked = _masked(sequence, good) & ~unknown
     text = "not distinguishable after a reversal: play and torsion are taken up there"
-    flags = (*steps.flags, *flag_moves("masked-by-reversal", masked, text))
-    return IsoAmplitude(steps, amplitude, sequence, good, masked, flags)
+    flags = (*steps.flags, *flag_moves("masked-by-reversal", masked, text, steps.moves.first))
+    return IsoAmplitude(steps, amplitude, sequence, good, masked, unknown, flags)
 
 
 def iso_test(amplitudes: Sequence[IsoAmplitude]) -> IsoTest:

@@ -10,6 +10,7 @@ from catseye.calibration.resolution.flags import Flag
 from catseye.calibration.resolution.lowess import velocity
 from catseye.calibration.resolution.moves import Moves
 from catseye.calibration.resolution.recording import Recording
+from catseye.calibration.resolution.speed import speed_of
 from catseye.calibration.resolution.standstill import SHORTEST_S, Standstill, standstill
 from catseye.calibration.resolution.units import shown
 
@@ -54,8 +55,8 @@ def standstill_before(recording: Recording, moves: Moves, guard_s: float) -> Sta
     before = recording.clipped(end_s - LONGEST_S, end_s)
     if before.position.size < SHORTEST_S * recording.rate_hz:
         return None
-    speed = np.abs(velocity(before.position, recording.rate_hz))
-    moving = np.flatnonzero(speed > _MOTION * _NORMAL_MAD * np.median(speed))
+    speed = np.abs(speed_of(before))
+    moving = np.flatnonzero(speed > _MOTION * _NORMAL_MAD * np.nanmedian(speed))
     if moving.size:
         after_s = before.start_s + float(moving[-1]) / recording.rate_hz + _AFTER_MOTION_S
         before = before.clipped(after_s, end_s)
@@ -89,12 +90,12 @@ def noise_of_plateaus(halves: Floats, speeds: Floats) -> StepNoise:
     """Return the noise of steps from the plateaus alone, as if it were white between them.
 
     Args:
-        halves: differences of the means of each plateau's halves, shape (n,).
-        speeds: smoothed velocities on the plateaus, shape (m,).
+        halves: differences of the means of each plateau's halves, NaN where one is not known, shape (n,).
+        speeds: smoothed velocities on the plateaus, NaN likewise, shape (m,).
     """
     # A joint that has not come to rest makes a few differences large; they say nothing about the noise.
-    half = _NORMAL_MAD * float(np.median(np.abs(halves)))
-    speed = _NORMAL_MAD * float(np.median(np.abs(speeds)))
+    half = _NORMAL_MAD * float(np.nanmedian(np.abs(halves)))
+    speed = _NORMAL_MAD * float(np.nanmedian(np.abs(speeds)))
     text = (
         "nothing was recorded for 10 s before the first move: noise comes from the plateaus, and neither drift nor "
         "slow noise is known; record 60 s of standstill first"

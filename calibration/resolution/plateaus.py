@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from catseye.calibration.core.types import Floats
+from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.moves import Moves
 from catseye.calibration.resolution.recording import Recording
@@ -20,6 +20,8 @@ _LAST_SHARE = 0.8
 """A recording may end at this share of the last dwell."""
 
 _FEWEST = 4
+_MOST_LOST = 0.5
+"""Share of plateaus without samples from which on this is no recording of the moves."""
 
 
 @dataclass(frozen=True)
@@ -29,14 +31,17 @@ class Plateaus:
     Attributes:
         start_s: begin of each, s, shape (n + 1,).
         length_s: how long each lasts, s.
-        mean: mean position on each, shape (n + 1,).
-        half_difference: mean of its second half minus that of its first, shape (n + 1,).
+        mean: mean position on each, NaN where too few samples are there, shape (n + 1,).
+        half_difference: mean of its second half minus that of its first, NaN likewise, shape (n + 1,).
+        loss: variance of the mean as a multiple of that of a plateau without gaps, by how many samples are there,
+            NaN likewise, shape (n + 1,).
     """
 
     start_s: Floats
     length_s: float
     mean: Floats
     half_difference: Floats
+    loss: Floats
 
     @property
     def middle_s(self) -> Floats:
@@ -48,14 +53,16 @@ def plateaus(recording: Recording, moves: Moves) -> Plateaus:
     """Return the plateaus around the moves.
 
     Raises:
-        MovesError: the recording does not cover them all, or the moves follow one another too fast.
+        MovesError: the recording does not cover them all, gaps swallow most of them, or the moves follow one another
+            too fast.
     """
     length_s = min(_LONGEST_S, _SHARE * float(np.diff(moves.time_s).min()))
     if length_s * recording.rate_hz < _FEWEST:
-        row = int(np.diff(moves.time_s).argmin()) + 2
+        row = int(np.diff(moves.time_s).argmin()) + 1 + moves.first
         raise MovesError(
             f"move {row} follows the one before after {np.diff(moves.time_s).min():.3g} s: a plateau needs "
-            f"{_FEWEST} samples or more within {100 * _SHARE:.0f} % of it; dwell longer, or record faster"
+            f"{_FEWEST} samples or more within {100 * _SHARE:.0f} % of it; dwell longer, or record faster",
+            row,
         )
     last_s = min(
         moves.dwell_s - GUARD_S, max(recording.end_s - moves.time_s[-1], _LAST_SHARE * moves.dwell_s)
@@ -64,11 +71,28 @@ def plateaus(recording: Recording, moves: Moves) -> Plateaus:
     start = ends - length_s
     _require_covered(recording, moves, float(start[0]), ends)
     halves = [
-        (recording.between(a, a + 0.5 * length_s).mean(), recording.between(a + 0.5 * length_s, b).mean())
+        (recording.between(a, a + 0.5 * length_s), recording.between(a + 0.5 * length_s, b))
         for a, b in zip(start, ends, strict=True)
     ]
-    first, second = np.array(halves).T
-    return Plateaus(start, length_s, 0.5 * (first + second), second - first)
+    counts = np.array([[half.size for half in both] for both in halves])
+    there = np.all(counts >= _FEWEST // 2, axis=1)
+    _require_most(there)
+    means = np.full(counts.shape, np.nan)
+    means[there] = [
+        [half.mean() for half in both] for both, found in zip(halves, there, strict=True) if found
+    ]
+    loss = np.full(there.size, np.nan)
+    loss[there] = (1.0 / counts[there]).sum(axis=1) / (1.0 / counts.max(axis=0)).sum()
+    first, second = means.T
+    return Plateaus(start, length_s, 0.5 * (first + second), second - first, loss)
+
+
+def _require_most(there: Bools) -> None:
+    if np.count_nonzero(there) <= _MOST_LOST * there.size:
+        raise MovesError(
+            f"{np.count_nonzero(~there)} of {there.size} plateaus have no samples: gaps of the recording swallow "
+            "them; measure again at a steady rate"
+        )
 
 
 def _require_covered(recording: Recording, moves: Moves, start_s: float, ends_s: Floats) -> None:
@@ -77,14 +101,17 @@ def _require_covered(recording: Recording, moves: Moves, start_s: float, ends_s:
         raise MovesError(
             f"the recording begins at {recording.start_s:g} s, but the plateau before the first move, commanded at "
             f"{moves.time_s[0]:g} s, at {start_s:g} s: these are moves of another run, the clocks "
-            "differ (align them), or the recording was started too late"
+            "differ (align them), or the recording was started too late",
+            moves.first,
         )
     beyond = np.flatnonzero(ends_s[1:] > recording.end_s + tolerance_s)
     if beyond.size:
-        row = int(beyond[0]) + 1
+        place = int(beyond[0])
+        number = place + moves.first
         raise MovesError(
-            f"the recording ends at {recording.end_s:g} s, but move {row} of {len(moves)}, commanded at "
-            f"{moves.time_s[row - 1]:g} s, rests until {ends_s[row]:g} s: the recording is cut off, these are "
-            f"moves of another run, or the clocks differ (align them); to judge what was recorded, "
-            f"leave out the moves from {row} on"
+            f"the recording ends at {recording.end_s:g} s, but move {number} of {len(moves) + moves.first - 1}, "
+            f"commanded at {moves.time_s[place]:g} s, rests until {ends_s[place + 1]:g} s: the recording is cut off, "
+            "these are moves of another run, or the clocks differ (align them); to judge what was recorded, leave "
+            f"out the moves from {number} on",
+            number,
         )

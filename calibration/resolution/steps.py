@@ -2,18 +2,18 @@
 
 The resolution paper, section 3.6: clip, differentiate, smooth, one velocity peak per expected move in its window,
 plateaus between, a step as the difference of two. A move without a peak is measured like every other one, as what
-its plateaus say, and flagged: a joint that sticks makes steps of zero, and to leave those out would flatter it.
+its plateaus say, and flagged: a joint that sticks makes steps of zero, and to leave those out would flatter it. A
+move beside a plateau that a gap of the recording swallows is not measured at all.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.resolution.errors import MovesError
-from catseye.calibration.resolution.flags import Flag, flag_moves
-from catseye.calibration.resolution.lowess import velocity
+from catseye.calibration.resolution.flags import Flag, FlagKind, flag_moves
 from catseye.calibration.resolution.moves import Moves
 from catseye.calibration.resolution.noise import (
     StepNoise,
@@ -24,6 +24,7 @@ from catseye.calibration.resolution.noise import (
 from catseye.calibration.resolution.optics import Optics
 from catseye.calibration.resolution.plateaus import GUARD_S, Plateaus, plateaus
 from catseye.calibration.resolution.recording import Recording
+from catseye.calibration.resolution.speed import speed_of
 from catseye.calibration.resolution.standstill import Standstill
 from catseye.calibration.resolution.units import shown
 
@@ -54,10 +55,10 @@ class Steps:
 
     Attributes:
         moves: what was commanded.
-        measured: Δm, a significant drift subtracted, shape (n,).
-        u: standard uncertainty of each: noise, drift, optics, shape (n,).
+        measured: Δm, a significant drift subtracted, NaN where a plateau is missing, shape (n,).
+        u: standard uncertainty of each: noise, drift, optics, NaN likewise, shape (n,).
         peak_s: time of its velocity peak, s; NaN where none stands out of the noise, shape (n,).
-        judged: False where the command lies below what the instrument resolves, shape (n,).
+        judged: False where the command lies below what the instrument resolves, or nothing was measured, shape (n,).
         plateaus: what the steps are differences of.
         noise: of steps, plateaus and velocity.
         u_scale: relative standard uncertainty that all steps share.
@@ -81,7 +82,7 @@ class Steps:
 
     @property
     def position(self) -> Floats:
-        """Position on each plateau, a significant drift subtracted, shape (n + 1,)."""
+        """Position on each plateau, a significant drift subtracted, NaN where it is missing, shape (n + 1,)."""
         since_s = self.plateaus.middle_s - self.plateaus.middle_s[0]
         return np.asarray(self.plateaus.mean - self.noise.drift_per_s * since_s)
 
@@ -117,18 +118,20 @@ def steps(
     clip = recording.clipped(
         float(rests.start_s[0]), float(rests.start_s[-1] + rests.length_s + 1.0 / recording.rate_hz)
     )
-    speed = velocity(clip.position, clip.rate_hz)
+    speed = speed_of(clip)
     still = still or standstill_before(recording, moves, GUARD_S)
     noise = _noise(clip, speed, rests, moves, still)
     spans_s = np.diff(rests.middle_s)
     measured = np.diff(rests.mean) - noise.drift_per_s * spans_s
-    peak_s = _peaks(clip, speed, moves, noise.velocity)
+    peak_s, hidden = _peaks(clip, speed, moves, noise.velocity)
     seen_by = optics or _NoOptics()
-    u = np.hypot(noise.step, np.hypot(noise.u_drift_per_s * spans_s, seen_by.u_step(measured)))
-    judged = np.abs(moves.command) >= BELOW_INSTRUMENT * noise.step
+    # A plateau with gaps is known less well, as white noise averages out.
+    lost = np.sqrt(0.5 * (rests.loss[:-1] + rests.loss[1:]))
+    u = np.hypot(noise.step * lost, np.hypot(noise.u_drift_per_s * spans_s, seen_by.u_step(measured)))
+    judged = (np.abs(moves.command) >= BELOW_INSTRUMENT * noise.step) & np.isfinite(measured)
     found = Steps(moves, measured, u, peak_s, judged, rests, noise, seen_by.u_scale, ())
-    flags = (*recording.flags, *noise.flags, *_flags(found))
-    return Steps(moves, measured, u, peak_s, judged, rests, noise, seen_by.u_scale, flags)
+    flags = (*recording.flags, *noise.flags, *_flags(found, hidden))
+    return replace(found, flags=flags)
 
 
 def require_same_run(found: Steps) -> None:
@@ -140,7 +143,8 @@ def require_same_run(found: Steps) -> None:
         MovesError: the text says how they differ and what may be wrong.
     """
     command = found.moves.command
-    large = np.argsort(-np.abs(command), kind="stable")[:_LARGEST]
+    large = np.argsort(-np.abs(command), kind="stable")
+    large = large[np.isfinite(found.measured[large])][:_LARGEST]
     large = large[np.abs(command[large]) > _LARGE * found.noise.step]
     if not large.size:
         return
@@ -193,43 +197,71 @@ def _noise(
     return noise_of_plateaus(rests.half_difference, np.concatenate(resting))
 
 
-def _peaks(clip: Recording, speed: Floats, moves: Moves, noise: float) -> Floats:
-    """Return when each move was fastest in its direction; NaN where that does not stand out of the noise."""
+def _peaks(clip: Recording, speed: Floats, moves: Moves, noise: float) -> tuple[Floats, Bools]:
+    """Return when each move was fastest in its direction, and which of them a gap may hide.
+
+    The time is NaN where no velocity stands out of the noise.
+    """
     edges = np.append(moves.time_s, moves.time_s[-1] + moves.dwell_s) - GUARD_S
-    found = np.full(len(moves), np.nan)
+    found, hidden = np.full(len(moves), np.nan), np.zeros(len(moves), dtype=np.bool_)
     for number, direction in enumerate(moves.directions.tolist()):
         first, end = clip.index(float(edges[number])), clip.index(float(edges[number + 1])) - 1
         window = direction * speed[first:end]
-        fastest = int(np.argmax(window))
-        if window[fastest] > _SEEN * noise:
+        known = np.nan_to_num(window, nan=-np.inf)
+        fastest = int(np.argmax(known))
+        if known[fastest] > _SEEN * noise:
             # A velocity belongs to the middle between its two samples.
             found[number] = clip.start_s + (first + fastest + 0.5) / clip.rate_hz
-    return found
+        else:
+            hidden[number] = bool(np.isnan(window).any())
+    return found, hidden
 
 
-def _flags(found: Steps) -> list[Flag]:
+def _flags(found: Steps, hidden: Bools) -> list[Flag]:
     moves, noise, rests = found.moves, found.noise, found.plateaus
     command, measured = moves.command, found.measured
-    still = np.isnan(found.peak_s)
+    still = np.isnan(found.peak_s) & ~hidden
     seen = _SEEN * noise.step
     creeps = np.abs(rests.half_difference[1:] - 0.5 * rests.length_s * noise.drift_per_s)
     unsettled = (creeps > _SEEN * noise.half_plateau) & (creeps > _CREEP * np.abs(command))
     late = found.peak_s > rests.start_s[1:]
+    small = np.abs(command) < BELOW_INSTRUMENT * noise.step
     below = f"commanded below {BELOW_INSTRUMENT:g} u = {shown(BELOW_INSTRUMENT * noise.step, moves.unit)} of a step"
-    return [
-        *flag_moves("below-instrument", ~found.judged, f"{below}: below the instrument, not judged"),
-        *flag_moves("merged", _merged(found, still), "no motion, but the next step is as large as both"),
-        *flag_moves(
-            "no-motion", still & ~_tail(still), "no velocity peak; measured as what the plateaus say"
-        ),
-        *flag_moves(
+    texts: list[tuple[FlagKind, Bools, str]] = [
+        *_gap_texts(found, hidden),
+        ("below-instrument", small, f"{below}: below the instrument, not judged"),
+        ("merged", _merged(found, still), "no motion, but the next step is as large as both"),
+        ("no-motion", still & ~_tail(still), "no velocity peak; measured as what the plateaus say"),
+        (
             "no-motion",
             still & _tail(still),
             "no motion from here to the end: the joint stood, or fewer steps were driven than commanded",
         ),
-        *flag_moves("reversed", measured * moves.directions < -seen, "went against its direction"),
-        *flag_moves("late", late, "moved while it should have rested: its plateau holds part of the motion"),
-        *flag_moves("unsettled", unsettled & ~late, "still creeping on the plateau behind it"),
+        ("reversed", measured * moves.directions < -seen, "went against its direction"),
+        ("late", late, "moved while it should have rested: its plateau holds part of the motion"),
+        ("unsettled", unsettled & ~late, "still creeping on the plateau behind it"),
+    ]
+    return [
+        flag for kind, concerned, text in texts for flag in flag_moves(kind, concerned, text, moves.first)
+    ]
+
+
+def _gap_texts(found: Steps, hidden: Bools) -> list[tuple[FlagKind, Bools, str]]:
+    """Return what gaps of the recording do to moves: kind, which moves, text."""
+    unknown = np.isnan(found.measured)
+    loss = np.maximum(found.plateaus.loss[:-1], found.plateaus.loss[1:])
+    return [
+        ("missed", unknown, "a gap of the recording swallows the plateau before or behind it: not measured"),
+        (
+            "missed",
+            hidden & ~unknown,
+            "a gap of the recording may hide its motion; measured as what the plateaus say",
+        ),
+        (
+            "gap",
+            (loss > 1.0) & ~unknown,
+            "samples are missing on the plateau before or behind it: its u is larger",
+        ),
     ]
 
 

@@ -63,9 +63,11 @@ def torque_signs(moves: Moves, counted: Bools, time_s: Floats, torque_nm: Floats
     first, end = np.searchsorted(time_s, moves.time_s), np.searchsorted(time_s, ends)
     without = np.flatnonzero(counted & (end <= first))
     if without.size:
+        number = int(without[0]) + moves.first
         raise MovesError(
-            f"no torque was recorded at move {without[0] + 1}, {moves.time_s[without[0]]:g} s: the torque is cut "
-            "off, of another run, or by another clock"
+            f"no torque was recorded at move {number}, {moves.time_s[without[0]]:g} s: the torque is cut off, of "
+            "another run, or by another clock",
+            number,
         )
     sums = np.concatenate([[0.0], np.cumsum(torque_nm)])
     means = (sums[end] - sums[first]) / np.maximum(end - first, 1)

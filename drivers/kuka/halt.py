@@ -12,7 +12,10 @@ from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError, LinkError
 from catseye.drivers.roles.pose import Pose, is_at
 
-STOP: Final = {names.STOP: "TRUE", names.OVERRIDE: "0"}
+HELD: Final = {names.STOP: "TRUE"}
+"""What the program brakes at, and what keeps it from taking an order."""
+
+STOP: Final = {**HELD, names.OVERRIDE: "0"}
 """What stops the arm: the program brakes at the first, and at an override of 0 no program moves anything."""
 
 STOP_BYTES: Final = stop_bytes(STOP)

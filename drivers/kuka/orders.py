@@ -1,7 +1,8 @@
 """Orders to the program CATSKUKA: prepared, begun once, watched until it says what became of them.
 
 An order has a number. It begins when the number is written to CATS_SEQ, and the program answers with it in CATS_TAKEN
-and CATS_DONE. So whatever is lost on the way, the program is asked; no order is given twice.
+and CATS_DONE. So whatever is lost on the way, the program is asked; no order is given twice. CATSKUKA takes an order
+before it looks whether that was taken back (CATS_FOR): one that is not taken by then never moves anything.
 """
 
 import asyncio
@@ -27,6 +28,9 @@ from catseye.drivers.roles.errors import (
 )
 
 _START: Final = "start CATSKUKA on the controller in AUT or EX, see docs/kuka.md"
+_FEWEST_LOOKS: Final = 10
+"""Answers that say that an order is not taken: on a busy machine time passes in which nobody looks."""
+
 _REVOKED: Final = {names.PREPARED: "0"}
 
 
@@ -65,7 +69,7 @@ class Orders:
             permit: asked right before anything is written that lets the arm move.
 
         Raises:
-            NotReadyError: the program is another one, or busy.
+            NotReadyError: the program is another one, does not run, or is busy.
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
@@ -95,11 +99,11 @@ class Orders:
         """Return the number of the next order.
 
         Raises:
-            NotReadyError: other programs are loaded, or an order is still under way.
+            NotReadyError: other programs are loaded, none runs, or an order is still under way.
         """
-        asked = (names.VERSION, names.SEQUENCE, names.TAKEN, names.DONE)
+        asked = (names.PROGRAM_STATE, names.VERSION, names.SEQUENCE, names.TAKEN, names.DONE)
         try:
-            texts = await self._proxy.read_all(asked)
+            state, *texts = await self._proxy.read_all(asked)
         except RefusedError as exc:
             raise NotReadyError(
                 f"{exc}: copy CATSVARS.dat and CATSKUKA.src to the controller, {_START}", 0
@@ -109,6 +113,11 @@ class Orders:
             raise NotReadyError(
                 f"{self._proxy.where}: CATSKUKA has version {version}, this program needs {names.PROGRAM_VERSION}: "
                 "copy CATSVARS.dat and CATSKUKA.src to the controller again",
+                0,
+            )
+        if symbol_of(state) != names.ACTIVE:
+            raise NotReadyError(
+                f"{self._proxy.where}: no program runs ({names.PROGRAM_STATE} is {state}): {_START}",
                 0,
             )
         if taken != done:
@@ -124,31 +133,37 @@ class Orders:
             await self._proxy.write({names.SEQUENCE: str(number)}, repeat=Repeat.NEVER, permit=permit)
         except (LinkError, ProtocolError):
             written = whole_of(await self._proxy.read(names.SEQUENCE)) == number
-            if not written:
-                await self._revoke(number)
+            if not written and await self._revoked(number):
                 raise
 
-    async def _revoke(self, number: int) -> None:
-        """Take an order back that has not begun.
-
-        Raises:
-            NotReadyError: it has begun meanwhile.
-        """
+    async def _revoked(self, number: int) -> bool:
+        """Take an order back; return whether that came before the program took it."""
         await self._proxy.write(_REVOKED)
-        if whole_of(await self._proxy.read(names.TAKEN)) == number:
-            raise NotReadyError(f"{self._proxy.where}: order {number} was taken after it was given up", 0)
+        return whole_of(await self._proxy.read(names.TAKEN)) != number
 
     async def _require_taken(self, number: int) -> None:
-        try:
-            async with asyncio.timeout(self._settings.taken_timeout_s):
-                while whole_of(await self._proxy.read(names.TAKEN)) != number:
-                    await self._clock.sleep(self._settings.poll_s)
-        except TimeoutError:
-            await self._revoke(number)
+        """Wait until the program says that it has taken an order; one that it does not take is taken back.
+
+        Raises:
+            NotReadyError: it does not take it; nothing has moved.
+        """
+        time_s = asyncio.get_running_loop().time
+        end_s, looks = time_s() + self._settings.taken_timeout_s, 0
+        while time_s() < end_s or looks < _FEWEST_LOOKS:
+            state, taken = await self._proxy.read_all((names.PROGRAM_STATE, names.TAKEN))
+            if whole_of(taken) == number:
+                return
+            if symbol_of(state) != names.ACTIVE:
+                break
+            looks += 1
+            await self._clock.sleep(self._settings.poll_s)
+        if await self._revoked(number):
             raise NotReadyError(
-                f"{self._proxy.where}: CATSKUKA takes no order within {self._settings.taken_timeout_s:g} s: {_START}",
+                f"{self._proxy.where}: CATSKUKA has not taken order {number} ({looks} looks in "
+                f"{self._settings.taken_timeout_s:g} s; {names.PROGRAM_STATE} is {state}); it is taken back and "
+                f"moves nothing: if another program is selected, or a message waits, see to it; {_START}",
                 0,
-            ) from None
+            )
 
     async def _require_done(self, number: int) -> None:
         try:
@@ -199,6 +214,12 @@ class Orders:
             case Result.TOO_LARGE:
                 return RefusedError(
                     f"{where}: the increment is larger than {names.MOST_DEG} or {names.MOST_MM} allow: nothing moved",
+                    int(result),
+                )
+            case Result.NOT_PREPARED:
+                return RefusedError(
+                    f"{where}: CATSKUKA took the order after it was taken back, or another program writes its "
+                    "variables: nothing moved",
                     int(result),
                 )
             case _:

@@ -11,13 +11,13 @@ from collections.abc import Callable
 from typing import Any, ClassVar, Final, Self
 
 from catseye.drivers.kuka import names
-from catseye.drivers.kuka.examining import examination_of
-from catseye.drivers.kuka.halt import STOP_BYTES, Halt
+from catseye.drivers.kuka.examining import RAISE, examination_of
+from catseye.drivers.kuka.halt import HELD, STOP_BYTES, Halt
 from catseye.drivers.kuka.names import Command
 from catseye.drivers.kuka.orders import Order, Orders
 from catseye.drivers.kuka.proxy import Proxy
 from catseye.drivers.kuka.settings import KukaSettings
-from catseye.drivers.kuka.state import StateReader
+from catseye.drivers.kuka.state import StateReader, rest_text
 from catseye.drivers.kuka.values import AXES, axes_of, real_of, real_text, string_of, structure_text, whole_of
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import UNGUARDED, LinkGuard, guarded
@@ -52,7 +52,9 @@ class KukaVarproxy(Robot):
 
     Settings: ClassVar[type[KukaSettings]] = KukaSettings
     summary: ClassVar[str] = "KUKA controller with KUKAVARPROXY or C3 Bridge and the program CATSKUKA"
-    abilities: ClassVar[RobotAbilities] = RobotAbilities(takes_guard=True, numbers_alarms=False, steps=True)
+    abilities: ClassVar[RobotAbilities] = RobotAbilities(
+        takes_guard=True, numbers_alarms=False, steps=True, switches_drives=False
+    )
 
     def __init__(
         self,
@@ -164,6 +166,17 @@ class KukaVarproxy(Robot):
                 "the cell's own controls",
                 0,
             )
+
+    async def rest(self) -> str:
+        """Hold the program by its stop variable; return what holds the arm, and what to do.
+
+        Raises:
+            RefusedError: refused.
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        await self._main.write(HELD)
+        return rest_text(await self.status(), drives_are_known=self._state.knows_drives)
 
     async def set_override(self, percent: float) -> float:
         """Set the program override, rounded down to a whole percent; return what is read back.
@@ -313,7 +326,7 @@ class KukaVarproxy(Robot):
             return
         if not self._lowered or self._override_percent is None:
             raise NotReadyError(
-                f"{self._main.where}: the override is 0: raise it at the controller, as far as the cell allows",
+                f"{self._main.where}: {names.OVERRIDE} is 0: {RAISE}",
                 0,
             )
         await self._main.write({names.OVERRIDE: str(self._override_percent)}, permit=permit)

@@ -25,7 +25,10 @@ class KukaSettings(DeviceSettings):
         default=0.5, gt=0, description="for one answer of the proxy; 5 to 15 ms are typical."
     )
     taken_timeout_s: float = Field(
-        default=1.0, gt=0, description="for the program CATSKUKA to take an order; then it does not run."
+        default=5.0,
+        gt=0,
+        description="for CATSKUKA to take an order, which needs a cycle of the controller; then the order is taken "
+        "back. A program that stands is found at once.",
     )
     move_timeout_s: float = Field(default=600.0, gt=0, description="for a whole motion.")
     stop_timeout_s: float = Field(default=5.0, gt=0, description="for the standstill after STOP.")

@@ -30,6 +30,11 @@ class StateReader:
         self.unknown: tuple[str, ...] = ()
 
     @property
+    def knows_drives(self) -> bool:
+        """The last look saw whether the drives are on."""
+        return bool(self._settings.drives_variable) and self._settings.drives_variable not in self.unknown
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What an operator should know about the state; empty when everything is known."""
         if not self.unknown:
@@ -72,3 +77,15 @@ class StateReader:
             alarm_text=_MESSAGE_TEXT if message else "",
             program=names.PROGRAM if taken is not None else "",
         )
+
+
+def rest_text(status: RobotStatus, *, drives_are_known: bool) -> str:
+    """Return what holds an arm whose program was told to stop, and what whoever goes to it does before."""
+    seen = "on" if status.servo_on else "off"
+    drives = seen if drives_are_known else "on or off, which this controller does not say"
+    return (
+        f"{names.PROGRAM} is held by {names.STOP} and takes no order, {names.OVERRIDE} is "
+        f"{status.override_percent:g} %, the drives are {drives}: no variable switches them, so that only the "
+        "controller does, in its own time; before anybody goes to the arm, switch them off at the smartPAD or by the "
+        "cell's own controls"
+    )

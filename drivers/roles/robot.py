@@ -57,6 +57,8 @@ class RobotAbilities:
             own for paths; empty for none.
         numbers_alarms: the controller tells the number of its alarm; otherwise any alarm is number 1.
         steps: `step_axis` and `step_line` move by increments that the controller adds itself.
+        switches_drives: `servo` switches the drives; otherwise it checks that an operator has, and `rest` is called
+            at the end.
         command_resolution: smallest increment of an axis that the controller tells from none, by the unit of the
             axis: {"deg": 0.001}; None where its maker states none.
     """
@@ -67,6 +69,7 @@ class RobotAbilities:
     further_endpoint: str = ""
     numbers_alarms: bool = True
     steps: bool = False
+    switches_drives: bool = True
     command_resolution: Mapping[Unit, float] | None = None
 
 
@@ -106,6 +109,13 @@ class Robot(Device, Protocol):
     async def servo(self, *, on: bool) -> None:
         """Switch the drives and return when they are so."""
         ...
+
+    async def rest(self) -> str:
+        """Hold an arm that stands as firmly as is possible without its drives; return what holds it, and what to do.
+
+        Only for drivers whose abilities say that they switch no drives.
+        """
+        raise RefusedError("this robot's driver switches the drives off: nothing else holds its arm", 0)
 
     @abstractmethod
     async def set_override(self, percent: float) -> float:

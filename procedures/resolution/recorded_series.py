@@ -1,7 +1,6 @@
 """Recording a series: standstill first, then one move after another; a series that is cut short begins anew."""
 
 import math
-import statistics
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -11,21 +10,15 @@ from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, Lo
 from catseye.procedures.kit.bench import AngularOptics
 from catseye.procedures.kit.context import Context, Stepped
 from catseye.procedures.kit.errors import NoBeamError, StepCutShortError
-from catseye.procedures.kit.live import Live, LiveStep
 from catseye.procedures.kit.recording import Recording
 from catseye.procedures.kit.records import Row
 from catseye.procedures.resolution.campaign_plan import CampaignPlan, Order, Place, Series
+from catseye.procedures.resolution.live_steps import LiveSteps
 from catseye.procedures.resolution.places import axis_number
 from catseye.procedures.resolution.records import Configuration, Move
 
 POLICY: Final = BeamLossPolicy(attempts=2, patience_s=10.0, may_skip=True)
 """A lost series costs a quarter of an hour: after the second one somebody looks at the optics."""
-
-_PLATEAU_S: Final = 1.0
-"""Of the newest readings, for what is shown while the series goes on."""
-
-_THRESHOLD_PERCENT: Final = 10.0
-"""Band of the step error that is shown (ASME B5.64, as the resolution paper has it); results choose their own."""
 
 
 class SeriesRecorder:
@@ -77,8 +70,9 @@ class SeriesRecorder:
             return cause
         made = _Made(name)
         async with self._ctx.recording(name, self._plan.rate_hz) as recording:
-            await self._ctx.pause(self._plan.standstill_s)
-            cause = await self._moves(series, recording, made)
+            live = LiveSteps(self._ctx, series, self._place, self._optics)
+            await live.stand_still(recording, self._plan.standstill_s, self._plan.dwell_s)
+            cause = await self._moves(series, recording, made, live)
         for move in made.moves:
             self._ctx.record(move)
         if cause is None:
@@ -97,9 +91,11 @@ class SeriesRecorder:
             )
         return None
 
-    async def _moves(self, series: Series, recording: Recording, made: "_Made") -> Cause | None:
+    async def _moves(
+        self, series: Series, recording: Recording, made: "_Made", live: LiveSteps
+    ) -> Cause | None:
         for number, order in enumerate(series.orders, 1):
-            before = self._plateau(recording)
+            before = live.plateau(recording)
             try:
                 stepped = await self._step(series, order)
             except StepCutShortError as error:
@@ -113,7 +109,7 @@ class SeriesRecorder:
                 return cause_of(status, self._plan.bench.arm.override_percent) or Cause(
                     "interrupted", "something stood in it, or the joint left the range of the optics"
                 )
-            self._show(series, move, made, before, self._plateau(recording))
+            live.show(move, before, live.plateau(recording))
         return None
 
     async def _step(self, series: Series, order: Order) -> Stepped:
@@ -180,44 +176,6 @@ class SeriesRecorder:
             extra={"pose": list(place.pose)},
         )
 
-    def _plateau(self, recording: Recording) -> float | None:
-        """Return where the arm stands by the newest readings, deg or mm; None without any."""
-        newest = recording.newest(math.ceil(_PLATEAU_S * 1000.0))
-        values = [value for time_s, value in newest if time_s > newest[-1][0] - _PLATEAU_S]
-        if not values:
-            return None
-        mean_mm = statistics.fmean(values)
-        if not isinstance(self._optics, AngularOptics):
-            return mean_mm
-        share = mean_mm / self._optics.spacing_mm
-        return math.degrees(math.asin(share)) if abs(share) <= 1.0 else None
-
-    def _show(
-        self, series: Series, move: Move, made: "_Made", before: float | None, after: float | None
-    ) -> None:
-        """Show the step as it looks now; results come from the whole recording."""
-        if before is None or after is None:
-            return
-        # Which way the beam grows is a matter of mounting: the first step, the largest one, tells.
-        if not made.mounting:
-            made.mounting, made.origin = math.copysign(1.0, (after - before) * move.command), before
-        measured = made.mounting * (after - before)
-        error = 100.0 * (measured / move.command - 1.0)
-        step = LiveStep(
-            series.title,
-            move.number,
-            len(series.orders),
-            move.command,
-            measured,
-            made.mounting * (after - made.origin),
-            self._place.unit,
-            error,
-            _THRESHOLD_PERCENT,
-            move.torque_nm,
-        )
-        name = f"step error of {series.title}"
-        self._ctx.show(Live(name, error, "%", -_THRESHOLD_PERCENT, _THRESHOLD_PERCENT, step=step))
-
 
 @dataclass
 class _Made:
@@ -226,14 +184,10 @@ class _Made:
     Attributes:
         recording: its name.
         moves: that were made.
-        mounting: 1 or -1, as the beam grows or shrinks with positive commands; 0 before the first step.
-        origin: where the arm stood before it, by the beam, deg or mm.
     """
 
     recording: str
     moves: list[Move] = field(default_factory=list)
-    mounting: float = 0.0
-    origin: float = 0.0
 
 
 class Torques:

@@ -56,7 +56,10 @@ def resolution(
         Path | None, typer.Option(help="TOML file that says which columns of the recording are what")
     ] = None,
     rate_hz: Annotated[
-        float | None, typer.Option(min=1.0, help="of a recording without times, for --preview")
+        float | None,
+        typer.Option(
+            min=1.0, help="rate of the recording, held against its times; of one without, for --preview"
+        ),
     ] = None,
     preview: Annotated[
         bool, typer.Option("--preview", help="show how the recording is read, write its mapping to stdout")
@@ -93,6 +96,7 @@ def resolution(
                 source,
                 None if mapping is None else read_mapping(mapping),
                 None if spacing_mm is None else AngularOptics(spacing_mm),
+                rate_hz,
             ),
             Asked(_given(test, "--test"), _given(joint, "--joint"), position_deg, pose, threshold),
             moves,

@@ -97,8 +97,10 @@ class CsvMapping(Section):
 
     @model_validator(mode="after")
     def _has_times(self) -> Self:
-        if (self.columns.t_s is None) == (self.rate_hz is None):
-            raise ValueError("state either the column t_s or rate_hz, for a file without times")
+        if self.columns.t_s is None and self.rate_hz is None:
+            raise ValueError(
+                "state the column t_s, or rate_hz for a file without times; with both, they must agree"
+            )
         if self.decimal == "," and self.separator == ",":
             raise ValueError("separator and decimal sign cannot both be commas")
         return self
@@ -142,7 +144,7 @@ def read_mapped(path: Path, mapping: CsvMapping) -> Columns:
         name: one.sign * _UNITS[name][one.unit] * column
         for (name, one), column in zip(given.items(), found, strict=True)
     }
-    if mapping.rate_hz is not None:
+    if "t_s" not in values and mapping.rate_hz is not None:
         values = {"t_s": np.arange(lines.size) / mapping.rate_hz, **values}
     return Columns(values, lines)
 

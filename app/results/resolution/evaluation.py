@@ -16,7 +16,14 @@ from catseye.app.results.resolution.result import (
     Test,
     Torque,
 )
-from catseye.app.results.resolution.step_parts import duration_s, move_rows, outside, staircase, unit_of
+from catseye.app.results.resolution.step_parts import (
+    duration_s,
+    move_rows,
+    or_none,
+    outside,
+    staircase,
+    unit_of,
+)
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.backlash import backlash
 from catseye.calibration.resolution.decaying import decaying_test
@@ -106,7 +113,7 @@ def _decaying(asked: Asked, series: Series, found: Steps) -> AnyTest:
     judged = decaying_test(found, asked.threshold_percent)
     scale, least = outside(found.moves.unit), judged.least_step
     rows = [
-        row | {"mean_percent": _or_none(mean), "std_percent": _or_none(spread)}
+        row | {"mean_percent": or_none(mean), "std_percent": or_none(spread)}
         for row, mean, spread in zip(
             move_rows(found), judged.mean_percent.tolist(), judged.spread_percent.tolist(), strict=True
         )
@@ -178,9 +185,7 @@ def _by_size(series: Series) -> list[Series]:
     still = series.still or standstill_before(series.recording, moves, GUARD_S)
     ends = [*begins.tolist(), len(moves)]
     return [
-        replace(
-            series, moves=Moves(moves.time_s[first:end], moves.command[first:end], moves.unit), still=still
-        )
+        replace(series, moves=moves.part(first, end), still=still)
         for first, end in zip([0, *begins.tolist()], ends, strict=True)
     ]
 
@@ -211,7 +216,3 @@ def _test(asked: Asked, found: Steps, **parts: Any) -> AnyTest:
 def _texts(flags: Sequence[Flag]) -> list[str]:
     """Return what was noticed, each once."""
     return list(dict.fromkeys(flag.text for flag in flags))
-
-
-def _or_none(value: float) -> float | None:
-    return value if math.isfinite(value) else None

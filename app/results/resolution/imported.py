@@ -21,7 +21,10 @@ from catseye.app.results.resolution.target_reversal import DeviationUnit, is_tar
 from catseye.app.results.resolution.torque_file import read_torque
 from catseye.app.store.software import SOFTWARE
 from catseye.calibration.resolution.alignment import ClockAlignment, align
+from catseye.calibration.resolution.errors import MovesError
+from catseye.calibration.resolution.moves import Moves
 from catseye.calibration.resolution.optics import LinearOptics
+from catseye.calibration.resolution.recording import Recording
 
 _AXES = ("X", "Y", "Z")
 
@@ -101,7 +104,14 @@ def imported_test(given: Import) -> AnyTest:
             f"{given.recording.path}: --moves is missing: when each move was commanded, and its size"
         )
     recording = read_recording(given.recording)
-    moves = read_moves(given.moves, there_and_back=given.asked.test in {"iso", "backlash"})
+    file = read_moves(given.moves, there_and_back=given.asked.test in {"iso", "backlash"})
+    try:
+        return _evaluated(given, recording, file.moves)
+    except MovesError as error:
+        raise MovesError(f"{file.place(error.row)}: {error}", error.row) from error
+
+
+def _evaluated(given: Import, recording: Recording, moves: Moves) -> AnyTest:
     optics = LinearOptics() if recording.unit == "mm" else given.recording.optics
     series = Series(recording, moves, optics)
     if given.joint_torque is not None:

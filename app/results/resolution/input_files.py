@@ -5,16 +5,18 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from catseye.app.errors import UsageError
 from catseye.app.files.columns import read_table
 from catseye.app.results.resolution.csv_mapping import CsvMapping, read_mapped
 from catseye.app.results.resolution.tables import MOVES, RECORDING
-from catseye.calibration.core.errors import CalibrationError
-from catseye.calibration.resolution.errors import RecordingError
+from catseye.calibration.resolution.errors import MovesError, RecordingError
+from catseye.calibration.resolution.frozen_signal import frozen_stretch, require_unsaturated
 from catseye.calibration.resolution.moves import Moves, moves_of
 from catseye.calibration.resolution.optics import AngularOptics
 from catseye.calibration.resolution.recording import Recording, recording_of
+from catseye.calibration.resolution.sampling import require_stated_rate, require_steady_rate
 from catseye.procedures.kit.columns import Columns
 
 _NO_RECORDING: Final = {
@@ -39,11 +41,37 @@ class RecordingFile:
         path: CSV, or Parquet with the same columns.
         mapping: of a file that another program wrote; None for one with the names of this program.
         optics: that turn displacements into angles; None where displacements are what is judged.
+        rate_hz: that somebody states beside the file, held against its times; None where nobody does.
     """
 
     path: Path
     mapping: CsvMapping | None = None
     optics: AngularOptics | None = None
+    rate_hz: float | None = None
+
+    @property
+    def stated_rate_hz(self) -> float | None:
+        """Rate stated beside the file or in its mapping; None where nobody states one."""
+        return self.rate_hz if self.rate_hz or self.mapping is None else self.mapping.rate_hz
+
+
+@dataclass(frozen=True)
+class MovesFile:
+    """Moves and where they stand.
+
+    Attributes:
+        path: of the file.
+        moves: that count.
+        lines: of each of them, shape (n,).
+    """
+
+    path: Path
+    moves: Moves
+    lines: NDArray[np.int64]
+
+    def place(self, number: int | None) -> str:
+        """Return file and line of a move by its number from 1, the file alone without one."""
+        return f"{self.path}" if number is None else f"{self.path}:{self.lines[number - 1]}"
 
 
 def recording_columns(file: RecordingFile) -> Columns:
@@ -61,24 +89,34 @@ def read_recording(file: RecordingFile) -> Recording:
     """Read a recording, of a joint in rad, of a slide or of the tool in mm.
 
     Raises:
-        UsageError: the file cannot be used, its rate is not uniform, or times or signal cannot be; names line and
-            remedy.
+        UsageError: the file cannot be used, its rate changes or is not the one that is stated, times or signal cannot
+            be, or the signal is saturated; names line and remedy.
     """
     columns = recording_columns(file)
-    time_s = columns["t_s"]
     try:
-        if "angle_deg" in columns:
-            return recording_of(time_s, np.radians(columns["angle_deg"]), "rad")
-        displacement_mm = columns["displacement_mm"]
-        if file.optics is None:
-            return recording_of(time_s, displacement_mm, "mm")
-        return recording_of(time_s, file.optics.angle_rad(displacement_mm), "rad")
+        recording = _recording_of(columns, file.optics)
+        require_steady_rate(columns["t_s"])
+        if file.stated_rate_hz is not None:
+            require_stated_rate(columns["t_s"], file.stated_rate_hz)
+        value = next(columns[name] for name in columns.values if name != "t_s")
+        require_unsaturated(frozen_stretch(columns["t_s"], recording.rate_hz, value))
     except RecordingError as error:
         place = "" if error.row is None else f":{columns.lines[error.row - 1]}"
         raise UsageError(f"{file.path}{place}: {error}") from error
+    return recording
 
 
-def read_moves(path: Path, *, there_and_back: bool = False) -> Moves:
+def _recording_of(columns: Columns, optics: AngularOptics | None) -> Recording:
+    time_s = columns["t_s"]
+    if "angle_deg" in columns:
+        return recording_of(time_s, np.radians(columns["angle_deg"]), "rad")
+    displacement_mm = columns["displacement_mm"]
+    if optics is None:
+        return recording_of(time_s, displacement_mm, "mm")
+    return recording_of(time_s, optics.angle_rad(displacement_mm), "rad")
+
+
+def read_moves(path: Path, *, there_and_back: bool = False) -> MovesFile:
     """Read the moves of a test, of a joint in rad, of a slide or of the tool in mm.
 
     Args:
@@ -89,11 +127,16 @@ def read_moves(path: Path, *, there_and_back: bool = False) -> Moves:
         UsageError: the file cannot be used; names line and remedy.
     """
     columns = read_table(path, MOVES)
-    angular, sequence = columns.get("command_deg"), columns.get("sequence")
+    sequence = columns.get("sequence")
     counted = slice(None) if sequence is None or not there_and_back else sequence > 0.0
+    time_s, lines = columns["t_s"][counted], columns.lines[counted]
+    angular = columns.get("command_deg")
     try:
         if angular is not None:
-            return moves_of(columns["t_s"][counted], np.radians(angular[counted]), "rad")
-        return moves_of(columns["t_s"][counted], columns["command_mm"][counted], "mm")
-    except CalibrationError as error:
-        raise UsageError(f"{path}: {error} (move 1 stands in line {columns.lines[0]})") from error
+            moves = moves_of(time_s, np.radians(angular[counted]), "rad")
+        else:
+            moves = moves_of(time_s, columns["command_mm"][counted], "mm")
+    except MovesError as error:
+        place = "" if error.row is None else f":{lines[error.row - 1]}"
+        raise UsageError(f"{path}{place}: {error}") from error
+    return MovesFile(path, moves, lines)

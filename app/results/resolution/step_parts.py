@@ -30,9 +30,9 @@ def move_rows(found: Steps) -> list[dict[str, Any]]:
     scale = outside(found.moves.unit)
     columns = zip(
         (scale * found.moves.command).tolist(),
-        (scale * found.measured).tolist(),
-        (scale * found.u).tolist(),
-        found.error_percent.tolist(),
+        map(or_none, (scale * found.measured).tolist()),
+        map(or_none, (scale * found.u).tolist()),
+        map(or_none, found.error_percent.tolist()),
         found.judged.tolist(),
         strict=True,
     )
@@ -46,13 +46,13 @@ def staircase(recording: Recording, found: Steps) -> dict[str, Any]:
     """Return the recording of the test, thinned out, and its plateaus."""
     scale, rests = outside(recording.unit), found.plateaus
     end_s = float(rests.start_s[-1]) + rests.length_s
-    clip = recording.clipped(float(rests.start_s[0]), end_s)
+    clip, there = recording.clipped(float(rests.start_s[0]), end_s), np.isfinite(rests.mean)
     kept = np.unique(np.linspace(0, clip.position.size - 1, min(_DRAWN, clip.position.size)).astype(np.int64))
     return {
         "t_s": _rounded(clip.time_s()[kept], 4),
         "position": _rounded(scale * clip.position[kept], 9),
-        "plateau_t_s": _rounded(rests.middle_s, 4),
-        "plateau": _rounded(scale * rests.mean, 9),
+        "plateau_t_s": _rounded(rests.middle_s[there], 4),
+        "plateau": _rounded(scale * rests.mean[there], 9),
         "plateau_s": rests.length_s,
     }
 
@@ -60,6 +60,11 @@ def staircase(recording: Recording, found: Steps) -> dict[str, Any]:
 def duration_s(found: Steps) -> float:
     """Return how long a series took, from its first move to the end of its last plateau, s."""
     return float(found.plateaus.start_s[-1] + found.plateaus.length_s - found.moves.time_s[0])
+
+
+def or_none(value: float) -> float | None:
+    """Return a number as result files have it: None for one that is not known."""
+    return value if math.isfinite(value) else None
 
 
 def _rounded(values: Floats, decimals: int) -> list[float]:

@@ -74,6 +74,10 @@ class FedRobot(Robot):
         """Switch the drives."""
         await self._robot.servo(on=on)
 
+    async def rest(self) -> str:
+        """Hold an arm that stands without switching its drives."""
+        return await self._robot.rest()
+
     async def set_override(self, percent: float) -> float:
         """Set the speed override; return what the controller reads back."""
         return await self._robot.set_override(percent)

@@ -111,6 +111,10 @@ class ObservedController(ObservedDevice, Robot):
         """Switch the drives."""
         await self._answered(self._driver.servo(on=on))
 
+    async def rest(self) -> str:
+        """Hold an arm that stands without switching its drives."""
+        return await self._answered(self._driver.rest())
+
     async def set_override(self, percent: float) -> float:
         """Set the speed override; return what the controller reads back."""
         return await self._answered(self._driver.set_override(percent))

@@ -93,6 +93,13 @@ def test_an_order_is_refused_for_the_same_reasons() -> None:
     assert {int(number) for number in examined} == set(reasons)
 
 
+def test_an_order_is_taken_before_it_is_examined() -> None:
+    take = routine("CATS_TAKE")
+    assert (
+        take.index("CATS_RESULT=RESULT") < take.index("CATS_TAKEN=NUMBER") < take.index("IF CATS_FOR<>NUMBER")
+    )
+
+
 def test_external_axes_stay_where_they_are() -> None:
     assert not re.search(r"\.E\d\s*=", CODE)
     assert "GOAL=$AXIS_ACT\n" in routine("CATS_AXES")

@@ -155,7 +155,7 @@ async def test_the_next_motion_undoes_the_override_of_a_stop() -> None:
 async def test_an_override_of_0_by_somebody_else_is_left() -> None:
     async with rig() as one:
         one.bench.controller.variables.write("$OV_PRO", "0")
-        with pytest.raises(NotReadyError, match="override is 0"):
+        with pytest.raises(NotReadyError, match=r"\$OV_PRO is 0.*smartPAD"):
             await one.robot.step_axis("A1", 0.01)
 
 
@@ -178,7 +178,7 @@ async def test_a_motion_survives_lost_answers_and_is_given_once() -> None:
 
 
 async def test_a_program_that_does_not_run_is_named() -> None:
-    async with rig(taken_timeout_s=0.1) as one:
+    async with rig() as one:
         one.bench.controller.press("stop")
         assert not (await one.robot.status()).operation_enabled
         with pytest.raises(NotReadyError, match="start CATSKUKA"):
@@ -186,6 +186,33 @@ async def test_a_program_that_does_not_run_is_named() -> None:
         one.bench.controller.press("start")
         one.bench.keeper.sync()
         assert one.bench.bench.joints == UPRIGHT
+
+
+async def test_an_order_that_is_not_taken_is_taken_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with rig(taken_timeout_s=0.05) as one:
+        # It says that it runs, and waits at a message.
+        monkeypatch.setattr(one.bench.controller.program, "written", lambda: None)
+        with pytest.raises(NotReadyError, match="not taken order 1"):
+            await one.robot.step_axis("A1", 0.01)
+        monkeypatch.undo()
+        one.bench.controller.program.written()
+        await one.robot.step_axis("A2", 0.01)
+        assert one.a1_deg == 0.0
+        assert one.asked("write CATS_SEQ") == ["write CATS_SEQ = 1", "write CATS_SEQ = 2"]
+
+
+async def test_an_order_taken_at_the_last_moment_is_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with rig(taken_timeout_s=0.001) as one:
+        variables = one.bench.controller.program.variables
+
+        def late() -> None:
+            # The driver waits no longer and takes the order back; the program has just passed its look at that.
+            if variables["CATS_SEQ"] == 1 and variables["CATS_FOR"] == 0:
+                variables.update(CATS_TAKEN=1, CATS_DONE=1, CATS_RESULT=0)
+
+        monkeypatch.setattr(one.bench.controller.program, "written", late)
+        await one.robot.step_axis("A1", 0.01)
+        assert one.asked("write CATS_SEQ") == ["write CATS_SEQ = 1"]
 
 
 async def test_a_program_of_another_version_is_named() -> None:
@@ -228,6 +255,28 @@ async def test_the_drives_are_an_operators() -> None:
         await one.robot.servo(on=True)
         with pytest.raises(NotReadyError, match="no variable switches"):
             await one.robot.servo(on=False)
+
+
+async def test_a_resting_arm_takes_no_order() -> None:
+    async with rig() as one:
+        text = await one.robot.rest()
+        assert "CATS_STOP" in text
+        assert "$OV_PRO is 100 %" in text
+        assert "the drives are on" in text
+        assert one.bench.controller.variables.read("CATS_STOP") == "TRUE"
+        one.bench.controller.variables.write("CATS_SEQ", "9")
+        assert one.bench.bench.joints == UPRIGHT
+
+
+async def test_drives_of_which_nothing_is_said_are_not_called_on() -> None:
+    async with rig(drives_variable="") as one:
+        assert "on or off, which this controller does not say" in await one.robot.rest()
+
+
+async def test_an_override_of_0_is_named_with_its_remedy() -> None:
+    async with rig() as one:
+        one.bench.controller.variables.write("$OV_PRO", "0")
+        assert "raise it at the smartPAD" in (await one.robot.examine()).advice[0]
 
 
 @pytest.mark.parametrize(("key", "teach"), [("T1", True), ("T2", True), ("AUT", False), ("EX", False)])

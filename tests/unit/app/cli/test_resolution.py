@@ -237,6 +237,42 @@ def test_moves_of_another_run_are_refused(tmp_path: Path, decaying: Files) -> No
         said(*given, "--test", "decaying")
 
 
+def test_moves_that_do_not_fit_name_their_line(tmp_path: Path, decaying: Files) -> None:
+    lines = decaying.recording.read_text("utf-8").splitlines()
+    decaying.recording.write_text("\n".join(lines[:6000]) + "\n", "utf-8")
+    given = ("--recording", decaying.recording, "--moves", decaying.moves, "-o", tmp_path / "r.json", *_A1)
+    # 5999 samples at 50 Hz end at 119.96 s; the move at 115 s is the twelfth, in line 13.
+    with pytest.raises(MovesError, match=r"moves.csv:14: .* but move 13 of \d+, commanded at 120 s"):
+        said(*given, "--test", "decaying")
+
+
+def test_a_recording_with_gaps_is_evaluated_with_flags(tmp_path: Path) -> None:
+    command = decaying_commands(40).tolist()
+    files = write_test(tmp_path, command, command)
+    lines = files.recording.read_text("utf-8").splitlines()
+    # The twenty-first move begins at 160 s; samples are missing from 156 s to 160.5 s, and a few before 120 s.
+    kept = [line for line in lines[1:] if not 156.0 <= float(line.split(",")[0]) < 160.5]
+    kept = [line for line in kept if not 118.5 <= float(line.split(",")[0]) < 118.6]
+    files.recording.write_text("\n".join([lines[0], *kept]) + "\n", "utf-8")
+    said(
+        "--recording",
+        files.recording,
+        "--moves",
+        files.moves,
+        *_A1,
+        "--test",
+        "decaying",
+        "-o",
+        tmp_path / "r.json",
+    )
+    (test,) = read_resolution(tmp_path / "r.json").tests
+    assert [move.measured is None for move in test.moves] == [number in {19, 20} for number in range(40)]
+    others = [move.error_percent for move in test.moves if move.measured is not None]
+    assert others == pytest.approx([0.0] * 38, abs=0.2)
+    assert any("230 samples are missing" in text for text in test.flags)
+    assert any(text.startswith("moves 20, 21: a gap of the recording swallows") for text in test.flags)
+
+
 @pytest.mark.parametrize("missing", ["--recording", "--moves", "--test", "--joint", "--arm", "-o"])
 def test_a_missing_option_is_named(tmp_path: Path, decaying: Files, missing: str) -> None:
     words = {

@@ -21,6 +21,7 @@ from catseye.app.protocol.run_events import RunEvent, StateChanged, StepDone
 from catseye.app.store.reader import RunReader
 from catseye.app.store.verify import verify
 from catseye.drivers.roles.errors import AlarmError, LinkError
+from catseye.drivers.roles.robot import RobotAbilities
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import ReflectorNotFoundError
 from catseye.procedures.kit.records import Json, Row
@@ -104,6 +105,44 @@ async def test_drives_that_do_not_go_off_are_said(bench: FakeBench, monkeypatch:
     assert "not certain to be off: switch them off at the controller (robot: link lost)" in str(
         drives["text"]
     )
+
+
+async def test_drives_that_nobody_switches_are_left_to_an_operator(
+    bench: FakeBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def rest() -> str:
+        return "the program is held; switch the drives off at the controller"
+
+    monkeypatch.setattr(type(bench.robot), "abilities", RobotAbilities(switches_drives=False))
+    monkeypatch.setattr(bench.robot, "rest", rest)
+    outcome = await run(bench, measuring(0), keep_drives=True)
+    # Nobody counts down to drives that no program switches off.
+    assert (outcome.status, outcome.drives_on) == ("complete", None)
+    assert "servo off" not in bench.robot.calls
+    (drives,) = [said["data"] for said in bench.said("state") if said.get("kind") == "drives"]
+    assert drives == {"on": True, "text": await rest()}
+
+
+async def test_an_arm_of_which_nothing_is_known_is_said(
+    bench: FakeBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def rest() -> str:
+        raise LinkError("robot: link lost")
+
+    monkeypatch.setattr(type(bench.robot), "abilities", RobotAbilities(switches_drives=False))
+    monkeypatch.setattr(bench.robot, "rest", rest)
+    await run(bench, measuring(0))
+    (drives,) = [said["data"] for said in bench.said("state") if said.get("kind") == "drives"]
+    assert "what holds the arm is not known" in str(drives)
+    assert "link lost" in str(drives)
+
+
+async def test_an_override_of_0_is_refused_before_anything_moves(bench: FakeBench) -> None:
+    bench.robot.state = replace(bench.robot.state, override_percent=0.0)
+    outcome = await run(bench, measuring(0))
+    assert (outcome.status, outcome.exit_code) == ("aborted", ExitCode.SAFETY)
+    assert "raise it at the controller to at most the 20 %" in outcome.text
+    assert "move" not in bench.robot.calls
 
 
 async def test_a_run_that_is_slower_than_planned_says_so(bench: FakeBench) -> None:

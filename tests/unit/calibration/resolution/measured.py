@@ -24,7 +24,7 @@ def measured_steps(
     """
     moves = moves_of(100.0 + DWELL_S * np.arange(float(command.size)), command, unit)
     start_s = np.append(moves.time_s, moves.time_s[-1] + DWELL_S) - 2.0
-    rests = Plateaus(start_s, 2.0, position, np.zeros(position.size))
+    rests = Plateaus(start_s, 2.0, position, np.zeros(position.size), np.ones(position.size))
     done = np.diff(position)
     judged = np.abs(command) >= 3.0 * u_step
     noise = StepNoise(u_step, u_step, u_step)

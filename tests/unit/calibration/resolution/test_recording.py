@@ -8,7 +8,9 @@ import pytest
 from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.errors import RecordingError
+from catseye.calibration.resolution.frozen_signal import frozen_stretch, require_unsaturated
 from catseye.calibration.resolution.recording import recording_of
+from catseye.calibration.resolution.sampling import require_stated_rate, require_steady_rate
 
 TIME_S = np.arange(0.0, 10.0, 0.001)
 
@@ -36,7 +38,11 @@ def test_a_part_has_the_samples_of_its_times() -> None:
     ("change", "row", "text"),
     [
         (lambda t, p: (p, t), 2, "does not follow.*columns are swapped"),
-        (lambda t, p: (np.delete(t, 500), np.delete(p, 500)), 501, "0.002 s lie between .*1 gaps"),
+        (
+            lambda t, p: (np.append(t, t[-1] + 20.0), np.append(p, 0.0)),
+            10001,
+            "20 s lie between .*two recordings",
+        ),
         (lambda t, p: (np.append(t, t), np.append(p, p)), 10001, "two recordings stand in one file"),
         (lambda t, p: (t, np.where(t == TIME_S[41], np.nan, p)), 42, "sample 42 has no position"),
         (lambda t, p: (np.where(t == TIME_S[7], np.inf, t), p), 8, "sample 8 has no time"),
@@ -58,8 +64,50 @@ def test_rates_that_no_recording_has_are_refused(factor: float, rate: str) -> No
 
 def test_a_rate_that_changes_is_refused() -> None:
     slower = np.where(TIME_S < 5.0, TIME_S, 5.0 + (TIME_S - 5.0) * 1.2)
-    with pytest.raises(RecordingError, match="the rate is not uniform"):
-        recording_of(slower, noisy(TIME_S), "rad")
+    with pytest.raises(RecordingError, match="the rate is not uniform") as refused:
+        require_steady_rate(slower)
+    assert refused.value.row == 5001
+
+
+def test_jitter_and_gaps_are_a_steady_rate() -> None:
+    shaken = TIME_S + np.random.default_rng(2).uniform(-4e-4, 4e-4, TIME_S.size)
+    require_steady_rate(np.delete(shaken, slice(3000, 3600)))
+
+
+def test_a_rate_that_contradicts_the_times_is_named() -> None:
+    require_stated_rate(TIME_S, 1000.4)
+    with pytest.raises(RecordingError, match="give 1000 samples a second, 500 Hz are stated"):
+        require_stated_rate(TIME_S, 500.0)
+
+
+def test_lost_samples_leave_the_others_in_place() -> None:
+    time_s, position = np.delete(TIME_S, slice(500, 503)), np.delete(TIME_S**2, slice(500, 503))
+    found = recording_of(time_s, position, "mm")
+    assert found.missing is not None
+    assert np.flatnonzero(found.missing).tolist() == [500, 501, 502]
+    assert found.position[~found.missing] == pytest.approx(position)
+    assert found.between(0.499, 0.505) == pytest.approx([0.499**2, 0.503**2, 0.504**2])
+    assert found.end_s == pytest.approx(TIME_S[-1])
+    (flag,) = found.flags
+    assert (flag.kind, flag.text[:21]) == ("gap", "3 samples are missing")
+    assert "lasts 0.004 s, from 0.50 s on (behind sample 500)" in flag.text
+
+
+def test_a_late_sample_costs_only_itself() -> None:
+    late_s = np.where(TIME_S[700] == TIME_S, TIME_S + 6e-4, TIME_S)
+    found = recording_of(late_s, 3.0 * late_s, "mm")
+    assert found.position == pytest.approx(3.0 * TIME_S, abs=1e-9)
+    assert found.missing is not None
+    assert np.flatnonzero(found.missing).tolist() == [700]
+
+
+def test_a_wandering_rate_keeps_values_at_their_times() -> None:
+    time_s = np.cumsum(1e-3 * (1.0 + 0.05 * np.sin(TIME_S)))
+    found = recording_of(time_s, 3.0 * time_s, "mm")
+    assert found.position == pytest.approx(3.0 * found.time_s(), abs=1e-9)
+    assert found.missing is not None
+    assert not found.missing.any()
+    assert [flag.kind for flag in found.flags] == ["irregular-sampling"]
 
 
 def test_jitter_is_flagged() -> None:
@@ -84,6 +132,51 @@ def test_a_lost_beam_is_flagged_in_mid_range() -> None:
     (flag,) = recording_of(TIME_S, position, "rad").flags
     assert "samples 3001 to 3400" in flag.text
     assert "in mid-range" in flag.text
+
+
+def saturated(share: float) -> Floats:
+    position = 0.001 * TIME_S + noisy(TIME_S)
+    first = round((1.0 - share) * TIME_S.size)
+    position[first:] = position.max()
+    return position
+
+
+@pytest.mark.parametrize("share", [0.3, 0.5])
+def test_a_saturated_end_is_refused_at_its_sample(share: float) -> None:
+    found = frozen_stretch(TIME_S, 1000.0, saturated(share))
+    with pytest.raises(RecordingError, match="at the end of its range: it is saturated") as refused:
+        require_unsaturated(found)
+    assert refused.value.row == round((1.0 - share) * TIME_S.size) + 1
+
+
+def test_a_short_saturation_is_not_refused() -> None:
+    found = frozen_stretch(TIME_S, 1000.0, saturated(0.1))
+    assert found is not None
+    require_unsaturated(found)
+
+
+def _times_at_25_hz(count: int) -> Floats:
+    times_s: Floats = 0.04 * np.arange(count, dtype=np.float64)
+    return times_s
+
+
+@pytest.mark.parametrize("noise", [0.3, 0.5, 1.0, 3.0])
+def test_a_quantised_counter_at_rest_is_not_frozen(noise: float) -> None:
+    # 1500 s at 25 Hz; the noise in counts, and the same smoothed over three samples.
+    for seed in range(20):
+        white = np.random.default_rng(seed).normal(0.0, noise, 37_500)
+        time_s = _times_at_25_hz(white.size)
+        assert frozen_stretch(time_s, 25.0, np.floor(white)) is None
+        assert frozen_stretch(time_s, 25.0, np.floor(np.convolve(white, np.ones(3), "same"))) is None
+
+
+def test_a_quantised_counter_that_stands_is_frozen() -> None:
+    counts: Floats = np.floor(np.random.default_rng(1).normal(0.0, 0.5, 37_500))
+    counts[20_000:20_100] = 0.0
+    found = frozen_stretch(_times_at_25_hz(counts.size), 25.0, counts)
+    assert found is not None
+    assert found.start_s <= 800.0
+    assert found.end_s >= 803.96
 
 
 def test_a_coarse_signal_is_not_taken_for_a_frozen_one() -> None:

@@ -133,6 +133,69 @@ def test_optics_add_to_the_uncertainty() -> None:
     assert found.u_scale == pytest.approx(0.001)
 
 
+def without(moves: Moves, done: Floats, *gaps_s: tuple[float, float]) -> Recording:
+    """Return a recording that lacks what lies between times."""
+    time_s, position = BENCH.samples(moves, done)
+    there = np.ones(time_s.size, dtype=np.bool_)
+    for start_s, end_s in gaps_s:
+        there &= (time_s < start_s) | (time_s >= end_s)
+    return recording_of(time_s[there], position[there], "rad")
+
+
+def test_a_gap_within_a_plateau_costs_only_samples() -> None:
+    moves = BENCH.moves(COMMAND)
+    whole, rest_s = staircase(COMMAND), float(moves.time_s[11])
+    found = steps(without(moves, COMMAND, (rest_s - 1.75, rest_s - 0.75)), moves)
+    others = np.delete(np.arange(60), [10, 11])
+    assert found.measured[others] == pytest.approx(whole.measured[others], abs=1e-12)
+    assert found.u[10:12] == pytest.approx(whole.u[10:12] * math.sqrt(1.5), rel=0.02)
+    assert np.abs(found.measured[10:12] - COMMAND[10:12]).max() < 4.0 * found.u[10]
+    assert flagged(found, "gap") == (11, 12)
+    assert flagged(found, "missed") == ()
+
+
+def test_a_gap_that_hides_a_move_is_flagged_as_missed() -> None:
+    moves = BENCH.moves(COMMAND)
+    at_s = float(moves.time_s[20])
+    found = steps(without(moves, COMMAND, (at_s - 0.2, at_s + 1.5)), moves)
+    assert flagged(found, "missed") == (21,)
+    assert flagged(found, "no-motion") == ()
+    assert np.isnan(found.peak_s[20])
+    assert found.measured[20] == pytest.approx(COMMAND[20], abs=4.0 * found.u[20])
+
+
+def test_moves_beside_a_lost_plateau_are_not_measured() -> None:
+    moves = BENCH.moves(COMMAND)
+    at_s = float(moves.time_s[20])
+    found = steps(without(moves, COMMAND, (at_s - 3.0, at_s + 1.0)), moves)
+    assert np.flatnonzero(np.isnan(found.measured)).tolist() == [19, 20]
+    assert not found.judged[19:21].any()
+    assert flagged(found, "missed")[:2] == (20, 21)
+
+
+def test_a_polled_counter_with_lost_and_late_readings_is_evaluated() -> None:
+    polled = Bench(rate_hz=25.0, noise=NOISE)
+    moves = polled.moves(COMMAND)
+    time_s, _ = polled.samples(moves, COMMAND)
+    rng = np.random.default_rng(5)
+    time_s = time_s + rng.exponential(0.004, time_s.size)
+    asked_s = time_s[rng.random(time_s.size) > 0.05]
+    share = np.clip((asked_s[:, None] - moves.time_s) / polled.motion_s, 0.0, 1.0)
+    position = (0.5 - 0.5 * np.cos(np.pi * share)) @ COMMAND
+    found = steps(recording_of(asked_s, position + rng.normal(0.0, NOISE, asked_s.size), "rad"), moves)
+    errors = (found.measured - COMMAND) / found.u
+    assert np.sqrt(np.mean(errors**2)) == pytest.approx(1.0, abs=0.3)
+    assert found.judged.all()
+    assert {"gap", "irregular-sampling"} <= {flag.kind for flag in found.flags}
+
+
+def test_a_recording_without_most_plateaus_is_refused() -> None:
+    moves = BENCH.moves(COMMAND)
+    gaps = [(float(at_s) - 2.3, float(at_s) - 0.2) for at_s in moves.time_s[:40]]
+    with pytest.raises(MovesError, match="40 of 61 plateaus have no samples"):
+        steps(without(moves, COMMAND, *gaps), moves)
+
+
 def cut(recording: Recording, moves: Moves) -> tuple[Recording, Moves]:
     return recording.clipped(0.0, 300.0), moves
 

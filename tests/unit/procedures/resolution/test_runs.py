@@ -316,3 +316,19 @@ async def test_steps_are_shown_as_they_are_made(tmp_path: Path) -> None:
     first = [step.measured for step in made[:6]]
     assert [step.position for step in made[:6]] == pytest.approx([sum(first[: n + 1]) for n in range(6)])
     assert {(step.unit, step.torque_nm) for step in made} == {("deg", 40.0)}
+    # A counter without noise resolves every step.
+    assert not any(step.below for step in made)
+
+
+# Means of a second, two seconds apart, differ by about the amplitude: three times that is compared with steps of
+# 0.1 to 0.07 deg, which are 0.052 to 0.037 mm of the optics.
+@pytest.mark.parametrize(("wander_mm", "below"), [(0.03, True), (0.002, False)])
+async def test_steps_within_the_noise_are_below_the_instrument(
+    tmp_path: Path, wander_mm: float, below: bool
+) -> None:
+    room = Room(tmp_path)
+    room.angle.wander_mm = wander_mm
+    await carried_out(room, Resolution(), Resolution().plan(SIX, SHORT))
+    events = [event_of(message) for message in room.published]
+    made = [event.data.step for event in events if isinstance(event, LiveShown) and event.data.step]
+    assert [step.below for step in made] == [below] * 12

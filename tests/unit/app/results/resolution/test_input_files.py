@@ -57,9 +57,45 @@ def test_a_recording_is_read_by_its_mapping(tmp_path: Path) -> None:
     assert recording.position[:2] == pytest.approx([5e-4, 1.5e-3])
 
 
-def test_lost_samples_name_their_line(tmp_path: Path) -> None:
-    rows = [(t if row < 20 else t + 1.0, x) for row, (t, x) in enumerate(_samples())]
-    with pytest.raises(UsageError, match=r"laser.csv:22: .*samples were lost; measure again"):
+def test_lost_samples_are_noticed(tmp_path: Path) -> None:
+    path = _recording(tmp_path, "t_s,displacement_mm", _samples(200)[:20] + _samples(200)[23:])
+    recording = read_recording(RecordingFile(path))
+    assert [flag.kind for flag in recording.flags] == ["gap"]
+
+
+def test_a_recording_with_most_samples_missing_names_its_line(tmp_path: Path) -> None:
+    path = _recording(tmp_path, "t_s,displacement_mm", [*_samples()[:20], (9.0, 0.0)])
+    with pytest.raises(UsageError, match=r"laser.csv:22: .*two recordings may stand in one file"):
+        read_recording(RecordingFile(path))
+
+
+def test_a_rate_that_changes_names_its_line(tmp_path: Path) -> None:
+    rows = _samples(100) + [(1.0 + 0.02 * n, 1e-4 * (n % 7)) for n in range(40)]
+    with pytest.raises(
+        UsageError, match=r"laser.csv:10\d: .*the rate is not uniform; record at a fixed rate"
+    ):
+        read_recording(RecordingFile(_recording(tmp_path, "t_s,displacement_mm", rows)))
+
+
+def test_a_stated_rate_is_held_against_the_times(tmp_path: Path) -> None:
+    path = _recording(tmp_path, "t_s,displacement_mm", _samples())
+    assert read_recording(RecordingFile(path, rate_hz=100.0)).rate_hz == pytest.approx(100.0)
+    with pytest.raises(
+        UsageError, match=r"laser.csv: the times give 100 samples a second, 1000 Hz are stated"
+    ):
+        read_recording(RecordingFile(path, rate_hz=1000.0))
+
+
+def test_a_rate_of_the_mapping_is_held_against_the_times(tmp_path: Path) -> None:
+    path = _recording(tmp_path, "t_s,displacement_mm", _samples())
+    mapping = found_mapping(path).model_copy(update={"rate_hz": 50.0})
+    with pytest.raises(UsageError, match="50 Hz are stated"):
+        read_recording(RecordingFile(path, mapping))
+
+
+def test_a_saturated_recording_names_its_line(tmp_path: Path) -> None:
+    rows = [(t, x if t < 3.0 else 6e-4) for t, x in _samples(600)]
+    with pytest.raises(UsageError, match=r"laser.csv:30\d: from 3.00 s to 5.99 s .*saturated.*measure again"):
         read_recording(RecordingFile(_recording(tmp_path, "t_s,displacement_mm", rows)))
 
 
@@ -121,21 +157,23 @@ def test_a_recording_in_place_of_moves_is_named(tmp_path: Path) -> None:
 
 
 def test_moves_are_read_in_their_unit(tmp_path: Path) -> None:
-    angular = read_moves(_file(tmp_path, "t_s,command_deg\n1,180\n6,-90\n", "deg.csv"))
-    linear = read_moves(_file(tmp_path, "t_s,command_mm\n1,0.5\n6,0.4\n", "mm.csv"))
+    angular = read_moves(_file(tmp_path, "t_s,command_deg\n1,180\n6,-90\n", "deg.csv")).moves
+    linear = read_moves(_file(tmp_path, "t_s,command_mm\n1,0.5\n6,0.4\n", "mm.csv")).moves
     assert (angular.unit, angular.command.tolist()) == ("rad", pytest.approx([math.pi, -0.5 * math.pi]))
     assert (linear.unit, linear.command.tolist()) == ("mm", [0.5, 0.4])
 
 
 def test_moves_that_lead_to_a_test_do_not_count(tmp_path: Path) -> None:
     path = _file(tmp_path, "t_s,command_deg,sequence\n1,0.5,0\n6,0.1,1\n11,-0.1,2\n")
-    assert read_moves(path, there_and_back=True).time_s.tolist() == [6.0, 11.0]
-    assert read_moves(path).time_s.tolist() == [1.0, 6.0, 11.0]
+    counted = read_moves(path, there_and_back=True)
+    assert counted.moves.time_s.tolist() == [6.0, 11.0]
+    assert counted.place(2) == f"{path}:4"
+    assert read_moves(path).moves.time_s.tolist() == [1.0, 6.0, 11.0]
 
 
 def test_moves_that_go_back_in_time_are_refused(tmp_path: Path) -> None:
     path = _file(tmp_path, "# A1\nt_s,command_deg\n5,0.1\n1,0.1\n")
-    with pytest.raises(UsageError, match=r"move 2 at 1 s does not follow .*\(move 1 stands in line 3\)"):
+    with pytest.raises(UsageError, match=r"laser.csv:4: move 2 at 1 s does not follow"):
         read_moves(path)
 
 
