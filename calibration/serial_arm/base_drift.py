@@ -1,13 +1,13 @@
 """A base that moves against the instrument while the poses are measured: how much, from the measurements alone."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from catseye.calibration.core.budget import Shared
-from catseye.calibration.core.restricted_likelihood import restricted_log_likelihood
+from catseye.calibration.core.model import whitening_at
+from catseye.calibration.core.restricted_likelihood import restricted_log_likelihoods
 from catseye.calibration.core.types import Floats
-from catseye.calibration.core.whitening import Whitening
 from catseye.calibration.serial_arm.identification import Calibration
 from catseye.calibration.serial_arm.model import ArmModel
 from catseye.calibration.serial_arm.parameters import BaseFrame
@@ -44,16 +44,17 @@ def find_drift(calibration: Calibration) -> Drift | None:
     unit = _of_unit_size(model, values)
     if unit is None:
         return None
-    jacobian = model.jacobian(values)
-
-    def likelihood(size_mm: float) -> float:
-        shared = (*model.common, replace(unit, effects_mm=size_mm * unit.effects_mm))
-        whitening = Whitening.of(model.weights, shared)
-        return restricted_log_likelihood(whitening, jacobian, calibration.estimate.residuals_mm)
-
-    gains = np.array([likelihood(size) for size in _TRIED_MM]) - likelihood(0.0)
-    best = int(np.argmax(gains))
-    return Drift(_TRIED_MM[best], float(gains[best])) if gains[best] > _SIGNIFICANT else None
+    sizes = (0.0, *_TRIED_MM)
+    likelihoods = restricted_log_likelihoods(
+        whitening_at(model, values),
+        model.jacobian(values),
+        calibration.estimate.residuals_mm,
+        unit.effects_mm,
+        sizes,
+    )
+    best = int(np.argmax(likelihoods))
+    gain = float(likelihoods[best] - likelihoods[0])
+    return Drift(sizes[best], gain) if gain > _SIGNIFICANT else None
 
 
 def drift_errors(model: ArmModel, values: Floats, drift: Drift) -> Shared:

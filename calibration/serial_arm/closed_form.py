@@ -141,7 +141,7 @@ def _anchor(places_mm: Floats, measurements: Measurements, anchor: int) -> tuple
 
 def _onto_anchors(found: Mapping[int, Floats], anchors: tuple[Anchor, ...]) -> Floats:
     """Return the motion that brings anchors, found in the frame of the base, onto their known places."""
-    pairs = [(found[k], anchors[k].place_mm) for k in found if anchors[k].place_mm is not None]
+    pairs = [(found[k], anchors[k].place_mm) for k in found if anchors[k].u_mm is not None]
     if len(pairs) >= 3:
         return rigid_motion(np.array([one for one, _ in pairs]), np.array([place for _, place in pairs]))
     frame = np.eye(4)

@@ -7,8 +7,9 @@ import numpy as np
 
 from catseye.calibration.core.arguments import require_one_of
 from catseye.calibration.core.budget import Shared
-from catseye.calibration.core.errors import InsufficientPointsError
+from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
 from catseye.calibration.core.estimation import Estimate, estimate
+from catseye.calibration.core.least_squares import factorise
 from catseye.calibration.core.types import Floats
 from catseye.calibration.serial_arm.arm import SerialArm
 from catseye.calibration.serial_arm.closed_form import Start, closed_form
@@ -25,7 +26,7 @@ from catseye.calibration.serial_arm.parameters import (
     reversal_parameters,
     target_parameters,
 )
-from catseye.calibration.serial_arm.redundancy import Choice, choose_basis
+from catseye.calibration.serial_arm.redundancy import choose_basis
 
 ModelName = Literal["frames", "geometric", "geometric+compliance", "maps"]
 """From the simplest to the richest; each has the parameters of those before it."""
@@ -38,7 +39,10 @@ HARMONIC_ORDERS = (1.0, 2.0)
 HARMONIC_U_DEG = 0.02
 """Standard deviation of their amplitudes among arms, where nobody says: strain wave gears have such errors."""
 
-_TRIAL_POSES = 200
+_FAR_WORSE = 30.0
+"""A standard uncertainty so many times that of as many poses all over the ranges shows that poses are missing."""
+
+_TRIAL_POSES = 100
 _TRIAL_SEED = 1
 
 
@@ -50,7 +54,7 @@ class Calibration:
         name: of the model.
         model: rows and estimated parameters.
         estimate: values and covariance of the estimated parameters.
-        held: parameters that measurements of this kind never show, with the directions that they are part of.
+        null_directions: names of parameters that say the same to measurements of this kind; the last is held.
     """
 
     name: ModelName
@@ -121,7 +125,8 @@ def identify_arm(
     """
     begin = closed_form(arm, measurements) if start is None else start
     model = ArmModel(arm, begin.frame, parameters_of(arm, measurements, name, harmonic_u_deg), measurements)
-    structure = _structure(model, begin)
+    ideal = _ideal(model, begin)
+    structure = choose_basis(arm.chain, model.chosen, ideal)
     fitted = replace(
         model,
         chosen=tuple(model.chosen[k] for k in structure.kept),
@@ -129,7 +134,9 @@ def identify_arm(
         undetermined=_poses_wanted,
     )
     _require_rows(fitted)
-    return Calibration(name, fitted, estimate(fitted, fitted.start_values(begin)), structure.directions)
+    found = Calibration(name, fitted, estimate(fitted, fitted.start_values(begin)), structure.directions)
+    _require_shown(found, ideal[:, structure.kept])
+    return found
 
 
 def refined(found: Calibration, common: tuple[Shared, ...]) -> Calibration:
@@ -138,16 +145,28 @@ def refined(found: Calibration, common: tuple[Shared, ...]) -> Calibration:
     return replace(found, model=model, estimate=estimate(model, found.estimate.values))
 
 
-def _structure(model: ArmModel, start: Start) -> Choice:
-    """Return what measurements of this kind tell apart, wherever the arm stands."""
+def _ideal(model: ArmModel, start: Start) -> Floats:
+    """Return the derivatives of what measurements of this kind show wherever the arm stands, shape (m, p)."""
     joints = model.arm.chain.joints
     low, high = np.array([(joint.low, joint.high) for joint in joints]).T
     trial = np.random.default_rng(_TRIAL_SEED).uniform(low, high, (_TRIAL_POSES, len(joints)))
     sides = np.where(np.arange(_TRIAL_POSES) % 2, 1.0, -1.0)[:, None] * np.ones(len(joints))
     approach = sides if np.ptp(model.measurements.commands.approach) else np.ones_like(sides)
     everywhere = model.measurements.everywhere(Commands.of(model.arm, trial, approach))
-    ideal = replace(model, measurements=everywhere)
-    return choose_basis(model.arm.chain, model.chosen, ideal.jacobian(model.start_values(start)))
+    return replace(model, measurements=everywhere).jacobian(model.start_values(start))
+
+
+def _require_shown(found: Calibration, ideal: Floats) -> None:
+    """Refuse poses that leave a parameter far more uncertain than poses all over the ranges would.
+
+    A rank hides that: deflections move every joint a little, and so show a little of everything.
+    """
+    model = found.model
+    jacobian = model.jacobian(found.estimate.values)
+    seen, could = (np.diag(factorise(one).covariance()) * len(one) for one in (jacobian, ideal))
+    names = [one.name for one, far in zip(model.chosen, seen > _FAR_WORSE**2 * could, strict=True) if far]
+    if names:
+        raise UnidentifiableError(_poses_wanted([names]), [names])
 
 
 def _require_rows(model: ArmModel) -> None:

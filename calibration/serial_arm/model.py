@@ -118,10 +118,15 @@ class ArmModel:
         return np.asarray(found.ravel(), dtype=np.int64)
 
     @property
+    def measured_rows(self) -> int:
+        """Number of rows that were measured; they stand first."""
+        points, turned, distances = self._rows
+        return 3 * (points + turned) + distances
+
+    @property
     def rows(self) -> int:
         """Number of rows."""
-        points, turned, distances = self._rows
-        return 3 * (points + turned) + distances + len(self._known)
+        return self.measured_rows + len(self._known)
 
     def geometry(self, values: Floats) -> Geometry:
         """Return the arm at values of shape (p,)."""
