@@ -1,6 +1,6 @@
 """The parameters of a serial arm's model, by name: base, links, compliances, reversal errors, harmonics, targets.
 
-Names and units are those of result files: `base.x_mm`, `J2.alpha_deg`, `J2.compliance_rad_per_nmm`, `nest1.x_mm`.
+Names and units are those of result files: `base.x_mm`, `A2.alpha_deg`, `A2.compliance_rad_per_nmm`, `nest1.x_mm`.
 """
 
 from collections.abc import Sequence
