@@ -41,26 +41,26 @@ class LiveSteps:
         self._series = series
         self._unit = place.unit
         self._optics = optics
+        self._still: list[float] = []
         self._resolved = 0.0
         self._mounting = 0.0
         self._origin = 0.0
 
     async def stand_still(self, recording: Recording, duration_s: float, dwell_s: float) -> None:
-        """Pause, and learn from the pause how small a step the instrument resolves.
+        """Pause, and learn from this and earlier pauses how small a step the instrument resolves.
 
         Args:
-            duration_s: of the standstill, s.
+            duration_s: of the pause, s.
             dwell_s: between moves, s: plateaus are compared that far apart.
         """
-        means: list[float] = []
         left_s = duration_s
         while left_s > 0.0:
             await self._ctx.pause(min(_PLATEAU_S, left_s))
             left_s -= _PLATEAU_S
             mean = self.plateau(recording)
             if mean is not None:
-                means.append(mean)
-        self._resolved = _SIGMAS * _difference(means, dwell_s)
+                self._still.append(mean)
+        self._resolved = _SIGMAS * _difference(self._still, dwell_s)
 
     def plateau(self, recording: Recording) -> float | None:
         """Return where the arm stands by the newest readings, deg or mm; None without any."""
