@@ -3,7 +3,6 @@
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Sequence
 from contextlib import asynccontextmanager
-from dataclasses import dataclass, field
 from typing import TypeVar
 
 from catseye.app.cell.model import Air
@@ -15,7 +14,7 @@ from catseye.app.engine.gate import MotionGate
 from catseye.app.engine.length_meter import LengthMeter
 from catseye.app.engine.mover import Mover
 from catseye.app.engine.operator import Answer, Operator
-from catseye.app.engine.recording import require_recordable, rows_of
+from catseye.app.engine.run_steps import RunSteps
 from catseye.app.engine.stepping import LineTarget, axis_step, line_step, pose_step
 from catseye.app.engine.timekeeping import Progress, StepTime
 from catseye.app.engine.waiting import cancel, uncancelled
@@ -29,12 +28,9 @@ from catseye.app.protocol.run_events import (
     Happened,
     LiveData,
     LiveShown,
-    PointMeasured,
     Progressed,
     PromptAnswered,
     PromptAsked,
-    StepDone,
-    StepStarted,
     WarningData,
     WarningIssued,
 )
@@ -50,7 +46,7 @@ from catseye.procedures.kit.errors import TableFileError
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.steps import Vector
 from catseye.procedures.kit.recording import Recording
-from catseye.procedures.kit.records import Json, Record, Row, row_of
+from catseye.procedures.kit.records import Json, Record, Row
 
 _DEFAULT_AIR = Air()
 
@@ -58,16 +54,6 @@ T = TypeVar("T")
 
 _WATCH_S = 0.2
 """Real seconds between two looks at a value that is shown beside a question."""
-
-
-@dataclass
-class _OpenStep:
-    step_id: str
-    title: str
-    attempt: int
-    started_utc: str
-    time: StepTime
-    records: list[Record] = field(default_factory=list)
 
 
 class RunContext:
@@ -80,7 +66,6 @@ class RunContext:
         poll_s: between two looks at a condition that is missing, s of the clock.
 
     Attributes:
-        step_times: where the time of each step that ran went.
         on_remounted: called with the angle by which what the arm carries is turned, deg, when that changes.
     """
 
@@ -99,7 +84,6 @@ class RunContext:
         poll_s: float = 0.5,
         records: Collection[type[Record]] = (),
     ) -> None:
-        self.step_times: list[StepTime] = []
         self.on_remounted: Callable[[float], None] = lambda _turned_deg: None
         self._devices = devices
         self._store = store
@@ -109,12 +93,11 @@ class RunContext:
         self._gate = gate
         self._operator = operator
         self._announcer = announcer
-        self._lengths = LengthMeter(devices, clock, air, self.warn, self._waited)
+        self._steps = RunSteps(store, announcer, clock, records)
+        self._lengths = LengthMeter(devices, clock, air, self.warn, self._steps.waited)
         self._progress = Progress(clock)
         self._asked_s = 0.0
         self._poll_s = poll_s
-        self._records = records
-        self._step: _OpenStep | None = None
         self._prompt_open = False
         self._looking = 0
         self._mover = Mover(
@@ -135,6 +118,11 @@ class RunContext:
         control.on_interrupted = self._acknowledge
 
     @property
+    def step_times(self) -> list[StepTime]:
+        """Where the time of each step that ran went."""
+        return self._steps.times
+
+    @property
     def resumed(self) -> bool:
         """The run goes on after an interruption."""
         return self._store.resumed
@@ -145,18 +133,8 @@ class RunContext:
         Raises:
             RuntimeError: another step is under way.
         """
-        if self._step is not None:
-            raise RuntimeError(f"step {step_id} begins inside step {self._step.step_id}; steps do not nest")
         await self._control.checkpoint()
-        stored = self._store.stored_result(step_id)
-        if stored is not None:
-            self._announcer.publish(StepDone(step=step_id, title=title, stored=True))
-            return stored
-        self._step = self._begin(step_id, title)
-        try:
-            return await self._run(self._step, action)
-        finally:
-            self._step = None
+        return await self._steps.run(step_id, title, action)
 
     def record(self, record: Record) -> None:
         """Keep a record until the step under way is done.
@@ -165,9 +143,7 @@ class RunContext:
             RuntimeError: no step is under way, or the procedure does not declare this type of records.
             ValueError: the record does not fit its table.
         """
-        require_recordable(record, self._records, in_step=self._step is not None)
-        if self._step is not None:
-            self._step.records.append(record)
+        self._steps.record(record)
 
     async def checkpoint(self) -> None:
         """Let a hold or a stop take effect here.
@@ -240,9 +216,7 @@ class RunContext:
             RuntimeError: no step is under way, or another recording is.
         """
         await self.checkpoint()
-        if self._step is None:
-            raise RuntimeError(f"recording {name} begins outside of a step; it could never count")
-        key = (self._step.step_id, self._step.attempt, name)
+        key = self._steps.key(name)
         async with self._lengths.record(self._store, key, rate_hz, self.record) as recorder:
             yield recorder
 
@@ -382,48 +356,6 @@ class RunContext:
     def _axis_names(self) -> tuple[AxisName, ...]:
         return tuple(AxisName(name=axis.name, unit=axis.unit) for axis in self._axes)
 
-    def _begin(self, step_id: str, title: str) -> _OpenStep:
-        attempt = self._store.next_attempt(step_id)
-        self._announcer.publish(StepStarted(step=step_id, title=title, attempt=attempt))
-        time = StepTime(step_id, self._clock.monotonic_s())
-        return _OpenStep(step_id, title, attempt, self._clock.now_utc().isoformat(), time)
-
-    async def _run(self, step: _OpenStep, action: Callable[[], Awaitable[Row]]) -> Row:
-        try:
-            result = await action()
-        except BaseException as error:
-            await uncancelled(self._drop(step, error))
-            raise
-        crash_point("before-commit")
-        await self._store.append_step(
-            step.step_id,
-            step.attempt,
-            step.title,
-            result,
-            rows_of(step.records),
-            started_utc=step.started_utc,
-        )
-        crash_point("after-commit")
-        self._account(step)
-        for record in step.records:
-            if record.is_point:
-                self._announcer.publish(PointMeasured(step=step.step_id, point=dict(row_of(record))))
-        self._announcer.publish(StepDone(step=step.step_id, title=step.title, stored=False))
-        return result
-
-    async def _drop(self, step: _OpenStep, error: BaseException) -> None:
-        # After a storage failure nothing can be stored; the error that is under way says so already.
-        if self._store.failure is None:
-            text = f"{type(error).__name__}: {error}".removesuffix(": ")
-            await self._store.drop_step(
-                step.step_id, step.attempt, {"error": text, "rows": len(step.records)}
-            )
-
-    def _account(self, step: _OpenStep) -> None:
-        step.time.total_s = self._clock.monotonic_s() - step.time.start_s
-        step.time.points = sum(record.is_point for record in step.records)
-        self.step_times.append(step.time)
-
     async def _look(self, look: Callable[[], Awaitable[T]]) -> T:
         """Look at the bench while the run waits."""
         self._looking += 1
@@ -461,8 +393,7 @@ class RunContext:
         start_s = self._clock.monotonic_s()
         crash_point("before-motion")
         await motion
-        if self._step is not None:
-            self._step.time.motion_s += self._clock.monotonic_s() - start_s
+        self._steps.moved(self._clock.monotonic_s() - start_s)
 
     async def _measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
         await self._sleep(settle_time_s)
@@ -476,11 +407,7 @@ class RunContext:
     async def _sleep(self, duration_s: float) -> None:
         start_s = self._clock.monotonic_s()
         await self._clock.sleep(duration_s)
-        self._waited(self._clock.monotonic_s() - start_s)
-
-    def _waited(self, duration_s: float) -> None:
-        if self._step is not None:
-            self._step.time.idle_s += duration_s
+        self._steps.waited(self._clock.monotonic_s() - start_s)
 
     async def _ask_to_go_on(self, prompt: Prompt) -> str:
         return (await self._ask(prompt, None)).text

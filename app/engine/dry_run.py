@@ -93,14 +93,26 @@ class _IdealRecording(Recording):
     Attributes:
         title: its name.
         origin_s: expected time of its beginning.
+        rate_hz: at which readings come.
+        account: of the expected time.
     """
 
     title: str
     origin_s: float
+    rate_hz: float
+    account: _Account
 
     @property
     def name(self) -> str:
         return self.title
+
+    @property
+    def readings(self) -> int:
+        return int(self.elapsed_s * self.rate_hz) + 1
+
+    @property
+    def elapsed_s(self) -> float:
+        return self.at(self.account.time_s)
 
     def at(self, clock_s: float) -> float:
         return clock_s - self.origin_s
@@ -288,20 +300,19 @@ class DryRunContext:
         """Account for a recording without keeping any reading."""
         if not self._in_step:
             raise RuntimeError(f"recording {name} begins outside of a step; it could never count")
-        recording = _IdealRecording(name, self._account.time_s)
+        recording = _IdealRecording(name, self._account.time_s, rate_hz, self._account)
         origin_utc = self._now()
         yield recording
-        duration_s = recording.at(self._account.time_s)
         self.record(
             Recorded(
                 name=name,
                 method="polled",
                 origin_utc=origin_utc,
                 origin_clock_s=recording.origin_s,
-                readings=int(duration_s * rate_hz) + 1,
+                readings=recording.readings,
                 chunks=0,
                 crc32=0,
-                duration_s=duration_s,
+                duration_s=recording.elapsed_s,
                 rate_hz=rate_hz,
                 asked_hz=rate_hz,
                 jitter_s=0.0,

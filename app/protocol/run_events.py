@@ -50,6 +50,7 @@ class LiveStepData(Message):
     error_percent: float
     band_percent: float
     torque_nm: float | None
+    below: bool = False
 
 
 class LiveData(Message):

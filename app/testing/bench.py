@@ -14,19 +14,16 @@ from catseye.simulators.config import (
     ReflectorPlace,
 )
 from catseye.simulators.control_port.client import ask, ask_blocking
+from catseye.simulators.control_port.exchange import Answer, Request
+from catseye.simulators.control_port.faults import ClearFaults, Fault, fault_named
 from catseye.simulators.control_port.messages import (
-    Answer,
     ArmState,
-    ClearFaults,
-    Fault,
     JournalEntry,
     ReadArm,
     ReadLog,
     ReadState,
     ReadTruth,
-    Request,
     State,
-    fault_named,
 )
 from catseye.simulators.emulated_bench import ServedBench, served_bench
 from catseye.simulators.emulator import load_emulator

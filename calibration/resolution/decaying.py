@@ -12,7 +12,7 @@ from catseye.calibration.core.arguments import require_count, require_positive
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.flags import Flag, flag_moves
-from catseye.calibration.resolution.least_step import WINDOW, moving_mean, steps_within
+from catseye.calibration.resolution.least_step import WINDOW, moving_mean, moving_spread, steps_within
 from catseye.calibration.resolution.mean_curve import draw_mean_curves
 from catseye.calibration.resolution.steps import Steps
 from catseye.calibration.resolution.units import shown
@@ -88,7 +88,7 @@ def decaying_test(
     size = _sizes(steps)
     error = np.where(steps.judged, steps.error_percent, np.nan)
     mean = moving_mean(error)
-    spread = np.sqrt(moving_mean((error - mean) ** 2))
+    spread = moving_spread(error, mean)
     within = int(steps_within(mean, threshold_percent))
     # A gap of the recording leaves steps out on the way to the smallest one that is judged.
     judged = int(np.flatnonzero(steps.judged)[-1]) + 1

@@ -25,6 +25,16 @@ def moving_mean(errors: Floats) -> Floats:
     return means
 
 
+def moving_spread(errors: Floats, means: Floats) -> Floats:
+    """Return the standard deviation of step errors about their moving mean, in the same window.
+
+    Args:
+        errors: by decreasing step, shape (..., steps).
+        means: their moving means, shape (..., steps).
+    """
+    return np.asarray(np.sqrt(moving_mean((errors - means) ** 2)))
+
+
 def steps_within(means: Floats, threshold: float) -> Ints:
     """Return how many steps, from the largest on, keep within the threshold without a gap.
 

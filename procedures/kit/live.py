@@ -31,6 +31,7 @@ class LiveStep:
         error_percent: of the command.
         band_percent: largest error that is shown as accepted.
         torque_nm: of the motor at its end; None where the controller states none.
+        below: the command lies below what the instrument resolves: its error says nothing about the arm.
     """
 
     series: str
@@ -43,6 +44,7 @@ class LiveStep:
     error_percent: float
     band_percent: float
     torque_nm: float | None = None
+    below: bool = False
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,6 @@
 """Recording a series: standstill first, then one move after another; a series that is cut short begins anew."""
 
 import math
-import statistics
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -11,21 +10,16 @@ from catseye.procedures.kit.beam.loss import BeamLoss, BeamLossPolicy, Cause, Lo
 from catseye.procedures.kit.bench import AngularOptics
 from catseye.procedures.kit.context import Context, Stepped
 from catseye.procedures.kit.errors import NoBeamError, StepCutShortError
-from catseye.procedures.kit.live import Live, LiveStep
 from catseye.procedures.kit.recording import Recording
 from catseye.procedures.kit.records import Row
 from catseye.procedures.resolution.campaign_plan import CampaignPlan, Order, Place, Series
+from catseye.procedures.resolution.live_steps import LiveSteps
 from catseye.procedures.resolution.places import axis_number
+from catseye.procedures.resolution.reading_rate import LOOK_AFTER_S, ReadingRate
 from catseye.procedures.resolution.records import Configuration, Move
 
 POLICY: Final = BeamLossPolicy(attempts=2, patience_s=10.0, may_skip=True)
 """A lost series costs a quarter of an hour: after the second one somebody looks at the optics."""
-
-_PLATEAU_S: Final = 1.0
-"""Of the newest readings, for what is shown while the series goes on."""
-
-_THRESHOLD_PERCENT: Final = 10.0
-"""Band of the step error that is shown (ASME B5.64, as the resolution paper has it); results choose their own."""
 
 
 class SeriesRecorder:
@@ -34,12 +28,14 @@ class SeriesRecorder:
     Args:
         plan: the campaign.
         place: where the optics are set up.
+        rate: looks at the rate of each recording.
     """
 
-    def __init__(self, ctx: Context, plan: CampaignPlan, place: Place) -> None:
+    def __init__(self, ctx: Context, plan: CampaignPlan, place: Place, rate: ReadingRate) -> None:
         self._ctx = ctx
         self._plan = plan
         self._place = place
+        self._rate = rate
         self._optics = plan.optics(place)
         self._log = LossLog(ctx)
         self._torques = Torques(ctx)
@@ -49,6 +45,7 @@ class SeriesRecorder:
 
         Raises:
             BeamLostError: the beam was lost again and again and the operator stops.
+            SlowCounterError: too few readings come, and nobody wants to go on.
         """
         place = self._place
         loss = BeamLoss(
@@ -77,8 +74,11 @@ class SeriesRecorder:
             return cause
         made = _Made(name)
         async with self._ctx.recording(name, self._plan.rate_hz) as recording:
-            await self._ctx.pause(self._plan.standstill_s)
-            cause = await self._moves(series, recording, made)
+            live = LiveSteps(self._ctx, series, self._place, self._optics)
+            await live.stand_still(recording, LOOK_AFTER_S, self._plan.dwell_s)
+            await self._rate.require(recording, series.run_in[-1])
+            await live.stand_still(recording, self._plan.standstill_s - LOOK_AFTER_S, self._plan.dwell_s)
+            cause = await self._moves(series, recording, made, live)
         for move in made.moves:
             self._ctx.record(move)
         if cause is None:
@@ -97,15 +97,17 @@ class SeriesRecorder:
             )
         return None
 
-    async def _moves(self, series: Series, recording: Recording, made: "_Made") -> Cause | None:
+    async def _moves(
+        self, series: Series, recording: Recording, made: "_Made", live: LiveSteps
+    ) -> Cause | None:
         for number, order in enumerate(series.orders, 1):
-            before = self._plateau(recording)
+            before = live.plateau(recording)
             try:
                 stepped = await self._step(series, order)
             except StepCutShortError as error:
                 return Cause("cut-short", str(error))
             await self._ctx.pause(self._plan.dwell_s)
-            torques = await self._torques.read()
+            torques = await self._torques.read(recording)
             move = self._move(made.recording, number, order, stepped, recording, torques)
             made.moves.append(move)
             status = await self._ctx.beam()
@@ -113,7 +115,7 @@ class SeriesRecorder:
                 return cause_of(status, self._plan.bench.arm.override_percent) or Cause(
                     "interrupted", "something stood in it, or the joint left the range of the optics"
                 )
-            self._show(series, move, made, before, self._plateau(recording))
+            live.show(move, before, live.plateau(recording))
         return None
 
     async def _step(self, series: Series, order: Order) -> Stepped:
@@ -132,7 +134,7 @@ class SeriesRecorder:
         order: Order,
         stepped: Stepped,
         recording: Recording,
-        torques: tuple[float, ...] | None,
+        torques: "_TorquesRead | None",
     ) -> Move:
         before, after = (self._axis_value(pose) for pose in (stepped.before, stepped.after))
         return Move(
@@ -148,7 +150,8 @@ class SeriesRecorder:
             ended_s=recording.at(stepped.ended_s),
             measured_before=before,
             measured_after=after,
-            torque_nm=None if torques is None else self._axis_value(torques),
+            torque_nm=None if torques is None else self._axis_value(torques.nm),
+            torque_s=None if torques is None else torques.time_s,
             extra={"before": list(stepped.before), "after": list(stepped.after)},
         )
 
@@ -180,44 +183,6 @@ class SeriesRecorder:
             extra={"pose": list(place.pose)},
         )
 
-    def _plateau(self, recording: Recording) -> float | None:
-        """Return where the arm stands by the newest readings, deg or mm; None without any."""
-        newest = recording.newest(math.ceil(_PLATEAU_S * 1000.0))
-        values = [value for time_s, value in newest if time_s > newest[-1][0] - _PLATEAU_S]
-        if not values:
-            return None
-        mean_mm = statistics.fmean(values)
-        if not isinstance(self._optics, AngularOptics):
-            return mean_mm
-        share = mean_mm / self._optics.spacing_mm
-        return math.degrees(math.asin(share)) if abs(share) <= 1.0 else None
-
-    def _show(
-        self, series: Series, move: Move, made: "_Made", before: float | None, after: float | None
-    ) -> None:
-        """Show the step as it looks now; results come from the whole recording."""
-        if before is None or after is None:
-            return
-        # Which way the beam grows is a matter of mounting: the first step, the largest one, tells.
-        if not made.mounting:
-            made.mounting, made.origin = math.copysign(1.0, (after - before) * move.command), before
-        measured = made.mounting * (after - before)
-        error = 100.0 * (measured / move.command - 1.0)
-        step = LiveStep(
-            series.title,
-            move.number,
-            len(series.orders),
-            move.command,
-            measured,
-            made.mounting * (after - made.origin),
-            self._place.unit,
-            error,
-            _THRESHOLD_PERCENT,
-            move.torque_nm,
-        )
-        name = f"step error of {series.title}"
-        self._ctx.show(Live(name, error, "%", -_THRESHOLD_PERCENT, _THRESHOLD_PERCENT, step=step))
-
 
 @dataclass
 class _Made:
@@ -226,14 +191,23 @@ class _Made:
     Attributes:
         recording: its name.
         moves: that were made.
-        mounting: 1 or -1, as the beam grows or shrinks with positive commands; 0 before the first step.
-        origin: where the arm stood before it, by the beam, deg or mm.
     """
 
     recording: str
     moves: list[Move] = field(default_factory=list)
-    mounting: float = 0.0
-    origin: float = 0.0
+
+
+@dataclass(frozen=True)
+class _TorquesRead:
+    """Motor torques as they were read.
+
+    Attributes:
+        time_s: the middle between question and answer, s since the recording's origin.
+        nm: of the axes, N m.
+    """
+
+    time_s: float
+    nm: tuple[float, ...]
 
 
 class Torques:
@@ -243,12 +217,14 @@ class Torques:
         self._ctx = ctx
         self._stated = True
 
-    async def read(self) -> tuple[float, ...] | None:
-        """Return the torques of the axes, N m; None where there are none, which is said once."""
+    async def read(self, recording: Recording) -> _TorquesRead | None:
+        """Return the torques of the axes; None where there are none, which is said once."""
         if not self._stated:
             return None
+        asked_s = recording.elapsed_s
         try:
-            return await self._ctx.torques()
+            nm = await self._ctx.torques()
+            return _TorquesRead(0.5 * (asked_s + recording.elapsed_s), nm)
         except RefusedError as error:
             self._stated = False
             await self._ctx.warn(

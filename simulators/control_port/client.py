@@ -4,7 +4,7 @@ import asyncio
 import socket
 from typing import TypeVar
 
-from catseye.simulators.control_port.messages import Answer, Request
+from catseye.simulators.control_port.exchange import Answer, Request
 
 A = TypeVar("A", bound=Answer)
 

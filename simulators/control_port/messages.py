@@ -1,29 +1,19 @@
-"""Requests and answers of the control port: one JSON object a line.
+"""Requests of the control port and what answers them; faults have a module of their own.
 
-A request has `op` and its arguments, a fault `"op": "fault"` and its `name`; an answer is `{"ok": true, …}` or
-`{"ok": false, "error": "…"}`. Durations are bench time. The models import nothing of the emulation, so that clients
-can use them.
+Durations are bench time. The models import nothing of the emulation, so that clients can use them.
 """
 
 import json
-from typing import Any, ClassVar, Generic, Literal, TypeVar, cast
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from catseye.simulators.control_port.exchange import Answer, Request, known
+from catseye.simulators.control_port.faults import Fault, fault_named
 from catseye.simulators.errors import EmulatorError
 
 PanelKey = Literal["start", "stop", "confirm", "drives", "T1", "T2", "AUT", "EX"]
 """What an operator's hand presses on a controller's panel; T1 … EX: where the mode switch is turned to."""
-
-
-class RefusedRequestError(ValueError):
-    """The emulated bench refused a request; the text is its own."""
-
-
-class Answer(BaseModel):
-    """An answer that says no more than that the request was carried out."""
-
-    model_config = ConfigDict(frozen=True)
 
 
 class Identity(Answer):
@@ -176,50 +166,6 @@ class Nests(Answer):
     in_place: list[str]
 
 
-A = TypeVar("A", bound=Answer)
-
-
-class Request(BaseModel, Generic[A]):
-    """A request; the type parameter is its answer."""
-
-    model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
-
-    op: ClassVar[str]
-    answer: ClassVar[type[Answer]] = Answer
-
-    def encode(self) -> bytes:
-        """Return the line that asks for it."""
-        return _line({"op": self.op, **self.model_dump()})
-
-    def decode(self, line: bytes) -> A:
-        """Read the answer.
-
-        Raises:
-            RefusedRequestError: the bench refused the request.
-            ValueError: the line is no answer to it.
-        """
-        document = json.loads(line)
-        if not isinstance(document, dict):
-            raise ValueError(f"{line!r} is no answer of a control port")
-        if not document.pop("ok", False):
-            raise RefusedRequestError(f"the emulated bench refused: {document.get('error')}")
-        return cast(A, self.answer.model_validate(document))
-
-
-def encode_answer(answer: Answer) -> bytes:
-    """Return the line that answers a request that was carried out."""
-    return _line({"ok": True, **answer.model_dump()})
-
-
-def encode_refusal(error: str) -> bytes:
-    """Return the line that answers a request that was not carried out."""
-    return _line({"ok": False, "error": error})
-
-
-def _line(document: dict[str, Any]) -> bytes:
-    return json.dumps(document).encode() + b"\n"
-
-
 class Identify(Request[Identity]):
     """Who is there?"""
 
@@ -338,150 +284,6 @@ class PressKey(Request[Answer]):
     key: PanelKey
 
 
-class Fault(Request[Answer]):
-    """Something goes wrong."""
-
-    op = "fault"
-    name: ClassVar[str]
-
-    def encode(self) -> bytes:
-        """Return the line that asks for it."""
-        return _line({"op": self.op, "name": self.name, **self.model_dump()})
-
-
-class BlockBeam(Fault):
-    """Something stands in the beam; None: for ever."""
-
-    name = "block_beam"
-    duration_s: float | None = Field(default=None, gt=0.0)
-
-
-class ClearFaults(Fault):
-    """End what goes on: screws, reflectors and a lost count stay as they are."""
-
-    name = "clear_faults"
-
-
-class RaiseAlarm(Fault):
-    """An alarm of the controller occurs."""
-
-    name = "alarm"
-    number: int = Field(ge=1, le=9999)
-
-
-class EmergencyStop(Fault):
-    """Somebody presses the emergency stop, or releases it."""
-
-    name = "emergency_stop"
-    on: bool = True
-
-
-class TeachMode(Fault):
-    """Somebody turns the controller's key."""
-
-    name = "teach_mode"
-    on: bool = True
-
-
-class ServoOff(Fault):
-    """The drives lose their power."""
-
-    name = "servo_off"
-
-
-class MoveReflector(Fault):
-    """Somebody pushes a reflector."""
-
-    name = "move_reflector"
-    reflector: str
-    dx_mm: float = 0.0
-    dy_mm: float = 0.0
-
-
-class SpoilAir(Fault):
-    """The air sensors are wrong by so much, or measure nothing."""
-
-    name = "air"
-    nan: bool = False
-    temperature_k: float = 0.0
-    pressure_hpa: float = 0.0
-    humidity_percent: float = 0.0
-
-
-class MoveDoor(Fault):
-    """Somebody opens or closes the door."""
-
-    name = "door"
-    open: bool = True
-
-
-class Stall(Fault):
-    """A device hangs for a time, then answers late."""
-
-    name = "stall"
-    device: str
-    duration_s: float = Field(gt=0.0)
-
-
-class Drop(Fault):
-    """A device closes its links; new ones are welcome."""
-
-    name = "drop"
-    device: str
-
-
-class Mute(Fault):
-    """A device works on and says nothing."""
-
-    name = "mute"
-    device: str
-
-
-class SpoilAnswers(Fault):
-    """A share of a device's answers is lost, doubled or garbled."""
-
-    name = "lossy"
-    device: str
-    share: float = Field(ge=0.0, le=1.0)
-    seed: int = Field(default=0, ge=0)
-
-
-class Overspeed(Fault):
-    """All counters lose count as after too fast a motion."""
-
-    name = "overspeed"
-
-
-class Vibrate(Fault):
-    """Something keeps the arm ringing."""
-
-    name = "vibration"
-    amplitude_um: float = Field(gt=0.0, le=5000.0)
-    duration_s: float = Field(gt=0.0, le=3600.0)
-
-
-class LoseLaser(Fault):
-    """The laser loses its lock, or finds it again."""
-
-    name = "laser"
-    ready: bool = False
-
-
-class Weaken(Fault):
-    """Dirt leaves this part of the signal."""
-
-    name = "weaken"
-    factor: float = Field(gt=0.0, le=1.0)
-
-
-class Slip(Fault):
-    """The next move ends so far off, as after a collision."""
-
-    name = "slip"
-    joint: Literal[1, 2, 4]
-    deg: float = Field(ge=-30.0, le=30.0)
-
-
 _OPERATIONS: dict[str, type[Request[Any]]] = {
     kind.op: kind
     for kind in (
@@ -503,8 +305,6 @@ _OPERATIONS: dict[str, type[Request[Any]]] = {
         Fault,
     )
 }
-_FAULTS: dict[str, type[Fault]] = {kind.name: kind for kind in Fault.__subclasses__()}
-Kind = TypeVar("Kind", bound=type[Request[Any]])
 
 
 def decode_request(line: bytes) -> Request[Any]:
@@ -520,23 +320,7 @@ def decode_request(line: bytes) -> Request[Any]:
         raise EmulatorError("a request is one JSON object on one line") from error
     if not isinstance(document, dict):
         raise EmulatorError("a request is one JSON object on one line")
-    operation = _known(_OPERATIONS, "op", document.pop("op", None))
+    operation = known(_OPERATIONS, "op", document.pop("op", None))
     if operation is Fault:
         return fault_named(document.pop("name", None), document)
     return operation.model_validate(document)
-
-
-def fault_named(name: object, arguments: dict[str, object]) -> Fault:
-    """Return a fault by its name.
-
-    Raises:
-        EmulatorError: there is no such fault.
-        ValidationError: an argument is wrong.
-    """
-    return _known(_FAULTS, "fault", name).model_validate(arguments)
-
-
-def _known(table: dict[str, Kind], what: str, name: object) -> Kind:
-    if not isinstance(name, str) or name not in table:
-        raise EmulatorError(f"there is no {what} {name!r}; there are {', '.join(table)}")
-    return table[name]

@@ -8,14 +8,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from catseye.simulators.context import EmulationContext
-from catseye.simulators.control_port import messages
-from catseye.simulators.control_port.messages import (
-    Answer,
-    Request,
-    decode_request,
-    encode_answer,
-    encode_refusal,
-)
+from catseye.simulators.control_port import faults, messages
+from catseye.simulators.control_port.exchange import Answer, Request, encode_answer, encode_refusal
+from catseye.simulators.control_port.messages import decode_request
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.ports.lossy import Lossy
 from catseye.simulators.ports.port import Port
@@ -87,7 +82,7 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
             context.bench.beam.turn_screw(request.screw, request.turns)
         case messages.ClearBeam():
             context.bench.beam.unblock()
-        case messages.Fault():
+        case faults.Fault():
             _happen(request, reach)
         case messages.MountAngularOptics() | messages.MountLinearOptics() | messages.ReadOptics():
             return _work_on_the_optics(request, context.serial_bench)
@@ -128,55 +123,55 @@ def _work_on_the_beam(request: Request[Any], beam: Beam) -> Answer:
     return Answer()
 
 
-def _happen(fault: messages.Fault, reach: Reach) -> None:
+def _happen(fault: faults.Fault, reach: Reach) -> None:
     context, bench, controller = reach.context, reach.context.bench, reach.context.controller
     match fault:
-        case messages.ClearFaults():
+        case faults.ClearFaults():
             _clear_faults(reach)
-        case messages.RaiseAlarm():
+        case faults.RaiseAlarm():
             controller.raise_alarm(fault.number)
-        case messages.EmergencyStop():
+        case faults.EmergencyStop():
             controller.set_emergency_stop(on=fault.on)
-        case messages.TeachMode():
+        case faults.TeachMode():
             controller.set_teach_mode(on=fault.on)
-        case messages.ServoOff():
+        case faults.ServoOff():
             controller.switch_servo_off()
-        case messages.BlockBeam():
+        case faults.BlockBeam():
             bench.beam.block(fault.duration_s)
-        case messages.Overspeed():
+        case faults.Overspeed():
             bench.beam.outrun_counters()
-        case messages.LoseLaser():
+        case faults.LoseLaser():
             bench.beam.set_laser(ready=fault.ready)
-        case messages.Weaken():
+        case faults.Weaken():
             bench.beam.weaken(fault.factor)
-        case messages.SpoilAir():
+        case faults.SpoilAir():
             errors = (fault.temperature_k, fault.pressure_hpa, fault.humidity_percent)
             context.probe.fault = AirFault(fault.nan, *errors)
-        case messages.MoveDoor():
+        case faults.MoveDoor():
             context.door.closed = not fault.open
-        case messages.Stall():
+        case faults.Stall():
             for port in reach.ports_of(fault.device):
                 port.stalled_until_s = bench.time_s + fault.duration_s
-        case messages.Drop():
+        case faults.Drop():
             for port in reach.ports_of(fault.device):
                 port.drop()
-        case messages.Mute():
+        case faults.Mute():
             for port in reach.ports_of(fault.device):
                 port.muted = True
-        case messages.SpoilAnswers():
+        case faults.SpoilAnswers():
             for number, port in enumerate(reach.ports_of(fault.device)):
                 port.lossy = Lossy(fault.share, fault.seed + number)
         case _:
             _push_the_arm(fault, context.beam_bench)
 
 
-def _push_the_arm(fault: messages.Fault, bench: Bench) -> None:
+def _push_the_arm(fault: faults.Fault, bench: Bench) -> None:
     match fault:
-        case messages.MoveReflector():
+        case faults.MoveReflector():
             bench.beam.move_reflector(fault.reflector, fault.dx_mm, fault.dy_mm)
-        case messages.Vibrate():
+        case faults.Vibrate():
             bench.shake(1e-3 * fault.amplitude_um, fault.duration_s)
-        case messages.Slip():
+        case faults.Slip():
             bench.slip(fault.joint, fault.deg)
         case _:
             raise TypeError(f"{type(fault).__name__} has no operation")

@@ -108,9 +108,7 @@ def _series(recorded: RecordedSeries) -> Series:
     torque_nm = recorded.torque_nm()
     if torque_nm is None:
         return Series(recording, moves, optics, still)
-    # Read at the end of the dwell, which may be the very moment of the next move: it belongs to the move before.
-    torque_s = np.array([move["ended_s"] for move in recorded.moves], dtype=np.float64)[counted]
-    return Series(recording, moves, optics, still, torque_s, torque_nm[counted])
+    return Series(recording, moves, optics, still, recorded.torque_time_s()[counted], torque_nm[counted])
 
 
 def _recording(recorded: RecordedSeries) -> tuple[Recording, AngularOptics | LinearOptics]:

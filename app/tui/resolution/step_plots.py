@@ -13,10 +13,15 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from catseye.app.protocol.run_events import LiveStepData
-    from catseye.app.results.figures import Panel
+    from catseye.app.results.figures import Mark, Panel
+    from catseye.app.results.resolution.live_errors import LiveErrors
+    from catseye.calibration.core.types import Floats
 
 _NONE_YET: Final = "no step yet: the series begins with a standstill"
 _SHOWN_PERCENT: Final = 60.0
+_EQUAL: Final = 1e-3
+"""Steps that differ by no more than this share are equal: they are drawn one after the other."""
+
 _NEWEST: Final = 12
 """Steps of the staircase that are drawn: beside much larger ones the newest could not be seen."""
 
@@ -45,7 +50,7 @@ class StaircasePlot(RunPlot):
 
 
 class StepErrorPlot(RunPlot):
-    """Errors of the steps as they look now over their size, with the band that is shown."""
+    """Errors of the steps as they look now over their size, with their moving mean, its σ and the threshold."""
 
     def __init__(self) -> None:
         super().__init__("Step errors / %", id="step-errors", classes="second")
@@ -59,12 +64,13 @@ class StepErrorPlot(RunPlot):
         seen = [] if run is None else run.staircase
         if not seen:
             return Content.styled(_NONE_YET, "dim")
-        beyond = sum(abs(step.error_percent) > _SHOWN_PERCENT for step in seen)
-        outside = sum(abs(step.error_percent) > step.band_percent for step in seen)
-        self.border_title = f"Step errors / %, band ±{seen[-1].band_percent:g} %"
-        more = f", {beyond} of them beyond ±{_SHOWN_PERCENT:g} %" if beyond else ""
-        self.border_subtitle = f"× {outside} of {len(seen)} outside{more}" if outside else ""
-        return _painted(self, _errors(seen))
+        from catseye.app.results.resolution.live_errors import live_errors
+
+        known = live_errors(seen)
+        mean = "" if known.mean_percent is None else ", mean ± σ"
+        self.border_title = f"Step errors / %, band ±{seen[-1].band_percent:g}{mean}"
+        self.border_subtitle = _said(seen, known)
+        return _painted(self, _errors(seen, known))
 
 
 def _key_of(run: RunState | None) -> object:
@@ -97,26 +103,77 @@ def _stairs(seen: "Sequence[LiveStepData]") -> "Panel":
     wanted = reached + np.array([step.command - step.measured for step in seen])
     # The third place of each plateau breaks the line: steps that never came here are not made up.
     across = np.column_stack([number - 0.5, number + 0.5, np.full(number.size, np.nan)]).ravel()
+    below = np.repeat([step.below for step in seen], 3)
+    level = np.repeat(reached, 3)
     marks = (
         Line(across, np.repeat(wanted, 3), Role.COMMAND, dash="dashed"),
-        Line(across, np.repeat(reached, 3), Role.CHOSEN),
+        Line(across, np.where(below, np.nan, level), Role.CHOSEN),
+        Line(across, np.where(below, level, np.nan), Role.MUTED, dash="dotted"),
     )
-    return Panel(f"{seen[0].unit}  ╌╌ commanded  ── plateaus", Axis("step"), Axis(), marks)
+    unresolved = "  ┈┈ below the instrument" if below.any() else ""
+    return Panel(f"{seen[0].unit}  ╌╌ commanded  ── plateaus{unresolved}", Axis("step"), Axis(), marks)
 
 
-def _errors(seen: "Sequence[LiveStepData]") -> "Panel":
+def _said(seen: "Sequence[LiveStepData]", known: "LiveErrors") -> str:
+    """Return how far the mean keeps within the band, and what lies elsewhere, the most telling first."""
+    judged = [step for step in seen if not step.below]
+    outside = sum(abs(step.error_percent) > step.band_percent for step in judged)
+    beyond = sum(abs(step.error_percent) > _SHOWN_PERCENT for step in seen)
+    below = len(seen) - len(judged)
+    said = [
+        "" if known.least is None else f"mean within to {known.least:.2g} {seen[-1].unit}",
+        f"× {outside} of {len(judged)} outside" if outside else "",
+        f"{below} below the instrument" if below else "",
+        f"{beyond} beyond ±{_SHOWN_PERCENT:g} %" if beyond else "",
+    ]
+    return ", ".join(text for text in said if text)
+
+
+def _errors(seen: "Sequence[LiveStepData]", known: "LiveErrors") -> "Panel":
     import numpy as np
 
-    from catseye.app.results.figures import Axis, Level, Panel, Points, Role
+    from catseye.app.results.figures import Axis, Level, Panel, Role
 
-    size = np.log10([abs(step.command) for step in seen])
-    error = np.array([step.error_percent for step in seen])
     band = seen[-1].band_percent
+    size = np.abs(known.command)
+    if np.ptp(size) < _EQUAL * size[0]:
+        x, across = np.array([float(step.number) for step in seen]), Axis("step")
+    else:
+        x, across = np.log10(size), Axis(f"commanded step / {seen[0].unit}", decades=True)
     marks = (
         Level(0.0, Role.AXIS),
         Level(band, Role.CHANGE, dash="dashed"),
         Level(-band, Role.CHANGE, dash="dashed"),
-        Points(size, error, Role.POSITIVE if seen[-1].command > 0.0 else Role.NEGATIVE),
+        *_mean_marks(x, known),
+        *_points(x, known),
     )
-    across = Axis(f"commanded step / {seen[0].unit}", decades=True)
     return Panel("%", across, Axis(low=-_SHOWN_PERCENT, high=_SHOWN_PERCENT), marks)
+
+
+def _points(x: "Floats", known: "LiveErrors") -> "list[Mark]":
+    """Return the steps by their direction; those below the instrument have a sign of their own."""
+    from catseye.app.results.figures import Points, Role
+
+    kinds = (
+        (~known.below & (known.command > 0.0), Role.POSITIVE, ""),
+        (~known.below & (known.command < 0.0), Role.NEGATIVE, ""),
+        (known.below, Role.MUTED, "x"),
+    )
+    return [
+        Points(x[kind], known.error_percent[kind], ink, marker=marker)
+        for kind, ink, marker in kinds
+        if kind.any()
+    ]
+
+
+def _mean_marks(x: "Floats", known: "LiveErrors") -> "list[Mark]":
+    import numpy as np
+
+    from catseye.app.results.figures import Band, Line, Role
+
+    mean, spread = known.mean_percent, known.spread_percent
+    if mean is None or spread is None or not np.isfinite(mean).any():
+        return []
+    there = np.isfinite(mean)
+    band = Band(x[there], (mean - spread)[there], (mean + spread)[there], Role.CHOSEN)
+    return [band, Line(x[there], mean[there], Role.CHOSEN, width=1.6)]

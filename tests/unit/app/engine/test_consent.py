@@ -59,6 +59,7 @@ QUESTIONS: dict[tuple[str, str], Asked] = {
     ("procedures/scara/open_loop/remount.py", "_ask"): _YES,
     # "no" leaves the place out, and the next one is asked for.
     ("procedures/resolution/optics.py", "_drive"): _YES,
+    ("procedures/resolution/reading_rate.py", "_prompt"): Asked("choice", ("anyway",), ("stop",), "stop"),
     # The alignment is asked for before anything moves.
     ("procedures/resolution/optics.py", "_mount"): Asked("choice", (), ("mounted", "skip", "stop"), "stop"),
     ("procedures/resolution/optics.py", "_align"): Asked("choice", ("aligned",), ("skip", "stop"), "stop"),

@@ -14,6 +14,7 @@ from tests.unit.app.engine.fakes import FakeCounter, FakeRobot
 from tests.unit.procedures.six_axes import BENCH
 
 SPACING_MM = 30.0
+_WANDER_S = 7.3
 OPTICS = AngularOptics(spacing_mm=SPACING_MM, u_spacing_mm=0.01, distance_mm=200.0, signal_min=0.5)
 SIX = replace(
     BENCH,
@@ -77,11 +78,13 @@ class AngleCounter(FakeCounter):
     Attributes:
         arm: that carries the retroreflector.
         dark: after so many steps something passes through the beam, once for each number.
+        wander_mm: amplitude of what the air adds, with a period of some seconds.
     """
 
     arm: SteppedArm = field(kw_only=True)
     dark: set[int] = field(default_factory=set)
     zero_deg: float = 0.0
+    wander_mm: float = 0.0
 
     async def zero(self) -> int:
         self.zero_deg = self.arm.pose[0]
@@ -94,4 +97,6 @@ class AngleCounter(FakeCounter):
             self.dark.discard(steps)
             self.beam = replace(self.beam, beam_lost=True)
         turned = math.radians(self.arm.pose[0] - self.zero_deg)
-        return LengthReading(SPACING_MM * math.sin(turned), "", self.clock.monotonic_s())
+        now_s = self.clock.monotonic_s()
+        air_mm = self.wander_mm * math.sin(2.0 * math.pi * now_s / _WANDER_S)
+        return LengthReading(SPACING_MM * math.sin(turned) + air_mm, "", now_s)

@@ -7,19 +7,15 @@ import numpy as np
 import pytest
 
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, TruthText
+from catseye.simulators.control_port.exchange import Answer, RefusedRequestError, Request
+from catseye.simulators.control_port.faults import BlockBeam, ClearFaults, MoveReflector
 from catseye.simulators.control_port.messages import (
-    Answer,
-    BlockBeam,
-    ClearFaults,
     MountAngularOptics,
     MountInterferometer,
     MountLinearOptics,
-    MoveReflector,
     OpticsState,
     ReadOptics,
     ReadTruth,
-    RefusedRequestError,
-    Request,
     TurnScrew,
 )
 from catseye.simulators.control_port.operations import ControlSession

@@ -307,7 +307,7 @@ async def test_every_run_of_steps_is_evaluated_next(history: History, tmp_path: 
     assert str(both) in history.data_stage("report").command
 
 
-async def test_a_report_is_done_while_it_is_newer_than_the_results(history: History, tmp_path: Path) -> None:
+async def test_a_report_is_done_while_newer_than_the_results(history: History, tmp_path: Path) -> None:
     run = await history.put("resolution")
     evaluated_into(tmp_path, run, changed_s=1e9)
     page = tmp_path / "resolution.html"

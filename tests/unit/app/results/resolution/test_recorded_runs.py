@@ -71,6 +71,7 @@ def _rows(
             time_s=float(times_s[row]),
             ended_s=float(times_s[row]) + 0.4,
             torque_nm=None if torque is None else float(torque[row]),
+            torque_s=None if torque is None else float(times_s[row]) + DWELL_S - 0.1,
         )
         for row in range(command.size)
     ]

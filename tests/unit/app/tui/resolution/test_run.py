@@ -18,13 +18,17 @@ RATIO = 1.072267
 STEPPING = {**SNAPSHOT, "procedure": "resolution", "title": "Motion resolution of joints"}
 
 
-def step(number: int, series: str = "A1+ at K1", torque_nm: float | None = -12.3) -> LiveStep:
+def step(
+    number: int, series: str = "A1+ at K1", torque_nm: float | None = -12.3, resolved: float = 0.0
+) -> LiveStep:
     """Return a step whose error grows as it shrinks, and changes its sign."""
     command = 0.1 / RATIO ** (number - 1)
     error = 100.0 * 2e-4 / command * math.cos(number)
     measured = command * (1.0 + error / 100.0)
     position = 1.5 - 15.0 * command
-    return LiveStep(series, number, 109, command, measured, position, "deg", error, 10.0, torque_nm)
+    return LiveStep(
+        series, number, 109, command, measured, position, "deg", error, 10.0, torque_nm, command < resolved
+    )
 
 
 def show_step(link: ScriptedLink, made: LiveStep) -> None:
@@ -37,12 +41,12 @@ async def test_the_staircase_and_its_errors_are_drawn(size: tuple[int, int]) -> 
     async with run_screen(STEPPING, size=size) as (app, pilot, link):
         publish(link, "step-started", step="A1/K1/+", title="A1+ at K1", attempt=1)
         for number in range(1, 90):
-            show_step(link, step(number))
+            show_step(link, step(number, resolved=4e-4))
         await shown(app, pilot)
         compare(f"run-steps-{size[0]}x{size[1]}", await shown(app, pilot))
         await pilot.press("v")
         text = await shown(app, pilot)
-        assert "Step errors / %, band ±10 %" in text
+        assert "Step errors / %, band ±10, mean ± σ" in text
         assert "Innovation" not in text
 
 
@@ -53,15 +57,30 @@ async def test_nothing_is_drawn_before_the_first_step() -> None:
         assert "maps" not in text
 
 
-async def test_errors_beyond_the_axis_are_counted() -> None:
-    async with run_screen(STEPPING, size=(120, 40)) as (app, pilot, link):
-        for number in range(1, 110):
-            show_step(link, step(number))
+async def test_errors_are_counted_by_what_they_say() -> None:
+    async with run_screen(STEPPING, size=(160, 50)) as (app, pilot, link):
+        made = [step(number, resolved=3e-4) for number in range(1, 110)]
+        for each in made:
+            show_step(link, each)
         text = await shown(app, pilot)
-        made = [step(number) for number in range(1, 110)]
-        outside = sum(abs(each.error_percent) > 10.0 for each in made)
+        outside = sum(abs(each.error_percent) > 10.0 and each.command >= 3e-4 for each in made)
+        below = sum(each.command < 3e-4 for each in made)
         beyond = sum(abs(each.error_percent) > 60.0 for each in made)
-        assert f"× {outside} of 109 outside, {beyond} of them beyond ±60 %" in text
+        counts = f"× {outside} of {109 - below} outside, {below} below the instrument, {beyond} beyond ±60 %"
+        assert counts in text
+        assert "┈┈ below the instrument" in text
+
+
+async def test_equal_steps_are_drawn_one_after_the_other() -> None:
+    async with run_screen(STEPPING, size=(120, 40)) as (app, pilot, link):
+        for number in range(1, 21):
+            command = 0.01 if number <= 10 else -0.01
+            made = LiveStep("A1 at K1", number, 30, command, command, 0.0, "deg", 5.0, 10.0)
+            show_step(link, made)
+        text = await shown(app, pilot)
+        assert "mean ± σ" not in text
+        assert "commanded step" not in text
+        assert {"▲", "▼"} <= set(text)
 
 
 def state_after(*steps: LiveStep) -> RunState:
