@@ -9,7 +9,7 @@ from catseye.drivers.roles.device import Examination
 
 RAISE: Final = (
     "a stop or the guard left it so, or somebody has set it: see that the arm is clear, then raise it at the "
-    "smartPAD (program override), no further than the cell's override_cap_percent; a run asks before it does so itself"
+    "smartPAD (program override), no further than the cell's override_cap_percent; a run asks before it does"
 )
 """What an override of 0 means to a program that has just connected."""
 
