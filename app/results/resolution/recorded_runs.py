@@ -67,6 +67,21 @@ def _tests(reader: RunReader, threshold_percent: float) -> Iterator[AnyTest]:
     recorded = list(series_of_run(reader))
     if not recorded:
         raise UsageError(f"{reader.path.name}: has recorded no test of motion resolution")
+    return tests_of_series(recorded, reader.path.name, threshold_percent)
+
+
+def tests_of_series(
+    recorded: Sequence[RecordedSeries], source: str, threshold_percent: float
+) -> Iterator[AnyTest]:
+    """Yield what series come to, those of one test by ISO 230 together.
+
+    Args:
+        source: of the series, for messages.
+        threshold_percent: largest step error of a step that counts.
+
+    Raises:
+        MovesError: a recording does not fit its moves; names source and test.
+    """
     for _, group in groupby(recorded, key=_test_of):
         members = list(group)
         asked = _asked(members[0].configuration, threshold_percent)
@@ -74,7 +89,7 @@ def _tests(reader: RunReader, threshold_percent: float) -> Iterator[AnyTest]:
             yield evaluated(asked, [_series(one) for one in members])
         except CalibrationError as error:
             position = members[0].configuration["position"]
-            where = f"{reader.path.name}, {asked.test} test of {asked.joint} at {position}"
+            where = f"{source}, {asked.test} test of {asked.joint} at {position}"
             raise MovesError(f"{where}: {error}") from error
 
 
