@@ -17,8 +17,11 @@ _TIMER_STEP_S = 0.002
 _STRETCH_S = 0.02
 """Real time of calculation after which others have their turn."""
 
-_PART_S = 0.004
-"""Real time of a part of a stretch, about: how much bench time that is, is learnt from the parts before."""
+_PART_S = 0.01
+"""Real time of a part of a stretch, about: how much bench time that is, is learnt from the parts before.
+
+It is never less than what passes in so much real time: every part costs something of its own.
+"""
 
 _MOST_LATE_S = 0.25
 """Real time by which the bench may be late and still catch up, as after a pause of the whole machine."""
@@ -109,7 +112,7 @@ class TimeKeeper:
 
     def _learn(self, took_s: float) -> None:
         factor = min(2.0, max(0.5, _PART_S / took_s)) if took_s > 0.0 else 2.0
-        self._part_s = min(_LONGEST_PART_S, self._part_s * factor)
+        self._part_s = max(_PART_S * self._speed, min(_LONGEST_PART_S, self._part_s * factor))
 
     async def _elapses(self, due_s: float) -> bool:
         """Return True when the moment has come, False when something changed before."""
