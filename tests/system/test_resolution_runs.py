@@ -1,4 +1,4 @@
-"""Runs of motion resolution on the emulated bench: killed and resumed, streamed at 1 kHz, and with too much to do."""
+"""Runs of motion resolution on the emulated bench: killed and resumed, and with more to do than there is time."""
 
 import signal
 import socket
@@ -8,15 +8,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-import pytest
-from numpy.typing import NDArray
 
 from catseye.app.cell.resolution.template import TEMPLATE
-from catseye.app.results.resolution.result import read_resolution
 from catseye.app.store.reader import RunReader
 from catseye.app.store.seal import read_manifest
 from catseye.app.store.verify import verify
-from catseye.app.testing.proxy import ProxyThread
 from tests.patience import HANG_S
 from tests.system.command import Emulated, catseye, emulated, last_run, own_runtime
 
@@ -32,8 +28,6 @@ PARAMS = (
 COUNTER = """driver = "line-counter"
 profile = "default"                     # the dialect of the emulator
 """
-MM_PER_COUNT = 632.9908e-6 / 2.0
-"""Of a uMD display with plain optics (sheet `interferometers`, section 5): half a wavelength."""
 
 
 @contextmanager
@@ -83,58 +77,8 @@ def test_a_run_killed_while_it_records_resumes_whole(tmp_path: Path) -> None:
     assert (recording["lost"], recording["values_lost"]) == (0, 0)
 
 
-def sent_counts(pieces: list[bytes]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return count, in 256ths, and number of each whole line that came from the display."""
-    lines = b"".join(pieces).split(b"\r\n")[1:-1]
-    fields = np.array([[int(word) for word in line.split()[:6]] for line in lines])
-    return 256 * fields[:, 2] + fields[:, 4], fields[:, 5]
-
-
-def place_of(part: NDArray[np.int64], whole: NDArray[np.int64]) -> int:
-    """Return where a part stands in a whole, up to what both begin with; -1 when it stands nowhere."""
-    for place in range(whole.size - part.size + 1):
-        there = whole[place : place + part.size]
-        if np.array_equal(there - there[0], part - part[0]):
-            return place
-    return -1
-
-
-@pytest.mark.timeout(600)
-def test_a_stream_of_a_kilohertz_is_stored_without_loss(tmp_path: Path) -> None:
-    pieces: list[bytes] = []
-
-    def passed(piece: bytes) -> bytes:
-        pieces.append(piece)
-        return piece
-
-    with bench(tmp_path, 1000.0) as running:
-        host, _, port = display_of(running).removeprefix("tcp://").rpartition(":")
-        with ProxyThread() as thread, thread.proxy((host, int(port))) as proxy:
-            proxy.spoil = passed
-            cell = running.cell.read_text("utf-8")
-            running.cell.write_text(cell.replace(display_of(running), proxy.endpoint), "utf-8")
-            done = catseye(*run_words(running), cwd=tmp_path)
-            assert done.returncode == 0, done.stderr
-    run = last_run(tmp_path, "resolution")
-    reader = RunReader(tmp_path / "catseye-runs" / run)
-    (recording,) = reader.recordings()
-    values_mm = np.concatenate([np.array(chunk.values) for chunk in reader.chunks(recording)])
-    counts, numbers = sent_counts(pieces)
-    stored = np.round(256.0 * values_mm / MM_PER_COUNT).astype(np.int64)
-    place = place_of(stored, counts)
-    assert place >= 0
-    assert (np.diff(numbers[place : place + stored.size]) == 1).all()
-    # Half a minute of bench time and more, at a thousand samples in a real second.
-    assert stored.size > 3000
-    assert (recording["method"], recording["values_lost"]) == ("streamed", 0)
-    evaluated = catseye("resolution", run, "-o", "result.json", cwd=tmp_path)
-    assert evaluated.returncode == 0, evaluated.stderr
-    (test,) = read_resolution(tmp_path / "result.json").tests
-    assert not any("samples are missing" in text for text in test.flags)
-
-
 def test_an_overloaded_bench_answers_and_ends(tmp_path: Path) -> None:
-    with bench(tmp_path, 100_000.0) as running:
+    with bench(tmp_path, 20_000.0) as running:
         host, _, port = display_of(running).removeprefix("tcp://").rpartition(":")
         with socket.create_connection((host, int(port)), timeout=HANG_S) as display:
             threading.Thread(target=_drained, args=(display,), daemon=True).start()
