@@ -17,7 +17,7 @@ from catseye.app.cell.arm import shipped_arm
 from catseye.app.cell.serial_arm import chain_of
 from catseye.app.cluster.share import InThisProcess
 from catseye.app.results.resolution.modelling import model_arm
-from catseye.app.results.resolution.recorded_runs import tests_of_series
+from catseye.app.results.resolution.recorded_runs import evaluate_series
 from catseye.app.results.resolution.shipped import shipped_file
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.predictor import PredictedStep, predict_pose
@@ -60,7 +60,7 @@ def measured_mm(run: int) -> dict[tuple[str, str], float]:
     truth, found = arm_truth(ARM_SEED), {}
     for number, place in enumerate(PLAN.places):
         series = recorded(truth, PLAN, place, 10_000 * (ARM_SEED + 1) + 100 * run + number)
-        for test in tests_of_series(series, f"run {run}", 10.0):
+        for test in evaluate_series(series, f"run {run}", 10.0):
             assert test.lis is not None
             found[place.name, f"{'+' if test.direction == 1 else '-'}{test.joint}"] = test.lis.value
     return found
