@@ -147,12 +147,13 @@ def _show_preview(source: Path, mapping: Path | None, rate_hz: float | None, *, 
 
 def _hand_over(result: "ResolutionResult", output: Path, *, as_json: bool) -> None:
     """Write a result and show it."""
+    from catseye.app.results.resolution.report_files import ReportFiles
     from catseye.app.results.resolution.result import resolution_summary, write_resolution
     from catseye.app.results.resolution.result_report import resolution_report
     from catseye.app.results.runs.trace import sources_of
 
     write_resolution(result, output)
-    report = resolution_report(f"Result {output.name}", [result], sources_of([output]))
+    report = resolution_report(f"Result {output.name}", ReportFiles((result,)), sources_of([output]))
     if as_json:
         write_json({"result": str(output), **resolution_summary(result)})
     else:

@@ -13,7 +13,8 @@ from catseye.app.results.provenance import Provenance
 from catseye.app.results.resolution.actuation import actuation_of
 from catseye.app.results.resolution.evaluation import Asked, Series, evaluated
 from catseye.app.results.resolution.recorded_series import RecordedSeries, series_of_run
-from catseye.app.results.resolution.result import AnyTest, ResolutionResult
+from catseye.app.results.resolution.result import AnyTest, MeasuredRun, ResolutionResult
+from catseye.app.results.runs.event_text import device_text
 from catseye.app.results.runs.run_source import are_simulated, cell_of_run
 from catseye.app.store.reader import RunReader
 from catseye.app.store.software import SOFTWARE
@@ -53,6 +54,7 @@ def result_of_runs(readers: Sequence[RunReader], threshold_percent: float) -> Re
         arm=name,
         actuation=actuation_of(description),
         tests=list(chain.from_iterable(_tests(reader, threshold_percent) for reader in readers)),
+        measured=[_measured(reader) for reader in readers],
         provenance=Provenance(
             runs=[one.path.name for one in readers],
             software=SOFTWARE,
@@ -60,6 +62,24 @@ def result_of_runs(readers: Sequence[RunReader], threshold_percent: float) -> Re
             simulated=are_simulated(readers),
             unverified=unverified or None,
         ),
+    )
+
+
+def _measured(reader: RunReader) -> MeasuredRun:
+    cell = cell_of_run(reader)
+    optics: list[str] = []
+    if cell.angular_optics is not None:
+        spacing, u = cell.angular_optics.spacing_mm, cell.angular_optics.u_spacing_mm
+        optics.append(f"angular, spacing {spacing:g} mm, u = {u:g} mm (k = 1)")
+    if cell.linear_optics is not None:
+        optics.append("linear")
+    devices: Any = reader.meta.get("devices") or {}
+    return MeasuredRun(
+        run=reader.path.name,
+        started_utc=reader.events()[0].time_utc,
+        operator=str(reader.meta.get("operator", "")),
+        devices=[f"{name} {device_text(facts)}" for name, facts in devices.items()],
+        optics=optics,
     )
 
 

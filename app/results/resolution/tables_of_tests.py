@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from catseye.app.results.model import Cell, Column, Table
-from catseye.app.results.numbers import COUNT, NOTHING, Format, duration_text, fixed, number
+from catseye.app.results.numbers import COUNT, NOTHING, decimals_for, duration_text, fixed, number
 from catseye.app.results.resolution.naming import (
     POSITION,
     STEP,
@@ -130,6 +130,7 @@ def _reversal_row(test: AnyTest) -> tuple[Cell, ...]:
     position = with_unit(test.position, test.unit, POSITION)
     if found is None:
         return (test.joint, position, None, None, None, None)
+    decimals = fixed(decimals_for([found.u]))
     valid = {True: "yes: valid", False: "no: not valid", None: "no torque recorded: not valid"}[found.valid]
     measured = (
         None
@@ -139,8 +140,8 @@ def _reversal_row(test: AnyTest) -> tuple[Cell, ...]:
     return (
         test.joint,
         position,
-        with_unit(found.value, test.unit, Format("significant", 3)),
-        with_unit(found.u, test.unit),
+        with_unit(found.value, test.unit, decimals),
+        with_unit(found.u, test.unit, decimals),
         valid,
         measured,
     )

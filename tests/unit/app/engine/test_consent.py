@@ -39,6 +39,7 @@ _YES = Asked("confirm", ("yes",), ("no",))
 QUESTIONS: dict[tuple[str, str], Asked] = {
     ("app/engine/acknowledging.py", "_asked_once"): _YES,
     ("app/engine/reentry.py", "clear"): _YES,
+    ("app/engine/restoring.py", "restore_override"): _YES,
     ("app/engine/reentry.py", "ask_for_reflectors"): Asked("choice", ("untouched",), ("moved",)),
     ("procedures/scara/alignment/screws.py", "_ask_sense"): Asked(
         "choice", (), ("reversed", "turned the wrong way"), "reversed"
