@@ -103,7 +103,8 @@ campaign-soak: $(VENV)/installed  ## hundreds of runs in one engine: memory
 	$(CAMPAIGN) tests/campaigns/test_many_runs.py
 
 campaign-resolution: $(VENV)/installed  ## least steps, lost motion, and from the joints' recordings to measured steps of the tool
-	$(CAMPAIGN) tests/campaigns/test_motion_resolution.py tests/campaigns/test_resolution_loop.py
+	$(CAMPAIGN) tests/campaigns/test_motion_resolution.py
+	$(BIN)/python -m tests.resolution_loop
 
 campaigns: $(VENV)/installed  ## long runs: the paper's whole plan, ways of following, killed runs
 	$(BIN)/python -m pytest -c pyproject.toml tests/campaigns -s -q
