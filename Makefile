@@ -94,7 +94,7 @@ campaign-stop: $(VENV)/installed  ## STOP at random moments, each with a fault o
 
 campaign-safety: $(VENV)/installed  ## killed and blocked programs, opened doors, two programs on one arm, bodies in the way
 	$(CAMPAIGN) tests/campaigns/test_guard.py tests/campaigns/test_door.py tests/campaigns/test_two_programs.py \
-	  tests/campaigns/test_collision_oracle.py
+	  tests/campaigns/test_collision_oracle.py tests/campaigns/test_kuka_guard.py
 
 campaign-links: $(VENV)/installed  ## the paper's plan with one fault in 20 answers on every link
 	$(CAMPAIGN) tests/campaigns/test_faulty_links.py

@@ -11,6 +11,9 @@ UNIT_SIGNS: Final[dict[Unit, str]] = {"deg": "°", "mm": "mm"}
 STEP: Final = Format("significant", 2)
 """A least step is known to a few steps of a series of 7 % each."""
 
+SHIPPED: Final = "✱"
+"""Marks what was recorded on the emulated bench and shipped with the program."""
+
 POSITION: Final = Format("plain")
 
 
@@ -34,7 +37,12 @@ def least_step_text(test: AnyTest) -> str:
         with_unit(one, test.unit, _as_exact_as(test.lis.value))
         for one in (test.lis.value, test.lis.low, test.lis.high)
     )
-    return f"{value} ({low} … {high})"
+    return f"{value} ({low} … {high}){shipped_mark([test])}"
+
+
+def shipped_mark(tests: Sequence[AnyTest]) -> str:
+    """Return what stands behind values of tests of which one is shipped with the program."""
+    return f" {SHIPPED}" if any(test.shipped for test in tests) else ""
 
 
 def _as_exact_as(value: float) -> Format:

@@ -1,6 +1,6 @@
 """Tests that this program recorded, from runs of the store to a result."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain, groupby
 from typing import Any
 
@@ -32,12 +32,17 @@ def holds_tests(reader: RunReader) -> bool:
     return reader.count(Configuration.table) > 0
 
 
-def result_of_runs(readers: Sequence[RunReader], threshold_percent: float) -> ResolutionResult:
+def result_of_runs(
+    readers: Sequence[RunReader],
+    threshold_percent: float,
+    done: Callable[[int, int], None] | None = None,
+) -> ResolutionResult:
     """Return what the tests of runs come to, in the order in which they were made.
 
     Args:
         readers: runs on one arm, at least one.
         threshold_percent: largest step error of a step that counts.
+        done: is called with the number of evaluated tests and of all.
 
     Raises:
         UsageError: a run has recorded no test, or they are of several arms.
@@ -48,12 +53,18 @@ def result_of_runs(readers: Sequence[RunReader], threshold_percent: float) -> Re
         raise UsageError(
             f"the runs are of several arms: {', '.join(arms)}; evaluate those of each by themselves"
         )
+    tests: list[AnyTest] = []
+    count = sum(_count(reader) for reader in readers)
+    for test in chain.from_iterable(_tests(reader, threshold_percent) for reader in readers):
+        tests.append(test)
+        if done is not None:
+            done(len(tests), count)
     unverified = [text for one in readers for text in one.unverified]
     ((name, description),) = arms.items()
     return ResolutionResult(
         arm=name,
         actuation=actuation_of(description),
-        tests=list(chain.from_iterable(_tests(reader, threshold_percent) for reader in readers)),
+        tests=tests,
         measured=[_measured(reader) for reader in readers],
         provenance=Provenance(
             runs=[one.path.name for one in readers],
@@ -102,7 +113,7 @@ def tests_of_series(
     Raises:
         MovesError: a recording does not fit its moves; names source and test.
     """
-    for _, group in groupby(recorded, key=_test_of):
+    for _, group in groupby(recorded, key=lambda one: _test_of(one.configuration)):
         members = list(group)
         asked = _asked(members[0].configuration, threshold_percent)
         try:
@@ -113,9 +124,13 @@ def tests_of_series(
             raise MovesError(f"{where}: {error}") from error
 
 
-def _test_of(recorded: RecordedSeries) -> tuple[object, ...]:
+def _count(reader: RunReader) -> int:
+    """Return how many tests a run has recorded."""
+    return sum(1 for _ in groupby(reader.rows(Configuration.table), key=_test_of))
+
+
+def _test_of(row: Mapping[str, Any]) -> tuple[object, ...]:
     """Return what the series of one test share: those of a test by ISO 230 differ in the size of their steps."""
-    row = recorded.configuration
     together = row["test"] == "iso"
     return (
         row["test"],

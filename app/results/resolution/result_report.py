@@ -23,7 +23,7 @@ from catseye.app.results.resolution.figures.predicted_errors import predicted_er
 from catseye.app.results.resolution.figures.staircase import staircase_figure
 from catseye.app.results.resolution.figures.step_errors import step_error_figure
 from catseye.app.results.resolution.joint_tables import TablesFile
-from catseye.app.results.resolution.naming import joints_of, title
+from catseye.app.results.resolution.naming import SHIPPED, joints_of, title
 from catseye.app.results.resolution.predicted import PredictedResolution
 from catseye.app.results.resolution.prediction_report import prediction_said
 from catseye.app.results.resolution.recorded_runs import result_of_runs
@@ -49,6 +49,7 @@ _CONVENTIONS = (
     "Low and high of a least step are its 95 % interval; other uncertainties are standard uncertainties (k = 1).",
     "Reversal error: mean position reached forwards against that reached backwards at the positions between the "
     "ends; lost motion is positive. It is play only where the motor torque changes its sign between the directions.",
+    f"{SHIPPED} comes with the program: recorded on the emulated bench, not on this arm.",
     "Steps that are commanded below what the instrument resolves are shown nowhere and judged nowhere.",
 )
 

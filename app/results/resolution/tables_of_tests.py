@@ -11,6 +11,7 @@ from catseye.app.results.resolution.naming import (
     joints_of,
     least_step_text,
     named_positions,
+    shipped_mark,
     with_unit,
 )
 from catseye.app.results.resolution.result import Actuation, AnyTest
@@ -127,7 +128,7 @@ def reversal_table(tests: Sequence[AnyTest]) -> Table | None:
 
 def _reversal_row(test: AnyTest) -> tuple[Cell, ...]:
     found, torque = test.reversal, test.torque
-    position = with_unit(test.position, test.unit, POSITION)
+    position = f"{with_unit(test.position, test.unit, POSITION)}{shipped_mark([test])}"
     if found is None:
         return (test.joint, position, None, None, None, None)
     decimals = fixed(decimals_for([found.u]))

@@ -6,7 +6,7 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from catseye.app.results.figures import Axis, Figure, Ink, Level, Mark, Panel, Points, Role
-from catseye.app.results.resolution.naming import UNIT_SIGNS
+from catseye.app.results.resolution.naming import UNIT_SIGNS, shipped_mark
 from catseye.app.results.resolution.result import AnyTest
 from catseye.calibration.core.types import Floats
 
@@ -47,7 +47,7 @@ def least_step_figure(joint: str, tests: Sequence[AnyTest]) -> Figure | None:
     return Figure(
         f"least-steps-{joint}",
         f"Least steps and reversal error of {joint}",
-        f"{joint}. {_CAPTION}",
+        f"{joint}{shipped_mark(placed)}. {_CAPTION}",
         rows,
         heights=(2.0, 1.0) if torques else (),
         aspect=0.5 if torques else 0.4,

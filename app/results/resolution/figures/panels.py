@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from catseye.app.results.figures import Axis, Dash, Ink, Level, Mark, Panel, Points, Role
-from catseye.app.results.resolution.naming import UNIT_SIGNS, named_positions
+from catseye.app.results.resolution.naming import UNIT_SIGNS, named_positions, shipped_mark
 from catseye.app.results.resolution.result import AnyTest, Unit
 
 SHOWN_PERCENT: Final = 60.0
@@ -66,7 +66,8 @@ def least_step_mark(least: float, ink: Ink, dash: Dash = "dotted") -> Level:
 
 def by_position(joint: str, tests: Sequence[AnyTest]) -> list[tuple[str, list[AnyTest]]]:
     """Return the tests of a joint by position, each with its name."""
-    return [
+    groups = [
         (name, [test for test in tests if test.joint == joint and test.position == position])
         for name, position in named_positions(tests, joint)
     ]
+    return [(f"{name}{shipped_mark(members)}", members) for name, members in groups]

@@ -141,7 +141,12 @@ def test_shipped_tests_are_marked(file: Path) -> None:
     document = json.loads(file.read_text("utf-8"))
     document["tests"][0]["shipped"] = True
     file.write_text(json.dumps(document), "utf-8")
-    last = resolution_files_report([file]).statements()[-1]
+    report = resolution_files_report([file])
+    assert report.table("least-steps").rows[0][4] == "0.00015° (0.00013° … 0.00019°) ✱"
+    assert "✱" not in str(report.table("least-steps").rows[1])
+    first = report.figures("errors")[0].rows[0]
+    assert [panel.title for panel in first if panel] == ["K1 = −175° ✱", "K2 = −90°", "K3 = 0°"]
+    last = report.statements()[-1]
     assert last.sign is Sign.ATTENTION
     assert last.text.endswith("say nothing about this arm: A1 at −175°, +")
 
