@@ -44,7 +44,9 @@ types: $(VENV)/installed  ## mypy --strict
 contracts: $(VENV)/installed  ## who may import whom
 	$(BIN)/python -c "from importlinter.cli import lint_imports_command as main; main()"
 
-test: lint types contracts newest tests  ## everything that CI runs; the terminal UI and a measurement on the newest Python found as well
+test: $(VENV)/installed  ## everything that CI runs; the terminal UI and a measurement on the newest Python found as well
+	@# Tests wait for processes: the checks have what is left of the machine.
+	$(MAKE) --no-print-directory --jobs=2 tests lint types contracts newest
 
 suite: lint types contracts tests  ## the checks and the whole suite in one environment
 
