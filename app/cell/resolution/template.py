@@ -42,9 +42,7 @@ arm = "rh-3frh5515"                     # or the path of a description of your o
 override_cap_percent = 10               # the program never drives faster
 # override_cap_reason = ""              # why, for a cap above 30
 drives_off_after_s = 300                # of rest after a run that was started in the terminal UI
-
-# [robot.limits_deg]                    # within the arm's own, which hold without; narrower where cables need it
-# j1 = [-160.0, 160.0]
+# [robot.limits_deg]                    # a range for each joint, where cables need a narrower one than the arm's own
 
 """
 
