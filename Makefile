@@ -16,7 +16,7 @@ export PYTHONDONTWRITEBYTECODE :=
 .DELETE_ON_ERROR:
 
 .PHONY: demo test suite tests lint types contracts newest start pythons lowest tests-lowest bench soak campaigns campaign-stop \
-  campaign-safety campaign-links campaign-soak peers seeds pictures clean help
+  campaign-safety campaign-links campaign-soak peers seeds shipped-recordings pictures clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -110,6 +110,9 @@ seeds: $(VENV)/installed  ## the demo with seeds 1 to 7: what the error map leav
 	  $(BIN)/python -m catseye demo --seed $$seed --out catseye-demo/seed-$$seed --json 2>/dev/null | $(BIN)/python -c \
 	  "import json, sys; d = json.load(sys.stdin); print('seed', $$seed, 'ratio', round(d['validation']['ratio'], 3), \
 	  'normalised errors', round(d['rms_normalised_error'], 2), 'points', d['fit']['n_points'])"; done
+
+shipped-recordings: $(VENV)/installed  ## the tests of every joint of the emulated KR210 that come with the program
+	$(BIN)/python -m tests.shipped_recordings
 
 pictures: $(VENV)/installed demo  ## the pictures of the README and of the terminal user interface
 	$(BIN)/python docs/pictures.py catseye-demo

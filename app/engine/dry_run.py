@@ -25,6 +25,7 @@ from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import legs_refusal
 from catseye.procedures.kit.motion.motion_time import way_time_s
 from catseye.procedures.kit.motion.steps import (
+    STEP_SPEED,
     Vector,
     axis_target,
     largest_change,
@@ -92,14 +93,26 @@ class _IdealRecording(Recording):
     Attributes:
         title: its name.
         origin_s: expected time of its beginning.
+        rate_hz: at which readings come.
+        account: of the expected time.
     """
 
     title: str
     origin_s: float
+    rate_hz: float
+    account: _Account
 
     @property
     def name(self) -> str:
         return self.title
+
+    @property
+    def readings(self) -> int:
+        return int(self.elapsed_s * self.rate_hz) + 1
+
+    @property
+    def elapsed_s(self) -> float:
+        return self.at(self.account.time_s)
 
     def at(self, clock_s: float) -> float:
         return clock_s - self.origin_s
@@ -265,12 +278,16 @@ class DryRunContext:
             PlanError: the arm cannot make it.
         """
         target = line_target(self.system.bench, self.pose, increment_mm)
-        return await self._step(target, length_mm(increment_mm))
+        return await self._step(target, length_mm(increment_mm), line=True)
 
-    async def _step(self, target: Pose, commanded: float) -> Stepped:
-        before, sent_s = self.pose, self._account.time_s
+    async def _step(self, target: Pose, commanded: float, *, line: bool = False) -> Stepped:
+        before, sent_s, peaks = self.pose, self._account.time_s, self._account.speeds
+        self._account.speeds = AT_REST
         await self.move(target)
         # Steps are driven slowly, whatever the axes can do.
+        full = self._account.speeds
+        fastest = full.tool_mm_s if line else full.joint_deg_s
+        self._account.speeds = peaks.faster(full.slowed(STEP_SPEED / fastest if fastest else 1.0))
         self._account.time_s = max(self._account.time_s, sent_s + step_time_s(commanded))
         return Stepped(before, commanded, sent_s, self._account.time_s, self.pose)
 
@@ -283,20 +300,19 @@ class DryRunContext:
         """Account for a recording without keeping any reading."""
         if not self._in_step:
             raise RuntimeError(f"recording {name} begins outside of a step; it could never count")
-        recording = _IdealRecording(name, self._account.time_s)
+        recording = _IdealRecording(name, self._account.time_s, rate_hz, self._account)
         origin_utc = self._now()
         yield recording
-        duration_s = recording.at(self._account.time_s)
         self.record(
             Recorded(
                 name=name,
                 method="polled",
                 origin_utc=origin_utc,
                 origin_clock_s=recording.origin_s,
-                readings=int(duration_s * rate_hz) + 1,
+                readings=recording.readings,
                 chunks=0,
                 crc32=0,
-                duration_s=duration_s,
+                duration_s=recording.elapsed_s,
                 rate_hz=rate_hz,
                 asked_hz=rate_hz,
                 jitter_s=0.0,

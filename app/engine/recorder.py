@@ -113,6 +113,16 @@ class Recorder:
         """Unique in its step."""
         return self._key[2]
 
+    @property
+    def readings(self) -> int:
+        """How many came so far."""
+        return self._spacing.readings
+
+    @property
+    def elapsed_s(self) -> float:
+        """Time since its origin, s."""
+        return self.at(self._clock.monotonic_s())
+
     def at(self, clock_s: float) -> float:
         """Return a time of the bench's clock as one of the recording, s since its origin."""
         return clock_s - self._origin_s

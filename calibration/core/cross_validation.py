@@ -135,8 +135,8 @@ class _LeftOut:
 
     Attributes:
         reach: R, shape (rows, k).
-        directions: eigenvectors of RᵀR, shape (k, k).
-        shares: its eigenvalues σ², how far the fold is taken along them, shape (k,).
+        directions: right singular vectors of R as columns, shape (k, the lesser of rows and k).
+        shares: its squared singular values σ², how far the fold is taken along them.
         identified: what others share is determined without the fold.
     """
 
@@ -148,7 +148,8 @@ class _LeftOut:
     @classmethod
     def of(cls, projection: Projection, folds: Folds, fold: int) -> "_LeftOut":
         reach = projection.reach[folds.rows(fold)]
-        shares, directions = np.linalg.eigh(reach.T @ reach)
+        _, singular, right = np.linalg.svd(reach, full_matrices=False)
+        shares, directions = singular**2, right.T
         alone = int(np.sum(1.0 - shares < _OWN))
         return cls(reach, directions, np.clip(shares, 0.0, 1.0), alone == int(folds.own[fold]))
 

@@ -1,7 +1,8 @@
 """A serial arm of any joints in modified Denavit–Hartenberg parameters: its frames, and the levers of its joints.
 
-The transform of joint i is T_i = Rx(α_i) Tx(a_i) Rz(θ_i) Tz(d_i) (Craig, Introduction to Robotics, section 3.4), with
-θ_i = sign · q_i + offset for a revolute joint and d_i = sign · q_i + d for a prismatic one.
+The transform of joint i is T_i = Rx(α_i) Ry(β_i) Tx(a_i) Rz(θ_i) Tz(d_i), with θ_i = sign · q_i + offset for a
+revolute joint and d_i = sign · q_i + d for a prismatic one. With β = 0, as every drawing has it, these are Craig's
+parameters (Introduction to Robotics, section 3.4); β is what nearly parallel axes need beside α (Hayati 1983).
 """
 
 import math
@@ -34,6 +35,7 @@ class Joint:
         sign: 1 or -1.
         low: smallest q, deg or mm.
         high: largest q, deg or mm.
+        beta_deg: tilt about y after the twist.
     """
 
     name: str
@@ -45,6 +47,7 @@ class Joint:
     sign: float
     low: float
     high: float
+    beta_deg: float = 0.0
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(JointKind):
@@ -67,7 +70,8 @@ class Joint:
     @property
     def parallel(self) -> bool:
         """Its axis is parallel to that of the joint before."""
-        return math.isclose(math.sin(math.radians(self.alpha_deg)), 0.0, abs_tol=1e-12)
+        twists = (math.sin(math.radians(angle)) for angle in (self.alpha_deg, self.beta_deg))
+        return all(math.isclose(sine, 0.0, abs_tol=1e-12) for sine in twists)
 
 
 @dataclass(frozen=True)
@@ -102,7 +106,7 @@ class Chain:
         """
         found = np.empty((len(self.joints) + 1, len(poses), 4, 4))
         found[0] = np.eye(4)
-        for i, (joint, fixed) in enumerate(zip(self.joints, self._fixed, strict=True)):
+        for i, (joint, fixed) in enumerate(zip(self.joints, self.fixed, strict=True)):
             np.matmul(found[i], fixed @ _moved(joint, poses[:, i]), out=found[i + 1])
         return found
 
@@ -144,13 +148,18 @@ class Chain:
         return math.radians(arm_mm)
 
     @cached_property
-    def _fixed(self) -> Floats:
-        """Rx(α) Tx(a) of each joint, shape (joints, 4, 4)."""
+    def fixed(self) -> Floats:
+        """What each joint has before its own motion, Rx(α) Ry(β) Tx(a), shape (joints, 4, 4)."""
         made = np.tile(np.eye(4), (len(self.joints), 1, 1))
         for one, joint in zip(made, self.joints, strict=True):
             cos, sin = math.cos(math.radians(joint.alpha_deg)), math.sin(math.radians(joint.alpha_deg))
-            one[1:3, 1:3] = [[cos, -sin], [sin, cos]]
-            one[0, 3] = joint.a_mm
+            along, across = math.cos(math.radians(joint.beta_deg)), math.sin(math.radians(joint.beta_deg))
+            one[:3, :3] = [
+                [along, 0.0, across],
+                [sin * across, cos, -sin * along],
+                [-cos * across, sin, cos * along],
+            ]
+            one[:3, 3] = joint.a_mm * one[:3, 0]
         return made
 
 

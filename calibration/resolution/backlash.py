@@ -13,6 +13,7 @@ import numpy as np
 
 from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.resolution.correlation import correlation_within, mean_variance_factor
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.flags import Flag, listed
 from catseye.calibration.resolution.steps import Steps
@@ -165,7 +166,8 @@ def _reversal(steps: Steps, groups: _Groups) -> tuple[Floats, float, float]:
     level = groups.means(position - slope * time_s)
     left = position - slope * time_s - level[groups.of]
     counts = groups.counts()
-    variance = float(left @ left) / dof
+    shared = correlation_within(left, steps.moves.directions, groups.interior())
+    variance = float(left @ left) / dof * mean_variance_factor(shared, groups.place.size)
     u_slope = math.sqrt(variance / square)
     each = 1.0 / counts[groups.forward] + 1.0 / counts[groups.backward]
     lag_s = float(np.mean(mean_s[groups.backward] - mean_s[groups.forward]))

@@ -39,6 +39,7 @@ _CREEP = 0.01
 
 _LARGE = 30.0
 _LARGEST = 10
+_EQUAL = 1e-6
 _PLAUSIBLE = (0.5, 1.5)
 """Median ratio of measured to commanded, of the largest steps, in a recording of these moves."""
 
@@ -144,10 +145,13 @@ def require_same_run(found: Steps) -> None:
     """
     command = found.moves.command
     large = np.argsort(-np.abs(command), kind="stable")
-    large = large[np.isfinite(found.measured[large])][:_LARGEST]
+    large = large[np.isfinite(found.measured[large])]
     large = large[np.abs(command[large]) > _LARGE * found.noise.step]
     if not large.size:
         return
+    # Equal ones count together: the first ten of a test there and back would not show a shift.
+    least = np.abs(command[large[:_LARGEST]]).min()
+    large = large[np.abs(command[large]) >= (1.0 - _EQUAL) * least]
     _require_unshifted(found, large)
     ratio = float(np.median(found.measured[large] / command[large]))
     if _PLAUSIBLE[0] <= ratio <= _PLAUSIBLE[1]:
@@ -167,17 +171,20 @@ def _require_unshifted(found: Steps, large: Ints) -> None:
     """Refuse steps that are those of moves some dwells earlier or later."""
     command, measured = found.moves.command, found.measured
 
-    def misfit(shift: int) -> float:
-        """Return the rms relative error if each large step were that of another move."""
-        near = large[(large - shift >= 0) & (large - shift < command.size)]
-        return float(np.sqrt(np.mean((measured[near] / command[near - shift] - 1.0) ** 2)))
+    def near(shift: int) -> Ints:
+        return large[(large - shift >= 0) & (large - shift < command.size)]
+
+    def misfit(of: Ints, shift: int) -> float:
+        """Return the rms relative error if each of some steps were that of another move."""
+        return float(np.sqrt(np.mean((measured[of] / command[of - shift] - 1.0) ** 2)))
 
     furthest = min(_LARGEST, large.size - _FEWEST_LEFT)
     shifts = [shift for size in range(1, furthest + 1) for shift in (size, -size)]
     if not shifts:
         return
-    best = min(shifts, key=misfit)
-    if misfit(0) < _SHIFTED or misfit(best) > 0.5 * misfit(0):
+    best = min(shifts, key=lambda shift: misfit(near(shift), shift))
+    as_commanded = misfit(near(best), 0)
+    if as_commanded < _SHIFTED or misfit(near(best), best) > 0.5 * as_commanded:
         return
     raise MovesError(
         f"the largest steps are those commanded {abs(best)} moves {'earlier' if best > 0 else 'later'}: the "

@@ -49,6 +49,10 @@ class CounterError(ProcedureError):
     """The sign or the scale of the counter is wrong."""
 
 
+class SlowCounterError(ProcedureError):
+    """The counter is read too seldom for what comes after the measurement."""
+
+
 class MostLeftOutError(ProcedureError):
     """A measurement left out most of its points."""
 

@@ -67,6 +67,16 @@ class Recording(Protocol):
         """Unique in its step."""
         ...
 
+    @property
+    def readings(self) -> int:
+        """How many came so far."""
+        ...
+
+    @property
+    def elapsed_s(self) -> float:
+        """Time since its origin, s."""
+        ...
+
     def at(self, clock_s: float) -> float:
         """Return a time of the bench's clock as one of the recording, s since its origin."""
         ...

@@ -7,6 +7,7 @@ from catseye.procedures.kit.motion.bench_time import BenchTime
 from catseye.procedures.kit.records import Row
 from catseye.procedures.resolution.campaign_plan import CampaignPlan, Series
 from catseye.procedures.resolution.optics import set_up
+from catseye.procedures.resolution.reading_rate import ReadingRate
 from catseye.procedures.resolution.recorded_series import SeriesRecorder
 
 
@@ -16,12 +17,14 @@ async def carry_out(ctx: Context, plan: CampaignPlan) -> None:
     Raises:
         AlignmentError: optics could not be set up, or the operator stops there.
         BeamLostError: the beam was lost again and again and the operator stops.
+        SlowCounterError: too few readings come, and nobody wants to go on.
     """
     time = BenchTime(ctx, plan.duration_s)
+    rate = ReadingRate(ctx, accept_slow=plan.accept_slow_counter)
     for place in plan.places:
         title = f"{place.joint} at {place.name}: optics"
         row = await ctx.step(f"{place.joint}/{place.name}/optics", title, partial(set_up, ctx, plan, place))
-        recorder = SeriesRecorder(ctx, plan, place)
+        recorder = SeriesRecorder(ctx, plan, place, rate)
         for series in place.series:
             if not row["skipped"]:
                 await ctx.step(series.step_id, series.title, partial(_recorded, time, recorder, series))

@@ -90,6 +90,7 @@ class CampaignPlan:
         standstill_s: recorded before the first move of each series.
         dwell_s: standstill after each move.
         rate_hz: at which a counter is asked that sends nothing by itself.
+        accept_slow_counter: record even if fewer readings come than the evaluation needs.
     """
 
     bench: Bench
@@ -97,6 +98,7 @@ class CampaignPlan:
     standstill_s: float
     dwell_s: float
     rate_hz: float
+    accept_slow_counter: bool = False
 
     @property
     def duration_s(self) -> float:

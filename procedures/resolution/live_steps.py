@@ -5,6 +5,7 @@ import statistics
 from collections.abc import Sequence
 from typing import Final
 
+from catseye.procedures.kit.angular_optics import angle_deg
 from catseye.procedures.kit.bench import AngularOptics, LinearOptics
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.live import Live, LiveStep
@@ -41,26 +42,26 @@ class LiveSteps:
         self._series = series
         self._unit = place.unit
         self._optics = optics
+        self._still: list[float] = []
         self._resolved = 0.0
         self._mounting = 0.0
         self._origin = 0.0
 
     async def stand_still(self, recording: Recording, duration_s: float, dwell_s: float) -> None:
-        """Pause, and learn from the pause how small a step the instrument resolves.
+        """Pause, and learn from this and earlier pauses how small a step the instrument resolves.
 
         Args:
-            duration_s: of the standstill, s.
+            duration_s: of the pause, s.
             dwell_s: between moves, s: plateaus are compared that far apart.
         """
-        means: list[float] = []
         left_s = duration_s
         while left_s > 0.0:
             await self._ctx.pause(min(_PLATEAU_S, left_s))
             left_s -= _PLATEAU_S
             mean = self.plateau(recording)
             if mean is not None:
-                means.append(mean)
-        self._resolved = _SIGMAS * _difference(means, dwell_s)
+                self._still.append(mean)
+        self._resolved = _SIGMAS * _difference(self._still, dwell_s)
 
     def plateau(self, recording: Recording) -> float | None:
         """Return where the arm stands by the newest readings, deg or mm; None without any."""
@@ -71,8 +72,7 @@ class LiveSteps:
         mean_mm = statistics.fmean(values)
         if not isinstance(self._optics, AngularOptics):
             return mean_mm
-        share = mean_mm / self._optics.spacing_mm
-        return math.degrees(math.asin(share)) if abs(share) <= 1.0 else None
+        return angle_deg(mean_mm, self._optics.spacing_mm)
 
     def show(self, move: Move, before: float | None, after: float | None) -> None:
         """Show a step.

@@ -33,6 +33,9 @@ class CampaignParams(BaseModel):
         le=1000.0,
         description="rate at which a counter is asked that sends nothing by itself, Hz",
     )
+    accept_slow_counter: bool = Field(
+        default=False, description="record even if fewer readings come than the evaluation needs"
+    )
 
 
 class JointParams(CampaignParams):
@@ -82,7 +85,14 @@ def campaign(bench: Bench, params: CampaignParams, places: Sequence[Place]) -> C
     if not all(series.orders for place in places for series in place.series):
         raise PlanError("a series has no step that this controller can command: begin with a larger one")
     return require_possible(
-        CampaignPlan(bench, tuple(places), params.standstill_s, params.dwell_s, params.rate_hz)
+        CampaignPlan(
+            bench,
+            tuple(places),
+            params.standstill_s,
+            params.dwell_s,
+            params.rate_hz,
+            params.accept_slow_counter,
+        )
     )
 
 

@@ -15,6 +15,7 @@ from catseye.procedures.kit.records import Row
 from catseye.procedures.resolution.campaign_plan import CampaignPlan, Order, Place, Series
 from catseye.procedures.resolution.live_steps import LiveSteps
 from catseye.procedures.resolution.places import axis_number
+from catseye.procedures.resolution.reading_rate import LOOK_AFTER_S, ReadingRate
 from catseye.procedures.resolution.records import Configuration, Move
 
 POLICY: Final = BeamLossPolicy(attempts=2, patience_s=10.0, may_skip=True)
@@ -27,12 +28,14 @@ class SeriesRecorder:
     Args:
         plan: the campaign.
         place: where the optics are set up.
+        rate: looks at the rate of each recording.
     """
 
-    def __init__(self, ctx: Context, plan: CampaignPlan, place: Place) -> None:
+    def __init__(self, ctx: Context, plan: CampaignPlan, place: Place, rate: ReadingRate) -> None:
         self._ctx = ctx
         self._plan = plan
         self._place = place
+        self._rate = rate
         self._optics = plan.optics(place)
         self._log = LossLog(ctx)
         self._torques = Torques(ctx)
@@ -42,6 +45,7 @@ class SeriesRecorder:
 
         Raises:
             BeamLostError: the beam was lost again and again and the operator stops.
+            SlowCounterError: too few readings come, and nobody wants to go on.
         """
         place = self._place
         loss = BeamLoss(
@@ -71,7 +75,9 @@ class SeriesRecorder:
         made = _Made(name)
         async with self._ctx.recording(name, self._plan.rate_hz) as recording:
             live = LiveSteps(self._ctx, series, self._place, self._optics)
-            await live.stand_still(recording, self._plan.standstill_s, self._plan.dwell_s)
+            await live.stand_still(recording, LOOK_AFTER_S, self._plan.dwell_s)
+            await self._rate.require(recording, series.run_in[-1])
+            await live.stand_still(recording, self._plan.standstill_s - LOOK_AFTER_S, self._plan.dwell_s)
             cause = await self._moves(series, recording, made, live)
         for move in made.moves:
             self._ctx.record(move)
@@ -101,7 +107,7 @@ class SeriesRecorder:
             except StepCutShortError as error:
                 return Cause("cut-short", str(error))
             await self._ctx.pause(self._plan.dwell_s)
-            torques = await self._torques.read()
+            torques = await self._torques.read(recording)
             move = self._move(made.recording, number, order, stepped, recording, torques)
             made.moves.append(move)
             status = await self._ctx.beam()
@@ -128,7 +134,7 @@ class SeriesRecorder:
         order: Order,
         stepped: Stepped,
         recording: Recording,
-        torques: tuple[float, ...] | None,
+        torques: "_TorquesRead | None",
     ) -> Move:
         before, after = (self._axis_value(pose) for pose in (stepped.before, stepped.after))
         return Move(
@@ -144,7 +150,8 @@ class SeriesRecorder:
             ended_s=recording.at(stepped.ended_s),
             measured_before=before,
             measured_after=after,
-            torque_nm=None if torques is None else self._axis_value(torques),
+            torque_nm=None if torques is None else self._axis_value(torques.nm),
+            torque_s=None if torques is None else torques.time_s,
             extra={"before": list(stepped.before), "after": list(stepped.after)},
         )
 
@@ -190,6 +197,19 @@ class _Made:
     moves: list[Move] = field(default_factory=list)
 
 
+@dataclass(frozen=True)
+class _TorquesRead:
+    """Motor torques as they were read.
+
+    Attributes:
+        time_s: the middle between question and answer, s since the recording's origin.
+        nm: of the axes, N m.
+    """
+
+    time_s: float
+    nm: tuple[float, ...]
+
+
 class Torques:
     """Motor torques, as long as the controller states them."""
 
@@ -197,12 +217,14 @@ class Torques:
         self._ctx = ctx
         self._stated = True
 
-    async def read(self) -> tuple[float, ...] | None:
-        """Return the torques of the axes, N m; None where there are none, which is said once."""
+    async def read(self, recording: Recording) -> _TorquesRead | None:
+        """Return the torques of the axes; None where there are none, which is said once."""
         if not self._stated:
             return None
+        asked_s = recording.elapsed_s
         try:
-            return await self._ctx.torques()
+            nm = await self._ctx.torques()
+            return _TorquesRead(0.5 * (asked_s + recording.elapsed_s), nm)
         except RefusedError as error:
             self._stated = False
             await self._ctx.warn(

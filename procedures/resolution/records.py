@@ -66,7 +66,8 @@ class Move(Record):
         ended_s: when the controller said that it was over.
         measured_before: the axis as the controller reported it just before; None for a straight step.
         measured_after: the same after the move.
-        torque_nm: of the axis' motor at the end of the dwell; None where the controller states none.
+        torque_nm: of the axis' motor behind the dwell; None where the controller states none.
+        torque_s: when it was read, s since the recording's origin; None without it, or where nobody noted it.
     """
 
     table: ClassVar[str] = "moves"
@@ -82,3 +83,4 @@ class Move(Record):
     measured_before: float | None = None
     measured_after: float | None = None
     torque_nm: float | None = None
+    torque_s: float | None = None

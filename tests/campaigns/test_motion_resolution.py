@@ -1,7 +1,7 @@
 """Least steps and lost motion of emulated drivetrains, stated from one test each, against what many tests give.
 
-The drivetrains hold no table of step errors; a seed draws all joints of an arm. `CATSEYE_RESOLUTION_SEEDS` sets how
-many arms [50].
+The drivetrains hold no table of step errors; a seed draws all joints of an arm, and what scatters in their tests.
+`CATSEYE_RESOLUTION_SEEDS` sets how many arms [50], `CATSEYE_RESOLUTION_FIRST` the first seed [0].
 """
 
 import math
@@ -16,15 +16,16 @@ from catseye.calibration.resolution.backlash import Backlash, backlash
 from catseye.calibration.resolution.decaying import decaying_test
 from catseye.calibration.resolution.iso import iso_amplitude, iso_test
 from catseye.calibration.resolution.least_step import moving_mean, steps_within
-from catseye.simulators.world.serial.truth import JointTruth, draw_joint_truth
+from catseye.simulators.world.serial.truth import draw_joint_truth
 from tests.unit.calibration.resolution.measured import decaying_steps, measured_steps
 from tests.unit.calibration.resolution.staircase import DEG
 from tests.unit.simulators.world.serial.arms import TOOL, serial_arm
 from tests.unit.simulators.world.serial.trials import POSITIONS_DEG, STEPS_DEG, Trials
 
-SEEDS = int(os.environ.get("CATSEYE_RESOLUTION_SEEDS", "50"))
+FIRST = int(os.environ.get("CATSEYE_RESOLUTION_FIRST", "0"))
+SEEDS = range(FIRST, FIRST + int(os.environ.get("CATSEYE_RESOLUTION_SEEDS", "50")))
 REPEATS = 300
-"""Trials beside the one that is evaluated; all joints' trials of the same number scatter by the same numbers."""
+"""Trials beside the one that is evaluated."""
 
 U_STEP_DEG = 2e-6
 """Noise of a step by the interferometer: 0.035 µrad."""
@@ -48,24 +49,20 @@ class Stated:
     held: bool
 
 
-def trials(truth: JointTruth, joint: int, position: int, count: int = 1) -> Trials:
-    return Trials(ARM, truth, joint, POSITIONS_DEG[NAMES[joint]][position], count)
-
-
-def own_trial(seed: int, joint: int) -> int:
-    """Return the number of the trial that is evaluated: another one for every joint of every arm."""
-    return (len(NAMES) * seed + joint) % (REPEATS + 1)
+def trials(seed: int, joint: int, count: int = 1) -> Trials:
+    """Return trials of a joint that share no random number with those of any other joint or arm."""
+    truth = draw_joint_truth(ARM, seed).joints[joint]
+    position_deg = POSITIONS_DEG[NAMES[joint]][seed % 5]
+    return Trials(ARM, truth, joint, position_deg, count, 1000 + len(NAMES) * seed + joint)
 
 
 def stated(seed: int, joint: int) -> Stated:
     """Test a joint once, with noise of the instrument, and as often as the truth takes, without."""
-    truth = draw_joint_truth(ARM, seed).joints[joint]
-    errors = trials(truth, joint, seed % 5, REPEATS + 1).decaying(1 if seed % 2 else -1)
-    own = own_trial(seed, joint)
-    mean = np.delete(errors, own, axis=1).mean(axis=1)
+    errors = trials(seed, joint, REPEATS + 1).decaying(1 if seed % 2 else -1)
+    own, mean = errors[:, 0], errors[:, 1:].mean(axis=1)
     true_deg = STEPS_DEG[int(steps_within(moving_mean(mean), 10.0)) - 1]
     noise = np.random.default_rng([seed, joint]).normal(0.0, U_STEP_DEG, STEPS_DEG.size)
-    steps = decaying_steps(STEPS_DEG * DEG, errors[:, own] + 100.0 * noise / STEPS_DEG, U_STEP_DEG * DEG)
+    steps = decaying_steps(STEPS_DEG * DEG, own + 100.0 * noise / STEPS_DEG, U_STEP_DEG * DEG)
     least = decaying_test(steps, seed=seed).least_step
     assert least is not None
     ratio = math.log(true_deg * DEG / least.value) / math.log(1.072267)
@@ -93,11 +90,11 @@ def reversed_steps(positions: Floats, seed: int) -> Backlash:
 
 @pytest.mark.slow
 def test_least_steps_are_stated_without_bias_and_their_intervals_hold() -> None:
-    found = [stated(seed, joint) for seed in range(SEEDS) for joint in range(len(NAMES))]
+    found = [stated(seed, joint) for seed in SEEDS for joint in range(len(NAMES))]
     bias = float(np.median([one.steps_off for one in found]))
     held = float(np.mean([one.held for one in found]))
     print(  # noqa: T201  # the figure
-        f"\n{len(found)} least steps of {SEEDS} arms: median bias {bias:+.1f} steps of the series, "
+        f"\n{len(found)} least steps of {len(SEEDS)} arms: median bias {bias:+.1f} steps of the series, "
         f"{100.0 * held:.1f} % within 95 % intervals"
     )
     assert abs(bias) <= 1.0
@@ -107,20 +104,19 @@ def test_least_steps_are_stated_without_bias_and_their_intervals_hold() -> None:
 @pytest.mark.slow
 def test_lost_motion_is_found_within_its_uncertainty() -> None:
     z = []
-    for seed in range(SEEDS):
+    for seed in SEEDS:
         for joint in range(len(NAMES)):
-            truth = draw_joint_truth(ARM, seed).joints[joint]
-            places = forth_and_back(trials(truth, joint, seed % 5, REPEATS + 1))
-            own = own_trial(seed, joint)
-            one = reversed_steps(places[:, own], seed)
-            z.append((one.lost_motion / DEG - lost_deg(np.delete(places, own, axis=1))) / (one.u / DEG))
+            places = forth_and_back(trials(seed, joint, REPEATS + 1))
+            one = reversed_steps(places[:, 0], len(NAMES) * seed + joint)
+            z.append((one.lost_motion / DEG - lost_deg(places[:, 1:])) / (one.u / DEG))
     rms = float(np.sqrt(np.mean(np.square(z))))
     print(f"\n{len(z)} reversal errors: z = {rms:.2f} rms")  # noqa: T201  # the figure
     assert 0.9 <= rms <= 1.1
 
 
 def test_reversals_mask_what_a_joint_resolves_in_one_direction() -> None:
-    joint, sizes = trials(draw_joint_truth(ARM, 3).joints[0], 0, 2), np.geomspace(2e-4, 2e-2, 12)
+    truth, k3_deg = draw_joint_truth(ARM, 3).joints[0], POSITIONS_DEG["A1"][2]
+    joint, sizes = Trials(ARM, truth, 0, k3_deg), np.geomspace(2e-4, 2e-2, 12)
     tested = []
     for size in sizes.tolist():
         joint.run_in(1)
@@ -130,9 +126,7 @@ def test_reversals_mask_what_a_joint_resolves_in_one_direction() -> None:
         places = np.array([start, *(float(joint.go(np.array([one]))[0]) for one in target)])
         tested.append(iso_amplitude(measured_steps(command * DEG, places * DEG, U_STEP_DEG * DEG)))
     found = iso_test(tested)
-    one_way = decaying_test(
-        decaying_steps(STEPS_DEG * DEG, trials(draw_joint_truth(ARM, 3).joints[0], 0, 2).decaying(1)[:, 0])
-    )
+    one_way = decaying_test(decaying_steps(STEPS_DEG * DEG, Trials(ARM, truth, 0, k3_deg).decaying(1)[:, 0]))
     assert found.least_step is not None
     assert one_way.least_step is not None
     assert found.between_reversals is not None

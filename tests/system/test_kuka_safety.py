@@ -29,18 +29,11 @@ MOVER = "tests.system.kuka_mover"
 GUARD_S = 0.25
 """A guard says STOP when its engine's end of a pipe closes, which takes a moment; proxy and program follow."""
 
-CONTROL = """
-[tracker]
-driver = "bench-tracker"
-endpoint = "tcp://127.0.0.1:10099"
-"""
-"""Names the control port, by which the bench is watched."""
-
 
 @contextmanager
 def kuka(folder: Path) -> Iterator[tuple[Emulated, str]]:
     """Emulate the example in real time; yield it with the proxy's endpoint."""
-    with own_runtime(), emulated(folder, text=EXAMPLE.read_text(encoding="utf-8") + CONTROL) as bench:
+    with own_runtime(), emulated(folder, text=EXAMPLE.read_text(encoding="utf-8")) as bench:
         bench.ask(op="speed", value=1.0)
         found = re.search(r'^endpoint = "(.+?)"', bench.cell.read_text(encoding="utf-8"), re.MULTILINE)
         assert found is not None

@@ -56,9 +56,15 @@ class RecordedSeries:
         return np.array([move["time_s"] for move in self.moves], dtype=np.float64)
 
     def torque_time_s(self) -> Floats:
-        """Return when the torques were read: at the end of each dwell, s since the recording's origin, shape (m,)."""
+        """Return when the torques were read, behind each dwell, s since the recording's origin, shape (m,)."""
         dwell_s = float(self.configuration["dwell_s"])
-        return np.array([move["ended_s"] + dwell_s for move in self.moves], dtype=np.float64)
+        times_s = [move.get("torque_s") for move in self.moves]
+        # Runs of earlier versions did not note it.
+        read_s = [
+            move["ended_s"] + dwell_s if time_s is None else time_s
+            for move, time_s in zip(self.moves, times_s, strict=True)
+        ]
+        return np.array(read_s, dtype=np.float64)
 
     def torque_nm(self) -> Floats | None:
         """Return the motor torques of the tested axis, shape (m,); None where the controller states none."""

@@ -39,6 +39,7 @@ _YES = Asked("confirm", ("yes",), ("no",))
 QUESTIONS: dict[tuple[str, str], Asked] = {
     ("app/engine/acknowledging.py", "_asked_once"): _YES,
     ("app/engine/reentry.py", "clear"): _YES,
+    ("app/engine/restoring.py", "restore_override"): _YES,
     ("app/engine/reentry.py", "ask_for_reflectors"): Asked("choice", ("untouched",), ("moved",)),
     ("procedures/scara/alignment/screws.py", "_ask_sense"): Asked(
         "choice", (), ("reversed", "turned the wrong way"), "reversed"
@@ -59,6 +60,7 @@ QUESTIONS: dict[tuple[str, str], Asked] = {
     ("procedures/scara/open_loop/remount.py", "_ask"): _YES,
     # "no" leaves the place out, and the next one is asked for.
     ("procedures/resolution/optics.py", "_drive"): _YES,
+    ("procedures/resolution/reading_rate.py", "_prompt"): Asked("choice", ("anyway",), ("stop",), "stop"),
     # The alignment is asked for before anything moves.
     ("procedures/resolution/optics.py", "_mount"): Asked("choice", (), ("mounted", "skip", "stop"), "stop"),
     ("procedures/resolution/optics.py", "_align"): Asked("choice", ("aligned",), ("skip", "stop"), "stop"),

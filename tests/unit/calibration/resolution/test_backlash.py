@@ -24,6 +24,16 @@ def places(seed: int, drift_per_s: float = 0.0, command: Floats = COMMAND) -> Fl
     return np.asarray(motor - 0.5 * PLAY * sense + drift + noise)
 
 
+def carried_on(shared: float, seed: int) -> Floats:
+    """Return what each position takes over from the one before in its sequence, ten times the noise of the rest."""
+    rng = np.random.default_rng([seed, 1])
+    left = np.zeros((10, 10))
+    left[:, 0] = rng.normal(size=10)
+    for k in range(1, 10):
+        left[:, k] = shared * left[:, k - 1] + np.sqrt(1.0 - shared**2) * rng.normal(size=10)
+    return 10.0 * NOISE * np.concatenate([[0.0], left.ravel()])
+
+
 def found(seed: int = 1, drift_per_s: float = 0.0, torque: tuple[Floats, Floats] | None = None) -> Backlash:
     steps = measured_steps(COMMAND, places(seed, drift_per_s), NOISE)
     return backlash(steps, *torque) if torque else backlash(steps)
@@ -44,6 +54,16 @@ def test_lost_motion_is_found_within_its_uncertainty(drift_per_s: float) -> None
     assert np.sqrt(np.mean(np.square(z))) == pytest.approx(1.0, abs=0.15)
     # The mean over nine places of the difference of two means of five.
     assert np.mean([one.u for one in many]) == pytest.approx(NOISE * np.sqrt(2.0 / 45.0), rel=0.05)
+
+
+@pytest.mark.parametrize("shared", [0.2, 0.4])
+def test_neighbours_that_are_alike_make_it_less_certain(shared: float) -> None:
+    z = []
+    for seed in range(200):
+        left = carried_on(shared, seed)
+        one = backlash(measured_steps(COMMAND, places(seed) + left, NOISE))
+        z.append((one.lost_motion - PLAY) / one.u)
+    assert np.sqrt(np.mean(np.square(z))) == pytest.approx(1.0, abs=0.15)
 
 
 def test_nine_interior_positions_count() -> None:

@@ -239,6 +239,22 @@ def test_moves_that_do_not_fit_are_refused(
         require_same_run(steps(*wrong(BENCH.recorded(moves, COMMAND), moves)))
 
 
+THERE_AND_BACK = 1.7e-3 * np.tile(np.repeat([1.0, -1.0], 10), 2)
+
+
+def test_reversals_that_cost_much_of_a_step_are_no_shift() -> None:
+    done = THERE_AND_BACK.copy()
+    done[::10] *= 0.85
+    moves = BENCH.moves(THERE_AND_BACK)
+    require_same_run(steps(BENCH.recorded(moves, done), moves))
+
+
+def test_equal_steps_of_other_times_are_refused() -> None:
+    moves = BENCH.moves(THERE_AND_BACK)
+    with pytest.raises(MovesError, match="those commanded 3 moves earlier"):
+        require_same_run(steps(*of_other_times(BENCH.recorded(moves, THERE_AND_BACK), moves)))
+
+
 @pytest.mark.parametrize(
     ("time_s", "command", "text"),
     [

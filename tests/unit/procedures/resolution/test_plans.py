@@ -184,7 +184,9 @@ def test_a_series_that_the_controller_ends_says_why() -> None:
 def test_a_series_of_all_its_steps_says_nothing() -> None:
     assert not ended_early(Resolution().plan(SIX, ResolutionParams(joints=["A1"], positions=["K3"])))
     bench = replace(SIX, arm=replace(SIX.arm, command_resolution={"deg": 0.001}))
-    assert not ended_early(Resolution().plan(bench, ResolutionParams(joints=["A1"], positions=["K3"], steps=20)))
+    assert not ended_early(
+        Resolution().plan(bench, ResolutionParams(joints=["A1"], positions=["K3"], steps=20))
+    )
 
 
 def test_a_controller_that_resolves_nothing_of_a_series_is_refused() -> None:

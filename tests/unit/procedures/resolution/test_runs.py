@@ -32,7 +32,16 @@ from tests.unit.app.engine.given_parts import Willing
 from tests.unit.procedures.resolution.benches import SIX, AngleCounter, SteppedArm
 from tests.unit.procedures.six_axes import STRETCHED
 
-SHORT = ResolutionParams(joints=["A1"], positions=["K3"], steps=6, standstill_s=15.0, dwell_s=2.0)
+SHORT = ResolutionParams(
+    joints=["A1"],
+    positions=["K3"],
+    steps=6,
+    standstill_s=15.0,
+    dwell_s=2.0,
+    # The scripted clock goes on while others look at the bench: 5 readings a second.
+    accept_slow_counter=True,
+)
+STRICT = SHORT.model_copy(update={"accept_slow_counter": False})
 
 
 @dataclass
@@ -113,6 +122,8 @@ async def test_moves_say_when_and_by_how_much(tmp_path: Path) -> None:
     assert first["measured_before"] == 0.0
     assert first["measured_after"] == pytest.approx(-0.09)
     assert first["torque_nm"] == 40.0
+    # Read behind the dwell and before the next step.
+    assert number(first["ended_s"]) + 2.0 <= number(first["torque_s"]) <= number(second["time_s"])
     configuration = reader.rows("configurations")[1]
     expected = {"test": "decaying", "joint": "A1", "position": "K3", "position_value": 0.0, "direction": -1}
     assert {key: configuration[key] for key in expected} == expected
@@ -243,7 +254,9 @@ async def test_a_broken_campaign_goes_on_with_its_series(tmp_path: Path) -> None
 
 async def test_backlash_drives_poses_and_reads_torques(tmp_path: Path) -> None:
     room = Room(tmp_path)
-    params = BacklashParams(joints=["A1"], positions=["K3"], standstill_s=15.0, dwell_s=1.0)
+    params = BacklashParams(
+        joints=["A1"], positions=["K3"], standstill_s=15.0, dwell_s=1.0, accept_slow_counter=True
+    )
     outcome = await carried_out(room, Backlash(), Backlash().plan(SIX, params))
     assert outcome.status == "complete"
     reader = RunReader(outcome.path)
@@ -277,6 +290,7 @@ async def test_straight_series_are_stepped_along_lines(tmp_path: Path) -> None:
         steps=5,
         standstill_s=15.0,
         dwell_s=1.0,
+        accept_slow_counter=True,
     )
     outcome = await carried_out(room, ResolutionCartesian(), ResolutionCartesian().plan(SIX, params))
     assert (outcome.status, outcome.text) == ("complete", "")
@@ -287,6 +301,36 @@ async def test_straight_series_are_stepped_along_lines(tmp_path: Path) -> None:
     assert (row["joint"], row["measured_before"]) == ("Z", None)
     assert row["command"] == pytest.approx(-1.0)
     assert reader.rows("configurations")[0]["unit"] == "mm"
+
+
+def slow_counter_warnings(reader: RunReader) -> list[str]:
+    warnings = [event.text for event in reader.events() if event.kind == "warning"]
+    return [text for text in warnings if "readings a second" in text]
+
+
+async def test_too_slow_a_counter_ends_the_run_before_a_step(tmp_path: Path) -> None:
+    room = Room(tmp_path)
+    outcome = await carried_out(room, Resolution(), Resolution().plan(SIX, STRICT))
+    assert outcome.status == "failed"
+    assert "and the evaluation needs 20: lower the --speed" in outcome.text
+    assert room.arm.steps == []
+    assert len(slow_counter_warnings(RunReader(outcome.path))) == 1
+
+
+async def test_going_on_with_a_slow_counter_is_asked_once(tmp_path: Path) -> None:
+    room = Room(tmp_path)
+    room.answers["slow-counter"] = "anyway"
+    outcome = await carried_out(room, Resolution(), Resolution().plan(SIX, STRICT))
+    assert (outcome.status, len(room.arm.steps)) == ("complete", 12)
+    assert [prompt.id for prompt in room.asked].count("slow-counter") == 1
+
+
+async def test_a_slow_counter_can_be_accepted_beforehand(tmp_path: Path) -> None:
+    room = Room(tmp_path)
+    outcome = await carried_out(room, Resolution(), Resolution().plan(SIX, SHORT))
+    assert outcome.status == "complete"
+    assert "slow-counter" not in [prompt.id for prompt in room.asked]
+    assert len(slow_counter_warnings(RunReader(outcome.path))) == 1
 
 
 def test_a_rehearsal_takes_as_long_as_the_plan_says() -> None:

@@ -1,5 +1,7 @@
 """Series of stored runs: times of a stream, correction for the air, files that are evaluated again."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -65,6 +67,11 @@ async def test_a_series_is_what_was_recorded_and_moved(tmp_path_factory: pytest.
     torque_nm = up.torque_nm()
     assert torque_nm is not None
     assert torque_nm.tolist() == [40.0] * 6
+    read_s = up.torque_time_s()
+    assert (read_s >= [move["ended_s"] + 2.0 for move in up.moves]).all()
+    assert (read_s[:-1] <= up.move_time_s()[1:]).all()
+    earlier = replace(up, moves=tuple({**move, "torque_s": None} for move in up.moves))
+    assert earlier.torque_time_s() == pytest.approx([move["ended_s"] + 2.0 for move in up.moves])
 
 
 async def test_files_of_a_series_are_those_of_the_formats(

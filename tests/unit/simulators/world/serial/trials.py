@@ -40,15 +40,22 @@ class Trials:
         joint: its number, from 0.
         position_deg: where it is tested.
         count: of copies.
+        seed: of what scatters.
     """
 
     def __init__(
-        self, arm: SerialArm, truth: JointTruth, joint: int, position_deg: float, count: int = 1
+        self,
+        arm: SerialArm,
+        truth: JointTruth,
+        joint: int,
+        position_deg: float,
+        count: int = 1,
+        seed: int = 1,
     ) -> None:
         truths, joints = [truth] * count, [arm.joints[joint]] * count
         self._drivetrains = Drivetrains(truths)
-        self._encoders = Encoders(joints, truths, seed=1)
-        self._servos = Servos(truths, self._encoders, seed=1)
+        self._encoders = Encoders(joints, truths, seed)
+        self._servos = Servos(truths, self._encoders, seed)
         pose = tested_pose(joint, position_deg)
         load_nm = float(ScrewArm(arm.joints, arm.loads).holding_torques(pose[None])[0, joint])
         lever = np.sin(np.deg2rad(position_deg - truth.counterbalance_zero_deg))

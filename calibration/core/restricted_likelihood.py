@@ -1,0 +1,43 @@
+"""How well sizes of a shared error explain the rows: restricted likelihood (Patterson and Thompson 1971)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy import linalg
+
+from catseye.calibration.core.types import Floats
+from catseye.calibration.core.whitening import Whitening, through_sources
+
+
+def restricted_log_likelihoods(
+    whitening: Whitening, jacobian: Floats, residuals_mm: Floats, effects_mm: Floats, sizes: Sequence[float]
+) -> Floats:
+    """Return the logarithms of the restricted likelihoods of sizes of a further shared error, up to a constant.
+
+    The scale of all errors together is taken from the rows: only what the shared error is in proportion to the others
+    counts. Everything follows from sums of products, which are taken once.
+
+    Args:
+        whitening: of the rows without that error.
+        jacobian: derivatives of the residuals on free directions, of full rank, shape (n, free).
+        residuals_mm: anywhere near the estimate, shape (n,).
+        effects_mm: of sources of unit variance at size 1, shape (n, m).
+
+    Returns:
+        One for each size, shape (sizes,).
+    """
+    rows, free = jacobian.shape
+    scale = np.linalg.norm(jacobian * whitening.weights[:, None], axis=0)
+    columns = whitening.rows(np.column_stack([jacobian / scale, residuals_mm, effects_mm]))
+    products = columns.T @ columns
+    crossed, sources = products[: free + 1, free + 1 :], products[free + 1 :, free + 1 :]
+
+    def likelihood(size: float) -> float:
+        left = through_sources(products[: free + 1, : free + 1], size * crossed, size**2 * sources)
+        triangle = linalg.cholesky(left, lower=True, check_finite=False)
+        rest = triangle[free, free] ** 2
+        shared = np.linalg.slogdet(np.eye(len(sources)) + size**2 * sources)[1]
+        determined = 2.0 * np.sum(np.log(np.diag(triangle)[:free]))
+        return float(-0.5 * ((rows - free) * np.log(rest) + shared + determined))
+
+    return np.array([likelihood(size) for size in sizes])

@@ -1,0 +1,144 @@
+"""Likely mistakes in a table of poses: units, handedness, order or signs of joints, names of targets.
+
+Measurements that fit the nominal arm badly are tried once more as each mistake would have made them; one that makes
+them fit far better is named.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import permutations
+
+import numpy as np
+
+from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.core.types import Floats
+from catseye.calibration.serial_arm.arm import SerialArm
+from catseye.calibration.serial_arm.closed_form import closed_form
+from catseye.calibration.serial_arm.geometry import Commands
+from catseye.calibration.serial_arm.identification import parameters_of
+from catseye.calibration.serial_arm.measurements import Measurements
+from catseye.calibration.serial_arm.model import ArmModel
+
+_SOUND_SHARE = 0.02
+"""A nominal arm misses its targets by less than this share of its reach: a centimetre of half a metre."""
+
+_FAR_BETTER = 0.2
+"""Share of the misfit that is left when a mistake is found."""
+
+_MOST_TARGETS = 4
+"""All orders of more targets are too many to try."""
+
+
+class ImplausibleError(CalibrationError):
+    """The table contradicts the arm; the likely mistake is named."""
+
+
+@dataclass(frozen=True)
+class _Mistake:
+    """What may have gone wrong, and the measurements as they would be without it."""
+
+    text: str
+    measurements: Measurements
+
+
+def require_plausible(arm: SerialArm, measurements: Measurements) -> None:
+    """Refuse measurements that the arm cannot have given.
+
+    Raises:
+        ImplausibleError: the likely mistake, with the misfit before and after.
+    """
+    misfit, limit = _misfit_mm(arm, measurements), _SOUND_SHARE * _reach_mm(arm)
+    if misfit < limit:
+        return
+    found = [
+        (_misfit_mm(arm, one.measurements), k, one.text) for k, one in enumerate(_mistakes(arm, measurements))
+    ]
+    left, _, text = min(found)
+    if left < max(_FAR_BETTER * misfit, 1e-6):
+        raise ImplausibleError(
+            f"the nominal arm misses the measured places by {misfit:.3g} mm rms, and by {left:.3g} mm if {text}: "
+            "put the table right"
+        )
+    raise ImplausibleError(
+        f"the nominal arm misses the measured places by {misfit:.3g} mm rms, more than an arm of "
+        f"{_reach_mm(arm):.0f} mm is wrong by: another arm, joints at other poses than measured, or targets of "
+        "another tool. Check the arm description, the tool and which row belongs to which pose"
+    )
+
+
+def _mistakes(arm: SerialArm, rows: Measurements) -> Iterator[_Mistake]:
+    joints = rows.commands.joints
+    if np.abs(joints).max() <= 2.0 * np.pi:
+        yield _Mistake("the joints are in rad, not in deg", _moved(arm, rows, np.rad2deg(joints)))
+    yield _Mistake("the coordinates are in m, not in mm", _scaled(rows, 1000.0))
+    yield _Mistake("the coordinates are in inches, not in mm", _scaled(rows, 25.4))
+    yield _Mistake("the coordinates are in µm, not in mm", _scaled(rows, 0.001))
+    if len(rows.points.pose):
+        yield _Mistake("the frame of the instrument is left-handed", _mirrored(rows))
+    count, names = joints.shape[1], arm.joint_names
+    yield _Mistake("the joints stand in the opposite order", _moved(arm, rows, joints[:, ::-1]))
+    for i in range(count):
+        for j in range(i + 1, count):
+            order = list(range(count))
+            order[i], order[j] = order[j], order[i]
+            yield _Mistake(f"{names[i]} and {names[j]} are exchanged", _moved(arm, rows, joints[:, order]))
+    for i in range(count):
+        signs = np.where(np.arange(count) == i, -1.0, 1.0)
+        yield _Mistake(f"{names[i]} has the opposite sign", _moved(arm, rows, joints * signs))
+    yield _Mistake("the rows are one pose late", _moved(arm, rows, np.roll(joints, 1, axis=0)))
+    yield _Mistake("the rows are one pose early", _moved(arm, rows, np.roll(joints, -1, axis=0)))
+    yield from _renamed(arm, rows)
+
+
+def _renamed(arm: SerialArm, rows: Measurements) -> Iterator[_Mistake]:
+    used = rows.targets
+    if not 1 < len(used) <= _MOST_TARGETS:
+        return
+    for order in permutations(used):
+        if order == used:
+            continue
+        to = np.arange(len(arm.targets))
+        to[list(used)] = order
+        swapped = ", ".join(
+            f"{arm.targets[a].name} is {arm.targets[b].name}"
+            for a, b in zip(used, order, strict=True)
+            if a != b
+        )
+        yield _Mistake(
+            f"the names of the targets are mixed up ({swapped})",
+            replace(
+                rows,
+                points=replace(rows.points, target=to[rows.points.target]),
+                distances=replace(rows.distances, target=to[rows.distances.target]),
+            ),
+        )
+
+
+def _moved(arm: SerialArm, rows: Measurements, joints: Floats) -> Measurements:
+    return replace(rows, commands=Commands.of(arm, joints, rows.commands.approach))
+
+
+def _scaled(rows: Measurements, factor: float) -> Measurements:
+    points = replace(rows.points, place_mm=factor * rows.points.place_mm)
+    distances = replace(rows.distances, distance_mm=factor * rows.distances.distance_mm)
+    return replace(rows, points=points, distances=distances)
+
+
+def _mirrored(rows: Measurements) -> Measurements:
+    mirror = np.array([1.0, 1.0, -1.0])
+    return replace(rows, points=replace(rows.points, place_mm=mirror * rows.points.place_mm))
+
+
+def _misfit_mm(arm: SerialArm, rows: Measurements) -> float:
+    """Return how far the nominal arm is off, with base, unknown targets and anchors in closed form, rms."""
+    try:
+        start = closed_form(arm, rows)
+    except CalibrationError:
+        return np.inf
+    model = ArmModel(arm, start.frame, parameters_of(arm, rows, "frames"), rows)
+    residuals = model.residuals(model.start_values(start))[: model.measured_rows]
+    return float(np.sqrt(np.mean(np.square(residuals))))
+
+
+def _reach_mm(arm: SerialArm) -> float:
+    return sum(abs(joint.a_mm) + joint.longest_mm for joint in arm.chain.joints)

@@ -1,0 +1,113 @@
+"""Wrong poses, a drifting base, joints read back, and which model is taken."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from catseye.calibration.core.errors import RejectionError
+from catseye.calibration.core.types import Floats
+from catseye.calibration.serial_arm.choice import Chosen, choose
+from catseye.calibration.serial_arm.geometry import Commands
+from catseye.calibration.serial_arm.held_out import held_out, without_wrong_poses
+from catseye.calibration.serial_arm.identification import identify_arm
+from tests.unit.calibration.serial_arm.nominal import NOISE_MM, irb120, measured, validation
+from tests.unit.calibration.serial_arm.true_arm import COMPLIANCE, NOMINAL, TrueArm, random_poses
+
+POSES = 60
+
+
+def shifted(shifts_mm: dict[int, tuple[float, float, float]]) -> Floats:
+    moved = np.zeros((POSES, 3))
+    for pose, shift in shifts_mm.items():
+        moved[pose] = shift
+    return moved
+
+
+def mean_miss_mm(found: Chosen) -> float:
+    poses, places = validation()
+    missed = found.calibration.places_mm(Commands.of(irb120(), poses), 0) - places
+    return float(np.linalg.norm(missed, axis=1).mean())
+
+
+def test_held_out_errors_are_those_of_fits_without_the_pose() -> None:
+    rows = measured(random_poses(POSES, 1), 1)
+    quick = held_out(identify_arm(irb120(), rows, "geometric+compliance"))
+    for pose in (0, 17):
+        kept = np.arange(POSES) != pose
+        without = identify_arm(irb120(), rows.at(kept), "geometric+compliance")
+        at_it = rows.commands.some(np.array([pose]))
+        missed = without.places_mm(at_it, int(rows.points.target[pose])) - rows.points.place_mm[pose]
+        # The quick way is linear about the estimate.
+        assert quick.error_mm[pose] == pytest.approx(float(np.linalg.norm(missed)), rel=1e-3)
+
+
+def test_wrong_poses_are_named_and_no_others() -> None:
+    moved = shifted({3: (0.4, -0.2, 0.1), 40: (0.0, 5.0, 0.0)})
+    _, rejected = without_wrong_poses(
+        irb120(), measured(random_poses(POSES, 2), 2, moved_mm=moved), "geometric+compliance"
+    )
+    assert sorted(one.name for one in rejected) == ["pose 4", "pose 41"]
+
+
+def test_too_many_wrong_poses_are_refused() -> None:
+    # A third of the poses stands a millimetre aside, each in a direction of its own.
+    aside = np.random.default_rng(3).standard_normal((POSES, 3)) * (np.arange(POSES) % 3 == 0)[:, None]
+    with pytest.raises(RejectionError, match="contradict the model"):
+        without_wrong_poses(
+            irb120(), measured(random_poses(POSES, 3), 3, moved_mm=aside), "geometric+compliance"
+        )
+
+
+def test_a_drifting_base_is_seen_and_hardly_costs() -> None:
+    drift = np.linspace(-0.5, 0.5, POSES)[:, None] * np.array([0.1, -0.1, 0.05])
+    found = choose(irb120(), measured(random_poses(POSES, 4), 4, moved_mm=drift), name="geometric+compliance")
+    still = choose(irb120(), measured(random_poses(POSES, 4), 4), name="geometric+compliance")
+    assert found.drift is not None
+    assert 0.03 < found.drift.size_mm < 0.3
+    assert still.drift is None
+    assert mean_miss_mm(found) < 1.5 * mean_miss_mm(still)
+
+
+@pytest.mark.parametrize("moves", ["commanded", "read back"])
+def test_joints_that_moved_the_arm_are_taken(moves: str) -> None:
+    commanded = random_poses(POSES, 5)
+    read = commanded + np.random.default_rng(5).uniform(-0.05, 0.05, commanded.shape)
+    true = commanded if moves == "commanded" else read
+    rows = measured(true, 5)
+    rows = replace(rows, commands=Commands.of(irb120(), commanded))
+    found = choose(irb120(), rows, read, "geometric+compliance")
+    assert found.joints == moves
+
+
+def test_elastic_arm_is_taken_for_elastic() -> None:
+    found = choose(irb120(), measured(random_poses(POSES, 6), 6))
+    assert found.calibration.name == "geometric+compliance"
+    assert found.held_out.mean_mm < 3.0 * NOISE_MM
+    assert {one.name for one in found.candidates} == {"frames", "geometric", "geometric+compliance", "maps"}
+
+
+def test_rigid_arm_is_taken_for_rigid() -> None:
+    rigid = TrueArm(compliance=np.zeros(6))
+    found = choose(irb120(), measured(random_poses(POSES, 7), 7, rigid))
+    assert found.calibration.name == "geometric"
+
+
+def test_perfect_arm_needs_frames_only() -> None:
+    perfect = TrueArm(NOMINAL, np.zeros(6))
+    found = choose(irb120(), measured(random_poses(POSES, 8), 8, perfect))
+    assert found.calibration.name == "frames"
+
+
+def test_waves_of_the_joints_are_taken_for_maps() -> None:
+    wavy = TrueArm(compliance=COMPLIANCE, wave_deg=np.full(6, 0.04))
+    found = choose(irb120(), measured(random_poses(2 * POSES, 9), 9, wavy))
+    assert found.calibration.name == "maps"
+    values = dict(
+        zip(
+            [one.name for one in found.calibration.model.chosen],
+            found.calibration.estimate.values,
+            strict=True,
+        )
+    )
+    assert values["J4.sin1_deg"] == pytest.approx(0.04, abs=0.015)
