@@ -16,7 +16,7 @@ export PYTHONDONTWRITEBYTECODE :=
 .DELETE_ON_ERROR:
 
 .PHONY: demo test suite tests lint types contracts newest start pythons lowest tests-lowest bench soak campaigns campaign-stop \
-  campaign-safety campaign-links campaign-soak peers seeds shipped-recordings pictures clean help
+  campaign-safety campaign-links campaign-soak campaign-resolution peers seeds shipped-recordings pictures clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -103,6 +103,10 @@ campaign-links: $(VENV)/installed  ## the paper's plan with one fault in 20 answ
 
 campaign-soak: $(VENV)/installed  ## hundreds of runs in one engine: memory
 	$(CAMPAIGN) tests/campaigns/test_many_runs.py
+
+campaign-resolution: $(VENV)/installed  ## least steps, lost motion, and from the joints' recordings to measured steps of the tool
+	$(CAMPAIGN) tests/campaigns/test_motion_resolution.py
+	$(BIN)/python -m tests.resolution_loop
 
 campaigns: $(VENV)/installed  ## long runs: the paper's whole plan, ways of following, killed runs
 	$(BIN)/python -m pytest -c pyproject.toml tests/campaigns -s -q
