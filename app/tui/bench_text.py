@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 
 from textual.content import Content
 
-from catseye.app.results.numbers import duration_text
+from catseye.app.results.numbers import duration_text, fixed, number
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.serial.range_bar import range_bar
 from catseye.app.tui.session import EMULATED_ARM, EMULATED_BENCH
@@ -206,7 +206,7 @@ def length_text(length_mm: float) -> str:
 
 
 def _grouped(value: float) -> str:
-    whole, _, part = f"{value:.6f}".partition(".")
+    whole, _, part = number(value, fixed(6), minus="-").partition(".")
     return f"{whole}.{part[:3]} {part[3:]}"
 
 
@@ -237,19 +237,21 @@ def _axis_line(axis: "AxisRange", value: float | None, torque_nm: float | None) 
     begin = f"{axis.name:<4}{_joint_text(value)} {axis.unit:<4}"
     if torque_nm is None:
         return f"{begin}{range_bar(axis, value, _RANGE_CELLS)}"
-    return f"{begin}{range_bar(axis, value, _SHORT_RANGE_CELLS)}{torque_nm:7.1f} N m"
+    return (
+        f"{begin}{range_bar(axis, value, _SHORT_RANGE_CELLS)}{number(torque_nm, fixed(1), minus='-'):>7} N m"
+    )
 
 
 def _torque_lines(robot: "RobotStatus") -> list[str]:
     """Return the torques of all motors in one line, where the axes have no line of their own."""
     if robot.torques_nm is None:
         return []
-    values = "".join("    —" if value is None else f"{value:5.0f}" for value in robot.torques_nm)
+    values = "".join(f"{number(value, fixed(0), minus='-'):>5}" for value in robot.torques_nm)
     return [f"N m{values}"]
 
 
 def _joint_text(value: float | None) -> str:
-    return f"{'—':>9}" if value is None else f"{value:9.3f}"
+    return f"{'—' if value is None else number(value, fixed(3), minus='-'):>9}"
 
 
 def _drives_text(robot: "RobotStatus") -> str:

@@ -98,10 +98,10 @@ def _tests(reader: RunReader, threshold_percent: float) -> Iterator[AnyTest]:
     recorded = list(series_of_run(reader))
     if not recorded:
         raise UsageError(f"{reader.path.name}: has recorded no test of motion resolution")
-    return tests_of_series(recorded, reader.path.name, threshold_percent)
+    return evaluate_series(recorded, reader.path.name, threshold_percent)
 
 
-def tests_of_series(
+def evaluate_series(
     recorded: Sequence[RecordedSeries], source: str, threshold_percent: float
 ) -> Iterator[AnyTest]:
     """Yield what series come to, those of one test by ISO 230 together.

@@ -63,6 +63,20 @@ def read_report_files(paths: Sequence[Path]) -> ReportFiles:
     )
 
 
+def files_beside(result: Path, arm: str) -> list[Path]:
+    """Return the predictions for an arm in the folder of a result, and the look-up tables that they name."""
+    found: dict[Path, str] = {}
+    for path in sorted(result.parent.glob("*.json")):
+        try:
+            if format_of(path) == PREDICTED_FORMAT and (predicted := read_predicted(path)).arm == arm:
+                found[path] = predicted.tables
+        except UsageError:
+            # A prediction that cannot be read says nothing against the result.
+            continue
+    tables = {result.parent / Path(name).name for name in found.values()}
+    return [*found, *(tables if len(tables) == 1 and all(path.is_file() for path in tables) else ())]
+
+
 def _is_tables(path: Path) -> bool:
     return path.suffix.lower() == ".csv"
 

@@ -96,7 +96,7 @@ class Strip(Widget):
         since_s = now_s - engine.strip_at_s
         chart = strip_chart.draw(low, high, self._scale, self.size.width, rows)
         span_s = per_dot * dots * engine.strip_period_s
-        extent = f" range {1e3 * (highest - lowest):.1f} {unit.fine} "
+        extent = f" range {1e3 * (highest - lowest):.{unit.digits}f} {unit.fine} "
         return painted(
             [
                 [(self._scale.title + age_style(0.0, since_s)[1], "axis")],

@@ -32,15 +32,17 @@ class StripUnit:
         name: of the values.
         fine: a thousandth of it, for numbers that lie near each other.
         finest: step below which nobody wants to see a difference.
+        digits: of a range in thousandths.
     """
 
     name: str
     fine: str
     finest: float
+    digits: int
 
 
-MM: Final = StripUnit("mm", "µm", 1e-4)
-DEG: Final = StripUnit("deg", "mdeg", 1e-6)
+MM: Final = StripUnit("mm", "µm", 1e-4, 1)
+DEG: Final = StripUnit("deg", "mdeg", 1e-6, 3)
 
 
 @dataclass(frozen=True)

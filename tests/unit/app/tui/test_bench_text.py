@@ -230,6 +230,6 @@ def test_torques_stand_beside_their_axes_where_there_is_room() -> None:
     assert roomy[1].endswith(" 1043.0 N m")
     assert "N m" not in roomy[4]
     assert {len(line) <= 36 for line in roomy[:6]} == {True}
-    assert robot_lines(moved, 0.0, roomy=False)[-1].plain == "N m  -12 1043   -8    0    —    3"
+    assert robot_lines(moved, 0.0, roomy=False)[-1].plain == "N m  -12 1043   -8    0    –    3"
     without = bench_status(robot={"joints": [0.0] * 4})
     assert "N m" not in said(robot_lines(without, 0.0, roomy=False))
