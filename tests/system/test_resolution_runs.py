@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from catseye.app.cell.resolution.template import TEMPLATE
+from catseye.app.cell.resolution.template import BY_ARM
 from catseye.app.engine.recorder import Recorder, recorder_at_work
 from catseye.app.store.reader import RunReader
 from catseye.app.store.run_store import RunStore
@@ -46,7 +46,7 @@ MM_PER_COUNT = 632.9908e-6 / 2.0
 def bench(folder: Path, rate_hz: float) -> Iterator[Emulated]:
     """Emulate a KUKA and a uMD display that sends so many samples in a real second."""
     display = f'driver = "umd"\nsettings = {{ rate_hz = {rate_hz} }}\n'
-    with own_runtime(), emulated(folder, text=TEMPLATE, edit={COUNTER: display}) as running:
+    with own_runtime(), emulated(folder, text=BY_ARM["kr210-r2700"], edit={COUNTER: display}) as running:
         running.ask(op="speed", value=SPEED)
         # Only the emulator knows this setting.
         cell = running.cell.read_text("utf-8")
