@@ -24,6 +24,8 @@ STEP_PERCENT: Final = 1
 MOVE_PERCENT: Final = 100
 LINE_M_S: Final = 0.002
 _MOST_KNOTS = 64
+_KNOT_MM = 0.05
+"""Between two knots of a line the axes turn evenly: on so short a chord the flange leaves it by a nanometre."""
 
 
 class Order(IntEnum):
@@ -201,7 +203,7 @@ class CatsKuka:
         start = self._bench.joints
         way_mm = float(np.linalg.norm(goal[:3, 3] - self._kinematics.flange(start)[:3, 3]))
         duration_s = max(way_mm / (1e3 * LINE_M_S * override), CYCLE_S)
-        count = min(_MOST_KNOTS, math.ceil(duration_s / CYCLE_S))
+        count = min(_MOST_KNOTS, math.ceil(duration_s / CYCLE_S), max(1, math.ceil(way_mm / _KNOT_MM)))
         try:
             knots = self._kinematics.line(start, goal, count)
         except UnsolvableError:
