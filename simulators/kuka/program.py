@@ -195,7 +195,7 @@ class CatsKuka:
         if not all(joint.low <= value <= joint.high for value, joint in ranges):
             self._control.raise_alarm(_SOFTWARE_LIMIT)
             return
-        self._bench.move_to(goal, percent / 100.0 * override)
+        self._bench.move_to(goal, percent * override)
 
     def _lead(self, goal: Floats, override: float) -> None:
         start = self._bench.joints

@@ -20,8 +20,8 @@ class LiveErrors:
         below: the command lies below what the instrument resolves.
         mean_percent: 11-point moving mean of the others, NaN where there are none; None where steps do not decrease.
         spread_percent: their standard deviation about it.
-        least: smallest step down to which the mean keeps within the band, in their unit; None for none, and where steps
-            were not seen.
+        least: smallest step down to which the mean keeps within the band, in their unit; None for none, and where
+            steps were not seen.
     """
 
     command: Floats
