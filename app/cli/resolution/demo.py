@@ -18,6 +18,7 @@ from catseye.app.cli.demonstration import (
 from catseye.app.cli.output import note, write_json, write_line
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cli.resolution.demo_cell import ARM, CELL, emulator_cell
+from catseye.app.cli.resolution.demo_prediction import predict_tool
 from catseye.app.cli.resolution.demo_truth import TrueLeastStep, compare_with_truth, truth_section
 from catseye.app.engine.signals import SignalInstaller
 from catseye.app.protocol.procedures import load_procedure
@@ -39,6 +40,9 @@ from catseye.calibration.resolution.decaying import THRESHOLD_PERCENT
 
 _TIMES: Final = ("standstill_s=15", "dwell_s=1.5")
 
+POSE_DEG: Final = (0.0, -80.0, 80.0, 0.0, 30.0, 0.0)
+"""Of the Cartesian test."""
+
 DemoRun = tuple[str, Sequence[str]]
 """Name of a procedure, and its parameters as on the command line."""
 
@@ -49,7 +53,7 @@ RUNS: Final[Sequence[DemoRun]] = (
     ("backlash", (*_TIMES, 'joints=["A1"]', 'positions=["K3"]')),
     (
         "resolution-cartesian",
-        (*_TIMES, "poses_deg=[[0, -80, 80, 0, 30, 0]]", "first_mm=0.03", "steps=40"),
+        (*_TIMES, f"poses_deg=[{list(POSE_DEG)}]", "first_mm=0.03", "steps=40"),
     ),
 )
 """Less than the paper asks for, so that it takes a minute: shorter dwells, no steps far above the least one."""
@@ -65,9 +69,11 @@ def demonstrate_resolution(given: Demonstration, *, as_json: bool) -> None:
     runs = asyncio.run(measure(given))
     note("evaluating the recordings")
     result = evaluate(given, runs)
+    note("predicting the steps of the tool from those of the joints")
+    predicted = predict_tool(given.folder, ARM, POSE_DEG, [result, other_cells(result)])
     note("repeating the steps on the emulated arm without an interferometer")
     truth = compared_with_truth(given, runs, result)
-    report, page = report_of(given, truth), given.folder / "report.html"
+    report, page = report_of(given, truth, predicted), given.folder / "report.html"
     write_page(report, page)
     if as_json:
         write_json(_document(given, runs, result, truth, page))
@@ -133,9 +139,14 @@ def compared_with_truth(
     return compare_with_truth(result.tests, configurations, arm, given.truth_file)
 
 
-def report_of(given: Demonstration, truth: Sequence[TrueLeastStep]) -> Report:
-    """Return the report of the result, with the emulated arm's own least steps behind the verdict."""
-    report = resolution_files_report([result_file(given), shipped_file(given)])
+def report_of(given: Demonstration, truth: Sequence[TrueLeastStep], predicted: Sequence[Path] = ()) -> Report:
+    """Return the report of the result, with the emulated arm's own least steps behind the verdict.
+
+    Args:
+        truth: the emulated arm's least steps.
+        predicted: files with what is predicted for the tool.
+    """
+    report = resolution_files_report([result_file(given), shipped_file(given), *predicted])
     at = next(number for number, part in enumerate(report.sections, 1) if part.key == "verdict")
     sections = (*report.sections[:at], truth_section(truth), *report.sections[at:])
     return replace(report, title=f"catseye demo: {report.title}", sections=sections)
