@@ -16,7 +16,7 @@ export PYTHONDONTWRITEBYTECODE :=
 .DELETE_ON_ERROR:
 
 .PHONY: demo test suite tests lint types contracts newest start pythons lowest tests-lowest bench soak campaigns campaign-stop \
-  campaign-safety campaign-links campaign-soak peers seeds shipped-recordings pictures clean help
+  campaign-safety campaign-links campaign-soak campaign-resolution peers seeds shipped-recordings pictures clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -44,7 +44,9 @@ types: $(VENV)/installed  ## mypy --strict
 contracts: $(VENV)/installed  ## who may import whom
 	$(BIN)/python -c "from importlinter.cli import lint_imports_command as main; main()"
 
-test: lint types contracts newest tests  ## everything that CI runs; the terminal UI and a measurement on the newest Python found as well
+test: $(VENV)/installed  ## everything that CI runs; the terminal UI and a measurement on the newest Python found as well
+	@# Tests wait for processes: the checks have what is left of the machine.
+	$(MAKE) --no-print-directory --jobs=2 tests lint types contracts newest
 
 suite: lint types contracts tests  ## the checks and the whole suite in one environment
 
@@ -94,13 +96,17 @@ campaign-stop: $(VENV)/installed  ## STOP at random moments, each with a fault o
 
 campaign-safety: $(VENV)/installed  ## killed and blocked programs, opened doors, two programs on one arm, bodies in the way
 	$(CAMPAIGN) tests/campaigns/test_guard.py tests/campaigns/test_door.py tests/campaigns/test_two_programs.py \
-	  tests/campaigns/test_collision_oracle.py
+	  tests/campaigns/test_collision_oracle.py tests/campaigns/test_kuka_guard.py
 
 campaign-links: $(VENV)/installed  ## the paper's plan with one fault in 20 answers on every link
 	$(CAMPAIGN) tests/campaigns/test_faulty_links.py
 
 campaign-soak: $(VENV)/installed  ## hundreds of runs in one engine: memory
 	$(CAMPAIGN) tests/campaigns/test_many_runs.py
+
+campaign-resolution: $(VENV)/installed  ## least steps, lost motion, and from the joints' recordings to measured steps of the tool
+	$(CAMPAIGN) tests/campaigns/test_motion_resolution.py
+	$(BIN)/python -m tests.resolution_loop
 
 campaigns: $(VENV)/installed  ## long runs: the paper's whole plan, ways of following, killed runs
 	$(BIN)/python -m pytest -c pyproject.toml tests/campaigns -s -q

@@ -1,16 +1,21 @@
-"""Draws the pictures of the terminal user interface: python docs/screens.py; real screens on an emulated bench."""
+"""Draws the pictures of the terminal user interface: python docs/screens.py; real screens on emulated benches.
+
+Without arguments both systems are shown; `scara` or `resolution` draws the pictures of one.
+"""
 
 import asyncio
 import re
+import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 from textual.pilot import Pilot
 from textual.widgets import DataTable
 
-from catseye.app.protocol.requests import Start
+from catseye.app.cell.templates import RESOLUTION
+from catseye.app.protocol.requests import Start, request_of
 from catseye.app.service.emulation import emulator_process
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.link import EngineLink
@@ -21,45 +26,91 @@ from catseye.drivers.roles.clock import SystemClock
 
 _IMAGES: Final = Path(__file__).parent / "images"
 _SIZE: Final = (108, 34)
+_ARM_SIZE: Final = (120, 40)
+"""Both plots of a series have room."""
+
 _SPEED: Final = 80.0
+_ARM_SPEED: Final = 8.0
+"""The counter of this bench is asked for its value: a bench that is faster than that leaves gaps in recordings."""
+
+_ARM_SERIES: Final = {
+    "joints": ["A1"],
+    "positions": ["K3"],
+    "directions": [1],
+    "steps": 75,
+    "first_deg": 0.02,
+    "standstill_s": 20.0,
+    "dwell_s": 2.0,
+    "accept_slow_counter": True,
+}
+_SEEN_STEPS: Final = 60
 _SEED: Final = 2
-_LONGEST_S: Final = 240.0
+_LONGEST_S: Final = 600.0
 _STRIP_S: Final = 12.0
 """Long enough for the strip to fill, and for commands that a screen asks."""
 
 
-async def main() -> None:
-    """Write the pictures into docs/images."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        cell = folder / "cell.toml"
-        cell.write_text(emulated_cell("scara"), encoding="utf-8")
-        async with emulator_process(cell, _SPEED, _SEED, None):
-            await _visit(folder, cell)
+async def main(systems: Sequence[str]) -> None:
+    """Write the pictures of systems into docs/images."""
+    for system in systems:
+        speed, size, visit = _SYSTEMS[system]
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            cell = folder / "cell.toml"
+            cell.write_text(emulated_cell(system), encoding="utf-8")
+            async with emulator_process(cell, speed, _SEED, None):
+                await _visit(folder, cell, speed, size, visit)
 
 
-async def _visit(folder: Path, cell: Path) -> None:
+async def _visit(folder: Path, cell: Path, speed: float, size: tuple[int, int], visit: "Visit") -> None:
     clock, root = SystemClock(), folder / "runs"
     link = EngineLink(root, cell, clock)
-    app = CatseyeApp(Session(link, Commands(), root, cell, clock.monotonic_s, _SPEED))
-    async with app.run_test(size=_SIZE) as pilot:
-        engine = link.engine
-        await _until(pilot, lambda: engine.robot is not None)
-        await _run(app, pilot, "reflector-search", lambda: engine.run is not None and not engine.running)
-        await pilot.pause(_STRIP_S)
-        await _take(app, pilot, "bench", "bench")
-        app.action_go("procedures")
-        await pilot.pause(_STRIP_S)
-        await _take(app, pilot, "procedures", "procedures")
-        await _run(app, pilot, "open-loop", lambda: _share(app) > 0.5)
-        await _take(app, pilot, "run", "run")
-        await _take(app, pilot, "terminal", "terminal")
-        await _until(pilot, lambda: not engine.running)
-        await _take(app, pilot, "runs", "runs")
-        await _jog(app, pilot)
-        await _results(app, pilot, folder)
-        await _wizard(app, pilot)
+    app = CatseyeApp(Session(link, Commands(), root, cell, clock.monotonic_s, speed))
+    async with app.run_test(size=size) as pilot:
+        await _until(pilot, lambda: link.engine.robot is not None)
+        await visit(app, pilot, folder)
         await link.leave(end_engine=True)
+
+
+async def _visit_scara(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> None:
+    engine = app.session.link.engine
+    await _run(app, pilot, "reflector-search", lambda: engine.run is not None and not engine.running)
+    await pilot.pause(_STRIP_S)
+    await _take(app, pilot, "bench", "bench")
+    app.action_go("procedures")
+    await pilot.pause(_STRIP_S)
+    await _take(app, pilot, "procedures", "procedures")
+    await _run(app, pilot, "open-loop", lambda: _share(app) > 0.5)
+    await _take(app, pilot, "run", "run")
+    await _take(app, pilot, "terminal", "terminal")
+    await _until(pilot, lambda: not engine.running)
+    await _take(app, pilot, "runs", "runs")
+    await _jog(app, pilot)
+    await _results(app, pilot, folder)
+    await _wizard(app, pilot)
+
+
+async def _visit_arm(app: CatseyeApp, pilot: Pilot[Any], _folder: Path) -> None:
+    engine = app.session.link.engine
+    before = engine.run
+    await app.session.take_free_control()
+    await app.session.link.request(Start(procedure="resolution", speed=app.session.speed, params=_ARM_SERIES))
+    await _until(pilot, lambda: engine.run is not before)
+    await _answering(app, pilot, lambda: engine.run is not None and len(engine.run.staircase) > _SEEN_STEPS)
+    await _take(app, pilot, "run", "run-steps")
+    await _take(app, pilot, "bench", "bench-arm")
+
+
+async def _answering(app: CatseyeApp, pilot: Pilot[Any], ready: Callable[[], bool]) -> None:
+    """Wait, and answer each question as somebody does who has done what it asks for."""
+    link = app.session.link
+    async with asyncio.timeout(_LONGEST_S):
+        while not ready():
+            prompt = None if link.engine.run is None else link.engine.run.prompt
+            if prompt is not None:
+                text = prompt.choices[0] if prompt.choices else "yes"
+                await link.request(request_of({"op": "answer", "prompt": prompt.id, "text": text}))
+            await pilot.pause(0.5)
 
 
 async def _jog(app: CatseyeApp, pilot: Pilot[Any]) -> None:
@@ -129,5 +180,13 @@ async def _until(pilot: Pilot[Any], ready: Callable[[], bool]) -> None:
             await pilot.pause(0.2)
 
 
+Visit = Callable[[CatseyeApp, Pilot[Any], Path], Awaitable[None]]
+
+_SYSTEMS: Final[dict[str, tuple[float, tuple[int, int], Visit]]] = {
+    "scara": (_SPEED, _SIZE, _visit_scara),
+    RESOLUTION: (_ARM_SPEED, _ARM_SIZE, _visit_arm),
+}
+"""Speed of bench time, size of the screen, and what is shown."""
+
 if __name__ == "__main__":
-    asyncio.run(main())
+    asyncio.run(main(sys.argv[1:] or list(_SYSTEMS)))

@@ -89,9 +89,12 @@ def main(which: str, target: str, venv: str = ".venv") -> int:
 def _make(target: str, minor: int, python: str, venv: str) -> bool:
     _report(f"{target} on Python 3.{minor}, {python}")
     command = [os.environ.get("MAKE", "make"), "--no-print-directory", target]
-    return (
-        subprocess.run([*command, f"PYTHON={python}", f"VENV={venv}-3.{minor}"], check=False).returncode == 0
+    # The flags of a make that runs this name descriptors that no child of Python has.
+    environment = {name: value for name, value in os.environ.items() if name != "MAKEFLAGS"}
+    made = subprocess.run(
+        [*command, f"PYTHON={python}", f"VENV={venv}-3.{minor}"], check=False, env=environment
     )
+    return made.returncode == 0
 
 
 def _names(minors: Iterable[int]) -> str:

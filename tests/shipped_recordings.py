@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from catseye.app.cell.arm import shipped_arm
 from catseye.app.results.resolution.actuation import actuation_of
-from catseye.app.results.resolution.recorded_runs import tests_of_series
+from catseye.app.results.resolution.recorded_runs import evaluate_series
 from catseye.app.results.resolution.result import RESOLUTION_FORMAT, AnyTest
 from catseye.app.results.resolution.shipped import SHIPPED, shipped_file
 from catseye.calibration.resolution.decaying import THRESHOLD_PERCENT
@@ -51,7 +51,7 @@ def made_at(joint: str, position: str, seed: int = SEED) -> Iterator[dict[str, A
     for kind, plan in enumerate(plans(joint, position)):
         number = kind + 3 * (POSITIONS.index(position) + len(POSITIONS) * JOINTS.index(joint))
         series = recorded(truth, plan, plan.places[0], 1000 * seed + number)
-        for test in tests_of_series(series, "shipped", THRESHOLD_PERCENT):
+        for test in evaluate_series(series, "shipped", THRESHOLD_PERCENT):
             yield as_filed(test)
 
 

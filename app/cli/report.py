@@ -44,15 +44,17 @@ def report(
 
 def _report_of_files(paths: list[Path]) -> "Report":
     """Return the report of result files, whose kind decides."""
-    from catseye.app.results.resolution.result import RESOLUTION_FORMAT
+    from catseye.app.results.resolution.report_files import is_of_resolution
     from catseye.app.results.resolution.result_report import resolution_files_report
-    from catseye.app.results.result_file import format_of
     from catseye.app.results.scara.run_report import result_file_report
 
-    if all(format_of(path) == RESOLUTION_FORMAT for path in paths):
+    if all(is_of_resolution(path) for path in paths):
         return resolution_files_report(paths)
     if len(paths) > 1:
-        raise UsageError(f"a report of several files takes {RESOLUTION_FORMAT} files only: name one result")
+        raise UsageError(
+            "a report of several files takes those of motion resolution only, results, predictions (.json) and "
+            "look-up tables (.csv): name one result"
+        )
     return result_file_report(paths[0])
 
 

@@ -37,6 +37,10 @@ class Speeds:
         """Return the larger of each."""
         return Speeds(max(self.joint_deg_s, other.joint_deg_s), max(self.tool_mm_s, other.tool_mm_s))
 
+    def slowed(self, share: float) -> "Speeds":
+        """Return a share of each, all of it at most."""
+        return Speeds(min(share, 1.0) * self.joint_deg_s, min(share, 1.0) * self.tool_mm_s)
+
 
 AT_REST: Final = Speeds(0.0, 0.0)
 

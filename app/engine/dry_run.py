@@ -25,6 +25,7 @@ from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.motion.clear_way import legs_refusal
 from catseye.procedures.kit.motion.motion_time import way_time_s
 from catseye.procedures.kit.motion.steps import (
+    STEP_SPEED,
     Vector,
     axis_target,
     largest_change,
@@ -277,12 +278,16 @@ class DryRunContext:
             PlanError: the arm cannot make it.
         """
         target = line_target(self.system.bench, self.pose, increment_mm)
-        return await self._step(target, length_mm(increment_mm))
+        return await self._step(target, length_mm(increment_mm), line=True)
 
-    async def _step(self, target: Pose, commanded: float) -> Stepped:
-        before, sent_s = self.pose, self._account.time_s
+    async def _step(self, target: Pose, commanded: float, *, line: bool = False) -> Stepped:
+        before, sent_s, peaks = self.pose, self._account.time_s, self._account.speeds
+        self._account.speeds = AT_REST
         await self.move(target)
         # Steps are driven slowly, whatever the axes can do.
+        full = self._account.speeds
+        fastest = full.tool_mm_s if line else full.joint_deg_s
+        self._account.speeds = peaks.faster(full.slowed(STEP_SPEED / fastest if fastest else 1.0))
         self._account.time_s = max(self._account.time_s, sent_s + step_time_s(commanded))
         return Stepped(before, commanded, sent_s, self._account.time_s, self.pose)
 

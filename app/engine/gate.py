@@ -177,19 +177,6 @@ class MotionGate:
                 "no motion; lower it on the controller or check who else sets it"
             )
 
-    def require_speed(self, percent: float) -> None:
-        """Check that an override that the controller reads, before anything has moved, lets the arm move at all.
-
-        Raises:
-            SafetyError: it is 0.
-        """
-        if percent <= 0.0:
-            raise SafetyError(
-                "the controller's speed override is 0 %, as the guard's STOP leaves it on some controllers: see that "
-                f"the arm is clear, raise it at the controller to at most the {self._cap_percent:g} % that the cell "
-                "allows, then start or resume; this program never raises it"
-            )
-
     async def conditions_hold(self) -> bool:
         """Return whether the air permits motion."""
         return all([await condition.trouble() is None for condition in self._conditions])

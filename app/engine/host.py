@@ -34,6 +34,7 @@ from catseye.app.engine.measuring import AirCache
 from catseye.app.engine.operator import Operator
 from catseye.app.engine.reentry import Reentry
 from catseye.app.engine.request import RunOutcome, RunRequest
+from catseye.app.engine.restoring import restore_override
 from catseye.app.engine.signals import SignalInstaller, loop_signals
 from catseye.app.engine.waiting import uncancelled, within
 from catseye.app.engine.watches import POLL_S, Watches
@@ -201,6 +202,7 @@ class _Run:
             gate.walk_rule = self._request.walk_rule
             here = await self._control.command(devices.robot.joints())
             await gate.walk_rule.begin(identities["robot"], here, context, self._store)
+        await restore_override(devices.robot, self._request.override_cap_percent, context.ask)
         await self._control.command(self._ready(devices, gate, context))
         self._handle.gate = gate
         await self._publish_notes(devices, context)
@@ -324,7 +326,6 @@ class _Run:
             self._warn(text)
         here = await require_rest(devices.robot, self._clock, self._request.clock_speed, context.warn)
         percent = await gate.lower_override()
-        gate.require_speed(percent)
         self._drives_on = True
         await devices.robot.servo(on=True)
         require_ready(await devices.robot.status())

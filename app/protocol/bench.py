@@ -76,7 +76,8 @@ class RobotStatus(Message):
         teach_mode: the key stands on TEACH.
         moving: the arm moves.
         jogs: a joint may be kept moving while a key is held; without that the arm is moved by hand in steps only.
-        age_s: of the oldest part, s.
+        torques_nm: of the motors; None where they are not known, or were read long ago.
+        age_s: of the oldest part but the torques, s.
     """
 
     joints: tuple[float | None, ...] | None
@@ -89,6 +90,7 @@ class RobotStatus(Message):
     teach_mode: bool
     moving: bool
     jogs: bool
+    torques_nm: tuple[float | None, ...] | None = Field(default=None, exclude_if=absent)
     age_s: float
 
     @property
@@ -128,6 +130,18 @@ class BeamStatus(Message):
     age_s: float
 
 
+class OpticsStatus(Message):
+    """Optics that the cell file has beside the arm; which of them stand there, nobody knows between runs.
+
+    Attributes:
+        spacing_mm: of the retroreflector's two prisms; None without angular optics.
+        linear: there are linear optics.
+    """
+
+    spacing_mm: float | None
+    linear: bool
+
+
 class AirStatus(Message):
     """The air, and the refractive index that follows from it by a formula."""
 
@@ -153,6 +167,7 @@ class BenchStatus(Message):
         door_closed: as the interlock says.
         layout: a SCARA's bench from above; None of any other.
         posture: how the arm stands; None where the layout shows it, or while its joints are not known.
+        optics: beside the arm; None where the arm carries the interferometer.
         axes: of the arm, from the base outwards.
         missed: messages of this kind that this one replaced for a slow client.
     """
@@ -167,6 +182,7 @@ class BenchStatus(Message):
     door_closed: bool | None
     layout: Layout | None
     posture: Posture | None = None
+    optics: OpticsStatus | None = Field(default=None, exclude_if=absent)
     axes: tuple[AxisRange, ...] = ()
     missed: int = 0
 

@@ -125,6 +125,8 @@ def _write_axes(axes: Axes, panel: Panel, beside: int) -> None:
     for drawn_axis, axis in ((axes.xaxis, panel.x), (axes.yaxis, panel.y)):
         if axis.decades:
             _number_decades(drawn_axis)
+        if axis.names:
+            drawn_axis.set_ticks(range(len(axis.names)), axis.names)
 
 
 def _number_decades(axis: DrawnAxis) -> None:

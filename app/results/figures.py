@@ -196,6 +196,7 @@ class Axis:
         high: upper end; None leaves it to the marks.
         shared: has the scale and the numbers of the panel to the left (y) or below (x).
         decades: marks and ends are common logarithms; the numbers at the axis are powers of ten.
+        names: of the places 0, 1, 2 …, in place of numbers.
     """
 
     label: str = ""
@@ -204,6 +205,7 @@ class Axis:
     high: float | None = None
     shared: bool = False
     decades: bool = False
+    names: tuple[str, ...] = ()
 
     @property
     def plain(self) -> str:

@@ -29,7 +29,8 @@ def rehearsal_report(rehearsal: "Rehearsal") -> Report:
 def totals_text(rehearsal: "Rehearsal") -> str:
     """Return how much it is, how long it takes and how fast it goes."""
     moves = sum(step.moves for step in rehearsal.steps)
-    distances = sum(step.measurements for step in rehearsal.steps)
+    measurements = sum(step.measurements for step in rehearsal.steps)
+    distances = f"{measurements} distances, " if measurements else ""
     led = "" if rehearsal.led_deg_s is None else f", led at {rehearsal.led_deg_s:g} deg/s at most"
     miss_mm = rehearsal.miss_mm
     miss = "" if miss_mm is None else f"; the beam misses by {miss_mm:.3f} mm at most where it is kept"
@@ -39,7 +40,7 @@ def totals_text(rehearsal: "Rehearsal") -> str:
         else "every limit of the cell file holds"
     )
     return (
-        f"{len(rehearsal.steps)} steps, {moves} moves, {distances} distances, "
+        f"{len(rehearsal.steps)} steps, {moves} moves, {distances}"
         f"about {duration_text(rehearsal.total_s, whole=True)} at {rehearsal.override_percent:g} % override{led}; "
         f"fastest joint {rehearsal.joint_deg_s:.1f} deg/s, tool {rehearsal.tool_mm_s:.0f} mm/s{miss}; "
         f"{limits}; nothing was moved"
@@ -57,9 +58,13 @@ def first_target_text(rehearsal: "Rehearsal") -> str:
     )
 
 
+_WHERE_MEASURED = frozenset({"measurements", "beam_mm", "miss_mm"})
+"""Columns of plans that measure distances; other plans have nothing to say there."""
+
+
 def step_table(rehearsal: "Rehearsal") -> Table:
-    """Return a line for each step."""
-    columns = (
+    """Return a line for each step; distances and their beam only where the plan has any."""
+    columns = [
         Column("step", "step"),
         Column("moves", "moves", format=COUNT),
         Column("measurements", "points", format=COUNT),
@@ -68,23 +73,12 @@ def step_table(rehearsal: "Rehearsal") -> Table:
         Column("miss_mm", "miss", "mm", fixed(3)),
         Column("joint_deg_s", "joint", "deg/s", fixed(1)),
         Column("tool_mm_s", "tool", "mm/s", fixed(0)),
-        *(Column(joint.name, joint.name, joint.unit, fixed(3)) for joint in rehearsal.joints),
-    )
-    rows = (
-        (
-            s.step,
-            s.moves,
-            s.measurements,
-            s.duration_s,
-            s.beam_mm,
-            s.miss_mm,
-            s.joint_deg_s,
-            s.tool_mm_s,
-            *s.end,
-        )
-        for s in rehearsal.steps
-    )
-    return Table("steps", "Steps", columns, tuple(rows))
+    ]
+    if not any(step.measurements or step.miss_mm is not None for step in rehearsal.steps):
+        columns = [column for column in columns if column.key not in _WHERE_MEASURED]
+    ends = [Column(joint.name, joint.name, joint.unit, fixed(3)) for joint in rehearsal.joints]
+    rows = ((*(getattr(step, column.key) for column in columns), *step.end) for step in rehearsal.steps)
+    return Table("steps", "Steps", (*columns, *ends), tuple(rows))
 
 
 def question_table(rehearsal: "Rehearsal") -> Table:

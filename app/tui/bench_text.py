@@ -1,20 +1,29 @@
 """The bench as lines that people read."""
 
+import math
 from typing import TYPE_CHECKING, Final
 
 from textual.content import Content
 
-from catseye.app.results.numbers import duration_text
+from catseye.app.results.numbers import duration_text, fixed, number
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.serial.range_bar import range_bar
 from catseye.app.tui.session import EMULATED_ARM, EMULATED_BENCH
 from catseye.app.tui.widgets.progress_line import bar
 from catseye.app.tui.widgets.status_bar import LITTLE_BYTES, STALE_S, age_style, override_text
 from catseye.app.tui.words import bytes_text
+from catseye.procedures.kit.angular_optics import angle_deg
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
-    from catseye.app.protocol.bench import AirStatus, BeamStatus, BenchStatus, DeviceStatus, RobotStatus
+    from catseye.app.protocol.bench import (
+        AirStatus,
+        AxisRange,
+        BeamStatus,
+        BenchStatus,
+        DeviceStatus,
+        RobotStatus,
+    )
 
 _SLOW_STALE_S: Final = {"environment": 6.0, "material": 6.0, "tracker": 15.0}
 """Devices that the engine asks every few seconds only: three times that is old."""
@@ -28,6 +37,7 @@ _LINKS: Final = {
 }
 _BAR_CELLS: Final = 14
 _RANGE_CELLS: Final = 16
+_SHORT_RANGE_CELLS: Final = 5
 _OFTEN: Final = 20.0
 """Ages below are given to a tenth of a second."""
 
@@ -138,15 +148,17 @@ def robot_lines(bench: "BenchStatus | None", since_s: float, *, roomy: bool) -> 
         *(Content.styled(line, style) for line in _joint_lines(bench, robot, roomy=roomy)),
         Content.styled(_drives_text(robot), style),
         _alarm_line(robot, age),
+        *([] if roomy else [Content.styled(line, style) for line in _torque_lines(robot)]),
     ]
 
 
-def beam_lines(bench: "BenchStatus | None", since_s: float) -> list[Content]:
-    """Return signal, state and length of the beam.
+def beam_lines(bench: "BenchStatus | None", since_s: float, spacing_mm: float | None = None) -> list[Content]:
+    """Return signal, state and length of the beam, or the angle that it stands for.
 
     Args:
         bench: as it was last; None while nothing is known of it.
         since_s: time since then, s.
+        spacing_mm: of angular optics; None for the length.
     """
     if bench is None or bench.beam is None:
         return [_nobody(bench, "interferometer", "interferometer")]
@@ -155,7 +167,7 @@ def beam_lines(bench: "BenchStatus | None", since_s: float) -> list[Content]:
     return [
         _signal_line(beam, style),
         _state_line(None if bench.layout is None else bench.layout.aim, beam, style, age),
-        *_length_lines(beam, style),
+        *(_length_lines(beam, style) if spacing_mm is None else _angle_lines(beam, style, spacing_mm)),
     ]
 
 
@@ -190,17 +202,22 @@ def engine_lines(engine: EngineState, most: int) -> list[Content]:
 
 def length_text(length_mm: float) -> str:
     """Return a length to a nanometre, grouped: 743.123 456 mm."""
-    whole, _, part = f"{length_mm:.6f}".partition(".")
-    return f"{whole}.{part[:3]} {part[3:]} mm"
+    return f"{_grouped(length_mm)} mm"
+
+
+def _grouped(value: float) -> str:
+    whole, _, part = number(value, fixed(6), minus="-").partition(".")
+    return f"{whole}.{part[:3]} {part[3:]}"
 
 
 def _joint_lines(bench: "BenchStatus", robot: "RobotStatus", *, roomy: bool) -> list[str]:
     if robot.joints is None:
         return ["joints not known"]
     if roomy and bench.layout is None:
+        torques = robot.torques_nm or [None] * len(robot.joints)
         return [
-            f"{axis.name:<4}{_joint_text(value)} {axis.unit:<4}{range_bar(axis, value, _RANGE_CELLS)}"
-            for axis, value in zip(bench.axes, robot.joints, strict=False)
+            _axis_line(axis, value, torque)
+            for axis, value, torque in zip(bench.axes, robot.joints, torques, strict=False)
         ]
     values = [
         f"{axis.name} {_joint_text(value)} {axis.unit:<3}"
@@ -215,8 +232,26 @@ def _joint_lines(bench: "BenchStatus", robot: "RobotStatus", *, roomy: bool) -> 
     return found
 
 
+def _axis_line(axis: "AxisRange", value: float | None, torque_nm: float | None) -> str:
+    """Return an axis with its range; where its motor's torque is known, the range is shorter."""
+    begin = f"{axis.name:<4}{_joint_text(value)} {axis.unit:<4}"
+    if torque_nm is None:
+        return f"{begin}{range_bar(axis, value, _RANGE_CELLS)}"
+    return (
+        f"{begin}{range_bar(axis, value, _SHORT_RANGE_CELLS)}{number(torque_nm, fixed(1), minus='-'):>7} N m"
+    )
+
+
+def _torque_lines(robot: "RobotStatus") -> list[str]:
+    """Return the torques of all motors in one line, where the axes have no line of their own."""
+    if robot.torques_nm is None:
+        return []
+    values = "".join(f"{number(value, fixed(0), minus='-'):>5}" for value in robot.torques_nm)
+    return [f"N m{values}"]
+
+
 def _joint_text(value: float | None) -> str:
-    return f"{'—':>9}" if value is None else f"{value:9.3f}"
+    return f"{'—' if value is None else number(value, fixed(3), minus='-'):>9}"
 
 
 def _drives_text(robot: "RobotStatus") -> str:
@@ -263,6 +298,21 @@ def _length_lines(beam: "BeamStatus", style: str) -> list[Content]:
     found = [Content.styled(f"{length_text(beam.displacement_mm):<20}σ {spread}", style)]
     if beam.mean_mm is not None:
         found.append(Content.styled(f"{length_text(beam.mean_mm):<20}mean, 1 s", style))
+    return found
+
+
+def _angle_lines(beam: "BeamStatus", style: str, spacing_mm: float) -> list[Content]:
+    turned_deg = None if beam.displacement_mm is None else angle_deg(beam.displacement_mm, spacing_mm)
+    if turned_deg is None:
+        return [Content.styled("angle not known", "dim")]
+    spread = "—"
+    if beam.spread_um is not None:
+        across_um = 1e3 * spacing_mm * math.cos(math.radians(turned_deg))
+        spread = f"{1e3 * math.degrees(beam.spread_um / max(across_um, 1e-9)):.3f} mdeg"
+    found = [Content.styled(f"{f'{_grouped(turned_deg)} deg':<20}σ {spread}", style)]
+    mean_deg = None if beam.mean_mm is None else angle_deg(beam.mean_mm, spacing_mm)
+    if mean_deg is not None:
+        found.append(Content.styled(f"{f'{_grouped(mean_deg)} deg':<20}mean, 1 s", style))
     return found
 
 

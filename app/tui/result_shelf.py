@@ -77,11 +77,18 @@ def file_row(file: "AnyFile") -> list[str]:
     return result_texts.file_row(cast("ScaraFile", file))
 
 
-def resolution_report_of(file: "ResolutionFile") -> "Report":
-    """Return the report of a result of motion resolution, as the page shows it; call it in a thread."""
+def resolution_files_of(file: "ResolutionFile") -> list[Path]:
+    """Return a result of motion resolution, and what was predicted for its arm beside it; call it in a thread."""
+    from catseye.app.results.resolution.report_files import files_beside
+
+    return [file.path, *([] if file.result is None else files_beside(file.path, file.result.arm))]
+
+
+def resolution_report_of(files: list[Path]) -> "Report":
+    """Return the report of a result and of what was predicted beside it; call it in a thread."""
     from catseye.app.results.resolution.result_report import resolution_files_report
 
-    return resolution_files_report([file.path])
+    return resolution_files_report(files)
 
 
 def version_of(file: "AnyFile") -> Version:

@@ -8,6 +8,7 @@ run of a measurement, so the interval holds what one run finds, and not the expe
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Literal, Self
 
 import numpy as np
 
@@ -85,6 +86,12 @@ class DirectionPrediction:
     across_percent: Floats
     least: PredictedStep
 
+    @classmethod
+    def without_steps(cls, direction: str, reason: str) -> Self:
+        """Return that no step of a direction is covered, and why."""
+        none = np.zeros(0)
+        return cls(direction, none, none, none, none, _no_step(reason))
+
 
 def predict_pose(
     chain: Chain,
@@ -114,7 +121,7 @@ def predict_pose(
     require_finite(pose, "pose")
     method = method or PredictionMethod()
     if not within(pose, *ranges_of(chain)).all():
-        return [_empty(direction, beyond_text(chain, pose)) for direction in DIRECTIONS]
+        return [DirectionPrediction.without_steps(one, beyond_text(chain, pose)) for one in DIRECTIONS]
     steps = CartesianSteps(chain, pose, tables, method.series, tool, approach)
     seeds = np.random.SeedSequence(method.seed, spawn_key=(number,)).spawn(len(DIRECTIONS))
     return [
@@ -130,7 +137,8 @@ def _predicted(
     count = int(np.cumprod(covered).sum())
     if not count:
         largest = f"{steps.sizes[direction, 0]:.2g} {unit_of(DIRECTIONS[direction])}"
-        return _empty(DIRECTIONS[direction], f"at the first step, {largest}: {steps.why_open(direction, 0)}")
+        why = f"at the first step, {largest}: {steps.why_open(direction, 0)}"
+        return DirectionPrediction.without_steps(DIRECTIONS[direction], why)
     draws = steps.draw(direction, count, method.draws, rng)
     sizes = steps.sizes[direction, :count]
     why_end = "the series ends" if count == covered.size else steps.why_open(direction, count)
@@ -161,10 +169,10 @@ def _least_step(
     expected = int(steps_within(mean, threshold))
     if not expected:
         text = f"the error is {mean[0]:+.0f} % at the first step, {sizes[0]:.2g} {unit}: the least step is larger"
-        return no_prediction(text)
+        return _no_step(text)
     if expected == sizes.size:
         text = f"within ±{threshold:g} % down to {sizes[-1]:.2g} {unit}, where {why_end}"
-        return no_prediction(text)
+        return _no_step(text)
     runs = steps_within(moving_mean(errors_percent.T), threshold)
     fewest, most = np.quantile(runs, [0.025, 0.975], method="weibull")
     fewest, most = min(math.floor(fewest), expected), max(math.ceil(most), expected)
@@ -184,16 +192,10 @@ def _least_step(
     )
 
 
-def unit_of(direction: str) -> str:
+def unit_of(direction: str) -> Literal["deg", "mm"]:
     """Return the unit of the steps of a direction."""
     return "deg" if "R" in direction else "mm"
 
 
-def _empty(direction: str, reason: str) -> DirectionPrediction:
-    none = np.zeros(0)
-    return DirectionPrediction(direction, none, none, none, none, no_prediction(reason))
-
-
-def no_prediction(reason: str) -> PredictedStep:
-    """Return that there is no least step, and why."""
+def _no_step(reason: str) -> PredictedStep:
     return PredictedStep(None, None, None, reason)

@@ -1,7 +1,8 @@
 """Requests and replies of KUKAVARPROXY and C3 Bridge as bytes: no link, no clock.
 
 The sheet is `kuka_abb_robodk`, section A1: `u16 tag | u16 length of the rest | u8 type | payload`,
-big-endian; a reply's payload is followed by `u16 error | u8 success`.
+big-endian; a reply's payload is followed by `u16 error | u8 success`. A KUKAVARPROXY of old writes the length of its
+success byte, always 1, where C3 Bridge has the error (its source, basMain.bas): the success byte decides.
 """
 
 import struct
@@ -35,6 +36,7 @@ _WIDE: Final = frozenset({Kind.READ_WIDE, Kind.WRITE_WIDE, Kind.READ_MANY, Kind.
 _MANY: Final = frozenset({Kind.READ_MANY, Kind.WRITE_MANY})
 
 SUCCESS: Final = 1
+_GENERAL: Final = 0
 
 ERRORS: Final = {
     0: "it failed; the proxy does not say why: the variable is unknown, write-protected, or the value is none of it",
@@ -166,6 +168,8 @@ class ReplyDecoder:
 def _decoded(kind: Kind, body: bytes) -> Reply:
     payload, footer = body[: -_FOOTER.size], body[-_FOOTER.size :]
     error, success = _FOOTER.unpack(footer)
+    if error == SUCCESS and success == 0:
+        error = _GENERAL
     if success not in {0, 1} or (success == 1) != (error == SUCCESS):
         raise ProtocolError(
             f"the reply ends with error {error} and success {success}, which contradict each other"

@@ -8,8 +8,8 @@ from catseye.drivers.kuka.values import AXES, axes_of, real_of, whole_of
 from catseye.drivers.roles.device import Examination
 
 RAISE: Final = (
-    "the guard's STOP leaves it so, or somebody has set it: see that the arm is clear, then raise it at the smartPAD "
-    "(program override), no further than the cell's override_cap_percent; this program does not raise it"
+    "a stop or the guard left it so, or somebody has set it: see that the arm is clear, then raise it at the "
+    "smartPAD (program override), no further than the cell's override_cap_percent; a run asks before it does"
 )
 """What an override of 0 means to a program that has just connected."""
 

@@ -139,10 +139,15 @@ class Proxy:
         return self._tag
 
     def _value(self, reply: Reply, what: str) -> str:
+        """Return a value; a KUKAVARPROXY of old answers an unknown variable with success and no text."""
         if reply.error != codec.SUCCESS:
             why = codec.ERRORS.get(reply.error, f"error {reply.error}")
             raise RefusedError(f"{self.where}: {what}: {why}", reply.error)
-        return reply.items[0].text
+        if not (text := reply.items[0].text):
+            raise RefusedError(
+                f"{self.where}: {what}: no value: the controller has no such variable", codec.SUCCESS
+            )
+        return text
 
     async def _exchange(self, name: str) -> Reply:
         tag = self._next_tag()

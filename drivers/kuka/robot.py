@@ -53,7 +53,7 @@ class KukaVarproxy(Robot):
     Settings: ClassVar[type[KukaSettings]] = KukaSettings
     summary: ClassVar[str] = "KUKA controller with KUKAVARPROXY or C3 Bridge and the program CATSKUKA"
     abilities: ClassVar[RobotAbilities] = RobotAbilities(
-        takes_guard=True, numbers_alarms=False, steps=True, switches_drives=False
+        takes_guard=True, numbers_alarms=False, steps=True, switches_drives=False, torques=True
     )
 
     def __init__(

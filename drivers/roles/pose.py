@@ -30,7 +30,7 @@ class Axis:
         low: smallest value.
         high: largest value.
         speed: fastest at 100 % override, deg/s or mm/s.
-        acceleration: deg/s² or mm/s²; None leaves the axis out of estimates of time.
+        acceleration: deg/s² or mm/s²; None where it is unknown: estimates of time reckon with the speed alone.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Axis:
 
     def text(self, value: float, digits: int = 2) -> str:
         """Return a value with name and unit: A1 10.00°, or 12.50 mm."""
-        return f"{self.name} {value:.{digits}f}{SYMBOLS[self.unit]}"
+        return f"{self.name} {value:z.{digits}f}{SYMBOLS[self.unit]}"
 
 
 Axes = tuple[Axis, ...]

@@ -59,6 +59,7 @@ class RobotAbilities:
         steps: `step_axis` and `step_line` move by increments that the controller adds itself.
         switches_drives: `servo` switches the drives; otherwise it checks that an operator has, and `rest` is called
             at the end.
+        torques: `torques` reads them.
         command_resolution: smallest increment of an axis that the controller tells from none, by the unit of the
             axis: {"deg": 0.001}; None where its maker states none.
     """
@@ -70,6 +71,7 @@ class RobotAbilities:
     numbers_alarms: bool = True
     steps: bool = False
     switches_drives: bool = True
+    torques: bool = False
     command_resolution: Mapping[Unit, float] | None = None
 
 

@@ -5,6 +5,7 @@ import statistics
 from collections.abc import Sequence
 from typing import Final
 
+from catseye.procedures.kit.angular_optics import angle_deg
 from catseye.procedures.kit.bench import AngularOptics, LinearOptics
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.live import Live, LiveStep
@@ -71,8 +72,7 @@ class LiveSteps:
         mean_mm = statistics.fmean(values)
         if not isinstance(self._optics, AngularOptics):
             return mean_mm
-        share = mean_mm / self._optics.spacing_mm
-        return math.degrees(math.asin(share)) if abs(share) <= 1.0 else None
+        return angle_deg(mean_mm, self._optics.spacing_mm)
 
     def show(self, move: Move, before: float | None, after: float | None) -> None:
         """Show a step.

@@ -29,8 +29,8 @@ PREDICT: Final = Analysis(
     gives="",
     stage=Stage(160, "least steps of the tool at poses, to be compared with measured ones", _WAY),
     writes_result=False,
-    usage="tables.csv --arm ARM --poses POSES.csv -o predicted.csv",
-    writes="predicted.csv",
+    usage="tables.csv --arm ARM --poses POSES.csv -o predicted.json",
+    writes="predicted.json",
 )
 STRAIGHT: Final = Stage(170, "how small a straight step the tool still makes", _WAY)
 REPORT: Final = Analysis(

@@ -47,14 +47,31 @@ class Frame:
 
 
 class FrameBuffer:
-    """Cuts frames out of what a client sends."""
+    """Cuts frames out of what a client sends.
 
-    def __init__(self) -> None:
+    Args:
+        forgets: what is left over of one piece is dropped when the next one comes, as a KUKAVARPROXY of old does:
+            bytes behind a request do no harm there, and a request in two pieces is lost.
+    """
+
+    def __init__(self, *, forgets: bool = False) -> None:
         self._bytes = bytearray()
+        self._forgets = forgets
 
     def feed(self, data: bytes) -> None:
         """Take bytes, cut anywhere."""
         self._bytes += data
+        if self._forgets:
+            del self._bytes[self._end_of_frames() :]
+
+    def _end_of_frames(self) -> int:
+        end = 0
+        while len(self._bytes) >= end + _HEAD.size:
+            _, length = _HEAD.unpack_from(self._bytes, end)
+            if len(self._bytes) < end + _HEAD.size + length:
+                break
+            end += _HEAD.size + length
+        return end
 
     def take(self) -> Frame | None:
         """Return the next whole frame, None before it has come."""
@@ -91,6 +108,12 @@ class PayloadReader:
         """Return the next text of single bytes; see `byte` for the error."""
         return self._bytes(self._count()).decode("latin-1")
 
+    def ascii_or_rest(self) -> str:
+        """Return the next text of single bytes, or what there is of it."""
+        count = int.from_bytes(self._rest[: _COUNT.size], "big")
+        text, self._rest = self._rest[_COUNT.size : _COUNT.size + count], self._rest[_COUNT.size + count :]
+        return text.decode("latin-1")
+
     def utf16(self) -> str:
         """Return the next text of UTF-16LE, whose length counts characters; see `byte` for the error."""
         return self._bytes(2 * self._count()).decode("utf-16-le", errors="replace")
@@ -114,6 +137,17 @@ def utf16_text(text: str) -> bytes:
     """Return a text of UTF-16LE behind its length in characters."""
     data = text.encode("utf-16-le")
     return _COUNT.pack(len(data) // 2) + data
+
+
+def old_reply(request: Frame, payload: bytes, *, success: bool) -> bytes:
+    """Return the reply of a KUKAVARPROXY of old, whose footer has the length of the success byte for an error."""
+    body = bytes([request.kind or 0]) + payload + _FOOTER.pack(1, success)
+    return _HEAD.pack(request.tag, len(body)) + body
+
+
+def empty_reply(request: Frame) -> bytes:
+    """Return what a KUKAVARPROXY of old says to a type that it does not know: its tag and nothing else."""
+    return _HEAD.pack(request.tag, 0)
 
 
 def reply(request: Frame, payload: bytes, error: ErrorCode) -> bytes:

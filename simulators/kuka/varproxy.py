@@ -19,6 +19,8 @@ from catseye.simulators.kuka.frames import (
     PayloadError,
     PayloadReader,
     ascii_text,
+    empty_reply,
+    old_reply,
     reply,
     utf16_text,
 )
@@ -51,7 +53,7 @@ class Proxy:
         variables: of the controller.
         seed: of how long requests take.
         longest_bytes: of the rest of a reply; more is refused as a long answer.
-        old: it is a KUKAVARPROXY of old: it knows PING and single ASCII variables, nothing else.
+        old: it is a KUKAVARPROXY of old: it knows PING and single ASCII variables, and says no errors.
     """
 
     def __init__(
@@ -118,7 +120,7 @@ class VarproxySession(Session):
     def __init__(self, proxy: Proxy, note: Callable[[str], None]) -> None:
         self._proxy = proxy
         self._note = note
-        self._buffer = FrameBuffer()
+        self._buffer = FrameBuffer(forgets=proxy.old)
 
     def feed(self, data: bytes) -> None:
         """Take bytes, cut anywhere."""
@@ -151,8 +153,9 @@ class VarproxySession(Session):
 
 def answer_to(request: Frame, proxy: Proxy, note: Callable[[str], None]) -> bytes:
     """Carry out a request; return the reply."""
-    kinds = _OLD_KINDS if proxy.old else _KINDS
-    carry_out = kinds.get(request.kind)
+    if proxy.old:
+        return _old_answer_to(request, proxy, note)
+    carry_out = _KINDS.get(request.kind)
     if carry_out is None:
         note(f"type {request.kind}")
         return reply(request, b"", ErrorCode.NOT_IMPLEMENTED)
@@ -160,6 +163,31 @@ def answer_to(request: Frame, proxy: Proxy, note: Callable[[str], None]) -> byte
     if len(payload) + _OVERHEAD_BYTES > proxy.longest_bytes:
         return reply(request, b"\0" if request.kind in _MULTIPLE else ascii_text(""), ErrorCode.LONG_ANSWER)
     return reply(request, payload, error)
+
+
+def _old_answer_to(request: Frame, proxy: Proxy, note: Callable[[str], None]) -> bytes:
+    """Return what a KUKAVARPROXY of old says, by its published source (basMain.bas).
+
+    It reads what does not exist as an empty text, with success; a write that fails repeats the value.
+    """
+    reader = PayloadReader(request.payload)
+    match request.kind:
+        case 0:
+            name = reader.ascii_or_rest()
+            note(f"read {name}")
+            return old_reply(request, ascii_text(proxy.read(name)[1]), success=True)
+        case 1:
+            name, text = reader.ascii_or_rest(), reader.ascii_or_rest()
+            note(f"write {name} = {text}")
+            error, _ = proxy.write(name, text)
+            return old_reply(request, ascii_text(text), success=error is ErrorCode.SUCCESS)
+        case 2 | 3:
+            # Arrays of whole numbers, of which this controller has none.
+            note(f"type {request.kind}")
+            return old_reply(request, ascii_text(""), success=request.kind == 2)
+        case _:
+            note(f"type {request.kind}")
+            return empty_reply(request)
 
 
 _Done = tuple[bytes, ErrorCode]
@@ -234,13 +262,14 @@ def _read_one(reader: PayloadReader, proxy: Proxy, note: Callable[[str], None]) 
 def _write_one(reader: PayloadReader, proxy: Proxy, note: Callable[[str], None]) -> tuple[ErrorCode, str]:
     name, text = reader.utf16(), reader.utf16()
     note(f"write {name} = {text}")
-    return proxy.write(name, text)
+    error, kept = proxy.write(name, text)
+    return error, kept if error is ErrorCode.SUCCESS else text
 
 
 _MULTIPLE: Final = frozenset({6, 7})
-_OLD_KINDS: Final[Mapping[int | None, _Carry]] = {0: _read_ascii, 1: _write_ascii}
 _KINDS: Final[Mapping[int | None, _Carry]] = {
-    **_OLD_KINDS,
+    0: _read_ascii,
+    1: _write_ascii,
     4: _read_utf16,
     5: _write_utf16,
     6: partial(_multiple, _read_one),

@@ -17,30 +17,24 @@ import pytest
 from catseye.app.testing.proxy import ProxyThread
 from catseye.simulators.kuka.program import HEARTBEAT_S
 from tests.patience import HANG_S
-from tests.system.command import Emulated, emulated, environment, own_runtime
+from tests.system.command import Emulated, catseye, emulated, environment, own_runtime
 from tests.system.guarded import until
+from tests.system.kuka_kills import EXAMPLE, REST_WITHIN_S, SLOW, killed, measuring, newest
 from tests.system.kuka_stops import Figures, one_stop
 from tests.unit.simulators.kuka.benches import kuka_bench
 
-EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "kuka.toml"
 SEED = 20261124
 STOPS = 6
+KILLS = 2
 MOVER = "tests.system.kuka_mover"
 GUARD_S = 0.25
 """A guard says STOP when its engine's end of a pipe closes, which takes a moment; proxy and program follow."""
-
-CONTROL = """
-[tracker]
-driver = "bench-tracker"
-endpoint = "tcp://127.0.0.1:10099"
-"""
-"""Names the control port, by which the bench is watched."""
 
 
 @contextmanager
 def kuka(folder: Path) -> Iterator[tuple[Emulated, str]]:
     """Emulate the example in real time; yield it with the proxy's endpoint."""
-    with own_runtime(), emulated(folder, text=EXAMPLE.read_text(encoding="utf-8") + CONTROL) as bench:
+    with own_runtime(), emulated(folder, text=EXAMPLE.read_text(encoding="utf-8")) as bench:
         bench.ask(op="speed", value=1.0)
         found = re.search(r'^endpoint = "(.+?)"', bench.cell.read_text(encoding="utf-8"), re.MULTILINE)
         assert found is not None
@@ -98,3 +92,19 @@ def test_the_arm_stops_when_its_program_is_killed(tmp_path: Path, how: str) -> N
         assert ("write CATS_STOP = TRUE" in written) == (how == "guarded")
     # The last heartbeat may have come a period before the end; a cycle and the deceleration follow.
     assert rest_s < (GUARD_S if how == "guarded" else HEARTBEAT_S) + 0.25
+
+
+def test_a_run_killed_in_motion_rests_at_once_and_resumes(tmp_path: Path) -> None:
+    moments = random.Random(SEED)
+    with own_runtime(), emulated(tmp_path, text=EXAMPLE.read_text(encoding="utf-8"), edit=SLOW) as bench:
+        words = measuring(bench)
+        for _ in range(KILLS):
+            kill = killed(bench, moments, *words)
+            assert kill.rest_s < REST_WITHIN_S
+            assert (kill.orders, kill.motions) == (0, 0)
+            words = ("resume", newest(bench))
+        bench.ask(op="speed", value=20.0)
+        done = catseye("resume", newest(bench), "--speed", "20", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "The controller's speed override is 0 %" in done.stderr
+    assert "run complete" in done.stderr

@@ -16,7 +16,7 @@ _RANGE_KEYS = ("limits_deg.j1", "limits_deg.j2", "j3_mm or j3_range_mm", "limits
 def stated_arm(arm: Arm, robot: ScaraRobot) -> Arm:
     """Return a SCARA with the heights, speeds and accelerations of the cell file; any other arm as it is.
 
-    The acceleration of J3 is not known, so estimates of time leave it out.
+    The acceleration of J3 is not known: estimates of time reckon with its speed alone.
     """
     if [axis.unit for axis in arm.axes] != _UNITS:
         return arm

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from catseye.app.cli.options import AsJson, Dask, InsecureCluster, Output, Workers
+from catseye.app.cli.options import AsJson, Dask, InsecureCluster, Workers
 from catseye.app.cli.output import note, write_json
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.report_output import note_statements, write_tables
@@ -20,6 +20,12 @@ if TYPE_CHECKING:
     from catseye.calibration.resolution.workspace_slice import AxisName, SliceAxis
 
 Tables = Annotated[Path, typer.Argument(metavar="TABLES", help="CSV of catseye resolution-model")]
+Output = Annotated[
+    Path,
+    typer.Option(
+        "-o", "--output", help="CSV to write; .json has the errors of all steps, for catseye report"
+    ),
+]
 ArmOption = Annotated[str, typer.Option(help="name of a shipped arm, or path of a description")]
 Poses = Annotated[Path, typer.Option(help="poses CSV: pose, q1_deg …")]
 Tool = Annotated[
@@ -74,42 +80,33 @@ def predict_resolution(
 
     Example: catseye predict-resolution tables.csv --arm kr210-r2700 --poses poses.csv -o predicted.csv
     """
-    from catseye.app.files.poses import read_poses
-    from catseye.app.results.resolution import cartesian_prediction as prediction
     from catseye.app.results.resolution.cartesian_comparison import compare_with_measured
-    from catseye.app.results.resolution.joint_tables import read_joint_tables
-    from catseye.app.results.resolution.prediction_report import prediction_document, prediction_report
+    from catseye.app.results.resolution.cartesian_prediction import Prediction, predicted_resolution
+    from catseye.app.results.resolution.predicted import write_predicted
+    from catseye.app.results.resolution.prediction_report import prediction_json, prediction_report
     from catseye.calibration.resolution.cartesian_steps import StepSeries
     from catseye.calibration.resolution.predictor import PredictionMethod
-    from catseye.calibration.resolution.workspace_slice import slice_points
 
     require_output(output, tables, poses, tool, measured)
-    axes = None if map_slice is None else _axes(map_slice)
-    description = _description(arm)
-    predictor = prediction.predictor_of(
-        description,
-        read_joint_tables(tables, [joint.name for joint in description.joint]),
+    asked = Prediction(
+        _description(arm),
+        tables,
+        poses,
         PredictionMethod(threshold, draws, seed, StepSeries(from_mm, from_deg)),
         _tool_frame(tool, target),
+        None if map_slice is None else _axes(map_slice),
+        reversal,
     )
-    named = read_poses(poses, [joint.unit for joint in description.joint])
-    if axes is None:
-        places = prediction.places_of(named, reversal=reversal)
-    else:
-        points = slice_points(predictor.chain, named.joints[0], axes, predictor.tool)
-        places = prediction.places_of_slice(points, reversal=reversal)
     with (
         sharing(workers, dask, insecure=insecure_cluster) as share,
         closing(ProgressBar("prediction")) as bar,
     ):
-        rows = prediction.predict_places(
-            predictor, places, share, lambda n, of: bar.update(n, of, f"{n} of {of} poses")
-        )
-    prediction.write_predicted_steps(rows, output)
-    compared = None if measured is None else compare_with_measured(rows, measured)
-    report = prediction_report(description, rows, tables, compared)
+        predicted = predicted_resolution(asked, share, lambda n, of: bar.update(n, of, f"{n} of {of} poses"))
+    write_predicted(predicted, output)
+    compared = None if measured is None else compare_with_measured(predicted.least_steps, measured)
+    report = prediction_report(predicted, compared)
     if as_json:
-        write_json({"output": str(output), **prediction_document(rows, compared).json_object()})
+        write_json({"output": str(output), **prediction_json(predicted, compared)})
     else:
         write_tables(report)
     note_statements(report)

@@ -1,5 +1,6 @@
 """resolution: from recordings to step errors, least increment steps and reversal errors."""
 
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TypeVar
 
@@ -7,63 +8,82 @@ import typer
 
 from catseye.app.cli.options import AsJson, MeasuredRuns, Runs, Unverified
 from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import require_output
 
 if TYPE_CHECKING:
+    from catseye.app.results.resolution.input_files import RecordingFile
     from catseye.app.results.resolution.result import ResolutionResult
 
 GivenT = TypeVar("GivenT")
 
 
+Output = Annotated[
+    Path | None, typer.Option("-o", "--output", help="result JSON to write; not with --preview")
+]
+RecordingOption = Annotated[
+    Path | None, typer.Option(help="recording, CSV or Parquet; .rtl or .rta for --test backlash")
+]
+Moves = Annotated[Path | None, typer.Option(help="moves: t_s,command_deg or t_s,command_mm")]
+TestOption = Annotated[
+    Literal["decaying", "iso", "backlash", "cartesian"] | None, typer.Option(help="what was done")
+]
+Joint = Annotated[str | None, typer.Option(help="joint of the arm; X, Y or Z of a Cartesian test")]
+Position = Annotated[float | None, typer.Option(help="where the joint was tested (mm of one that slides)")]
+Pose = Annotated[str | None, typer.Option(help="name of the pose of a Cartesian test")]
+ArmOption = Annotated[str | None, typer.Option(help="name of a shipped arm, or path of a description")]
+Spacing = Annotated[
+    float | None, typer.Option(min=1.0, help="S of angular optics, of a recording of displacements")
+]
+JointTorque = Annotated[
+    Path | None,
+    typer.Option(help="motor torque: t_s,torque_nm, or a KUKA trace, .dat with .r64 or CSV"),
+]
+TorqueChannel = Annotated[str | None, typer.Option(help="of a trace with several torques")]
+DeviationUnit = Annotated[
+    Literal["mrad", "urad", "arcsec", "mdeg"] | None, typer.Option(help="of the deviations of a .rta")
+]
+Align = Annotated[
+    Literal["auto", "none"], typer.Option(help="find offset and drift between the clocks of the two files")
+]
+Threshold = Annotated[
+    float, typer.Option(metavar="PERCENT", min=0.1, max=100.0, help="largest error of a step that counts")
+]
+Mapping = Annotated[
+    Path | None, typer.Option(help="TOML file that says which columns of the recording are what")
+]
+Rate = Annotated[
+    float | None,
+    typer.Option(
+        min=1.0, help="rate of the recording, held against its times; of one without, for --preview"
+    ),
+]
+Preview = Annotated[
+    bool, typer.Option("--preview", help="show how the recording is read, write its mapping to stdout")
+]
+
+
 def resolution(
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="result JSON to write; not with --preview")
-    ] = None,
+    output: Output = None,
     run: MeasuredRuns = None,
-    recording: Annotated[
-        Path | None, typer.Option(help="recording, CSV or Parquet; .rtl or .rta for --test backlash")
-    ] = None,
-    moves: Annotated[Path | None, typer.Option(help="moves: t_s,command_deg or t_s,command_mm")] = None,
-    test: Annotated[
-        Literal["decaying", "iso", "backlash", "cartesian"] | None, typer.Option(help="what was done")
-    ] = None,
-    joint: Annotated[str | None, typer.Option(help="joint of the arm; X, Y or Z of a Cartesian test")] = None,
-    position_deg: Annotated[
-        float | None, typer.Option(help="where the joint was tested (mm of one that slides)")
-    ] = None,
-    pose: Annotated[str | None, typer.Option(help="name of the pose of a Cartesian test")] = None,
-    arm: Annotated[str | None, typer.Option(help="name of a shipped arm, or path of a description")] = None,
-    spacing_mm: Annotated[
-        float | None, typer.Option(min=1.0, help="S of angular optics, of a recording of displacements")
-    ] = None,
-    joint_torque: Annotated[
-        Path | None, typer.Option(help="motor torque: t_s,torque_nm, or a KUKA trace, .dat with .r64 or CSV")
-    ] = None,
-    torque_channel: Annotated[str | None, typer.Option(help="of a trace with several torques")] = None,
-    deviation_unit: Annotated[
-        Literal["mrad", "urad", "arcsec", "mdeg"] | None, typer.Option(help="of the deviations of a .rta")
-    ] = None,
-    align: Annotated[
-        Literal["auto", "none"],
-        typer.Option(help="find offset and drift between the clocks of the two files"),
-    ] = "none",
-    threshold: Annotated[
-        float, typer.Option(metavar="PERCENT", min=0.1, max=100.0, help="largest error of a step that counts")
-    ] = 10.0,
-    mapping: Annotated[
-        Path | None, typer.Option(help="TOML file that says which columns of the recording are what")
-    ] = None,
-    rate_hz: Annotated[
-        float | None,
-        typer.Option(
-            min=1.0, help="rate of the recording, held against its times; of one without, for --preview"
-        ),
-    ] = None,
-    preview: Annotated[
-        bool, typer.Option("--preview", help="show how the recording is read, write its mapping to stdout")
-    ] = False,
+    recording: RecordingOption = None,
+    moves: Moves = None,
+    test: TestOption = None,
+    joint: Joint = None,
+    position_deg: Position = None,
+    pose: Pose = None,
+    arm: ArmOption = None,
+    spacing_mm: Spacing = None,
+    joint_torque: JointTorque = None,
+    torque_channel: TorqueChannel = None,
+    deviation_unit: DeviationUnit = None,
+    align: Align = "none",
+    threshold: Threshold = 10.0,
+    mapping: Mapping = None,
+    rate_hz: Rate = None,
+    preview: Preview = False,
     runs: Runs = None,
     unverified: Unverified = False,
     as_json: AsJson = False,
@@ -81,33 +101,31 @@ def resolution(
     if run:
         if recording is not None:
             raise UsageError("state either runs or --recording")
-        _hand_over(_result_of_runs(run, threshold, runs, unverified=unverified), result_file, as_json=as_json)
-        return
-    source = _given(recording, "RUN or --recording")
+        result = _result_of_runs(run, threshold, runs, unverified=unverified)
+    else:
+        from catseye.app.results.resolution.evaluation import Asked
+        from catseye.app.results.resolution.imported import Import, imported_result
+
+        source = _recording_file(_given(recording, "RUN or --recording"), mapping, spacing_mm, rate_hz)
+        asked = Asked(_given(test, "--test"), _given(joint, "--joint"), position_deg, pose, threshold)
+        files = Import(source, asked, moves, joint_torque, torque_channel, align == "auto", deviation_unit)
+        result = imported_result(files, _given(arm, "--arm"))
+    _hand_over(result, result_file, as_json=as_json)
+
+
+def _recording_file(
+    source: Path, mapping: Path | None, spacing_mm: float | None, rate_hz: float | None
+) -> "RecordingFile":
     from catseye.app.results.resolution.csv_mapping import read_mapping
-    from catseye.app.results.resolution.evaluation import Asked
-    from catseye.app.results.resolution.imported import Import, imported_result
     from catseye.app.results.resolution.input_files import RecordingFile
     from catseye.calibration.resolution.optics import AngularOptics
 
-    result = imported_result(
-        Import(
-            RecordingFile(
-                source,
-                None if mapping is None else read_mapping(mapping),
-                None if spacing_mm is None else AngularOptics(spacing_mm),
-                rate_hz,
-            ),
-            Asked(_given(test, "--test"), _given(joint, "--joint"), position_deg, pose, threshold),
-            moves,
-            joint_torque,
-            torque_channel,
-            align == "auto",
-            deviation_unit,
-        ),
-        _given(arm, "--arm"),
+    return RecordingFile(
+        source,
+        None if mapping is None else read_mapping(mapping),
+        None if spacing_mm is None else AngularOptics(spacing_mm),
+        rate_hz,
     )
-    _hand_over(result, result_file, as_json=as_json)
 
 
 def _given(value: GivenT | None, option: str) -> GivenT:
@@ -127,8 +145,8 @@ def _result_of_runs(
 
     folder = runs_folder(runs)
     readers = [RunReader(resolve_run(folder, name), accept(unverified=unverified)) for name in names]
-    with taken_as_it_is(*readers):
-        return result_of_runs(readers, threshold)
+    with taken_as_it_is(*readers), closing(ProgressBar("evaluation")) as bar:
+        return result_of_runs(readers, threshold, lambda n, of: bar.update(n, of, f"{n} of {of} tests"))
 
 
 def _show_preview(source: Path, mapping: Path | None, rate_hz: float | None, *, as_json: bool) -> None:
@@ -147,12 +165,13 @@ def _show_preview(source: Path, mapping: Path | None, rate_hz: float | None, *, 
 
 def _hand_over(result: "ResolutionResult", output: Path, *, as_json: bool) -> None:
     """Write a result and show it."""
+    from catseye.app.results.resolution.report_files import ReportFiles
     from catseye.app.results.resolution.result import resolution_summary, write_resolution
     from catseye.app.results.resolution.result_report import resolution_report
     from catseye.app.results.runs.trace import sources_of
 
     write_resolution(result, output)
-    report = resolution_report(f"Result {output.name}", [result], sources_of([output]))
+    report = resolution_report(f"Result {output.name}", ReportFiles((result,)), sources_of([output]))
     if as_json:
         write_json({"result": str(output), **resolution_summary(result)})
     else:

@@ -34,7 +34,7 @@ def resolution_model(
     require_output(output, *result)
     with sharing(workers, dask, insecure=insecure_cluster) as share, closing(ProgressBar("models")) as bar:
         modelled = model_arm(result, share, lambda n, of: bar.update(n, of, f"{n} of {of} models"))
-    write_joint_tables(modelled.tables, output)
+    write_joint_tables(modelled.tables, output, simulated=modelled.simulated)
     report = model_report(modelled)
     if as_json:
         write_json({"output": str(output), **model_document(modelled).json_object()})

@@ -26,13 +26,28 @@ def procedures_report(survey: "SurveyDocument") -> Report:
 
 
 def survey_report(survey: "SurveyDocument") -> Report:
-    """Return what each procedure needs on a cell, and the way to a validated result."""
-    sections = [_procedure_section(entry, readiness(entry.needs, entry.last)) for entry in survey.procedures]
+    """Return what each procedure of the cell's system needs there, which are of others, and the way of the cell."""
+    others = [entry for entry in survey.procedures if _is_of_another_system(entry, survey)]
+    sections = [
+        _procedure_section(entry, readiness(entry.needs, entry.last))
+        for entry in survey.procedures
+        if entry not in others
+    ]
+    if others:
+        named = ", ".join(entry.name for entry in others)
+        text = f"{named}: the cell file does not describe what they need; catseye procedures lists them"
+        sections.append(section("others", "Of other systems", [Statement(Sign.NEUTRAL, text)], brief=True))
     return Report(
         f"What cell {survey.cell} is ready for",
         origin_now(),
         (*sections, section("stages", "The way to a validated result", [_stages(survey)], brief=True)),
     )
+
+
+def _is_of_another_system(entry: "ProcedureEntry", survey: "SurveyDocument") -> bool:
+    """Return whether the cell file lacks what a procedure needs, and the cell is led along another way."""
+    lacks = any(need.what == "cell file" and need.met == "missing" for need in entry.needs)
+    return lacks and entry.name not in {stage.name for stage in survey.stages}
 
 
 def readiness(needs: Sequence[Need], last: "LastRun | None") -> list[Statement]:

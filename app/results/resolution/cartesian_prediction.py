@@ -1,6 +1,6 @@
-"""Cartesian resolution at poses and over slices of the workspace: predicted and written."""
+"""Cartesian resolution at poses and over slices of the workspace, predicted place by place."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -11,21 +11,22 @@ import numpy as np
 from catseye.app.cell.arm import ArmDescription
 from catseye.app.cell.serial_arm import chain_of
 from catseye.app.cluster.share import Share, map_quick
-from catseye.app.files.atomic import write_atomically
-from catseye.app.files.csv_text import OwnWord, csv_text
-from catseye.app.files.poses import NamedPoses
+from catseye.app.files.poses import NamedPoses, read_poses
+from catseye.app.results.origin import now_utc
+from catseye.app.results.resolution.joint_tables import read_joint_tables
+from catseye.app.results.resolution.predicted import PredictedCurve, PredictedLeast, PredictedResolution
+from catseye.app.store.software import SOFTWARE
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.kinematics.chain import Chain
 from catseye.calibration.resolution.cartesian_steps import DIRECTIONS
 from catseye.calibration.resolution.predictor import (
-    PredictedStep,
+    DirectionPrediction,
     PredictionMethod,
-    no_prediction,
     predict_pose,
     unit_of,
 )
 from catseye.calibration.resolution.tables import ResolutionTables
-from catseye.calibration.resolution.workspace_slice import SlicePoint
+from catseye.calibration.resolution.workspace_slice import AxisName, SliceAxis, SlicePoint, slice_points
 
 _CHUNK: Final = 4
 """Poses that a worker is handed at once."""
@@ -51,15 +52,6 @@ class Place:
 
 
 @dataclass(frozen=True)
-class PredictedDirection:
-    """One row of a prediction."""
-
-    place: Place
-    direction: str
-    least: PredictedStep
-
-
-@dataclass(frozen=True)
 class Predictor:
     """What all places have in common.
 
@@ -81,6 +73,62 @@ class _Chunk:
     predictor: Predictor
     first: int
     places: Sequence[Place]
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What is to be predicted.
+
+    Attributes:
+        arm: its description.
+        tables: file with look-up tables of its joints.
+        poses: file.
+        method: of the prediction.
+        tool: the tool centre point in the last frame, shape (4, 4); None for that frame.
+        axes: of a slice through the workspace, oriented as the first pose; None for the poses themselves.
+        reversal: joints that reverse lose their reversal error.
+    """
+
+    arm: ArmDescription
+    tables: Path
+    poses: Path
+    method: PredictionMethod
+    tool: Floats | None = None
+    axes: Mapping[AxisName, SliceAxis] | None = None
+    reversal: bool = False
+
+
+def predicted_resolution(
+    asked: Prediction, share: Share, done: Callable[[int, int], None] | None = None
+) -> PredictedResolution:
+    """Return what is predicted, the same whoever shares the work.
+
+    Args:
+        done: is called with the number of finished places and of all.
+
+    Raises:
+        UsageError: a file is missing or wrong; names it and the line.
+        ArgumentError: the slice does not fit.
+    """
+    known = read_joint_tables(asked.tables, [joint.name for joint in asked.arm.joint])
+    named = read_poses(asked.poses, [joint.unit for joint in asked.arm.joint])
+    predictor = Predictor(chain_of(asked.arm), known.tables, asked.method, asked.tool)
+    if asked.axes is None:
+        places = places_of(named, reversal=asked.reversal)
+    else:
+        points = slice_points(predictor.chain, named.joints[0], asked.axes, asked.tool)
+        places = places_of_slice(points, reversal=asked.reversal)
+    return PredictedResolution(
+        arm=asked.arm.name,
+        tables=asked.tables.name,
+        threshold_percent=asked.method.threshold_percent,
+        draws=asked.method.draws,
+        seed=asked.method.seed,
+        simulated=known.simulated,
+        software=SOFTWARE,
+        created=now_utc(),
+        least_steps=predict_places(predictor, places, share, done),
+    )
 
 
 def places_of(poses: NamedPoses, *, reversal: bool) -> list[Place]:
@@ -116,7 +164,7 @@ def predict_places(
     places: Sequence[Place],
     share: Share,
     done: Callable[[int, int], None] | None = None,
-) -> list[PredictedDirection]:
+) -> list[PredictedLeast]:
     """Return what is predicted of all directions at places, the same whoever shares the work.
 
     Args:
@@ -127,7 +175,7 @@ def predict_places(
     return [row for rows in map_quick(share, _predict_chunk, chunks, told) for row in rows]
 
 
-def _predict_chunk(chunk: _Chunk) -> list[PredictedDirection]:
+def _predict_chunk(chunk: _Chunk) -> list[PredictedLeast]:
     return [
         row
         for number, place in enumerate(chunk.places, chunk.first)
@@ -135,9 +183,12 @@ def _predict_chunk(chunk: _Chunk) -> list[PredictedDirection]:
     ]
 
 
-def _predict_place(predictor: Predictor, place: Place, number: int) -> list[PredictedDirection]:
+def _predict_place(predictor: Predictor, place: Place, number: int) -> list[PredictedLeast]:
     if place.joints is None:
-        return [PredictedDirection(place, direction, no_prediction(place.reason)) for direction in DIRECTIONS]
+        return [
+            _least(place, DirectionPrediction.without_steps(direction, place.reason))
+            for direction in DIRECTIONS
+        ]
     found = predict_pose(
         predictor.chain,
         place.joints,
@@ -147,34 +198,28 @@ def _predict_place(predictor: Predictor, place: Place, number: int) -> list[Pred
         place.approach,
         number,
     )
-    return [PredictedDirection(place, one.direction, one.least) for one in found]
+    return [_least(place, one) for one in found]
 
 
-def write_predicted_steps(rows: Sequence[PredictedDirection], output: Path) -> None:
-    """Write the predicted CSV; of a slice with the places of its points."""
-    on_map = rows[0].place.tcp_mm is not None
-    places = ("x_mm", "y_mm", "z_mm") if on_map else ()
-    cells = (
-        [
-            row.place.name,
-            *(f"{value:.6g}" for value in (() if row.place.tcp_mm is None else row.place.tcp_mm)),
-            OwnWord(row.direction),
-            *(
-                "" if value is None else f"{value:.6g}"
-                for value in (row.least.lis, row.least.low, row.least.high)
-            ),
-            unit_of(row.direction),
-            row.least.reason,
-        ]
-        for row in rows
-    )
-    write_atomically(
-        output, csv_text(("pose", *places, "direction", "lis", "low", "high", "unit", "reason"), cells)
+def _least(place: Place, found: DirectionPrediction) -> PredictedLeast:
+    """Return a row of a prediction; the errors of single steps stay with poses, of which there are few."""
+    keeps_curve = place.tcp_mm is None and found.steps.size > 0
+    return PredictedLeast(
+        pose=place.name,
+        tcp_mm=None if place.tcp_mm is None else place.tcp_mm.tolist(),
+        direction=found.direction,
+        unit=unit_of(found.direction),
+        lis=found.least.lis,
+        low=found.least.low,
+        high=found.least.high,
+        reason=found.least.reason,
+        curve=_curve(found) if keeps_curve else None,
     )
 
 
-def predictor_of(
-    arm: ArmDescription, tables: ResolutionTables, method: PredictionMethod, tool: Floats | None
-) -> Predictor:
-    """Return what predicts for an arm."""
-    return Predictor(chain_of(arm), tables, method, tool)
+def _curve(found: DirectionPrediction) -> PredictedCurve:
+    return PredictedCurve(
+        command=found.steps.tolist(),
+        mean_percent=found.mean_percent.tolist(),
+        std_percent=found.std_percent.tolist(),
+    )

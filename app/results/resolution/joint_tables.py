@@ -1,6 +1,7 @@
 """TABLES CSV: look-up tables of joint step errors, written and read."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import groupby, pairwise
 from pathlib import Path
 from typing import Final
@@ -19,9 +20,10 @@ from catseye.procedures.kit.columns import ColumnRule, TableRule
 
 REVERSAL: Final = "reversal_deg"
 U_MEAN: Final = "error_u_mean_percent"
+SIMULATED: Final = "simulated"
 
 _NUMBERS: Final = ("position_deg", "command_deg", "error_mean_percent", "error_std_percent")
-_HEADER: Final = ("joint", "direction", *_NUMBERS, REVERSAL, U_MEAN)
+_HEADER: Final = ("joint", "direction", *_NUMBERS, REVERSAL, U_MEAN, SIMULATED)
 
 TABLES: Final = TableRule(
     holds="step errors",
@@ -38,12 +40,27 @@ TABLES: Final = TableRule(
     ),
     source="tables of catseye resolution-model",
 )
-"""deg stands for mm of a joint that slides. What may be missing, reversal and u of the mean, is read apart."""
+"""deg stands for mm of a joint that slides. What may be missing, such as the reversal, is read apart."""
 
 
-def write_joint_tables(tables: Sequence[JointTable], output: Path) -> None:
+@dataclass(frozen=True)
+class TablesFile:
+    """What a file with tables says.
+
+    Attributes:
+        tables: of the joints.
+        simulated: a row comes from emulated devices.
+    """
+
+    tables: ResolutionTables
+    simulated: bool
+
+
+def write_joint_tables(tables: Sequence[JointTable], output: Path, *, simulated: bool) -> None:
     """Write tables; the standard deviation is that of one step with the uncertainty of the mean."""
-    rows = (row for table in tables for sector in table.sectors for row in _rows(table, sector))
+    rows = (
+        [*row, int(simulated)] for table in tables for sector in table.sectors for row in _rows(table, sector)
+    )
     write_atomically(output, csv_text(_HEADER, rows))
 
 
@@ -61,7 +78,7 @@ def _rows(table: JointTable, sector: Sector) -> Iterator[list[object]]:
         ]
 
 
-def read_joint_tables(path: Path, joints: Sequence[str]) -> ResolutionTables:
+def read_joint_tables(path: Path, joints: Sequence[str]) -> TablesFile:
     """Read tables.
 
     Args:
@@ -80,12 +97,13 @@ def read_joint_tables(path: Path, joints: Sequence[str]) -> ResolutionTables:
     order = sorted(range(len(rows)), key=lambda k: (keys[k], numbers[k, 0], numbers[k, 1]))
     _require_once(rows, order, keys, numbers)
     try:
-        return ResolutionTables(
+        tables = ResolutionTables(
             JointTable(*key, tuple(_sectors(list(members), numbers, extra)))
             for key, members in groupby(order, keys.__getitem__)
         )
     except ArgumentError as error:
         raise UsageError(f"{path}: {error}") from error
+    return TablesFile(tables, any(row.cells.get(SIMULATED, "0") not in {"", "0"} for row in rows))
 
 
 def _sectors(order: Sequence[int], numbers: Floats, extra: Floats) -> Iterator[Sector]:

@@ -20,7 +20,8 @@ class LiveErrors:
         below: the command lies below what the instrument resolves.
         mean_percent: 11-point moving mean of the others, NaN where there are none; None where steps do not decrease.
         spread_percent: their standard deviation about it.
-        least: smallest step down to which the mean keeps within the band, in the unit of the steps; None for none.
+        least: smallest step down to which the mean keeps within the band, in their unit; None for none, and where
+            steps were not seen.
     """
 
     command: Floats
@@ -43,6 +44,7 @@ def live_errors(steps: Sequence[LiveStepData]) -> LiveErrors:
     mean = np.where(below, np.nan, moving_mean(judged))
     spread = moving_spread(judged, mean)
     within = int(steps_within(mean, steps[-1].band_percent))
-    # Whoever came later has not seen the largest steps, and the rule begins with them.
-    least = float(abs(command[within - 1])) if within and steps[0].number == 1 else None
+    # Whoever came later, or could not keep up, has not seen every larger step, as the rule demands.
+    whole = steps[0].number == 1 and steps[-1].number == len(steps)
+    least = float(abs(command[within - 1])) if within and whole else None
     return LiveErrors(command, error, below, mean, spread, least)

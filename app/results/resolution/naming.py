@@ -1,14 +1,18 @@
 """How tests and what they give are called in reports."""
 
+import math
 from collections.abc import Sequence
 from typing import Final
 
-from catseye.app.results.numbers import NOTHING, Format, number
+from catseye.app.results.numbers import NOTHING, Format, fixed, number
 from catseye.app.results.resolution.result import AnyTest, Direction, Unit
 
 UNIT_SIGNS: Final[dict[Unit, str]] = {"deg": "°", "mm": "mm"}
 STEP: Final = Format("significant", 2)
 """A least step is known to a few steps of a series of 7 % each."""
+
+SHIPPED: Final = "✱"
+"""Marks what was recorded on the emulated bench and shipped with the program."""
 
 POSITION: Final = Format("plain")
 
@@ -29,8 +33,29 @@ def least_step_text(test: AnyTest) -> str:
     """Return the least step of a test with its interval: `0.0012° (0.0011° … 0.0014°)`; a dash for none."""
     if test.lis is None:
         return NOTHING
-    low, high = with_unit(test.lis.low, test.unit), with_unit(test.lis.high, test.unit)
-    return f"{with_unit(test.lis.value, test.unit)} ({low} … {high})"
+    value, low, high = (
+        with_unit(one, test.unit, _as_exact_as(test.lis.value))
+        for one in (test.lis.value, test.lis.low, test.lis.high)
+    )
+    return f"{value} ({low} … {high}){shipped_mark([test])}"
+
+
+def shipped_mark(tests: Sequence[AnyTest]) -> str:
+    """Return what stands behind values of tests of which one is shipped with the program."""
+    return f" {SHIPPED}" if any(test.shipped for test in tests) else ""
+
+
+def _as_exact_as(value: float) -> Format:
+    """Return the format of the ends of an interval: the decimals that show the value with two digits."""
+    return fixed(max(0, 1 - math.floor(math.log10(abs(value))))) if value else STEP
+
+
+def interval_text(value: float | None, low: float | None, high: float | None) -> str:
+    """Return a least step with its interval in the unit of its table, a dash for what is not known."""
+    if value is None:
+        return NOTHING
+    form = _as_exact_as(value)
+    return f"{number(value, form)} ({number(low, form)} … {number(high, form)})"
 
 
 def place(test: AnyTest) -> str:

@@ -1,6 +1,6 @@
 """Tests that this program recorded, from runs of the store to a result."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain, groupby
 from typing import Any
 
@@ -13,7 +13,8 @@ from catseye.app.results.provenance import Provenance
 from catseye.app.results.resolution.actuation import actuation_of
 from catseye.app.results.resolution.evaluation import Asked, Series, evaluated
 from catseye.app.results.resolution.recorded_series import RecordedSeries, series_of_run
-from catseye.app.results.resolution.result import AnyTest, ResolutionResult
+from catseye.app.results.resolution.result import AnyTest, MeasuredRun, ResolutionResult
+from catseye.app.results.runs.event_text import device_text
 from catseye.app.results.runs.run_source import are_simulated, cell_of_run
 from catseye.app.store.reader import RunReader
 from catseye.app.store.software import SOFTWARE
@@ -31,12 +32,17 @@ def holds_tests(reader: RunReader) -> bool:
     return reader.count(Configuration.table) > 0
 
 
-def result_of_runs(readers: Sequence[RunReader], threshold_percent: float) -> ResolutionResult:
+def result_of_runs(
+    readers: Sequence[RunReader],
+    threshold_percent: float,
+    done: Callable[[int, int], None] | None = None,
+) -> ResolutionResult:
     """Return what the tests of runs come to, in the order in which they were made.
 
     Args:
         readers: runs on one arm, at least one.
         threshold_percent: largest step error of a step that counts.
+        done: is called with the number of evaluated tests and of all.
 
     Raises:
         UsageError: a run has recorded no test, or they are of several arms.
@@ -47,12 +53,19 @@ def result_of_runs(readers: Sequence[RunReader], threshold_percent: float) -> Re
         raise UsageError(
             f"the runs are of several arms: {', '.join(arms)}; evaluate those of each by themselves"
         )
+    tests: list[AnyTest] = []
+    count = sum(_count(reader) for reader in readers)
+    for test in chain.from_iterable(_tests(reader, threshold_percent) for reader in readers):
+        tests.append(test)
+        if done is not None:
+            done(len(tests), count)
     unverified = [text for one in readers for text in one.unverified]
     ((name, description),) = arms.items()
     return ResolutionResult(
         arm=name,
         actuation=actuation_of(description),
-        tests=list(chain.from_iterable(_tests(reader, threshold_percent) for reader in readers)),
+        tests=tests,
+        measured=[_measured(reader) for reader in readers],
         provenance=Provenance(
             runs=[one.path.name for one in readers],
             software=SOFTWARE,
@@ -63,14 +76,32 @@ def result_of_runs(readers: Sequence[RunReader], threshold_percent: float) -> Re
     )
 
 
+def _measured(reader: RunReader) -> MeasuredRun:
+    cell = cell_of_run(reader)
+    optics: list[str] = []
+    if cell.angular_optics is not None:
+        spacing, u = cell.angular_optics.spacing_mm, cell.angular_optics.u_spacing_mm
+        optics.append(f"angular, spacing {spacing:g} mm, u = {u:g} mm (k = 1)")
+    if cell.linear_optics is not None:
+        optics.append("linear")
+    devices: Any = reader.meta.get("devices") or {}
+    return MeasuredRun(
+        run=reader.path.name,
+        started_utc=reader.events()[0].time_utc,
+        operator=str(reader.meta.get("operator", "")),
+        devices=[f"{name} {device_text(facts)}" for name, facts in devices.items()],
+        optics=optics,
+    )
+
+
 def _tests(reader: RunReader, threshold_percent: float) -> Iterator[AnyTest]:
     recorded = list(series_of_run(reader))
     if not recorded:
         raise UsageError(f"{reader.path.name}: has recorded no test of motion resolution")
-    return tests_of_series(recorded, reader.path.name, threshold_percent)
+    return evaluate_series(recorded, reader.path.name, threshold_percent)
 
 
-def tests_of_series(
+def evaluate_series(
     recorded: Sequence[RecordedSeries], source: str, threshold_percent: float
 ) -> Iterator[AnyTest]:
     """Yield what series come to, those of one test by ISO 230 together.
@@ -82,7 +113,7 @@ def tests_of_series(
     Raises:
         MovesError: a recording does not fit its moves; names source and test.
     """
-    for _, group in groupby(recorded, key=_test_of):
+    for _, group in groupby(recorded, key=lambda one: _test_of(one.configuration)):
         members = list(group)
         asked = _asked(members[0].configuration, threshold_percent)
         try:
@@ -93,9 +124,13 @@ def tests_of_series(
             raise MovesError(f"{where}: {error}") from error
 
 
-def _test_of(recorded: RecordedSeries) -> tuple[object, ...]:
+def _count(reader: RunReader) -> int:
+    """Return how many tests a run has recorded."""
+    return sum(1 for _ in groupby(reader.rows(Configuration.table), key=_test_of))
+
+
+def _test_of(row: Mapping[str, Any]) -> tuple[object, ...]:
     """Return what the series of one test share: those of a test by ISO 230 differ in the size of their steps."""
-    row = recorded.configuration
     together = row["test"] == "iso"
     return (
         row["test"],

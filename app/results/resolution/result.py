@@ -297,6 +297,24 @@ class Actuation(ResultPart):
         return 360.0 / 2.0**self.encoder_bits / self.gear_ratio
 
 
+class MeasuredRun(ResultPart):
+    """What a run says about how it was measured.
+
+    Attributes:
+        run: its name.
+        started_utc: ISO 8601 UTC time.
+        operator: who started it.
+        devices: that answered, with firmware and serial number.
+        optics: of the interferometer, as the cell describes them.
+    """
+
+    run: str
+    started_utc: str
+    operator: str
+    devices: list[str]
+    optics: list[str]
+
+
 class ResolutionResult(ResultPart):
     """A whole result file.
 
@@ -305,6 +323,7 @@ class ResolutionResult(ResultPart):
         arm: name of the arm's description.
         actuation: of the joints whose description says it.
         tests: in the order in which they were made.
+        measured: the runs of the tests; empty for recordings of other programs.
         provenance: where they come from; None of a file that another program wrote.
     """
 
@@ -316,6 +335,7 @@ class ResolutionResult(ResultPart):
             Annotated[AngularTest, Tag("deg")] | Annotated[LinearTest, Tag("mm")], Discriminator(_unit_of)
         ]
     ]
+    measured: list[MeasuredRun] = Field(default_factory=list)
     provenance: Provenance | None = None
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from catseye.app.results.model import Cell, Column, Table
-from catseye.app.results.numbers import COUNT, NOTHING, Format, duration_text, fixed, number
+from catseye.app.results.numbers import COUNT, NOTHING, decimals_for, duration_text, fixed, number
 from catseye.app.results.resolution.naming import (
     POSITION,
     STEP,
@@ -11,6 +11,7 @@ from catseye.app.results.resolution.naming import (
     joints_of,
     least_step_text,
     named_positions,
+    shipped_mark,
     with_unit,
 )
 from catseye.app.results.resolution.result import Actuation, AnyTest
@@ -127,9 +128,10 @@ def reversal_table(tests: Sequence[AnyTest]) -> Table | None:
 
 def _reversal_row(test: AnyTest) -> tuple[Cell, ...]:
     found, torque = test.reversal, test.torque
-    position = with_unit(test.position, test.unit, POSITION)
+    position = f"{with_unit(test.position, test.unit, POSITION)}{shipped_mark([test])}"
     if found is None:
         return (test.joint, position, None, None, None, None)
+    decimals = fixed(decimals_for([found.u]))
     valid = {True: "yes: valid", False: "no: not valid", None: "no torque recorded: not valid"}[found.valid]
     measured = (
         None
@@ -139,8 +141,8 @@ def _reversal_row(test: AnyTest) -> tuple[Cell, ...]:
     return (
         test.joint,
         position,
-        with_unit(found.value, test.unit, Format("significant", 3)),
-        with_unit(found.u, test.unit),
+        with_unit(found.value, test.unit, decimals),
+        with_unit(found.u, test.unit, decimals),
         valid,
         measured,
     )

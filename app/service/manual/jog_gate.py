@@ -44,11 +44,10 @@ class JogGate:
         """Bring the override down and the drives on; return the override that is read back.
 
         Raises:
-            SafetyError: door, alarm, emergency stop or key forbid it, the override is 0 or does not come down.
+            SafetyError: door, alarm, emergency stop or key forbid it, or the override does not come down.
         """
         self._gate.require_door()
         percent = await self._gate.lower_override()
-        self._gate.require_speed(percent)
         await self._robot.servo(on=True)
         require_ready(await self._robot.status())
         return percent

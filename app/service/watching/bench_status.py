@@ -1,6 +1,7 @@
 """The bench as clients that watch see it, made of the latest values and of what the cell file says."""
 
 import math
+from typing import Final
 
 from catseye.app.cell.axes import may_move_an_arm
 from catseye.app.cell.model import Air
@@ -11,6 +12,7 @@ from catseye.app.protocol.bench import (
     BenchStatus,
     DeviceStatus,
     Identity,
+    OpticsStatus,
     RobotStatus,
 )
 from catseye.app.service.watching.bench_facts import BenchFacts, DeviceFacts
@@ -19,6 +21,9 @@ from catseye.app.service.watching.posture import posture_of
 from catseye.app.service.watching.scara.layout import layout_of
 from catseye.calibration.air import refractive_index
 from catseye.drivers.roles.air import AirSample
+from catseye.procedures.kit.bench import Bench
+
+_TORQUES_AGE_S: Final = 15.0
 
 
 def bench_status(
@@ -44,11 +49,20 @@ def bench_status(
         door_closed=None if door is None else door.value,
         layout=layout,
         posture=posture_of(facts.bench.workspace, joints) if layout is None else None,
+        optics=_optics(facts.bench),
         axes=tuple(
             AxisRange(name=axis.name, unit=axis.unit, low=axis.low, high=axis.high)
             for axis in facts.bench.arm.axes
         ),
     )
+
+
+def _optics(bench: Bench) -> OpticsStatus | None:
+    angular = bench.angular_optics
+    if angular is None and bench.linear_optics is None:
+        return None
+    spacing_mm = None if angular is None else angular.spacing_mm
+    return OpticsStatus(spacing_mm=spacing_mm, linear=bench.linear_optics is not None)
 
 
 def _simulated(latest: LatestValues) -> bool | None:
@@ -94,8 +108,17 @@ def _robot(facts: BenchFacts, latest: LatestValues, *, moving: bool) -> RobotSta
         teach_mode=status.teach_mode,
         moving=moving or status.running,
         jogs=facts.jogs,
+        torques_nm=_torques(latest),
         age_s=_oldest_s(latest, seen, joints),
     )
+
+
+def _torques(latest: LatestValues) -> tuple[float | None, ...] | None:
+    """Return the torques where they are no older than between two moves of a series: they change with every one."""
+    seen = latest.torques_nm
+    if seen is None or latest.age_s(seen.time_s) > _TORQUES_AGE_S:
+        return None
+    return tuple(_number(value) for value in seen.value)
 
 
 def _beam(latest: LatestValues) -> BeamStatus | None:

@@ -61,7 +61,8 @@ def round_for(device: ObservedDevice) -> Round:
     """Return what is asked of a device."""
     match device:
         case ObservedRobot():
-            return Round(ROBOT_S, (device.status, device.joints))
+            torques = (device.torques,) if device.abilities.torques else ()
+            return Round(ROBOT_S, (device.status, device.joints, *torques))
         case ObservedInterferometer(streams=True):
             return Round(STREAMED_BEAM_S, (device.status,))
         case ObservedInterferometer():

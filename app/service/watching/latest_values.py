@@ -57,6 +57,7 @@ class LatestValues:
         links: by name of the device in the cell file.
         status: of the controller.
         joints: as reported.
+        torques_nm: of the motors.
         beam: state of the beam.
         displacement_mm: of the beam, since the last zero.
         air: state of the air.
@@ -73,6 +74,7 @@ class LatestValues:
         self.links: dict[str, LinkValues] = {}
         self.status: Stamped[RobotStatus] | None = None
         self.joints: Stamped[Pose] | None = None
+        self.torques_nm: Stamped[tuple[float, ...]] | None = None
         self.beam: Stamped[BeamStatus] | None = None
         self.displacement_mm: Stamped[float] | None = None
         self.air: Stamped[AirSample] | None = None
@@ -122,6 +124,10 @@ class LatestValues:
     def take_joints(self, joints: Pose) -> None:
         """Take the reported joints."""
         self.joints = self._now(joints)
+
+    def take_torques(self, torques_nm: tuple[float, ...]) -> None:
+        """Take the torques of the motors, N m."""
+        self.torques_nm = self._now(torques_nm)
 
     def take_beam(self, beam: BeamStatus) -> None:
         """Take the state of the beam."""

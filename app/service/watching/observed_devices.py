@@ -171,6 +171,12 @@ class ObservedRobot(ObservedController):
         self._latest.take_joints(joints)
         return joints
 
+    async def torques(self) -> tuple[float, ...]:
+        """Return the torques of the motors, N m."""
+        torques_nm = await super().torques()
+        self._latest.take_torques(torques_nm)
+        return torques_nm
+
 
 class ObservedInterferometer(ObservedDevice, Interferometer):
     """A length counter on the beam; one that streams has every value seen, one that is asked the answers."""

@@ -46,7 +46,7 @@ def resolution_commands(file: Path) -> str:
                 "--poses",
                 "POSES.csv",
                 "-o",
-                "predicted.csv",
+                "predicted.json",
             ),
         ),
     )

@@ -24,6 +24,7 @@ SECTIONS: Final = (
     ("cartesian", "Cartesian"),
     ("recordings", "Recordings"),
     ("flags", "Flags"),
+    ("models", "Models"),
 )
 """Keys of the report's sections, and their titles in one line; the files stand before them, under 1."""
 
@@ -34,6 +35,7 @@ _NOTHING: Final = {
     "cartesian": "no Cartesian test: run resolution-cartesian (F3)",
     "recordings": "the result holds no recording",
     "flags": "nothing was noticed",
+    "models": "no prediction beside the result: resolution-model, then predict-resolution -o predicted.json (y)",
 }
 
 

@@ -57,6 +57,14 @@ class BenchScreen(MainScreen):
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("v", "view", "beam / arm", id="bench.view", tooltip="the beam, or the arm to scale"),
+        Binding(
+            "u",
+            "unit",
+            "deg / mm",
+            show=False,
+            id="bench.unit",
+            tooltip="angle or displacement of angular optics",
+        ),
         Binding("w", "window", "10/30/60 s", id="bench.window", tooltip="length of the strip"),
     ]
 
@@ -82,6 +90,7 @@ class BenchScreen(MainScreen):
     def commands(self) -> Iterable[SystemCommand]:
         """Return what this screen can do."""
         yield SystemCommand("Beam or arm", "where there is room for one only", self.action_view)
+        yield SystemCommand("Angle or displacement", "of angular optics", self.action_unit)
         yield SystemCommand("Length of the strip", "10, 30 or 60 s", self.action_window)
 
     def show_state(self, engine: EngineState, now_s: float) -> None:
@@ -101,6 +110,11 @@ class BenchScreen(MainScreen):
         """Show the picture of the arm in place of the beam, or the beam again."""
         self.toggle_class("plan")
         self.call_after_refresh(self.show_now)
+
+    def action_unit(self) -> None:
+        """Show the displacement of angular optics, or their angle again."""
+        self.query_one(BeamPanel).next_unit()
+        self.show_now()
 
     def action_window(self) -> None:
         """Show another length of time in the strip."""

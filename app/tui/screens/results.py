@@ -121,6 +121,7 @@ class ResultsScreen(WorkScreen):
         self._looking = False
         self._file: ScaraFile | None = None
         self._resolution: ResolutionFile | None = None
+        self._reported: list[Path] = []
         self._other: AnyFile | None = None
         self._in_u = False
         self._diagnoses: dict[shelf.Version, DiagnosisDocument] = {}
@@ -263,10 +264,14 @@ class ResultsScreen(WorkScreen):
         """Write the report."""
         if (file := self._resolution or self._shown_file()) is not None:
             page = file.path.with_suffix(".html")
+            sources = [file.path] if self._resolution is None else self._reported
             self.let_work(
                 "report",
                 "The report was not written",
-                *("report", file.path, "-o", page),
+                "report",
+                *sources,
+                "-o",
+                page,
                 done=lambda _: self.show_written(page, "report"),
             )
 
@@ -315,7 +320,8 @@ class ResultsScreen(WorkScreen):
 
     async def _open_resolution(self, file: "ResolutionFile", *, go: bool = True) -> None:
         """Show a result of motion resolution; its report is made in a thread."""
-        report = await asyncio.to_thread(shelf.resolution_report_of, file)
+        self._reported = await asyncio.to_thread(shelf.resolution_files_of, file)
+        report = await asyncio.to_thread(shelf.resolution_report_of, self._reported)
         self._resolution, self._file, self._comparison, self._other = file, None, None, None
         self.query_one(ResolutionView).show(report)
         self._show_chosen()

@@ -32,6 +32,7 @@ class Frame:
         equal: both axes have one scale.
         x_decades: places across are common logarithms, the numbers below are powers of ten.
         y_decades: likewise upwards.
+        x_names: of the places 0, 1, 2 … across, in place of numbers.
     """
 
     title: str = ""
@@ -42,6 +43,7 @@ class Frame:
     equal: bool = False
     x_decades: bool = False
     y_decades: bool = False
+    x_names: tuple[str, ...] = ()
 
     @property
     def other_rows(self) -> int:
@@ -161,13 +163,16 @@ class Chart:
         self._draw_x_marks(bottom)
 
     def _draw_x_marks(self, bottom: int) -> None:
-        found = marks(self.x, max(self.plot_columns // _MARK_CELLS, 1))
+        names = self.frame.x_names
+        found = (
+            np.arange(float(len(names))) if names else marks(self.x, max(self.plot_columns // _MARK_CELLS, 1))
+        )
         free, taken = 0, self.canvas.columns - len(self.frame.x_label)
         if self.frame.x_numbers:
             self.canvas.text(taken, bottom + 1, self.frame.x_label, AXIS)
-        for mark in found.tolist():
+        texts = names or [_label(mark, found, decades=self.frame.x_decades) for mark in found.tolist()]
+        for mark, text in zip(found.tolist(), texts, strict=True):
             column = self.cell(mark, self.y[0])[0]
-            text = _label(mark, found, decades=self.frame.x_decades)
             begin = column - len(text) // 2
             self.canvas.text(column, bottom, "┴", AXIS)
             if self.frame.x_numbers and begin >= free and begin + len(text) < taken:

@@ -99,6 +99,7 @@ def _frames(figure: Figure, strip: _Strip) -> list[Frame | None]:
                 equal=panel.equal,
                 x_decades=panel.x.decades,
                 y_decades=panel.y.decades,
+                x_names=panel.x.names,
             )
         )
     return frames

@@ -60,7 +60,8 @@ def _outcome(run: RunState) -> Content:
         return Content("it ended while nobody here was connected: Runs (F7) has its record")
     status, text = run.ended.status, run.ended.text
     done = sum(step.status == "done" for step in run.steps.values())
-    measured = f", {counted(run.points_seen, 'distance')}" if run.points_seen else ""
+    what = "move" if run.staircase else "distance"
+    measured = f", {counted(run.points_seen, what)}" if run.points_seen else ""
     facts = f"  {counted(done, 'step')}{measured}"
     style = "bold $success" if status == "complete" else "bold $error"
     return Content.assemble((status.upper(), style), facts + (f": {text}" if text else ""))

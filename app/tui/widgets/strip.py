@@ -1,4 +1,4 @@
-"""The beam's displacement as it came in the last seconds."""
+"""The beam's displacement as it came in the last seconds, or the angle that it stands for."""
 
 import math
 from itertools import islice
@@ -11,6 +11,7 @@ from textual.widget import Widget
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.widgets.inks import Line, painted
 from catseye.app.tui.widgets.status_bar import STALE_S, age_style
+from catseye.procedures.kit.angular_optics import angle_deg
 
 if TYPE_CHECKING:
     # numpy is not loaded before the first screen is painted.
@@ -26,7 +27,12 @@ _OWN_LINES: Final = 2
 
 
 class Strip(Widget):
-    """A strip chart of the beam's displacement; every column reaches from the smallest to the largest sample."""
+    """A strip chart of the beam's displacement; every column reaches from the smallest to the largest sample.
+
+    Attributes:
+        window_s: its length, s.
+        spacing_mm: of the angular optics whose angle is shown; None shows the displacement.
+    """
 
     DEFAULT_CSS = """
     Strip { height: 1fr; min-height: 4; text-wrap: nowrap; text-overflow: ellipsis; }
@@ -35,6 +41,7 @@ class Strip(Widget):
     def __init__(self) -> None:
         super().__init__()
         self.window_s: float = WINDOWS_S[0]
+        self.spacing_mm: float | None = None
         self._shown = Content("")
         self._scale: Scale | None = None
         self._last: tuple[EngineState, float] | None = None
@@ -80,45 +87,56 @@ class Strip(Widget):
         if dots <= 0 or rows <= 0:
             return Content("")
         per_dot = max(1, math.ceil(self.window_s / engine.strip_period_s / dots))
-        low_mm, high_mm = _folded(engine, per_dot, dots)
-        lowest_mm, highest_mm = _extremes(low_mm, high_mm)
-        self._scale = strip_chart.next_scale(self._scale, lowest_mm, highest_mm)
+        low, high = _folded(engine, per_dot, dots, self.spacing_mm)
+        unit = strip_chart.MM if self.spacing_mm is None else strip_chart.DEG
+        lowest, highest = _extremes(low, high)
+        self._scale = strip_chart.next_scale(self._scale, lowest, highest, unit)
         if self._scale is None:
             return Content.styled("no beam in the last seconds", "dim")
         since_s = now_s - engine.strip_at_s
-        chart = strip_chart.draw(low_mm, high_mm, self._scale, self.size.width, rows)
+        chart = strip_chart.draw(low, high, self._scale, self.size.width, rows)
         span_s = per_dot * dots * engine.strip_period_s
+        extent = f" range {1e3 * (highest - lowest):.{unit.digits}f} {unit.fine} "
         return painted(
             [
                 [(self._scale.title + age_style(0.0, since_s)[1], "axis")],
                 *chart,
-                _time_line(span_s, highest_mm - lowest_mm, self.size.width),
+                _time_line(span_s, extent if math.isfinite(highest - lowest) else "", self.size.width),
             ],
             _STYLES,
             faded=since_s > STALE_S,
         )
 
 
-def _folded(engine: EngineState, per_dot: int, dots: int) -> "tuple[Floats, Floats]":
+def _folded(
+    engine: EngineState, per_dot: int, dots: int, spacing_mm: float | None
+) -> "tuple[Floats, Floats]":
     from catseye.app.tui.widgets.strip_chart import arrays, fold
 
     wanted = min(per_dot * dots, len(engine.strip))
     newest = list(islice(reversed(engine.strip), wanted))[::-1]
-    low_mm, high_mm = arrays([each.low_mm for each in newest], [each.high_mm for each in newest])
-    return fold(low_mm, high_mm, engine.strip_seen, per_dot, dots)
+    low, high = arrays(
+        [_in_unit(each.low_mm, spacing_mm) for each in newest],
+        [_in_unit(each.high_mm, spacing_mm) for each in newest],
+    )
+    return fold(low, high, engine.strip_seen, per_dot, dots)
 
 
-def _extremes(low_mm: "Floats", high_mm: "Floats") -> tuple[float, float]:
+def _in_unit(value_mm: float | None, spacing_mm: float | None) -> float | None:
+    return value_mm if value_mm is None or spacing_mm is None else angle_deg(value_mm, spacing_mm)
+
+
+def _extremes(low: "Floats", high: "Floats") -> tuple[float, float]:
     import numpy as np
 
-    return float(np.fmin.reduce(low_mm)), float(np.fmax.reduce(high_mm))
+    return float(np.fmin.reduce(low)), float(np.fmax.reduce(high))
 
 
-def _time_line(span_s: float, range_mm: float, width: int) -> Line:
+def _time_line(span_s: float, extent: str, width: int) -> Line:
     """Say how long ago the trace begins, and how far apart its extremes lie."""
     from catseye.app.tui.widgets.strip_chart import LABEL_WIDTH
 
-    left, extent = " " * LABEL_WIDTH + f"−{span_s:.3g} s", f" range {1e3 * range_mm:.1f} µm "
+    left = " " * LABEL_WIDTH + f"−{span_s:.3g} s"
     room = width - len(left) - len("now")
-    shown = extent if math.isfinite(range_mm) and len(extent) <= room else ""
+    shown = extent if len(extent) <= room else ""
     return [(left + shown.center(max(room, 1)) + "now", "axis")]

@@ -18,63 +18,85 @@ LABEL_WIDTH: Final = 8
 """Cells left of the trace: numbers and the axis."""
 
 _INTERVALS: Final = 3
-_FINEST_STEP_MM: Final = 1e-4
 _KEPT_SHARE: Final = 0.25
 """A scale stays as long as the values fill so much of it."""
 
-_UM_BELOW_MM: Final = 1.0
+_FINE_BELOW: Final = 1.0
+
+
+@dataclass(frozen=True)
+class StripUnit:
+    """What the numbers at the upright axis are.
+
+    Attributes:
+        name: of the values.
+        fine: a thousandth of it, for numbers that lie near each other.
+        finest: step below which nobody wants to see a difference.
+        digits: of a range in thousandths.
+    """
+
+    name: str
+    fine: str
+    finest: float
+    digits: int
+
+
+MM: Final = StripUnit("mm", "µm", 1e-4, 1)
+DEG: Final = StripUnit("deg", "mdeg", 1e-6, 3)
 
 
 @dataclass(frozen=True)
 class Scale:
-    """The upright axis.
+    """The upright axis, in its unit.
 
     Attributes:
-        low_mm: its lower end.
-        high_mm: its upper end.
-        step_mm: between two numbers; 1, 2 or 5 times a power of ten.
+        low: its lower end.
+        high: its upper end.
+        step: between two numbers; 1, 2 or 5 times a power of ten.
+        unit: of all three.
     """
 
-    low_mm: float
-    high_mm: float
-    step_mm: float
+    low: float
+    high: float
+    step: float
+    unit: StripUnit = MM
 
     @property
-    def span_mm(self) -> float:
+    def span(self) -> float:
         """Its length."""
-        return self.high_mm - self.low_mm
+        return self.high - self.low
 
     @property
-    def in_um(self) -> bool:
-        """Its numbers are µm from `base_mm`, not mm."""
-        return self.span_mm < _UM_BELOW_MM
+    def in_fine(self) -> bool:
+        """Its numbers are thousandths of the unit from `base`."""
+        return self.span < _FINE_BELOW
 
     @property
-    def base_mm(self) -> float:
-        """What its numbers count from; zero where they are mm, or small."""
-        if not self.in_um or max(abs(self.low_mm), abs(self.high_mm)) < _UM_BELOW_MM:
+    def base(self) -> float:
+        """What its numbers count from; zero where they are in the unit itself, or small."""
+        if not self.in_fine or max(abs(self.low), abs(self.high)) < _FINE_BELOW:
             return 0.0
-        round_mm = 10.0 * self.step_mm
-        return math.floor(self.low_mm / round_mm + 1e-6) * round_mm
+        coarse = 10.0 * self.step
+        return math.floor(self.low / coarse + 1e-6) * coarse
 
     @property
     def title(self) -> str:
         """Unit of its numbers, and what they count from."""
-        if not self.in_um:
-            return "mm"
-        if self.base_mm == 0.0:
-            return "µm"
-        return f"µm above {self.base_mm:.{_decimals(10.0 * self.step_mm)}f} mm"
+        if not self.in_fine:
+            return self.unit.name
+        if self.base == 0.0:
+            return self.unit.fine
+        return f"{self.unit.fine} above {self.base:.{_decimals(10.0 * self.step)}f} {self.unit.name}"
 
-    def label(self, value_mm: float) -> str:
+    def label(self, value: float) -> str:
         """Return the number that stands at a value."""
-        if self.in_um:
-            return _number((value_mm - self.base_mm) * 1e3, self.step_mm * 1e3)
-        return _number(value_mm, self.step_mm)
+        if self.in_fine:
+            return _number((value - self.base) * 1e3, self.step * 1e3)
+        return _number(value, self.step)
 
-    def marks_mm(self) -> Floats:
+    def marks(self) -> Floats:
         """Return the values with numbers, from the lower end upwards."""
-        return self.low_mm + self.step_mm * np.arange(round(self.span_mm / self.step_mm) + 1)
+        return self.low + self.step * np.arange(round(self.span / self.step) + 1)
 
 
 def fold(low: Floats, high: Floats, seen: int, per_dot: int, dots: int) -> tuple[Floats, Floats]:
@@ -103,39 +125,42 @@ def fold(low: Floats, high: Floats, seen: int, per_dot: int, dots: int) -> tuple
     return np.fmin.reduce(both[0], axis=1), np.fmax.reduce(both[1], axis=1)
 
 
-def next_scale(old: Scale | None, low_mm: float, high_mm: float) -> Scale | None:
+def next_scale(old: Scale | None, low: float, high: float, unit: StripUnit = MM) -> Scale | None:
     """Return the scale for values between two; the old one as long as it does.
 
     Args:
         old: the scale so far; None before the first.
-        low_mm: smallest value; NaN when there is none.
-        high_mm: largest value.
+        low: smallest value; NaN when there is none.
+        high: largest value.
+        unit: of both; the old scale is none in another one.
     """
-    if not (math.isfinite(low_mm) and math.isfinite(high_mm)):
+    if old is not None and old.unit != unit:
+        old = None
+    if not (math.isfinite(low) and math.isfinite(high)):
         return old
-    if old is not None and _still_fits(old, low_mm, high_mm):
+    if old is not None and _still_fits(old, low, high):
         return old
-    step_mm = max(_round_up((high_mm - low_mm) / _INTERVALS), _finest_mm(low_mm, high_mm))
-    first, last = math.floor(low_mm / step_mm), math.ceil(high_mm / step_mm)
+    step = max(_round_up((high - low) / _INTERVALS), _finest(low, high, unit))
+    first, last = math.floor(low / step), math.ceil(high / step)
     if last - first < 2:
         first, last = first - 1, max(last, first + 1)
-    return Scale(first * step_mm, last * step_mm, step_mm)
+    return Scale(first * step, last * step, step, unit)
 
 
-def draw(low_mm: Floats, high_mm: Floats, scale: Scale, columns: int, rows: int) -> list[Line]:
+def draw(low: Floats, high: Floats, scale: Scale, columns: int, rows: int) -> list[Line]:
     """Return the chart: numbers and axis at the left, the trace at the right.
 
     Args:
-        low_mm: smallest value of each column of dots; NaN leaves it empty.
-        high_mm: largest value.
+        low: smallest value of each column of dots; NaN leaves it empty.
+        high: largest value.
         columns: width in cells, numbers included.
         rows: height in cells.
     """
     canvas = Canvas(columns - LABEL_WIDTH, rows)
     if canvas.columns and canvas.rows:
-        top, bottom = _joined(high_mm[-canvas.width :], low_mm[-canvas.width :])
-        per_mm = (canvas.height - 1) / scale.span_mm
-        canvas.bars((scale.high_mm - top) * per_mm, (scale.high_mm - bottom) * per_mm, TRACE)
+        top, bottom = _joined(high[-canvas.width :], low[-canvas.width :])
+        per_unit = (canvas.height - 1) / scale.span
+        canvas.bars((scale.high - top) * per_unit, (scale.high - bottom) * per_unit, TRACE)
     labels = _labels(scale, rows)
     return [
         [(labels.get(row, "").rjust(LABEL_WIDTH - 1) + ("┤" if row in labels else "│"), AXIS), *pieces]
@@ -166,24 +191,24 @@ def _labels(scale: Scale, rows: int) -> dict[int, str]:
     """Return numbers by row: both ends, and what has room between."""
     height = rows * DOTS_DOWN
     labels: dict[int, str] = {}
-    marks_mm = scale.marks_mm()
-    for value_mm in (marks_mm[0], marks_mm[-1], *marks_mm[1:-1]):
-        row = round((scale.high_mm - value_mm) / scale.span_mm * (height - 1)) // DOTS_DOWN
+    marks = scale.marks()
+    for value in (marks[0], marks[-1], *marks[1:-1]):
+        row = round((scale.high - value) / scale.span * (height - 1)) // DOTS_DOWN
         if all(abs(row - other) > 1 for other in labels):
-            labels[row] = scale.label(float(value_mm))
+            labels[row] = scale.label(float(value))
     return labels
 
 
-def _still_fits(scale: Scale, low_mm: float, high_mm: float) -> bool:
+def _still_fits(scale: Scale, low: float, high: float) -> bool:
     """Return whether values lie within a scale and fill enough of it; the finest one is never too wide."""
-    filled = (high_mm - low_mm) / scale.span_mm
-    finest = scale.step_mm <= _finest_mm(low_mm, high_mm)
-    return scale.low_mm <= low_mm and high_mm <= scale.high_mm and (finest or filled >= _KEPT_SHARE)
+    filled = (high - low) / scale.span
+    finest = scale.step <= _finest(low, high, scale.unit)
+    return scale.low <= low and high <= scale.high and (finest or filled >= _KEPT_SHARE)
 
 
-def _finest_mm(low_mm: float, high_mm: float) -> float:
+def _finest(low: float, high: float, unit: StripUnit) -> float:
     """Return the finest step whose numbers a float still resolves, and that anybody wants to see."""
-    return max(_FINEST_STEP_MM, _round_up(1e-12 * max(abs(low_mm), abs(high_mm))))
+    return max(unit.finest, _round_up(1e-12 * max(abs(low), abs(high))))
 
 
 def _round_up(value: float) -> float:

@@ -1,6 +1,6 @@
 """How long joint moves take, and how fast they are: trapezoidal speed, all axes start and end with the slowest.
 
-Axes whose acceleration the cell does not state are left out.
+An axis whose acceleration the cell does not state is reckoned with its speed alone.
 """
 
 from dataclasses import dataclass
@@ -21,12 +21,10 @@ class _Pace:
     """What the axes can do.
 
     Attributes:
-        axes: numbers of those that count, shape (n,).
-        speed: fastest, deg/s or mm/s, shape (n,).
-        acceleration: largest, deg/s² or mm/s², shape (n,).
+        speed: fastest, deg/s or mm/s, shape (axes,).
+        acceleration: largest, deg/s² or mm/s², shape (axes,); infinite where none is stated.
     """
 
-    axes: list[int]
     speed: Floats
     acceleration: Floats
 
@@ -61,17 +59,17 @@ def leg_rates(arm: Arm, travel: Floats) -> Floats:
         travel: of each axis on each leg, deg or mm, shape (n, axes).
     """
     pace = _following(arm)
-    travel = np.abs(travel[:, pace.axes])
+    travel = np.abs(travel)
     # A robot that passes its targets speeds up once for the whole way.
     run_up = travel if arm.following == "stops" else np.tile(travel.sum(axis=0), (len(travel), 1))
-    reached = np.minimum(pace.speed, np.sqrt(run_up * pace.acceleration))
+    reached = np.minimum(pace.speed, np.sqrt(np.maximum(run_up, _MOVING) * pace.acceleration))
     moving = travel > _MOVING
     rates = np.where(moving, reached / np.where(moving, travel, 1.0), np.inf).min(axis=1, initial=np.inf)
     return np.where(np.isfinite(rates), rates, 0.0)
 
 
 def _time_s(pace: _Pace, travel: Floats) -> Floats:
-    travel = np.abs(travel[:, pace.axes])
+    travel = np.abs(travel)
     ramps = np.where(
         travel >= pace.speed**2 / pace.acceleration,
         travel / pace.speed + pace.speed / pace.acceleration,
@@ -83,13 +81,9 @@ def _time_s(pace: _Pace, travel: Floats) -> Floats:
 
 def _pace(arm: Arm) -> _Pace:
     """Return what the axes can do in a motion of its own."""
-    known = [
-        (number, axis.speed * arm.override_percent / 100.0, axis.acceleration)
-        for number, axis in enumerate(arm.axes)
-        if axis.acceleration is not None
-    ]
-    numbers, speeds, accelerations = zip(*known, strict=True) if known else ((), (), ())
-    return _Pace(list(numbers), np.array(speeds), np.array(accelerations))
+    share = arm.override_percent / 100.0
+    stated = [np.inf if axis.acceleration is None else axis.acceleration for axis in arm.axes]
+    return _Pace(np.array([axis.speed * share for axis in arm.axes]), np.array(stated))
 
 
 def _following(arm: Arm) -> _Pace:
@@ -97,11 +91,10 @@ def _following(arm: Arm) -> _Pace:
     pace = _pace(arm)
     if arm.following != "streamed":
         return pace
-    turning = np.array([arm.axes[number].unit == "deg" for number in pace.axes])
+    turning = np.array([axis.unit == "deg" for axis in arm.axes])
     # Set points speed up as a squared sine, whose mean acceleration is 2/pi of its largest.
     acceleration = arm.follow_acceleration_deg_s2 * 2.0 / np.pi
     return _Pace(
-        pace.axes,
         np.where(turning, np.minimum(pace.speed, arm.follow_speed_deg_s), pace.speed),
         np.where(turning, acceleration, pace.acceleration),
     )

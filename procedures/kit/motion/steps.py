@@ -14,11 +14,8 @@ MOST: Final[dict[Unit, float]] = {"deg": 1.0, "mm": 2.0}
 """Largest relative motion: tests of the resolution step by a tenth of a degree and by a millimetre."""
 
 
-_SPEED_SHARE: Final = 1e-3
-"""Of an axis' or the tool's full speed with which steps are driven: resolution tests go at 0.1 %."""
-
-_FULL: Final = 100.0
-"""deg/s or mm/s: a rough full speed, for estimates of time."""
+STEP_SPEED: Final = 0.1
+"""deg/s or mm/s: resolution tests go at 0.1 % of the full speed of an axis or of the tool, roughly 100."""
 
 _MESSAGES_S: Final = 0.2
 """Spent on looking, sending and asking again, for each step."""
@@ -26,7 +23,7 @@ _MESSAGES_S: Final = 0.2
 
 def step_time_s(increment: float) -> float:
     """Return the expected time of a step, s, by its size in deg or mm; its driver sets the true speed."""
-    return _MESSAGES_S + abs(increment) / (_SPEED_SHARE * _FULL)
+    return _MESSAGES_S + abs(increment) / STEP_SPEED
 
 
 def axis_target(axes: Axes, here: Pose, axis: str, increment: float) -> Pose:

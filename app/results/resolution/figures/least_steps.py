@@ -1,12 +1,12 @@
 """Least steps and lost motion of a joint over its positions, motor torque below (Fig. 8 of the resolution paper)."""
 
 from collections.abc import Iterable, Sequence
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
 from catseye.app.results.figures import Axis, Figure, Ink, Level, Mark, Panel, Points, Role
-from catseye.app.results.resolution.naming import UNIT_SIGNS
+from catseye.app.results.resolution.naming import UNIT_SIGNS, shipped_mark
 from catseye.app.results.resolution.result import AnyTest
 from catseye.calibration.core.types import Floats
 
@@ -15,8 +15,9 @@ _CAPTION: Final = (
     "reversal error without a change of the torque's sign, which says nothing about play. Below: mean motor torque "
     "of the backlash test in both directions; play is crossed where zero lies between them."
 )
-_Point = tuple[float, float, float, float]
-"""Position, value, lower and upper end."""
+_NOTHING: Final = 1e-12
+PointWithEnds: TypeAlias = tuple[float, float, float, float]
+"""Place across, value, lower and upper end."""
 
 
 def least_step_figure(joint: str, tests: Sequence[AnyTest]) -> Figure | None:
@@ -33,7 +34,7 @@ def least_step_figure(joint: str, tests: Sequence[AnyTest]) -> Figure | None:
     steps = Panel(
         joint,
         Axis(shared=True),
-        _decades(f"step, reversal / {unit}", placed),
+        decades_of(f"step, reversal / {unit}", _shown(placed)),
         _step_marks(placed),
     )
     torques = _torque_marks(placed)
@@ -46,18 +47,21 @@ def least_step_figure(joint: str, tests: Sequence[AnyTest]) -> Figure | None:
     return Figure(
         f"least-steps-{joint}",
         f"Least steps and reversal error of {joint}",
-        f"{joint}. {_CAPTION}",
+        f"{joint}{shipped_mark(placed)}. {_CAPTION}",
         rows,
         heights=(2.0, 1.0) if torques else (),
         aspect=0.5 if torques else 0.4,
     )
 
 
-def _decades(label: str, tests: Sequence[AnyTest]) -> Axis:
-    """Return an axis from one power of ten to another that holds everything that is shown."""
+def _shown(tests: Sequence[AnyTest]) -> list[float]:
     ends = [end for test in tests if test.lis is not None for end in (test.lis.low, test.lis.high)]
-    ends += [test.reversal.value for test in tests if test.reversal is not None]
-    shown = np.log10([end for end in ends if end > 0.0] or [1.0])
+    return ends + [test.reversal.value for test in tests if test.reversal is not None]
+
+
+def decades_of(label: str, values: Sequence[float]) -> Axis:
+    """Return an axis from one power of ten to another that holds all positive values."""
+    shown = np.log10([value for value in values if value > 0.0] or [1.0])
     return Axis(label, low=float(np.floor(shown.min())), high=float(np.ceil(shown.max())), decades=True)
 
 
@@ -77,7 +81,7 @@ def _step_marks(tests: Sequence[AnyTest]) -> tuple[Mark, ...]:
             and test.lis is not None
             and test.position is not None
         ]
-        marks += _with_intervals(found, ink, label)
+        marks += with_intervals(found, ink, label)
     for valid, label in ((True, "reversal error"), (False, "reversal error, not valid")):
         reversals = [
             (test.position, test.reversal.value, test.reversal.value, test.reversal.value)
@@ -90,21 +94,26 @@ def _step_marks(tests: Sequence[AnyTest]) -> tuple[Mark, ...]:
     return tuple(marks)
 
 
-def _with_intervals(found: Iterable[_Point], ink: Ink, label: str) -> list[Mark]:
+def with_intervals(found: Iterable[PointWithEnds], ink: Ink, label: str, *, marker: str = "") -> list[Mark]:
+    """Return points with their intervals over a logarithmic axis; those without a marker of their own are joined."""
     points = _logarithms(found)
     if points is None:
         return []
     x, y, low, high = points
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    return [Points(x, middle, ink, u=half, size=0.1), Points(x, y, ink, label, joined=True)]
+    return [
+        Points(x, middle, ink, u=half, size=0.1),
+        Points(x, y, ink, label, marker=marker, joined=not marker),
+    ]
 
 
-def _logarithms(found: Iterable[_Point]) -> tuple[Floats, Floats, Floats, Floats] | None:
-    rows = np.array([row for row in sorted(found) if min(row[1:]) > 0.0])
+def _logarithms(found: Iterable[PointWithEnds]) -> tuple[Floats, Floats, Floats, Floats] | None:
+    """Return points by place; a lower end of 0, below which nothing was judged, lies below every axis."""
+    rows = np.array([row for row in sorted(found) if row[1] > 0.0])
     if not rows.size:
         return None
     x, value, low, high = rows.T
-    return x, np.log10(value), np.log10(low), np.log10(high)
+    return x, np.log10(value), np.log10(np.maximum(low, _NOTHING)), np.log10(high)
 
 
 def _torque_marks(tests: Sequence[AnyTest]) -> tuple[Mark, ...]:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from catseye.app.results.figures import Axis, Figure, Line, Mark, Panel, Role
-from catseye.app.results.resolution.naming import UNIT_SIGNS, title
+from catseye.app.results.resolution.naming import UNIT_SIGNS, shipped_mark, title
 from catseye.app.results.resolution.result import AnyTest
 
 _CAPTION = (
@@ -30,7 +30,11 @@ def staircase_figure(test: AnyTest) -> Figure | None:
     panel = Panel("", Axis("time / s"), Axis(f"position / {UNIT_SIGNS[test.unit]}"), marks)
     name = title(test)
     return Figure(
-        f"staircase-{_word(name)}", f"Recording of {name}", f"{name}. {_CAPTION}", ((panel,),), aspect=0.4
+        f"staircase-{_word(name)}",
+        f"Recording of {name}",
+        f"{name}{shipped_mark([test])}. {_CAPTION}",
+        ((panel,),),
+        aspect=0.4,
     )
 
 

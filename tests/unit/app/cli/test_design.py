@@ -34,7 +34,7 @@ def cell(tmp_path: Path) -> Path:
 
 
 def designed(cell: Path, capsys: pytest.CaptureFixture[str], **options: Any) -> dict[str, Any]:
-    design(cell, **({"places": 60, "as_json": True} | options))
+    design(cell, **({"places": 30, "as_json": True} | options))
     document: dict[str, Any] = json.loads(capsys.readouterr().out)
     return document
 
@@ -143,7 +143,7 @@ def test_chosen_commands_keep_every_node_in_both_directions(
     cell: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     target = tmp_path / "commands.csv"
-    design(cell, places=60, commands=24, write_commands=target, as_json=True)
+    design(cell, places=30, commands=24, write_commands=target, as_json=True)
     found = json.loads(capsys.readouterr().out)
     commands = found["commands"]
     assert len(commands) == 24
@@ -167,13 +167,13 @@ def test_a_bench_time_is_kept(cell: Path, capsys: pytest.CaptureFixture[str]) ->
 def test_fewer_commands_than_determine_the_arm_are_reported(
     cell: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    design(cell, places=60, commands=3)
+    design(cell, places=30, commands=3)
     assert "3 commands leave parameters undetermined" in capsys.readouterr().err
 
 
 def test_tables_and_page(cell: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     page = tmp_path / "design.html"
-    design(cell, places=60, commands=24, pareto=True, output=page)
+    design(cell, places=30, commands=24, pareto=True, output=page)
     output = capsys.readouterr()
     assert "cell file (= SCARA paper)" in output.out
     assert "planned breaks of the beam" in output.err
@@ -186,7 +186,7 @@ def test_tables_and_page(cell: Path, capsys: pytest.CaptureFixture[str], tmp_pat
 
 def test_written_cell_differs_in_its_reflectors_only(cell: Path, tmp_path: Path) -> None:
     target = tmp_path / "new.toml"
-    design(cell, places=60, write_cell=target)
+    design(cell, places=30, write_cell=target)
     old, new = load_cell(cell).cell, load_cell(target).cell
     assert [one.name for one in new.reflector] == ["P1", "P2", "P3"]
     assert all(one.facing_deg is not None for one in new.reflector)
@@ -219,14 +219,14 @@ def test_what_cannot_be_done_is_reported_with_its_remedy(
     cell: Path, options: dict[str, Any], said: str
 ) -> None:
     with pytest.raises(UsageError, match=said):
-        design(cell, **({"places": 60, "as_json": True} | options))
+        design(cell, **({"places": 30, "as_json": True} | options))
 
 
 def test_a_path_outside_of_the_nodes_is_refused(cell: Path, tmp_path: Path) -> None:
     path = tmp_path / "path.csv"
     path.write_text("x_mm,y_mm\n-300,100\n-310,100\n")
     with pytest.raises(UsageError, match="inside the nodes"):
-        design(cell, criterion="path", path=path, places=60)
+        design(cell, criterion="path", path=path, places=30)
 
 
 def test_a_path_partly_outside_of_the_nodes_is_reported(
@@ -241,7 +241,7 @@ def test_a_path_partly_outside_of_the_nodes_is_reported(
 def test_commands_that_determine_nothing_are_named(cell: Path) -> None:
     edited(cell, "theta2_deg = [20.0, 60.0, 100.0, 140.0]", "theta2_deg = [40.0, 40.01]")
     with pytest.raises(UnidentifiableError, match="L1") as caught:
-        design(cell, reflectors=1, places=60)
+        design(cell, reflectors=1, places=30)
     assert exit_code_of(caught.value) == ExitCode.REJECTED
 
 
@@ -249,7 +249,7 @@ def test_a_budget_without_white_contributors_is_refused(cell: Path) -> None:
     for old in ("value_um = 10.0", "value_um = 0.09", "value_mrad = 0.717"):
         edited(cell, old, old.split(" = ", maxsplit=1)[0] + " = 0.0")
     with pytest.raises(UsageError, match="differs from reading to reading"):
-        design(cell, places=60)
+        design(cell, places=30)
 
 
 def test_it_says_what_a_turned_interferometer_is_worth(

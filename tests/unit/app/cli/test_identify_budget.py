@@ -1,5 +1,6 @@
 """Whose error budget counts: the table's own, the cell's, or none; the same data give the same on every way."""
 
+import asyncio
 import json
 import re
 from collections.abc import Callable
@@ -17,7 +18,7 @@ from catseye.app.files.csv_text import csv_text
 from catseye.app.protocol.banners import SIMULATION_TEXT
 from catseye.app.results.scara.identified_arm import arm_remarks
 from catseye.app.results.scara.points import COLUMNS
-from catseye.app.results.scara.result import read_result
+from catseye.app.results.scara.result import Result, read_result
 from catseye.app.store.reader import RunReader
 from tests.unit.app.cli.budget_routes import EQUAL, differences, figures, of_every_route, of_table
 from tests.unit.app.cli.measured_runs import measured_run, rows_of_arm
@@ -27,9 +28,20 @@ TABLE_2_MM = 0.015817
 """Table 2 on 743 mm: 10, 5, 5, 10, 0.19, 0.09, 0.04 µm and two cosine errors of 0.27 µm, in quadrature, by hand."""
 
 
-@pytest.fixture
-async def run(tmp_path: Path) -> RunReader:
-    return await measured_run(tmp_path, 1)
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> RunReader:
+    return asyncio.run(measured_run(tmp_path_factory.mktemp("measured"), 1))
+
+
+@pytest.fixture(scope="module")
+def routes(run: RunReader) -> dict[str, Result]:
+    with pytest.MonkeyPatch.context() as patch:
+        return of_every_route(run.path.parent.parent, run, patch)
+
+
+@pytest.fixture(autouse=True)
+def cell(tmp_path: Path) -> None:
+    (tmp_path / "cell.toml").write_text(TEMPLATE, encoding="utf-8")
 
 
 def exported(folder: Path, run: RunReader, name: str = "points.csv") -> Path:
@@ -47,45 +59,39 @@ def plain_table(folder: Path, sigma_mm: float | None = None) -> None:
     (folder / "plain.csv").write_text(text, encoding="utf-8")
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-async def test_every_route_gives_the_same_values_and_u(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seed: int
-) -> None:
-    found = of_every_route(tmp_path, await measured_run(tmp_path, seed), monkeypatch)
-    for route, result in found.items():
-        assert max(differences(result, found["run"])) < EQUAL, route
+def test_every_route_gives_the_same_values_and_u(routes: dict[str, Result]) -> None:
+    for route, result in routes.items():
+        assert max(differences(result, routes["run"])) < EQUAL, route
         assert result.budget is not None
         assert len(result.budget.contributor) == 13
         # A scan keeps no count of them.
         assert (result.fit.n_points, result.fit.n_returns) == (1062, 6) or result.scan
-    sources = {route: result.budget.source for route, result in found.items() if result.budget}
-    assert sources == {"run": "run"} | {route: "table" for route in found if route != "run"}
+    sources = {route: result.budget.source for route, result in routes.items() if result.budget}
+    assert sources == {"run": "run"} | {route: "table" for route in routes if route != "run"}
 
 
-async def test_a_table_without_a_budget_takes_the_cells(tmp_path: Path, run: RunReader) -> None:
+def test_a_table_without_a_budget_takes_the_cells(tmp_path: Path, routes: dict[str, Result]) -> None:
     plain_table(tmp_path)
-    identify(tmp_path / "run.json", [str(run.path)])
     found = of_table(tmp_path, "plain.csv")
     assert found.budget is not None
     assert (found.budget.source, found.budget.name) == ("cell", "cell.toml")
-    assert max(differences(found, read_result(tmp_path / "run.json"))) < EQUAL
+    assert max(differences(found, routes["run"])) < EQUAL
 
 
-async def test_the_cells_budget_may_be_asked_for(tmp_path: Path, run: RunReader) -> None:
+def test_the_cells_budget_may_be_asked_for(tmp_path: Path, run: RunReader, routes: dict[str, Result]) -> None:
     exported(tmp_path, run)
-    own = of_table(tmp_path, "points.csv")
+    own = routes["points.csv"]
     (tmp_path / "cell.toml").write_text(TEMPLATE.replace("value_um = 10.0", "value_um = 30.0"))
     assert differences(of_table(tmp_path, "points.csv"), own) == (0.0, 0.0)
     asked = of_table(tmp_path, "points.csv", budget="cell")
     assert np.median(figures(asked)[1] / figures(own)[1]) > 1.5
 
 
-async def test_none_takes_sigma_as_white_and_says_so(
-    tmp_path: Path, run: RunReader, capsys: pytest.CaptureFixture[str]
+def test_none_takes_sigma_as_white_and_says_so(
+    tmp_path: Path, run: RunReader, routes: dict[str, Result], capsys: pytest.CaptureFixture[str]
 ) -> None:
     exported(tmp_path, run)
-    own = of_table(tmp_path, "points.csv")
-    capsys.readouterr()
+    own = routes["points.csv"]
     white = of_table(tmp_path, "points.csv", budget="none")
     assert "warning: No error budget was used: sigma_mm counts as white noise" in capsys.readouterr().err
     assert "no error budget was used" in " ".join(arm_remarks(white))
@@ -103,22 +109,21 @@ async def test_a_run_without_a_budget_takes_its_scatter(
     assert read_result(tmp_path / "run.json").fit.chi2_probability is None
 
 
-async def test_sigma_beside_the_cells_budget_is_the_white_part(
-    tmp_path: Path, run: RunReader, capsys: pytest.CaptureFixture[str]
+def test_sigma_beside_the_cells_budget_is_the_white_part(
+    tmp_path: Path, routes: dict[str, Result], capsys: pytest.CaptureFixture[str]
 ) -> None:
     # Table 2's white part on every beam: 10, 0.09 µm, and two cosine errors that grow with its length.
     plain_table(tmp_path, 0.010007)
     found = of_table(tmp_path, "plain.csv")
     assert "sigma_mm is what differs from distance to distance" in capsys.readouterr().err
-    identify(tmp_path / "run.json", [str(run.path)])
     # Cosine errors of beams from 0.3 to 1.1 m make weights of 0.1 % more or less.
-    assert max(differences(found, read_result(tmp_path / "run.json"))) < 5e-3
+    assert max(differences(found, routes["run"])) < 5e-3
 
 
 @pytest.mark.parametrize("streamed", [False, True])
 async def test_a_table_of_an_earlier_export_counts_nothing_twice(
     tmp_path: Path,
-    run: RunReader,
+    routes: dict[str, Result],
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
     streamed: bool,
@@ -145,22 +150,21 @@ async def test_a_table_of_an_earlier_export_counts_nothing_twice(
     assert "as earlier versions exported it: the budget counts, and sigma_mm not" in capsys.readouterr().err
     assert found.budget is not None
     assert found.budget.sigma_mm == "total"
-    identify(tmp_path / "run.json", [str(run.path)])
-    by_value, by_u = differences(found, read_result(tmp_path / "run.json"))
+    by_value, by_u = differences(found, routes["run"])
     # The run's laser is good to 1.5 ppm, that of this table to 0.054: half a micrometre of a link of u = 7 µm, and
     # weights that differ as little.
     assert by_value < 1e-3
     assert by_u < 0.02
 
 
-async def test_an_own_budget_is_asked_for_in_vain(tmp_path: Path, run: RunReader) -> None:
+def test_an_own_budget_is_asked_for_in_vain(
+    tmp_path: Path, run: RunReader, routes: dict[str, Result]
+) -> None:
     plain_table(tmp_path)
     with pytest.raises(UsageError, match="carries no error budget of its own: use --budget cell"):
         of_table(tmp_path, "plain.csv", budget="table")
     exported(tmp_path, run)
-    assert differences(
-        of_table(tmp_path, "points.csv", budget="table"), of_table(tmp_path, "points.csv")
-    ) == (0.0, 0.0)
+    assert differences(of_table(tmp_path, "points.csv", budget="table"), routes["points.csv"]) == (0.0, 0.0)
 
 
 def thinned(text: str) -> str:
@@ -200,11 +204,12 @@ async def test_a_table_that_was_changed_is_refused_by_name(
     assert of_table(tmp_path, "points.csv", budget="cell").provenance.unverified is None
 
 
-async def test_other_line_ends_and_columns_change_nothing(tmp_path: Path, run: RunReader) -> None:
+def test_other_line_ends_and_columns_change_nothing(
+    tmp_path: Path, run: RunReader, routes: dict[str, Result]
+) -> None:
     path = exported(tmp_path, run)
-    expected = of_table(tmp_path, "points.csv")
     path.write_bytes(b"\xef\xbb\xbf# from a spreadsheet\r\n" + path.read_bytes().replace(b"\n", b"\r\n"))
-    assert differences(of_table(tmp_path, "points.csv"), expected) == (0.0, 0.0)
+    assert differences(of_table(tmp_path, "points.csv"), routes["points.csv"]) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -219,7 +224,6 @@ async def test_other_line_ends_and_columns_change_nothing(tmp_path: Path, run: R
 )
 async def test_a_budget_that_cannot_be_read_is_reported(tmp_path: Path, line: str, complaint: str) -> None:
     plain_table(tmp_path)
-    (tmp_path / "cell.toml").write_text(TEMPLATE)
     path = tmp_path / "plain.csv"
     path.write_text(f"{line}\n{path.read_text()}")
     with pytest.raises(Exception, match=complaint):
@@ -256,13 +260,11 @@ async def test_the_result_carries_the_budget_and_older_ones_are_read(tmp_path: P
     assert read_result(tmp_path / "old.json").budget is None
 
 
-async def test_a_table_says_that_emulated_devices_measured_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_table_says_that_emulated_devices_measured_it(
+    tmp_path: Path, run: RunReader, routes: dict[str, Result]
 ) -> None:
-    simulated = await measured_run(tmp_path, 1)
-    found = of_every_route(tmp_path, simulated, monkeypatch)
-    assert {result.provenance.simulated for result in found.values()} == {True}
-    assert (tmp_path / "points.csv").read_text().startswith(f"# {SIMULATION_TEXT}\n")
+    assert {result.provenance.simulated for result in routes.values()} == {True}
+    assert exported(tmp_path, run).read_text(encoding="utf-8").startswith(f"# {SIMULATION_TEXT}\n")
     plain_table(tmp_path)
     assert of_table(tmp_path, "plain.csv").provenance.simulated is None
 
@@ -289,7 +291,6 @@ async def test_a_table_whose_budget_was_taken_out_keeps_its_marks(
     measured = await measured_run(tmp_path, 1)
     tampered(measured.path)
     export(str(measured.path), tmp_path / "points.csv", None, None, unverified=True)
-    (tmp_path / "cell.toml").write_text(TEMPLATE)
     without_line(tmp_path / "points.csv", "catseye-budget")
     if streamed:
         monkeypatch.setattr("catseye.app.results.scara.scan.SCAN_ROWS", 100)
@@ -304,8 +305,11 @@ async def test_a_table_whose_budget_was_taken_out_keeps_its_marks(
     assert [text.split(": ")[0] for text in taken.unverified or []] == [measured.path.name, "points.csv"]
 
 
-async def test_the_budget_keeps_the_marks_without_the_origin(tmp_path: Path, run: RunReader) -> None:
-    expected = of_table(exported(tmp_path, run).parent, "points.csv")
+def test_the_budget_keeps_the_marks_without_the_origin(
+    tmp_path: Path, run: RunReader, routes: dict[str, Result]
+) -> None:
+    exported(tmp_path, run)
+    expected = routes["points.csv"]
     without_line(tmp_path / "points.csv", "catseye-origin")
     found = of_table(tmp_path, "points.csv")
     assert found.provenance.simulated is expected.provenance.simulated is True

@@ -33,8 +33,20 @@ def identified(points: Points, folder: Path) -> Result:
     return read_result(folder / "result.json")
 
 
-def test_result_states_the_orders_of_j4_with_their_uncertainty(points: Points, tmp_path: Path) -> None:
-    found = identified(points, tmp_path).j4_orders
+@pytest.fixture(scope="module")
+def result_file(points: Points, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("identified")
+    identified(points, folder)
+    return folder / "result.json"
+
+
+@pytest.fixture(scope="module")
+def result(result_file: Path) -> Result:
+    return read_result(result_file)
+
+
+def test_result_states_the_orders_of_j4_with_their_uncertainty(result: Result) -> None:
+    found = result.j4_orders
     assert found is not None
     assert [one.order for one in found] == [2, 4, 6]
     for one in found:
@@ -45,19 +57,19 @@ def test_result_states_the_orders_of_j4_with_their_uncertainty(points: Points, t
         assert 0.1 < one.amplitude_um.u < 1.0
 
 
-def test_json_text_and_page_show_them(
-    points: Points, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    result = identified(points, tmp_path)
-    assert result.j4_orders is not None
-    capsys.readouterr()
-    identify(tmp_path / "again.json", [], tmp_path / "points.csv", tmp_path / "cell.toml", as_json=True)
+def test_json_shows_them(points: Points, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = write_points(points, tmp_path)
+    identify(tmp_path / "result.json", [], table, tmp_path / "cell.toml", as_json=True)
     document = json.loads(capsys.readouterr().out)
     assert [one["order"] for one in document["j4_orders"]] == [2, 4, 6]
+
+
+def test_text_and_page_show_them(result: Result, result_file: Path, tmp_path: Path) -> None:
+    assert result.j4_orders is not None
     verdict = identification_report(result).sections[0]
     second = result.j4_orders[0].amplitude_um
     assert f"{second.value:.2f} ± {second.u:.2f} µm in order 2" in str(verdict)
-    report([str(tmp_path / "result.json")], tmp_path / "page.html")
+    report([str(result_file)], tmp_path / "page.html")
     assert "What J4 adds to a distance" in (tmp_path / "page.html").read_text(encoding="utf-8")
 
 
@@ -68,18 +80,17 @@ def test_a_table_of_one_mounting_states_none(tmp_path: Path) -> None:
 
 
 def test_a_scan_of_two_mountings_gives_the_same_arm(
-    points: Points, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    points: Points, result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = identified(points, tmp_path)
     monkeypatch.setattr(scan, "SCAN_ROWS", 100)
     monkeypatch.setattr(scan, "_SHORTEST_LINE_BYTES", 1)
     streamed = identified(points, tmp_path)
     assert streamed.scan is not None
-    assert streamed.link2_mm.value == pytest.approx(whole.link2_mm.value, abs=1e-6)
-    assert streamed.link2_mm.u == pytest.approx(whole.link2_mm.u, rel=1e-6)
+    assert streamed.link2_mm.value == pytest.approx(result.link2_mm.value, abs=1e-6)
+    assert streamed.link2_mm.u == pytest.approx(result.link2_mm.u, rel=1e-6)
     assert streamed.j4_orders is not None
-    assert whole.j4_orders is not None
-    for scans, table in zip(streamed.j4_orders, whole.j4_orders, strict=True):
+    assert result.j4_orders is not None
+    for scans, table in zip(streamed.j4_orders, result.j4_orders, strict=True):
         assert (scans.contributor, scans.order) == (table.contributor, table.order)
         found = [(part.amplitude_um.value, part.amplitude_um.u) for part in (scans, table)]
         assert found[0] == pytest.approx(found[1], rel=1e-6)

@@ -12,7 +12,8 @@ from typer.testing import CliRunner, Result
 from catseye.app.cli import cli
 from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.results.resolution.joint_tables import read_joint_tables, write_joint_tables
-from tests.unit.calibration.resolution.invented_arm import JOINTS, SERIES_DEG, step_errors
+from catseye.app.results.resolution.predicted import read_predicted
+from tests.unit.calibration.resolution.invented_arm import JOINTS, SERIES_DEG, least_step, step_errors
 from tests.unit.calibration.resolution.invented_tables import of_the_invented_arm
 
 POSES = "pose,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\nP1,20,-80,95,15,30,-40\nP2,21,-80,95,15,30,-41\n"
@@ -68,7 +69,7 @@ def poses_file(folder: Path) -> str:
 
 
 def tables_file(folder: Path) -> str:
-    write_joint_tables(of_the_invented_arm().tables, folder / "known.csv")
+    write_joint_tables(of_the_invented_arm().tables, folder / "known.csv", simulated=False)
     return str(folder / "known.csv")
 
 
@@ -92,7 +93,7 @@ def test_results_become_tables_of_what_was_measured(tmp_path: Path) -> None:
     (model,) = json.loads(done.stdout)["models"]
     assert (model["joint"], model["direction"], model["positions"]) == ("A1", 1, [-50.0, 0.0])
     assert (model["steps"], model["reversal"]) == (2 * FEW.size, 0.005)
-    table = read_joint_tables(tmp_path / "t.csv", JOINTS).of("A1", 1)
+    table = read_joint_tables(tmp_path / "t.csv", JOINTS).tables.of("A1", 1)
     assert table is not None
     assert [sector.reversal for sector in table.sectors] == [0.005, None, None, None, None]
     assert table.sectors[0].commands[[0, -1]] == pytest.approx(FEW[[-1, 0]])
@@ -130,6 +131,21 @@ def test_predicted_csv_is_as_documented(tmp_path: Path) -> None:
     assert [row["unit"] for row in rows[:12]] == ["mm"] * 6 + ["deg"] * 6
     assert all(float(row["low"]) < float(row["lis"]) < float(row["high"]) for row in rows if row["lis"])
     assert all(row["reason"] for row in rows if not row["lis"])
+
+
+def test_a_prediction_as_json_has_the_errors_of_all_steps(tmp_path: Path) -> None:
+    words = ("--arm", "kr210-r2700", "--poses", poses_file(tmp_path), "-o", str(tmp_path / "out.json"))
+    done = called("predict-resolution", tables_file(tmp_path), *words)
+    assert done.exit_code == 0, done.output
+    steps = read_predicted(tmp_path / "out.json").least_steps
+    assert [f"{step.lis:.6g}" for step in steps if step.lis] == [
+        row["lis"] for row in predicted(tmp_path) if row["lis"]
+    ]
+    curve = steps[0].curve
+    assert curve is not None
+    assert curve.command[0] == 1.0
+    # The paper's rule on the expected errors gives the least step.
+    assert least_step(np.array(curve.command), np.array(curve.mean_percent), 10.0) == steps[0].lis
 
 
 def test_workers_change_no_number(tmp_path: Path) -> None:

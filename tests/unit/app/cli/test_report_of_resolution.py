@@ -35,7 +35,7 @@ def test_several_results_make_one_page(tmp_path: Path) -> None:
 def test_results_of_another_kind_are_reported_alone(tmp_path: Path) -> None:
     other = tmp_path / "other.json"
     other.write_text('{"format": "catseye-result/1"}', "utf-8")
-    with pytest.raises(UsageError, match="takes catseye-resolution/1 files only: name one result"):
+    with pytest.raises(UsageError, match="takes those of motion resolution only"):
         report([str(_written(tmp_path, "one.json")), str(other)], tmp_path / "page.html")
 
 

@@ -2,6 +2,7 @@
 
 import ast
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
@@ -39,6 +40,7 @@ _YES = Asked("confirm", ("yes",), ("no",))
 QUESTIONS: dict[tuple[str, str], Asked] = {
     ("app/engine/acknowledging.py", "_asked_once"): _YES,
     ("app/engine/reentry.py", "clear"): _YES,
+    ("app/engine/restoring.py", "restore_override"): _YES,
     ("app/engine/reentry.py", "ask_for_reflectors"): Asked("choice", ("untouched",), ("moved",)),
     ("procedures/scara/alignment/screws.py", "_ask_sense"): Asked(
         "choice", (), ("reversed", "turned the wrong way"), "reversed"
@@ -85,37 +87,41 @@ def _prompt(call: ast.Call) -> Prompt:
     return Prompt(id="asked", text="?", **facts)
 
 
+@cache
 def _found() -> dict[tuple[str, str], Prompt]:
     """Return every question that the source makes, by file and function."""
     found: dict[tuple[str, str], Prompt] = {}
     for path in (path for room in _ROOMS for path in room.rglob("*.py")):
-        for function in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        source = path.read_text(encoding="utf-8")
+        # Most modules ask nothing, and to parse them takes seconds.
+        for function in ast.walk(ast.parse(source)) if "Prompt(" in source else ():
             if not isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
                 continue
             for call in ast.walk(function):
-                if isinstance(call, ast.Call) and ast.unparse(call.func) == "Prompt":
+                if (
+                    isinstance(call, ast.Call)
+                    and isinstance(call.func, ast.Name)
+                    and call.func.id == "Prompt"
+                ):
                     found[path.relative_to(_ROOT).as_posix(), function.name] = _prompt(call)
     # Read back from an event for a front end; it asks nothing of its own.
     del found["app/protocol/prompts.py", "prompt"]
     return found
 
 
-FOUND = _found()
-
-
 def test_every_question_of_the_program_stands_in_the_table() -> None:
-    assert FOUND.keys() == QUESTIONS.keys()
+    assert _found().keys() == QUESTIONS.keys()
 
 
 @pytest.mark.parametrize("place", QUESTIONS)
 def test_kind_and_safe_answer_are_those_of_the_table(place: tuple[str, str]) -> None:
-    prompt, asked = FOUND[place], QUESTIONS[place]
+    prompt, asked = _found()[place], QUESTIONS[place]
     assert (prompt.kind, prompt.safe_answer) == (asked.kind, asked.safe)
 
 
 @pytest.mark.parametrize(("place", "answer"), _ANSWERS)
 async def test_no_answers_file_starts_a_motion_of_a_real_robot(place: tuple[str, str], answer: str) -> None:
-    prompt, asked = FOUND[place], QUESTIONS[place]
+    prompt, asked = _found()[place], QUESTIONS[place]
     operator = Operator(ManualClock(), {"asked": answer}, None, simulated=False)
     if answer in asked.rests:
         assert await operator.answer(prompt) == Answer(answer, "answers file")
@@ -132,4 +138,4 @@ async def test_a_person_may_give_every_answer(place: tuple[str, str], answer: st
         return Answer(answer, "Ada")
 
     operator = Operator(ManualClock(), {}, ada, simulated=False)
-    assert await operator.answer(FOUND[place]) == Answer(answer, "Ada")
+    assert await operator.answer(_found()[place]) == Answer(answer, "Ada")

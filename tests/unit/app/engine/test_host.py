@@ -14,6 +14,7 @@ import pytest
 
 from catseye.app.engine.conditions import Watchman
 from catseye.app.engine.host import run_procedure
+from catseye.app.engine.restoring import OVERRIDE_PROMPT
 from catseye.app.engine.signals import loop_signals
 from catseye.app.errors import StorageError, UsageError
 from catseye.app.exitcode import ExitCode
@@ -137,12 +138,16 @@ async def test_an_arm_of_which_nothing_is_known_is_said(
     assert "link lost" in str(drives)
 
 
-async def test_an_override_of_0_is_refused_before_anything_moves(bench: FakeBench) -> None:
+@pytest.mark.parametrize(("answer", "status"), [("yes", "complete"), ("no", "aborted")])
+async def test_an_override_of_0_is_raised_by_consent_only(bench: FakeBench, answer: str, status: str) -> None:
     bench.robot.state = replace(bench.robot.state, override_percent=0.0)
-    outcome = await run(bench, measuring(0))
-    assert (outcome.status, outcome.exit_code) == ("aborted", ExitCode.SAFETY)
-    assert "raise it at the controller to at most the 20 %" in outcome.text
-    assert "move" not in bench.robot.calls
+    outcome = await run(bench, measuring(0), answers={OVERRIDE_PROMPT: answer})
+    assert outcome.status == status
+    assert ("override 20" in bench.robot.calls) == (answer == "yes")
+    assert ("move" in bench.robot.calls) == (answer == "yes")
+    if answer == "no":
+        assert outcome.exit_code == ExitCode.SAFETY
+        assert "raise it at the controller to at most the 20 %" in outcome.text
 
 
 async def test_a_run_that_is_slower_than_planned_says_so(bench: FakeBench) -> None:

@@ -45,3 +45,15 @@ def test_powers_of_ten_stand_at_an_axis_of_logarithms() -> None:
     }
     assert texts == {"0.0001", "0.001", "0.01", "0.1"}
     assert np.log10(0.002) in axis.get_minorticklocs()
+
+
+def test_names_stand_at_an_axis_in_place_of_numbers() -> None:
+    line = Line(np.array([0.0, 2.0]), np.array([0.0, 1.0]), Role.PATH)
+    panel = Panel("", Axis("direction", low=-0.5, high=2.5, names=("+X", "−X", "+Y")), Axis("y"), (line,))
+    axis = drawn(Figure("f", "f", "", ((panel,),))).axes[0].xaxis
+    texts = [text.get_text() for text in axis.get_majorticklabels()]
+    assert dict(zip(axis.get_majorticklocs().tolist(), texts, strict=True)) == {
+        0.0: "+X",
+        1.0: "−X",
+        2.0: "+Y",
+    }

@@ -14,6 +14,8 @@ from catseye.app.service.watching.columns import MOST_COLUMNS
 from catseye.app.service.watching.traffic import MOST_LINES
 from tests.unit.app.service.manual.benches import bench_seen
 
+BENCH = bench_seen()
+
 T = TypeVar("T", BenchSeen, SamplesTaken, WirePassed)
 
 
@@ -53,7 +55,8 @@ def columns(first: int, count: int, missed: int = 0) -> SamplesTaken:
 
 @given(st.lists(st.booleans(), min_size=1, max_size=30))
 def test_the_newest_bench_comes_and_says_how_many_it_replaced(reads: list[bool]) -> None:
-    found = delivered([bench_seen(disk_free_bytes=number) for number in range(len(reads))], reads)
+    events = [BENCH.model_copy(update={"disk_free_bytes": number}) for number in range(len(reads))]
+    found = delivered(events, reads)
     assert found[-1].disk_free_bytes == len(reads) - 1
     assert sum(bench.missed + 1 for bench in found) == len(reads)
 
@@ -105,7 +108,7 @@ def test_events_of_different_kinds_are_not_merged() -> None:
     async def play() -> list[AnyEvent | bytes]:
         mailbox = Mailbox()
         mailbox.put(columns(0, 1))
-        mailbox.put(bench_seen())
+        mailbox.put(BENCH)
         return [await mailbox.take(), await mailbox.take()]
 
     assert [type(event) for event in asyncio.run(play())] == [SamplesTaken, BenchSeen]

@@ -1,9 +1,11 @@
 """An engine that sends what a test says, and notes what it is asked."""
 
 import asyncio
+import os
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import replace
+from difflib import unified_diff
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -196,15 +198,17 @@ def screen_text(app: App[Any]) -> str:
     return "\n".join(line.text.rstrip() for line in lines) + "\n"
 
 
-def compare(name: str, text: str, *, renew: bool = False) -> None:
-    """Compare a screen with its golden file; `CATSEYE_RENEW_SCREENS=1` writes it anew, to be looked at in review."""
-    import os
+def changed_screen(name: str, text: str) -> str:
+    """Return how a screen differs from its golden file, empty where it does not.
 
+    `CATSEYE_RENEW_SCREENS=1` writes the file anew, to be looked at in review.
+    """
     path = GOLDEN / f"{name}.txt"
-    if renew or os.environ.get("CATSEYE_RENEW_SCREENS"):
+    if os.environ.get("CATSEYE_RENEW_SCREENS"):
         path.parent.mkdir(exist_ok=True)
         path.write_text(text, encoding="utf-8")
-    assert path.is_file(), (
-        f"{path.name} is missing: run with CATSEYE_RENEW_SCREENS=1 and look at what it writes"
-    )
-    assert text == path.read_text(encoding="utf-8")
+    if not path.is_file():
+        return f"{path.name} is missing: run with CATSEYE_RENEW_SCREENS=1 and look at what it writes"
+    golden = path.read_text(encoding="utf-8")
+    lines = unified_diff(golden.splitlines(), text.splitlines(), path.name, "now", lineterm="")
+    return "" if text == golden else "\n".join(lines) or "only the ends of lines differ"

@@ -107,11 +107,11 @@ def bench_status(**parts: Any) -> BenchStatus:
     return BenchStatus.model_validate(bench(**parts))
 
 
-def publish_strip(link: ScriptedLink, columns: int = 500) -> None:
+def publish_strip(link: ScriptedLink, columns: int = 500, at_mm: float = 743.121) -> None:
     """Publish ten seconds of the beam: a slow wave, a gap, and one spike of a single sample."""
-    low: list[float | None] = [743.121 + 0.002 * math.sin(number / 40) for number in range(columns)]
+    low: list[float | None] = [at_mm + 0.002 * math.sin(number / 40) for number in range(columns)]
     high = [None if value is None else value + 0.0005 for value in low]
-    high[columns // 2] = 743.130
+    high[columns // 2] = at_mm + 0.009
     for number in range(columns // 5, columns // 4):
         low[number] = high[number] = None
     count = [0 if value is None else 4 for value in low]

@@ -21,6 +21,7 @@ from catseye.app.tui.dialogs.error_dialog import split_remedy
 from catseye.app.tui.engine_state import EngineState
 from tests.unit.app.tui.scripted import snapshot_with
 from tests.unit.app.tui.scripted_bench import bench, bench_status
+from tests.unit.app.tui.serial.scripted_arm import arm_bench
 
 ALARM: dict[str, Any] = {
     "alarm_number": 2165,
@@ -201,3 +202,34 @@ def test_a_device_that_the_cell_lacks_leads_to_set_up() -> None:
     status = bench_status(devices=[], beam=None, air=None)
     assert said(beam_lines(status, 0.0)) == "the cell has no interferometer: F10, c"
     assert "the cell has no air sensor: F10, c" in said(air_lines(status, 0.0))
+
+
+# 30 mm x sin 1 deg.
+ANGULAR = {"displacement_mm": 0.5235721931185038, "mean_mm": 0.5235721931185038, "spread_um": 0.5}
+
+
+def test_angular_optics_are_read_in_degrees() -> None:
+    text = said(beam_lines(bench_status(beam=ANGULAR), 0.0, 30.0))
+    assert "1.000 000 deg" in text
+    # 0.5e-3 mm / (30 mm cos 1 deg) rad = 9.5508e-4 deg.
+    assert "σ 0.955 mdeg" in text
+    assert "mm" not in text
+
+
+def test_a_displacement_beyond_a_right_angle_is_no_angle() -> None:
+    assert "angle not known" in said(beam_lines(bench_status(beam={"displacement_mm": 30.1}), 0.0, 30.0))
+
+
+def test_torques_stand_beside_their_axes_where_there_is_room() -> None:
+    status = BenchStatus.model_validate(arm_bench())
+    assert status.robot is not None
+    torques = (-12.34, 1043.0, -7.7, 0.1, None, 3.0)
+    moved = status.model_copy(update={"robot": status.robot.model_copy(update={"torques_nm": torques})})
+    roomy = [line.plain for line in robot_lines(moved, 0.0, roomy=True)]
+    assert roomy[0].endswith("  -12.3 N m")
+    assert roomy[1].endswith(" 1043.0 N m")
+    assert "N m" not in roomy[4]
+    assert {len(line) <= 36 for line in roomy[:6]} == {True}
+    assert robot_lines(moved, 0.0, roomy=False)[-1].plain == "N m  -12 1043   -8    0    –    3"
+    without = bench_status(robot={"joints": [0.0] * 4})
+    assert "N m" not in said(robot_lines(without, 0.0, roomy=False))

@@ -41,7 +41,7 @@ def test_uncorrected_error_is_that_of_the_true_arm(geometry: Geometry) -> None:
     assert compensate(geometry, poses, tool()).uncorrected_mm == pytest.approx(missed, abs=1e-6)
 
 
-def test_pose_at_the_end_of_a_range_is_refused_with_its_joint(geometry: Geometry) -> None:
+def test_pose_at_the_end_of_a_range_is_refused(geometry: Geometry) -> None:
     poses = np.array([[165.0, 20.0, 0.0, 30.0, 40.0, 50.0], [-165.0, 20.0, 0.0, 30.0, 40.0, 50.0]])
     found = compensate(geometry, poses)
     assert len(found.refused) == 1

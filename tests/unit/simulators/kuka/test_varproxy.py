@@ -168,12 +168,51 @@ def test_other_types_are_not_implemented(client: Client, kind: int) -> None:
     assert client.say(kind, b"\x00\x01A") == (b"", ErrorCode.NOT_IMPLEMENTED, 0)
 
 
-@pytest.mark.parametrize("kind", [4, 5, 6, 7])
-def test_an_old_proxy_knows_single_variables_only(kind: int) -> None:
+@pytest.mark.parametrize("kind", [4, 5, 6, 7, 10])
+def test_an_old_proxy_says_nothing_to_other_types(kind: int) -> None:
+    assert Client(old=True).ask(struct.pack(">HHB", 5, 3, kind) + b"AB") == b"\x00\x05\x00\x00"
+
+
+def test_an_old_proxy_has_a_footer_of_its_own() -> None:
+    """The footers are those that its published source writes: the length of the success byte, and that byte."""
     old = Client(old=True)
-    assert old.say(kind, wide("PING")) == (b"", ErrorCode.NOT_IMPLEMENTED, 0)
-    assert old.read("PING") == "PONG"
-    assert old.say(0, narrow("@PROXY_TYPE"))[1:] == (ErrorCode.GENERAL, 0)
+    assert old.say(0, narrow("PING")) == (narrow("PONG"), 1, 1)
+    assert old.say(0, narrow("$NOBODY")) == (narrow(""), 1, 1)
+    assert old.say(0, narrow("@PROXY_TYPE")) == (narrow(""), 1, 1)
+    assert old.say(1, narrow("$MODE_OP") + narrow("#T1")) == (narrow("#T1"), 1, 0)
+    assert old.say(1, narrow("$OV_PRO") + narrow("30")) == (narrow("30"), 1, 1)
+
+
+def test_an_old_proxy_ignores_bytes_behind_a_request() -> None:
+    """A client in C# sends a zero behind every request to read (KukavarProxyTestPrograms, Kukavarproxy.cs)."""
+    old = Client(old=True)
+    for _ in range(3):
+        assert old.ask(READ_MEASURED + b"\x00").endswith(b"\x00\x01\x01")
+
+
+def test_an_old_proxy_loses_a_request_in_two_pieces() -> None:
+    old = Client(old=True)
+    old.session.feed(READ_MEASURED[:9])
+    assert old.session.answer() is None
+    assert old.ask(READ_MEASURED).endswith(b"\x00\x01\x01")
+
+
+@pytest.mark.parametrize("old", [False, True])
+def test_requests_that_come_together_are_answered_in_turn(old: bool) -> None:
+    client = Client(old=old)
+    client.session.feed(WRITE_OVERRIDE + READ_MEASURED)
+    tags = []
+    while isinstance(answer := client.session.answer(), Pending):
+        client.bench.advance(0.02)
+        tags.append(answer.reply()[:2])
+    assert tags == [b"\x00\x02", b"\x00\x01"]
+
+
+@pytest.mark.parametrize("old", [False, True])
+def test_odd_bytes_in_a_name_are_an_unknown_variable(old: bool) -> None:
+    odd = "Ä\x00\xff".encode("latin-1")
+    payload, _, _ = Client(old=old).say(0, struct.pack(">H", len(odd)) + odd)
+    assert payload == narrow("")
 
 
 def test_an_answer_that_is_too_long_is_an_error() -> None:

@@ -46,6 +46,18 @@ def test_needs_have_their_signs_and_stages_their_states() -> None:
     assert lines[-1] == "  next   warmup  the arm at its working temperature"
 
 
+def test_procedures_of_other_systems_stand_in_one_line() -> None:
+    lacking = (Need("cell file", "missing", "it needs [[reflector]]"),)
+    other = procedure_entry(load_procedure("beam-level")).model_copy(update={"needs": lacking})
+    stated = SURVEY.model_copy(update={"procedures": (*SURVEY.procedures, other)})
+    text = report_text(survey_report(stated))
+    assert "[[reflector]]" not in text
+    assert "· beam-level: the cell file does not describe what they need" in text
+    # On its own way a procedure says what is missing.
+    stage = CellStage("beam-level", True, "next", "a level beam", "catseye run beam-level")
+    assert "[[reflector]]" in report_text(survey_report(stated.model_copy(update={"stages": (stage,)})))
+
+
 def test_parameters_stand_with_range_and_default() -> None:
     text = report_text(procedures_report(procedures_document([load_procedure("beam-level")])))
     assert "distances at which the height is measured" in text

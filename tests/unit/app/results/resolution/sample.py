@@ -5,7 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from catseye.app.results.resolution.predicted import PredictedResolution
 from catseye.app.results.resolution.result import ResolutionResult
+from catseye.calibration.resolution.tables import ExpectedErrors, JointTable, Sector
 
 _SEED = 3
 RATIO = 1.072267
@@ -149,3 +151,41 @@ def sample_result() -> ResolutionResult:
             },
         }
     )
+
+
+def sample_prediction() -> PredictedResolution:
+    """Return a prediction of the six translations at P1: +X a little too small, −X not known."""
+    command = (1.0 / RATIO ** np.arange(80)).tolist()
+    curve = {"command": command, "mean_percent": [1.0] * 80, "std_percent": [2.0] * 80}
+    known = {"lis": 0.018, "low": 0.012, "high": 0.025, "reason": "", "curve": curve}
+    steps = [
+        {"pose": "P1", "direction": f"{sign}{axis}", "unit": "mm"} | known for axis in "XYZ" for sign in "+-"
+    ]
+    steps[0] |= {"lis": 0.009, "low": 0.006, "high": 0.012}
+    steps[1] |= {
+        "lis": None,
+        "low": None,
+        "high": None,
+        "reason": "the tables hold nothing of A2",
+        "curve": None,
+    }
+    return PredictedResolution.model_validate(
+        {
+            "arm": "KR 210 R2700",
+            "tables": "tables.csv",
+            "threshold_percent": 10.0,
+            "draws": 50,
+            "seed": 1,
+            "simulated": False,
+            "software": "catseye 0.2.0",
+            "created": "2026-01-03T03:04:05+00:00",
+            "least_steps": steps,
+        }
+    )
+
+
+def sample_tables() -> list[JointTable]:
+    """Return a table of A1 upwards: an expected error of −3 % and 4 % of scatter everywhere."""
+    flat = np.ones(2)
+    errors = ExpectedErrors(-3.0 * flat, 4.0 * flat, 0.0 * flat)
+    return [JointTable("A1", 1, tuple(Sector(at, np.array([1e-4, 0.1]), errors) for at in (-175.0, 175.0)))]

@@ -27,8 +27,8 @@ def written(folder: Path, text: str) -> Path:
 def test_tables_come_back_as_they_were(tmp_path: Path) -> None:
     path = tmp_path / "tables.csv"
     table = JointTable("A2", -1, (sector(-30.0, 0.004), sector(45.0, None)))
-    write_joint_tables([table], path)
-    found = read_joint_tables(path, NAMES).of("A2", -1)
+    write_joint_tables([table], path, simulated=False)
+    found = read_joint_tables(path, NAMES).tables.of("A2", -1)
     assert found is not None
     for one, other in zip(found.sectors, table.sectors, strict=True):
         assert (one.position, one.reversal) == (other.position, other.reversal)
@@ -40,15 +40,23 @@ def test_tables_come_back_as_they_were(tmp_path: Path) -> None:
 
 def test_the_standard_deviation_is_that_of_a_step(tmp_path: Path) -> None:
     path = tmp_path / "tables.csv"
-    write_joint_tables([JointTable("A2", -1, (sector(-30.0, 0.004),))], path)
+    write_joint_tables([JointTable("A2", -1, (sector(-30.0, 0.004),))], path, simulated=True)
     lines = path.read_text(encoding="utf-8").splitlines()
     assert lines[0].startswith(HEADER.strip())
-    assert lines[2] == "A2,-1,-30,0.1,1.5,5,0.004,3"
+    assert lines[2] == "A2,-1,-30,0.1,1.5,5,0.004,3,1"
+
+
+def test_tables_of_emulated_devices_say_so(tmp_path: Path) -> None:
+    path = tmp_path / "tables.csv"
+    for simulated in (True, False):
+        write_joint_tables([JointTable("A2", -1, (sector(-30.0, 0.004),))], path, simulated=simulated)
+        assert read_joint_tables(path, NAMES).simulated is simulated
+    assert not read_joint_tables(written(tmp_path, HEADER + "A1,1,0,0.1,1,2,\n"), NAMES).simulated
 
 
 def test_rows_of_another_program_may_come_in_any_order(tmp_path: Path) -> None:
     text = HEADER + "A1,1,0,0.1,1,2,\nA1,1,-10,0.1,3,2,0.002\nA1,1,0,0.001,5,6,\nA1,1,-10,0.01,3,2,\n"
-    found = read_joint_tables(written(tmp_path, text), NAMES).of("A1", 1)
+    found = read_joint_tables(written(tmp_path, text), NAMES).tables.of("A1", 1)
     assert found is not None
     assert [one.position for one in found.sectors] == [-10.0, 0.0]
     assert [one.reversal for one in found.sectors] == [0.002, None]

@@ -62,6 +62,11 @@ def test_who_came_late_is_told_no_least_step() -> None:
     assert live_errors(steps([0.0] * 20, first=30)).least is None
 
 
+def test_who_could_not_keep_up_is_told_no_least_step() -> None:
+    seen = steps([0.0] * 20)
+    assert live_errors([*seen[:7], *seen[9:]]).least is None
+
+
 def test_steps_below_the_instrument_are_in_no_mean() -> None:
     errors = [1.0] * 20 + [500.0] * 5
     found = live_errors(steps(errors, below_from=21))

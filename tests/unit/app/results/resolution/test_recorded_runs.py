@@ -102,6 +102,19 @@ async def test_a_run_gives_what_its_joint_did(tmp_path: Path) -> None:
     assert result.provenance is not None
     assert result.provenance.simulated
     assert result.provenance.runs == [reader.path.name]
+    (measured,) = result.measured
+    assert measured.run == reader.path.name
+    assert measured.optics[0].startswith("angular, spacing ")
+
+
+async def test_each_evaluated_test_is_told(tmp_path: Path) -> None:
+    command = decaying_commands(60)
+    reader = await _stored(
+        tmp_path, _rows("decaying", command, command), _rows("decaying", command, command, joint="A2")
+    )
+    told: list[tuple[int, int]] = []
+    result_of_runs([reader], 10.0, lambda done, of: told.append((done, of)))
+    assert told == [(1, 2), (2, 2)]
 
 
 async def test_sizes_of_one_iso_test_belong_together(tmp_path: Path) -> None:

@@ -7,13 +7,15 @@ import numpy as np
 import pytest
 
 from catseye.app.errors import UsageError
-from catseye.app.results.figures import Level, Line
-from catseye.app.results.model import Report, Sign, Statement
+from catseye.app.results.figures import Level, Line, Points
+from catseye.app.results.model import Entries, Report, Sign, Statement
+from catseye.app.results.resolution.certificate import certificate
 from catseye.app.results.resolution.figures.least_steps import least_step_figure
 from catseye.app.results.resolution.figures.staircase import staircase_figure
 from catseye.app.results.resolution.figures.step_errors import step_error_figure
-from catseye.app.results.resolution.result import write_resolution
+from catseye.app.results.resolution.result import MeasuredRun, write_resolution
 from catseye.app.results.resolution.result_report import resolution_files_report
+from catseye.app.results.runs.records import Sources
 from tests.unit.app.results.resolution.sample import sample_result
 
 
@@ -73,6 +75,51 @@ def test_the_certificate_states_the_worst_of_each_joint(report: Report) -> None:
     assert rows["A5"][3] == "0.0047°"
 
 
+def test_many_tests_of_a_joint_are_said_together(report: Report) -> None:
+    said = [one.text for one in report.statements() if one.text.startswith("A1")]
+    assert said == [
+        "A1, 10 tests: least steps from 0.00015° (0.00013° … 0.00019°), A1 at −175°, +, to 0.00015° (0.00013° … "
+        "0.00019°), A1 at 175°, −",
+        "A1, ISO 230, 5 tests: least steps from 0.0030° (0.0024° … 0.0045°), A1 at −175°, to 0.0030° (0.0024° … "
+        "0.0045°), A1 at 175°",
+        "A1: reversal errors 0.0040° … 0.0060° at 5 positions, where the torque changes its sign: they are lost "
+        "motion",
+    ]
+
+
+def test_the_certificate_names_who_measured_with_what() -> None:
+    run = MeasuredRun(
+        run="resolution-1",
+        started_utc="2026-01-02T03:04:05+00:00",
+        operator="M. Tester",
+        devices=["interferometer XL-80 4.2 no. 7YK301"],
+        optics=["angular, spacing 30 mm, u = 0.01 mm (k = 1)"],
+    )
+    result = sample_result().model_copy(update={"measured": [run, run]})
+    page = certificate([result], result.tests, [], Sources({}, {"a.json": "0123456789abcdef" * 4}))
+    entries = next(dict(block.entries) for block in page.blocks if isinstance(block, Entries))
+    assert entries["measured on"] == "2026-01-02"
+    assert entries["operator"] == "M. Tester"
+    assert entries["instruments"] == "interferometer XL-80 4.2 no. 7YK301"
+    assert entries["optics"] == "angular, spacing 30 mm, u = 0.01 mm (k = 1)"
+    assert entries["files"] == "a.json (SHA-256 0123456789abcdef…)"
+
+
+def test_a_least_step_open_downwards_is_drawn() -> None:
+    tests = [test for test in sample_result().tests if test.joint == "A5"]
+    open_below = [
+        test.model_copy(update={"lis": test.lis.model_copy(update={"low": 0.0})}) if test.lis else test
+        for test in tests
+    ]
+    figure = least_step_figure("A5", open_below)
+    assert figure is not None
+    panel = figure.rows[0][0]
+    assert panel is not None
+    labels = {mark.label: mark.x.size for mark in panel.marks if isinstance(mark, Points) and mark.label}
+    assert labels["least step, positive"] == 3
+    assert (panel.y.low, panel.y.high) == (-3.0, -1.0)
+
+
 def test_a_report_of_emulated_devices_says_so(report: Report) -> None:
     assert report.origin.simulated
 
@@ -94,7 +141,12 @@ def test_shipped_tests_are_marked(file: Path) -> None:
     document = json.loads(file.read_text("utf-8"))
     document["tests"][0]["shipped"] = True
     file.write_text(json.dumps(document), "utf-8")
-    last = resolution_files_report([file]).statements()[-1]
+    report = resolution_files_report([file])
+    assert report.table("least-steps").rows[0][4] == "0.00015° (0.00013° … 0.00019°) ✱"
+    assert "✱" not in str(report.table("least-steps").rows[1])
+    first = report.figures("errors")[0].rows[0]
+    assert [panel.title for panel in first if panel] == ["K1 = −175° ✱", "K2 = −90°", "K3 = 0°"]
+    last = report.statements()[-1]
     assert last.sign is Sign.ATTENTION
     assert last.text.endswith("say nothing about this arm: A1 at −175°, +")
 

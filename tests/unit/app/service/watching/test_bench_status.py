@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from catseye.app.cell.bench import bench_of
 from catseye.app.cell.model import Cell, FurtherDevice, Material
+from catseye.app.protocol.bench import OpticsStatus
 from catseye.app.service.watching.bench_facts import BenchFacts, facts_of
 from catseye.app.service.watching.bench_status import bench_status
 from catseye.app.service.watching.latest_values import LatestValues
@@ -210,3 +211,23 @@ def test_a_scara_has_a_layout_and_no_posture() -> None:
     latest.take_joints((10.0, 20.0, 50.0, 0.0))
     message = message_of(latest)
     assert (message["posture"], message["layout"] is None) == (None, False)
+
+
+def test_torques_are_published_while_they_are_new() -> None:
+    clock = ManualClock()
+    latest = LatestValues(clock)
+    latest.take_status(STATUS)
+    latest.take_torques((1.5, math.nan, -2.0))
+    assert message_of(latest)["robot"]["torques_nm"] == [1.5, None, -2.0]
+    clock.advance(20.0)
+    latest.take_status(STATUS)
+    assert "torques_nm" not in message_of(latest)["robot"]
+
+
+def test_optics_of_the_cell_file_are_published() -> None:
+    with_optics = CELL.model_dump(mode="json", exclude_unset=True) | {"angular_optics": {"spacing_mm": 32.61}}
+    cell = Cell.model_validate(with_optics)
+    latest = LatestValues(ManualClock())
+    status = bench_status(facts_of(cell, bench_of(cell)), latest, moving=False, simulated=None, free_bytes=1)
+    assert status.optics == OpticsStatus(spacing_mm=32.61, linear=False)
+    assert "optics" not in message_of(latest)

@@ -7,9 +7,11 @@ from typing import ClassVar
 import pytest
 
 from catseye.app.engine.devices import Devices
+from catseye.app.service.watching.device_supervisor import round_for
 from catseye.app.service.watching.latest_values import LatestValues
 from catseye.app.service.watching.observed_devices import (
     ObservedAir,
+    ObservedDevice,
     ObservedInterferometer,
     ObservedIo,
     observed,
@@ -91,7 +93,9 @@ def test_an_observed_robot_can_do_what_its_driver_can() -> None:
 
 def test_an_observed_robot_steps_as_its_driver_does() -> None:
     class Stepping(PulledRobot):
-        abilities: ClassVar[RobotAbilities] = RobotAbilities(steps=True, command_resolution={"deg": 0.001})
+        abilities: ClassVar[RobotAbilities] = RobotAbilities(
+            steps=True, torques=True, command_resolution={"deg": 0.001}
+        )
 
         async def step_axis(self, axis: str, increment: float) -> None:
             await self._asked(f"step {axis} by {increment:g}")
@@ -106,11 +110,20 @@ def test_an_observed_robot_steps_as_its_driver_does() -> None:
     async def step() -> None:
         cell = PulledCell()
         cell.robot = Stepping()
-        robot = cell.observed(LatestValues(VirtualClock())).robot
+        latest = LatestValues(VirtualClock())
+        robot = cell.observed(latest).robot
         assert robot.abilities.steps
         await robot.step_axis("A1", 0.01)
         await robot.step_line((1.0, 0.0, 0.0))
         assert await robot.torques() == (1.5, -2.0)
+        assert latest.torques_nm is not None
+        assert latest.torques_nm.value == (1.5, -2.0)
+        assert isinstance(robot, ObservedDevice)
+        assert [question.__name__ for question in round_for(robot).questions] == [
+            "status",
+            "joints",
+            "torques",
+        ]
         assert cell.robot.log == ["step A1 by 0.01", "line (1.0, 0.0, 0.0)", "torques"]
 
     run(step())

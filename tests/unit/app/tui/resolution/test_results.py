@@ -8,18 +8,19 @@ from textual.widgets import ContentSwitcher
 
 from catseye.app.results.figure_document import figures_json
 from catseye.app.results.figures import Figure
+from catseye.app.results.resolution.predicted import write_predicted
 from catseye.app.results.resolution.result import write_resolution
 from catseye.app.results.resolution.result_report import resolution_files_report
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.resolution.result_view import SECTIONS
 from catseye.app.tui.widgets.figure_view import FigureView
-from tests.unit.app.results.resolution.sample import sample_result
+from tests.unit.app.results.resolution.sample import sample_prediction, sample_result
 from tests.unit.app.tui.screens.test_results import look_again, open_app, press
-from tests.unit.app.tui.scripted import compare, work_of
+from tests.unit.app.tui.scripted import changed_screen, work_of
 from tests.unit.app.tui.stored_results import WRITTEN_S, write_results
 
 SIZES = [(80, 24), (120, 40)]
-NAMES = ("files", "verdict", "errors", "steps", "reversal", "cartesian", "recordings", "flags")
+NAMES = ("files", "verdict", "errors", "steps", "reversal", "cartesian", "recordings", "flags", "models")
 
 
 @pytest.fixture
@@ -39,7 +40,7 @@ async def test_parts_as_they_are_seen(bench: Path, size: tuple[int, int]) -> Non
         await press(app, pilot, "enter")
         for number, name in enumerate(NAMES, 1):
             text = await press(app, pilot, str(number))
-            compare(f"results-resolution-{name}-{size[0]}x{size[1]}", text)
+            assert not changed_screen(f"results-resolution-{name}-{size[0]}x{size[1]}", text)
 
 
 async def test_the_screen_shows_the_figures_of_the_page(bench: Path) -> None:
@@ -102,3 +103,17 @@ async def test_a_result_that_is_written_anew_is_shown_anew(bench: Path) -> None:
         after = await look_again(app, pilot)
         assert "1 test" in after
         assert "1 test ·" not in before
+
+
+async def test_what_was_predicted_beside_a_result_is_shown(bench: Path) -> None:
+    write_predicted(sample_prediction(), bench / "predicted.json")
+    other = sample_prediction().model_copy(update={"arm": "another-arm"})
+    write_predicted(other, bench / "other.json")
+    (bench / "broken.json").write_text("{", encoding="utf-8")
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        text = await press(app, pilot, "enter", "6")
+        assert "predicted" in text
+        await press(app, pilot, "p")
+        sources = (str(bench / "kuka.json"), str(bench / "predicted.json"))
+        assert work_of(app).done == [("report", *sources, "-o", str(bench / "kuka.html"))]

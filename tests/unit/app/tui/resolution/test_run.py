@@ -8,7 +8,7 @@ from catseye.app.protocol.run_events import LiveData
 from catseye.app.tui.run_state import RunState
 from catseye.procedures.kit.live import Live, LiveStep
 from tests.unit.app.tui.screens.run_screen import run_screen
-from tests.unit.app.tui.scripted import ScriptedLink, compare, shown
+from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, shown
 from tests.unit.app.tui.scripted_run import RUN, SNAPSHOT, publish
 
 SIZES = [(80, 24), (120, 40), (160, 50)]
@@ -43,7 +43,7 @@ async def test_the_staircase_and_its_errors_are_drawn(size: tuple[int, int]) -> 
         for number in range(1, 90):
             show_step(link, step(number, resolved=4e-4))
         await shown(app, pilot)
-        compare(f"run-steps-{size[0]}x{size[1]}", await shown(app, pilot))
+        assert not changed_screen(f"run-steps-{size[0]}x{size[1]}", await shown(app, pilot))
         await pilot.press("v")
         text = await shown(app, pilot)
         assert "Step errors / %, band ±10, mean ± σ" in text

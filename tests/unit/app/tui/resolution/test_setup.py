@@ -19,7 +19,7 @@ from tests.unit.app.tui.screens.test_setup import (
     type_answer,
     wizard_of,
 )
-from tests.unit.app.tui.scripted import compare
+from tests.unit.app.tui.scripted import changed_screen
 
 
 @pytest.fixture(autouse=True)
@@ -44,7 +44,7 @@ async def test_another_system_has_other_pages_and_becomes_a_cell(folder: Path) -
                 if any(row.question.key == key for row in app.screen.query(QuestionRow)):
                     await type_answer(app, pilot, key, answer)
             if page.name in {"robot", "angular_optics"}:
-                compare(f"setup_resolution_{page.name}_80x24", await judged(app, pilot))
+                assert not changed_screen(f"setup_resolution_{page.name}_80x24", await judged(app, pilot))
         assert "every check is passed" in await judged(app, pilot)
         await pilot.press("ctrl+s")
         await settled(app, pilot)

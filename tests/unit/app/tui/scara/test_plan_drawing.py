@@ -141,4 +141,7 @@ def test_joint_limits_are_arcs_where_there_is_room() -> None:
 
 @pytest.mark.parametrize("size", [(0, 0), (1, 1), (5, 2), (300, 3)])
 def test_any_size_is_drawn(size: tuple[int, int]) -> None:
-    draw_plan(LAYOUT, JOINTS, True, *size)
+    columns, rows = size
+    lines = list(draw_plan(LAYOUT, JOINTS, True, columns, rows).lines())
+    assert len(lines) == rows
+    assert {sum(len(text) for text, _ in line) for line in lines} <= {columns}

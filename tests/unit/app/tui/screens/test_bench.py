@@ -11,7 +11,7 @@ from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.screens.bench import BenchScreen
 from catseye.app.tui.widgets.beam_panel import BeamPanel
 from catseye.app.tui.widgets.strip import Strip
-from tests.unit.app.tui.scripted import compare, shown, started
+from tests.unit.app.tui.scripted import changed_screen, shown, started
 from tests.unit.app.tui.scripted_bench import BENCH, bench, publish_strip
 
 SIZES = [(80, 24), (120, 40)]
@@ -34,12 +34,12 @@ async def test_looks(size: tuple[int, int], name: str, status: dict[str, Any]) -
         link.publish("bench", **status)
         publish_strip(link)
         await shown(app, pilot)
-        compare(f"bench-{name}-{size[0]}x{size[1]}", await shown(app, pilot))
+        assert not changed_screen(f"bench-{name}-{size[0]}x{size[1]}", await shown(app, pilot))
 
 
 async def test_the_bench_screen_changes_strip_length_and_view() -> None:
     async with started() as (app, pilot, link):
-        compare("bench-nothing-80x24", await shown(app, pilot))
+        assert not changed_screen("bench-nothing-80x24", await shown(app, pilot))
         link.publish("bench", **BENCH)
         publish_strip(link)
         strip = app.screen.query_one(Strip)

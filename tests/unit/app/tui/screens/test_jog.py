@@ -17,7 +17,7 @@ from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.screens.jog import JogScreen
 from catseye.app.tui.widgets.strip import Strip
-from tests.unit.app.tui.scripted import ScriptedLink, compare, make_app, shown, snapshot_with, started
+from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, make_app, shown, snapshot_with, started
 from tests.unit.app.tui.scripted_bench import BENCH, bench, publish_strip
 
 SIZES = [(80, 24), (120, 40)]
@@ -73,7 +73,7 @@ async def test_looks_before(size: tuple[int, int], name: str, status: dict[str, 
         link.publish("bench", **status)
         publish_strip(link)
         await shown(app, pilot)
-        compare(f"jog-{name}-{size[0]}x{size[1]}", await shown(app, pilot))
+        assert not changed_screen(f"jog-{name}-{size[0]}x{size[1]}", await shown(app, pilot))
 
 
 @pytest.mark.parametrize("size", SIZES)
@@ -81,7 +81,7 @@ async def test_looks_while_jogging(size: tuple[int, int]) -> None:
     async def look(play: Play) -> None:
         await play.pilot.press("t", "m")
         play.link.publish("jog", **{**MINE, "moving": "j1"})
-        compare(f"jog-moving-{size[0]}x{size[1]}", await shown(play.app, play.pilot))
+        assert not changed_screen(f"jog-moving-{size[0]}x{size[1]}", await shown(play.app, play.pilot))
 
     await jogging(look, size)
 

@@ -21,7 +21,15 @@ from catseye.app.tui.screens.procedures import ProceduresScreen
 from catseye.app.tui.screens.run import RunScreen
 from catseye.app.tui.widgets.parameter_form import ParameterForm
 from catseye.app.tui.work import Done
-from tests.unit.app.tui.scripted import ScriptedLink, ScriptedWork, compare, failed, make_app, shown, work_of
+from tests.unit.app.tui.scripted import (
+    ScriptedLink,
+    ScriptedWork,
+    changed_screen,
+    failed,
+    make_app,
+    shown,
+    work_of,
+)
 from tests.unit.app.tui.scripted_bench import BENCH
 from tests.unit.app.tui.scripted_run import REHEARSAL, RUN
 
@@ -115,7 +123,7 @@ async def test_needs_last_run_and_next_step(size: tuple[int, int]) -> None:
         text = await settled(app, pilot)
         assert chosen(app) == "open-loop"
         assert "2 h ago" in text
-        compare(f"procedures-{size[0]}x{size[1]}", text)
+        assert not changed_screen(f"procedures-{size[0]}x{size[1]}", text)
         words = ("procedures", "--cell", "/bench/cell.toml", "--runs", "/bench/catseye-runs", "--json")
         assert work_of(app).done == [words]
 
@@ -127,7 +135,7 @@ async def test_a_rehearsal_with_totals_warnings_and_questions(size: tuple[int, i
         await pilot.press("r")
         text = await settled(app, pilot)
         assert "8 steps, 16 moves, 8 distances" in text
-        compare(f"procedures-rehearsal-{size[0]}x{size[1]}", text)
+        assert not changed_screen(f"procedures-rehearsal-{size[0]}x{size[1]}", text)
         words = ("run", "open-loop", "--cell", "/bench/cell.toml", "--runs", "/bench/catseye-runs")
         assert work_of(app).done[-1] == (*words, "--search", "auto", "--dry-run", "--json")
         await pilot.press("o")
@@ -203,7 +211,7 @@ async def test_f8_begins_and_enter_does_not() -> None:
         assert link.asked == []
         await pilot.press("s")
         text = await settled(app, pilot)
-        compare("procedures-start-80x24", text)
+        assert not changed_screen("procedures-start-80x24", text)
         await pilot.press("enter", "space", "y")
         await settled(app, pilot)
         assert link.asked == []

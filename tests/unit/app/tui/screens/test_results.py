@@ -24,7 +24,7 @@ from catseye.app.tui.screens.results import ResultsScreen
 from catseye.app.tui.widgets.figure_view import FigureView
 from catseye.app.tui.work import Done
 from tests.unit.app.tui.screens.test_runs import settle
-from tests.unit.app.tui.scripted import ScriptedLink, compare, failed, make_app, shown, work_of
+from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, failed, make_app, shown, work_of
 from tests.unit.app.tui.stored_results import (
     DIAGNOSIS,
     RUN,
@@ -71,8 +71,8 @@ WAY_THROUGH_THE_PARTS = (
     ("residuals", ("d", "5")),
     ("fit", ("6",)),
     ("path", ("t", "enter")),
-    ("compare", ("1", "down", "c")),
-    ("compare-in-u", ("u",)),
+    ("changed_screen", ("1", "down", "c")),
+    ("changed_screen-in-u", ("u",)),
 )
 
 
@@ -82,7 +82,7 @@ async def test_parts_as_they_are_seen(bench: Path, size: tuple[int, int]) -> Non
     app = open_app(bench)
     async with app.run_test(size=size) as pilot:
         for name, keys in WAY_THROUGH_THE_PARTS:
-            compare(f"results-{name}-{size[0]}x{size[1]}", await press(app, pilot, *keys))
+            assert not changed_screen(f"results-{name}-{size[0]}x{size[1]}", await press(app, pilot, *keys))
 
 
 async def test_screen_and_page_show_figures_of_the_same_data(bench: Path) -> None:
@@ -151,7 +151,7 @@ async def test_comparison_in_mdeg_and_in_combined_uncertainties(bench: Path) -> 
         await press(app, pilot, "enter", "c")
         assert app.screen.query_one(ContentSwitcher).current == "files", "compared with itself"
         text = await press(app, pilot, "1", "down", "c")
-        assert app.screen.query_one(ContentSwitcher).current == "compare"
+        assert app.screen.query_one(ContentSwitcher).current == "changed_screen"
         assert "later.json (second) minus error-map.json (first)" in text
         squeezed = " ".join(text.split())
         assert "L1 mm 325.0123 325.0323 +0.0200 0.0050 +4.00" in squeezed

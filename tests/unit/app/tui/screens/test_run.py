@@ -10,7 +10,7 @@ from catseye.app.tui.dialogs.error_dialog import ErrorDialog
 from catseye.app.tui.dialogs.override_dialog import OverrideDialog
 from catseye.app.tui.dialogs.start_dialog import StartDialog
 from tests.unit.app.tui.screens.run_screen import ops, run_screen, settled
-from tests.unit.app.tui.scripted import ScriptedLink, compare, failed, make_app, shown, work_of
+from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, failed, make_app, shown, work_of
 from tests.unit.app.tui.scripted_bench import BENCH
 from tests.unit.app.tui.scripted_run import RUN, SNAPSHOT, end, measure, publish, show_value
 
@@ -21,7 +21,7 @@ SIZES = [(80, 24), (120, 40)]
 async def test_a_measurement_under_way(size: tuple[int, int]) -> None:
     async with run_screen(size=size) as (app, pilot, link):
         measure(link)
-        compare(f"run-measuring-{size[0]}x{size[1]}", await settled(app, pilot, link))
+        assert not changed_screen(f"run-measuring-{size[0]}x{size[1]}", await settled(app, pilot, link))
         assert work_of(app).done == [("run", "open-loop", "--dry-run", "--json")]
 
 
@@ -30,7 +30,7 @@ async def test_the_end_of_a_run(size: tuple[int, int]) -> None:
     async with run_screen(size=size) as (app, pilot, link):
         measure(link)
         end(link, "stopped", "Ada stopped the run")
-        compare(f"run-stopped-{size[0]}x{size[1]}", await settled(app, pilot, link))
+        assert not changed_screen(f"run-stopped-{size[0]}x{size[1]}", await settled(app, pilot, link))
 
 
 async def test_the_override_is_lowered_by_a_number() -> None:
@@ -166,7 +166,7 @@ async def test_held_runs_offer_going_on_and_long_reasons_are_truncated() -> None
 
 async def test_before_a_run_and_after_one_that_was_interrupted() -> None:
     async with run_screen({}) as (app, pilot, link):
-        compare("run-nothing-80x24", await shown(app, pilot))
+        assert not changed_screen("run-nothing-80x24", await shown(app, pilot))
         link.engine.control = Client.model_validate(SNAPSHOT["control"])
         link.publish("run-started", procedure="open-loop", title=SNAPSHOT["title"], run=RUN)
         link.publish("bench", **BENCH)

@@ -28,7 +28,7 @@ from catseye.app.tui.work import Done
 from tests.unit.app.tui.scripted import (
     ScriptedLink,
     ScriptedWork,
-    compare,
+    changed_screen,
     failed,
     make_app,
     shown,
@@ -90,7 +90,7 @@ async def test_list_as_it_is_seen(root: Path) -> None:
     app = make_app(ScriptedLink(), "runs", root=root)
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(app, pilot)
-        compare("runs-80x24", await shown(app, pilot))
+        assert not changed_screen("runs-80x24", await shown(app, pilot))
         screen = app.screen
         assert isinstance(screen, RunsScreen)
         reached = {command.callback.__name__.removeprefix("action_") for command in screen.commands()}
@@ -99,7 +99,7 @@ async def test_list_as_it_is_seen(root: Path) -> None:
         for size in ((60, 20), (100, 30), (200, 60), (120, 40)):
             await pilot.resize_terminal(*size)
             assert "open-loop" in await shown(app, pilot), size
-        compare("runs-120x40", await shown(app, pilot))
+        assert not changed_screen("runs-120x40", await shown(app, pilot))
         assert ids(app) == ["ffffff", "eeeeee", "dddddd", "cccccc", "bbbbbb", "aaaaaa"]
         table = {row[-1]: row for row in rows(app)}
         assert table["aaaaaa"][1:4] == ["2026-11-19 08:15", "open-loop", "✓ complete"]

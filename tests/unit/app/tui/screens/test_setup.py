@@ -24,7 +24,15 @@ from catseye.app.tui.setup.device_test import DeviceTest
 from catseye.app.tui.setup.question_row import QuestionRow
 from catseye.app.tui.setup.wizard import Wizard
 from catseye.app.tui.work import Done
-from tests.unit.app.tui.scripted import ScriptedLink, compare, failed, make_app, shown, started, work_of
+from tests.unit.app.tui.scripted import (
+    ScriptedLink,
+    changed_screen,
+    failed,
+    make_app,
+    shown,
+    started,
+    work_of,
+)
 from tests.unit.app.tui.stored_results import error_map
 
 ENDPOINTS = {
@@ -112,9 +120,9 @@ def give_all(app: CatseyeApp) -> None:
 async def test_start_and_pages_as_they_are_seen() -> None:
     app, _ = first_start()
     async with app.run_test(size=(80, 24)) as pilot:
-        compare("setup_start_80x24", await shown(app, pilot))
+        assert not changed_screen("setup_start_80x24", await shown(app, pilot))
         await pilot.resize_terminal(120, 40)
-        compare("setup_start_120x40", await shown(app, pilot))
+        assert not changed_screen("setup_start_120x40", await shown(app, pilot))
         screen = app.screen
         assert isinstance(screen, SetupScreen)
         actions = {binding.action for binding in screen.BINDINGS}  # type: ignore[union-attr]  # all are Binding
@@ -128,7 +136,7 @@ async def test_start_and_pages_as_they_are_seen() -> None:
                 # The cursor blinks by a clock of its own.
                 for field in app.screen.query(Input):
                     field.cursor_blink = False
-                compare(f"setup_{page}_{size[0]}x{size[1]}", await judged(app, pilot))
+                assert not changed_screen(f"setup_{page}_{size[0]}x{size[1]}", await judged(app, pilot))
 
 
 async def test_other_sizes() -> None:

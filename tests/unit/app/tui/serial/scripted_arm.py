@@ -19,6 +19,8 @@ CELL: Final = Cell.model_validate(
 HOME: Final = (0.0, -90.0, 90.0, 0.0, 0.0, 0.0)
 """The arm stretches forward at the height of its wrist."""
 
+TORQUES_NM: Final = (-12.3, 1043.0, -607.2, 3.1, -42.0, 0.4)
+
 
 def arm_bench(joints: tuple[float, ...] | None = HOME, **parts: Any) -> dict[str, Any]:
     """Return the bench with its joints at a pose, deg, and other parts of it replaced."""
@@ -29,7 +31,9 @@ def arm_bench(joints: tuple[float, ...] | None = HOME, **parts: Any) -> dict[str
     ]
     status = bench(
         cell="kuka-1",
-        robot={"joints": joints, "jogs": False},
+        robot={"joints": joints, "jogs": False, "torques_nm": TORQUES_NM},
+        beam={"displacement_mm": 0.523572193, "mean_mm": 0.523571, "spread_um": 0.012},
+        optics={"spacing_mm": 30.0, "linear": True},
         axes=axes,
         layout=None,
         posture=None if posture is None else posture.json_object(),

@@ -12,11 +12,12 @@ from catseye.app.tui.bench_view import BenchView
 from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.jog_text import STEPS_ONLY
 from catseye.app.tui.screens.jog import JogScreen
-from tests.unit.app.tui.scripted import ScriptedLink, compare, shown, started
+from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, shown, started
 from tests.unit.app.tui.scripted_bench import publish_strip
 from tests.unit.app.tui.serial.scripted_arm import arm_bench
 
 SIZES = [(80, 24), (120, 40), (160, 50)]
+AT_MM = 0.523572193
 MINE = {"on": True, "by": "Ada (tui-1)", "percent": 5.0, "moving": None}
 
 
@@ -24,15 +25,31 @@ MINE = {"on": True, "by": "Ada (tui-1)", "percent": 5.0, "moving": None}
 async def test_bench_looks(size: tuple[int, int]) -> None:
     async with started(size=size) as (app, pilot, link):
         link.publish("bench", **arm_bench())
-        publish_strip(link)
+        publish_strip(link, at_mm=AT_MM)
         await shown(app, pilot)
-        compare(f"bench-arm-{size[0]}x{size[1]}", await shown(app, pilot))
+        assert not changed_screen(f"bench-arm-{size[0]}x{size[1]}", await shown(app, pilot))
+
+
+async def test_the_strip_is_in_the_unit_of_the_optics() -> None:
+    async with started(size=(120, 40)) as (app, pilot, link):
+        link.publish("bench", **arm_bench())
+        # 30 mm x sin 1 deg, and a micrometre more: 1.9102e-3 deg.
+        ends = {"low": [AT_MM, AT_MM], "high": [AT_MM, AT_MM + 1e-3], "count": [4, 4]}
+        link.publish("samples", quantity="displacement_mm", period_s=0.02, missed=0, **ends)
+        text = await shown(app, pilot)
+        assert "Beam as angle, S = 30 mm" in text
+        assert "range 1.910 mdeg" in text
+        assert "1.000 000 deg" in text
+        await pilot.press("u")
+        text = await shown(app, pilot)
+        assert "range 1.0 µm" in text
+        assert "0.523 572 mm" in text
 
 
 async def begin_jog(app: CatseyeApp, pilot: Pilot[Any], link: ScriptedLink, moving: str | None = None) -> str:
     """Have this client jog the arm; return the screen."""
     link.publish("bench", **arm_bench())
-    publish_strip(link)
+    publish_strip(link, at_mm=AT_MM)
     link.engine.control = Client(client="tui-1", who="Ada")
     link.publish("jog", **{**MINE, "moving": moving})
     await shown(app, pilot)
@@ -42,7 +59,7 @@ async def begin_jog(app: CatseyeApp, pilot: Pilot[Any], link: ScriptedLink, movi
 @pytest.mark.parametrize("size", SIZES)
 async def test_jog_looks(size: tuple[int, int]) -> None:
     async with started(screen="jog", size=size) as (app, pilot, link):
-        compare(f"jog-arm-{size[0]}x{size[1]}", await begin_jog(app, pilot, link, "a3"))
+        assert not changed_screen(f"jog-arm-{size[0]}x{size[1]}", await begin_jog(app, pilot, link, "a3"))
 
 
 async def test_the_small_screen_shows_the_arm_by_a_key() -> None:

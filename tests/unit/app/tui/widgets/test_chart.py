@@ -124,3 +124,11 @@ def test_powers_of_ten_stand_at_axes_of_logarithms() -> None:
     for power, text in ((-3.0, "0.001"), (0.0, "1")):
         assert lines[chart.cell(-4.0, power)[1]].lstrip().startswith(f"{text}┤")
     assert {"0.0001", "0.001", "0.01", "0.1"} <= set(lines[-1].split())
+
+
+def test_names_stand_below_their_places() -> None:
+    chart = Chart(60, 12, (-0.5, 2.5), (0.0, 1.0), Frame("y", x_names=("+X", "−X", "+Y")))
+    below = chart.canvas.plain()[-1]
+    for place, name in enumerate(("+X", "−X", "+Y")):
+        column = chart.cell(float(place), 0.0)[0]
+        assert below[column - 1 : column + 1] == name

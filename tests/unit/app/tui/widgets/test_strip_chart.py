@@ -46,7 +46,7 @@ def test_a_spike_of_one_sample_among_many_is_drawn(place: int) -> None:
         "".join(text for text, _ in line)[LABEL_WIDTH:]
         for line in draw(low, high, scale, 50 + LABEL_WIDTH, 8)
     ]
-    top = round((scale.high_mm - 1.0) / scale.span_mm * 31)
+    top = round((scale.high - 1.0) / scale.span * 31)
     assert (place // 1000, top) in dots_of(lines)
     assert {x for x, y in dots_of(lines) if y == top} <= {place // 1000, place // 1000 + 1}
 
@@ -77,11 +77,11 @@ def test_scale_holds_the_values_in_round_steps(low_mm: float, span_mm: float) ->
     scale = next_scale(None, low_mm, high_mm)
     assert scale is not None
     tiny = 1e-9 * max(1.0, abs(low_mm), abs(high_mm))
-    assert scale.low_mm <= low_mm + tiny
-    assert scale.high_mm >= high_mm - tiny
-    mantissa = scale.step_mm / 10.0 ** math.floor(math.log10(scale.step_mm) + 1e-9)
+    assert scale.low <= low_mm + tiny
+    assert scale.high >= high_mm - tiny
+    mantissa = scale.step / 10.0 ** math.floor(math.log10(scale.step) + 1e-9)
     assert min(abs(mantissa - each) for each in (1.0, 2.0, 5.0, 10.0)) < 1e-6
-    assert 2 <= round(scale.span_mm / scale.step_mm) <= 5
+    assert 2 <= round(scale.span / scale.step) <= 5
     assert next_scale(scale, low_mm, high_mm) == scale
 
 
@@ -92,7 +92,7 @@ def test_scale_grows_at_once_and_shrinks_late() -> None:
     assert next_scale(wide, 0.1, 1.1) != wide
     narrow = next_scale(wide, 0.50, 0.52)
     assert narrow is not None
-    assert narrow.span_mm < 0.1
+    assert narrow.span < 0.1
     assert next_scale(wide, math.nan, math.nan) == wide
     assert next_scale(None, math.nan, math.nan) is None
 
@@ -115,9 +115,9 @@ def test_numbers_at_the_axis_are_the_values(low_mm: float, high_mm: float) -> No
     assert above is not None
     base_mm = float(above[1] or 0.0)
     factor = 1.0 if scale.title == "mm" else 1e-3
-    for value_mm in scale.marks_mm():
+    for value_mm in scale.marks():
         labelled_mm = base_mm + factor * float(scale.label(float(value_mm)))
-        assert labelled_mm == pytest.approx(value_mm, abs=1e-3 * scale.step_mm)
+        assert labelled_mm == pytest.approx(value_mm, abs=1e-3 * scale.step)
 
 
 def test_numbers_stand_at_their_rows() -> None:

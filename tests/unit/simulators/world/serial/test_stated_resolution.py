@@ -1,0 +1,21 @@
+"""Least steps and lost motion of drivetrains of one arm as the program states them: the campaign's short form."""
+
+import numpy as np
+
+from tests.campaigns.test_motion_resolution import reversed_once, stated
+
+SEED = 7
+A1, A3, A5 = 0, 2, 4
+
+
+def test_least_steps_are_stated_with_intervals_that_hold() -> None:
+    found = [stated(SEED, joint) for joint in (A1, A3, A5)]
+    assert abs(np.median([one.steps_off for one in found])) <= 3.0
+    assert sum(one.held for one in found) >= 2
+
+
+def test_lost_motion_holds_and_is_valid_for_play_only() -> None:
+    balanced, loaded = reversed_once(SEED, A1), reversed_once(SEED, A3)
+    assert max(abs(balanced.z), abs(loaded.z)) < 4.0
+    assert (balanced.changes, balanced.valid) == (True, True)
+    assert (loaded.changes, loaded.valid) == (False, False)
