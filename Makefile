@@ -15,8 +15,8 @@ export PYTHONDONTWRITEBYTECODE :=
 # A recipe that fails leaves no half-written file, which would count as made the next time.
 .DELETE_ON_ERROR:
 
-.PHONY: demo test suite tests lint types contracts newest start pythons lowest tests-lowest bench soak campaigns campaign-stop \
-  campaign-safety campaign-links campaign-soak campaign-resolution peers seeds shipped-recordings pictures clean help
+.PHONY: demo demo-resolution test suite tests lint types contracts newest start pythons lowest tests-lowest bench soak campaigns \
+  campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution peers seeds shipped-recordings pictures clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -33,6 +33,9 @@ $(VENV)/installed: pyproject.toml $(VERSIONS)
 
 demo: $(VENV)/installed  ## the whole measurement on emulated hardware
 	$(BIN)/python -m catseye demo
+
+demo-resolution: $(VENV)/installed  ## motion resolution of an emulated KUKA
+	$(BIN)/python -m catseye demo resolution
 
 lint: $(VENV)/installed  ## ruff
 	$(BIN)/python -m ruff check .

@@ -1,13 +1,14 @@
 """The emulated bench with its servers, as one asynchronous context."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from types import TracebackType
-from typing import Self
+from typing import Generic, Self, TypeVar
 
-from catseye.simulators.config import EmulatedDevice, EmulationConfig, SerialArm
-from catseye.simulators.context import EmulationContext
+from catseye.simulators.config import EmulatedDevice, EmulationConfig, Scara, SerialArm
+from catseye.simulators.context import EmulationContext, RobotController
 from catseye.simulators.control_port.operations import ControlSession, Reach
-from catseye.simulators.emulator import DeviceOptions, sessions_of
+from catseye.simulators.emulator import DeviceOptions, load_emulator, sessions_of
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.kuka.controller import KukaController
 from catseye.simulators.melfa.controller import Controller
@@ -17,7 +18,7 @@ from catseye.simulators.world.journal import Journal
 from catseye.simulators.world.scara.arm import scara_bench
 from catseye.simulators.world.scara.truth import draw_truth, true_arm, truth_document
 from catseye.simulators.world.serial.bench import SerialBench
-from catseye.simulators.world.serial.driven_arm import DrivenArm
+from catseye.simulators.world.serial.driven_arm import DrivenArm, dynamics_of
 from catseye.simulators.world.serial.truth import draw_joint_truth, joint_truth_document, read_joint_truth
 from catseye.simulators.world.timekeeper import TimeKeeper
 from catseye.simulators.world.tracker import Tracker
@@ -119,17 +120,24 @@ class EmulatedBench(ServedBench):
         )
 
 
-class EmulatedSerialBench(ServedBench):
-    """The bench of a serial arm with its KUKA controller.
+AnyController = TypeVar("AnyController", bound=RobotController)
+
+
+class _DrivenBench(ServedBench, Generic[AnyController]):
+    """The bench of a serial arm with drivetrains, and its controller.
 
     Args:
-        config: its `serial` is the arm.
-
-    Raises:
-        EmulatorError: the truth file, a protocol or an option cannot be used.
+        config: of the bench.
+        arm: that stands on it.
+        control: makes the controller.
     """
 
-    def __init__(self, config: EmulationConfig, arm: SerialArm) -> None:
+    def __init__(
+        self,
+        config: EmulationConfig,
+        arm: SerialArm,
+        control: Callable[[SerialBench, TimeKeeper], AnyController],
+    ) -> None:
         _require_speed(config)
         journal = Journal(lambda: self.bench.time_s)
         truth = (
@@ -140,12 +148,46 @@ class EmulatedSerialBench(ServedBench):
         plant = DrivenArm(arm, truth.joints, config.start_joints, config.seed)
         self.bench = SerialBench(plant, config, lambda text: journal.add("robot", "motion", text))
         keeper = TimeKeeper(self.bench, config.speed)
-        self.controller = KukaController(self.bench, arm, keeper)
+        self.controller = control(self.bench, keeper)
         probe = AirProbe(self.bench)
         document = joint_truth_document(truth)
         super().__init__(
             EmulationContext(config, self.bench, document, self.controller, keeper, journal, probe)
         )
+
+
+class EmulatedSerialBench(_DrivenBench[KukaController]):
+    """The bench of a serial arm with its KUKA controller.
+
+    Args:
+        config: of the bench.
+        arm: that stands on it.
+
+    Raises:
+        EmulatorError: the truth file, a protocol or an option cannot be used.
+    """
+
+    def __init__(self, config: EmulationConfig, arm: SerialArm) -> None:
+        super().__init__(config, arm, lambda bench, keeper: KukaController(bench, arm, keeper))
+
+
+class EmulatedDrivenScara(_DrivenBench[Controller]):
+    """The bench of a SCARA with drivetrains, for small steps, and its MELFA controller.
+
+    Args:
+        config: of the bench.
+        arm: that stands on it.
+
+    Raises:
+        EmulatorError: the arm is no SCARA, or the truth file, a protocol or an option cannot be used.
+    """
+
+    def __init__(self, config: EmulationConfig, arm: SerialArm) -> None:
+        if [joint.prismatic for joint in arm.joints] != [False, False, True, False]:
+            raise EmulatorError(f"{arm.name}: the emulated MELFA controller drives a SCARA only")
+        links = Scara(arm.joints[1].a_mm, arm.joints[2].a_mm)
+        known = replace(config, scara=links, dynamics=dynamics_of(arm))
+        super().__init__(config, arm, lambda bench, keeper: Controller(bench, known, keeper.changed))
 
 
 def served_bench(config: EmulationConfig) -> ServedBench:
@@ -154,7 +196,11 @@ def served_bench(config: EmulationConfig) -> ServedBench:
     Raises:
         EmulatorError: something of the configuration cannot be used.
     """
-    return EmulatedBench(config) if config.serial is None else EmulatedSerialBench(config, config.serial)
+    if config.serial is None:
+        return EmulatedBench(config)
+    robots = [load_emulator(device.protocol) for device in config.devices if device.name == "robot"]
+    melfa = any(robot.arm == "scara" for robot in robots)
+    return (EmulatedDrivenScara if melfa else EmulatedSerialBench)(config, config.serial)
 
 
 def _check(config: EmulationConfig) -> None:

@@ -60,7 +60,7 @@ class Emulator(ABC):
 
     Attributes:
         role: what kind of device it emulates.
-        arm: of a robot's, what stands on its bench; of others it means nothing.
+        arm: of a robot's, what its controller drives; of others it means nothing.
         Options: its options.
         link: what carries its bytes where no endpoint says so.
     """

@@ -15,11 +15,16 @@ class Template:
 
     Attributes:
         title: what the system measures, for people.
-        text: of the file.
+        by_arm: texts of the file by arm; the first is the one that is meant where none is named.
     """
 
     title: str
-    text: str
+    by_arm: Mapping[str, str]
+
+    @property
+    def text(self) -> str:
+        """The text of the file where no arm is named."""
+        return next(iter(self.by_arm.values()))
 
 
 SCARA: Final = "scara"
@@ -27,8 +32,8 @@ RESOLUTION: Final = "resolution"
 
 TEMPLATES: Final[Mapping[str, Template]] = MappingProxyType(
     {
-        SCARA: Template("error maps of a SCARA that tracks reflectors", scara.TEMPLATE),
-        RESOLUTION: Template("motion resolution of the joints of an arm", resolution.TEMPLATE),
+        SCARA: Template("error maps of a SCARA that tracks reflectors", {"rh-3frh5515": scara.TEMPLATE}),
+        RESOLUTION: Template("motion resolution of the joints of an arm", resolution.BY_ARM),
     }
 )
 """By name of the system; the first is the one that is meant where none is named."""

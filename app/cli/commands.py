@@ -23,10 +23,7 @@ class Command:
 
 
 COMMANDS: Final[Mapping[str, Command]] = {
-    "demo": Command(
-        "Do the whole job on emulated hardware over real sockets: search, measure, identify, validate, report.",
-        _SCARA,
-    ),
+    "demo": Command("Do the whole job on emulated hardware over real sockets: measure, evaluate, report."),
     "init": Command(
         "Write a commented cell file: for an RH-3FRH5515 with the paper's reflectors and commands, or for a KUKA."
     ),

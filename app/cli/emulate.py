@@ -78,7 +78,23 @@ async def _serve(config: "EmulationConfig", what: str, end_with_stdin: bool) -> 
         for served in bench.endpoints:
             write_json({"device": served.device, "protocol": served.protocol, "endpoint": served.endpoint})
         note(f"emulating {what}; Ctrl-C ends it")
+        bench.keeper.on_behind = _Behind()
         await ended.wait()
+
+
+class _Behind:
+    """Says when the bench falls behind its speed, and again when that has doubled."""
+
+    def __init__(self) -> None:
+        self._said_s = 0.0
+
+    def __call__(self, behind_s: float) -> None:
+        if behind_s >= 2.0 * self._said_s:
+            self._said_s = behind_s
+            note(
+                f"this computer is too slow for the bench: bench time is {behind_s:.3g} s behind by now, and nothing "
+                "is left out; lower --speed"
+            )
 
 
 def _end_at_the_end(descriptor: int, ended: asyncio.Event) -> None:

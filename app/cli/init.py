@@ -11,21 +11,35 @@ from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
 
 
+def _arms(system: str) -> str:
+    return f"{' or '.join(TEMPLATES[system].by_arm)} for {system}"
+
+
 def init(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="cell file to write; never overwritten")],
     system: Annotated[
         str, typer.Option(metavar="NAME", help=f"what is measured: {' or '.join(TEMPLATES)}")
     ] = SCARA,
+    arm: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="the arm it is for: " + "; ".join(map(_arms, TEMPLATES))),
+    ] = None,
 ) -> None:
-    """Write a commented cell file: for an RH-3FRH5515 with the paper's reflectors and commands, or for a KUKA.
+    """Write a commented cell file: for an RH-3FRH5515 with reflectors and commands of the paper, or for resolution.
 
     Example: catseye init cell.toml
     """
     if system not in TEMPLATES:
         raise UsageError(f"there is no system {system!r}; there are {', '.join(TEMPLATES)}")
+    texts = TEMPLATES[system].by_arm
+    if arm is not None and arm not in texts:
+        raise UsageError(
+            f"there is no cell file of {arm} for {system}: choose --arm {' or '.join(texts)}, and write the "
+            "name or the description of your arm into the file"
+        )
     if file.exists():
         raise UsageError(f"{file} exists already; choose another name or remove it")
     if not file.parent.is_dir():
         raise UsageError(f"{file.parent} is no folder; make it first")
-    write_atomically(file, TEMPLATES[system].text)
+    write_atomically(file, texts[arm] if arm else TEMPLATES[system].text)
     note(f"{file} written. Next: catseye emulate {file}, and in another terminal: catseye doctor {file}")

@@ -191,6 +191,7 @@ class Recorder:
             beam_lost=int(status.interrupted),
             overspeed=int(status.overspeed),
             values_lost=int(status.values_lost),
+            numbered=int(self._counter.numbers_values),
             scale=scale,
             offset_mm=offset_mm,
         )

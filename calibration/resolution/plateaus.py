@@ -17,7 +17,7 @@ _SHARE = 0.4
 """Longest share of the time between two moves that counts as plateau; the rest is motion and settling."""
 
 _LAST_SHARE = 0.8
-"""A recording may end at this share of the last dwell."""
+"""A recording may end at this share of the shortest time between two moves after the last one."""
 
 _FEWEST = 4
 _MOST_LOST = 0.5
@@ -65,7 +65,8 @@ def plateaus(recording: Recording, moves: Moves) -> Plateaus:
             row,
         )
     last_s = min(
-        moves.dwell_s - GUARD_S, max(recording.end_s - moves.time_s[-1], _LAST_SHARE * moves.dwell_s)
+        moves.dwell_s - GUARD_S,
+        max(recording.end_s - moves.time_s[-1], _LAST_SHARE * float(np.diff(moves.time_s).min())),
     )
     ends = np.append(moves.time_s - GUARD_S, moves.time_s[-1] + last_s)
     start = ends - length_s
@@ -82,7 +83,10 @@ def plateaus(recording: Recording, moves: Moves) -> Plateaus:
         [half.mean() for half in both] for both, found in zip(halves, there, strict=True) if found
     ]
     loss = np.full(there.size, np.nan)
-    loss[there] = (1.0 / counts[there]).sum(axis=1) / (1.0 / counts.max(axis=0)).sum()
+    loss[there] = 1.0
+    # Without gaps, plateaus differ by a sample because their ends fall between two.
+    if recording.missing is not None:
+        loss[there] = (1.0 / counts[there]).sum(axis=1) / (1.0 / counts.max(axis=0)).sum()
     first, second = means.T
     return Plateaus(start, length_s, 0.5 * (first + second), second - first, loss)
 

@@ -59,6 +59,10 @@ class LedArm(Robot):
         """Set the operation-panel override; see MelfaR3.set_override."""
         return await self._controller.set_override(percent)
 
+    async def torques(self) -> tuple[float, ...]:
+        """Refuse; see MelfaR3.torques."""
+        return await self._controller.torques()
+
     async def joint_limits(self) -> tuple[tuple[float, float], ...]:
         """Return the controller's own limits; see MelfaR3.joint_limits."""
         return await self._controller.joint_limits()

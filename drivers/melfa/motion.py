@@ -2,7 +2,9 @@
 
 import asyncio
 import contextlib
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterator, Mapping
+from types import MappingProxyType
+from typing import Final
 
 from catseye.drivers.links.healing import ATTEMPTS
 from catseye.drivers.melfa.session import Session
@@ -19,12 +21,23 @@ from catseye.drivers.roles.errors import (
     ProtocolError,
     RefusedError,
 )
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Pose, Unit
 from catseye.drivers.roles.robot import RobotStatus
 
 VARIABLES = tuple(f"JCATSEY{number}" for number in range(1, 9))
 """Joint variables that may carry the target in the controller. A session takes one of them: what another program
 assigns is not where this one drives, and the controller, which keeps its variables, is not filled with names."""
+
+COMMANDED: Final[Mapping[Unit, float]] = MappingProxyType({"deg": 1e-3, "mm": 1e-3})
+"""Steps in which a controller drives (SCARA paper, robot data; µm of J3)."""
+
+REPORTED: Final[Mapping[Unit, float]] = MappingProxyType({"deg": 1e-2, "mm": 1e-2})
+"""Steps in which the R-protocol tells where joints stand (sheet 1.11): nothing finer can be added to them."""
+
+NO_TORQUES = (
+    "a MELFA controller tells currents of the motors, likely in per cent of the rated ones, and nobody says what "
+    "torque belongs to them"
+)
 
 JOINT_NAMES = ("J1", "J2", "J3", "J4")
 LOOK_WHY = "look for a collision, a stop by another source or an alarm before moving again"

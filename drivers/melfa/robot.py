@@ -30,7 +30,7 @@ from catseye.drivers.melfa.examining import examination_of
 from catseye.drivers.melfa.halt import Halt
 from catseye.drivers.melfa.jog import Jog
 from catseye.drivers.melfa.joint_motion import JointMotion
-from catseye.drivers.melfa.motion import VARIABLES, account_for, unstarted_polls
+from catseye.drivers.melfa.motion import NO_TORQUES, REPORTED, VARIABLES, account_for, unstarted_polls
 from catseye.drivers.melfa.servo import servo_is
 from catseye.drivers.melfa.session import Session, byte_time_s
 from catseye.drivers.melfa.settings import MelfaSettings
@@ -70,7 +70,9 @@ class MelfaR3(Robot):
 
     Settings: ClassVar[type[MelfaSettings]] = MelfaSettings
     summary: ClassVar[str] = "MELFA controller as delivered; stands still at every target"
-    abilities: ClassVar[RobotAbilities] = RobotAbilities(jogs=True, takes_guard=True)
+    abilities: ClassVar[RobotAbilities] = RobotAbilities(
+        jogs=True, takes_guard=True, command_resolution=REPORTED
+    )
 
     def __init__(
         self,
@@ -263,6 +265,14 @@ class MelfaR3(Robot):
             ProtocolError: garbage came.
         """
         return await self._asker.joints()
+
+    async def torques(self) -> tuple[float, ...]:
+        """Refuse: the controller tells currents.
+
+        Raises:
+            RefusedError: always.
+        """
+        raise RefusedError(NO_TORQUES, 0)
 
     async def joint_limits(self) -> tuple[tuple[float, float], ...]:
         """Return the controller's own limits of J1...J4 from the parameter MEJAR, deg or mm.

@@ -89,6 +89,11 @@ class Interferometer(Device, Protocol):
         """Values arrive without being asked for."""
         return False
 
+    @property
+    def numbers_values(self) -> bool:
+        """Values of the stream are numbered: unless `values_lost` says so, none is missing."""
+        return False
+
     def listen(self, on_value: OnValue | None) -> None:
         """Have every value of a stream shown; None ends that. Nothing is shown where nothing streams."""
         del on_value

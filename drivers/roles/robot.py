@@ -60,8 +60,8 @@ class RobotAbilities:
         switches_drives: `servo` switches the drives; otherwise it checks that an operator has, and `rest` is called
             at the end.
         torques: `torques` reads them.
-        command_resolution: smallest increment of an axis that the controller tells from none, by the unit of the
-            axis: {"deg": 0.001}; None where its maker states none.
+        command_resolution: smallest increment that can be commanded from where the controller says that an axis
+            stands, by the unit of the axis: {"deg": 0.001}; None where its maker states none.
     """
 
     following: Following = "stops"

@@ -94,6 +94,11 @@ class UmdDisplay(LinkDriver, StreamedInterferometer):
         return ("the display reports no signal level: it is shown as 1 with and 0 without a beam",)
 
     @property
+    def numbers_values(self) -> bool:
+        """Every line carries the number of its sample."""
+        return True
+
+    @property
     def compensated(self) -> Compensated:
         """Never by the instrument: it counts wavelengths."""
         return "none"

@@ -33,6 +33,7 @@ class Recorded(Record):
         beam_lost: 1 when the beam was interrupted at any time since the last zero.
         overspeed: 1 when the length changed faster than the counter counts.
         values_lost: 1 when the instrument says that values did not arrive.
+        numbered: 1 when it numbers its values, so that none can be missing unnoticed.
         scale: of a reading, corrected for the air.
         offset_mm: of a reading, corrected for the air.
     """
@@ -55,6 +56,7 @@ class Recorded(Record):
     beam_lost: int
     overspeed: int
     values_lost: int
+    numbered: int | None = None
     scale: float
     offset_mm: float
 

@@ -18,7 +18,7 @@ from catseye.procedures.resolution.campaign_plan import CampaignPlan, Order, Ser
 from catseye.procedures.resolution.places import turned
 from catseye.procedures.resolution.planning import SIGNS, JointParams, joint_campaign
 from catseye.procedures.resolution.records import Configuration, Move
-from catseye.procedures.resolution.step_sizes import FIRST_DEG, STEPS, decaying
+from catseye.procedures.resolution.step_sizes import FIRST_DEG, RATIO, STEPS, decaying
 from catseye.procedures.resolution.way import DECAYING, EVALUATE, MODEL, PREDICT, REPORT
 
 
@@ -51,7 +51,21 @@ class Resolution(Procedure):
 
     async def run(self, ctx: Context, plan: CampaignPlan) -> None:
         """Set up, record, go on; see `carry_out`."""
+        if ended := ended_early(plan):
+            await ctx.warn(ended)
         await carry_out(ctx, plan)
+
+
+def ended_early(plan: CampaignPlan) -> str:
+    """Return why the series of a plan go no further down; empty where the controller is not the reason."""
+    resolution = (plan.bench.arm.command_resolution or {}).get("deg", 0.0)
+    last = min(abs(order.command) for place in plan.places for order in place.series[0].orders)
+    if last / RATIO >= resolution:
+        return ""
+    return (
+        f"the series end at {last:.3g}°: to where the controller says that a joint stands, nothing smaller than "
+        f"{resolution:g}° can be added over this driver"
+    )
 
 
 def _series(bench: Bench, params: ResolutionParams, axis: str, name: str, pose: Pose) -> Iterable[Series]:

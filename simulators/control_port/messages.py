@@ -17,11 +17,16 @@ PanelKey = Literal["start", "stop", "confirm", "drives", "T1", "T2", "AUT", "EX"
 
 
 class Identity(Answer):
-    """Who answers, its bench time and its bench seconds in one real second."""
+    """Who answers, its bench time and its bench seconds in one real second.
+
+    Attributes:
+        behind_s: bench time by which it has fallen behind that speed, since the computer is too slow for it.
+    """
 
     name: str
     time_s: float
     speed: float
+    behind_s: float = 0.0
 
 
 class Truth(Answer):

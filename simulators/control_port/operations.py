@@ -60,7 +60,9 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
     match request:
         case messages.Identify():
             name, time_s = "catseye bench EMULATOR", context.bench.time_s
-            return messages.Identity(name=name, time_s=time_s, speed=context.keeper.speed)
+            return messages.Identity(
+                name=name, time_s=time_s, speed=context.keeper.speed, behind_s=context.keeper.behind_s
+            )
         case messages.ReadTruth():
             return messages.Truth(truth=dict(context.truth))
         case messages.ReadState():

@@ -59,7 +59,7 @@ class ArmControl:
     def brake(self) -> float:
         """Give the goal up and stop; return the bench time of the standstill, s."""
         self._begin = None
-        self.bench.brake()
+        self.bench.stop()
         self._changed()
         return max(self.bench.standstill_s, self.bench.time_s)
 
@@ -118,7 +118,7 @@ class ArmControl:
         if self._begin is None:
             return
         self._interrupted = True
-        self.bench.brake()
+        self.bench.stop()
         self._plan_look()
 
     def _continue(self) -> None:

@@ -24,6 +24,8 @@ STEP_PERCENT: Final = 1
 MOVE_PERCENT: Final = 100
 LINE_M_S: Final = 0.002
 _MOST_KNOTS = 64
+_KNOT_MM = 0.05
+"""Between two knots of a line the axes turn evenly: on so short a chord the flange leaves it by a nanometre."""
 
 
 class Order(IntEnum):
@@ -195,13 +197,13 @@ class CatsKuka:
         if not all(joint.low <= value <= joint.high for value, joint in ranges):
             self._control.raise_alarm(_SOFTWARE_LIMIT)
             return
-        self._bench.move_to(goal, percent / 100.0 * override)
+        self._bench.move_to(goal, percent * override)
 
     def _lead(self, goal: Floats, override: float) -> None:
         start = self._bench.joints
         way_mm = float(np.linalg.norm(goal[:3, 3] - self._kinematics.flange(start)[:3, 3]))
         duration_s = max(way_mm / (1e3 * LINE_M_S * override), CYCLE_S)
-        count = min(_MOST_KNOTS, math.ceil(duration_s / CYCLE_S))
+        count = min(_MOST_KNOTS, math.ceil(duration_s / CYCLE_S), max(1, math.ceil(way_mm / _KNOT_MM)))
         try:
             knots = self._kinematics.line(start, goal, count)
         except UnsolvableError:

@@ -9,7 +9,7 @@ from catseye.simulators.melfa import alarms
 from catseye.simulators.melfa.alarms import Refusal
 from catseye.simulators.melfa.choices import Choices
 from catseye.simulators.melfa.values import Position, Variable, joints_of, position_of, rounded
-from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.timed_bench import TimedBench
 from catseye.simulators.world.types import Floats
 
 
@@ -50,12 +50,12 @@ class ArmControl:
 
     def __init__(
         self,
-        bench: Bench,
+        bench: TimedBench,
         config: EmulationConfig,
         changed: Callable[[], None],
         choices: Choices | None = None,
     ) -> None:
-        self.bench: Bench = bench
+        self.bench = bench
         self.config = config
         self.choices = choices or Choices()
         self.override_percent: float = 100.0

@@ -14,7 +14,7 @@ from catseye.simulators.melfa.programs import Editor, Program, ProgramMemory
 from catseye.simulators.melfa.resident import Resident
 from catseye.simulators.melfa.signals import Signals
 from catseye.simulators.melfa.task import Task
-from catseye.simulators.world.bench import Bench
+from catseye.simulators.world.timed_bench import TimedBench
 
 
 class Controller(ArmControl):
@@ -28,7 +28,7 @@ class Controller(ArmControl):
 
     def __init__(
         self,
-        bench: Bench,
+        bench: TimedBench,
         config: EmulationConfig,
         changed: Callable[[], None],
         choices: Choices | None = None,

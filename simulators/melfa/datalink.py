@@ -26,7 +26,7 @@ RUN lets it go on, straight to the last point; after RSTPRG or SLOTINIT it begin
 connection. Requests that come during a drive wait. One client is served at a time, a second one waits.
 
 The program ends by command 7 without closing the connection; the client closes it. Feedback (`J_Fbc`) is what the
-encoders read, before the gears' errors, in float32. How `Print #` writes numbers is unknown: the option
+encoders on the motors read, before the gears' errors, in float32. How `Print #` writes numbers is unknown: the option
 `number_format` chooses. `Fine` changes nothing here: the answer comes 0.05 s after the standstill.
 """
 
@@ -177,7 +177,7 @@ class Datalink(Resident):
         return _record(number, 7)
 
     def _feedback(self, number: float, command: int) -> bytes:
-        return _record(number, command, *map(self._printed, self.controller.bench.joints))
+        return _record(number, command, *map(self._printed, self.controller.bench.measured))
 
     def _printed(self, value: float) -> str:
         return self._format.format(_FLOAT.unpack(_FLOAT.pack(value))[0])

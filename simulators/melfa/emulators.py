@@ -75,7 +75,11 @@ class MelfaDatalink(Emulator):
 
 
 class MelfaMxt(Emulator):
-    """The program that obeys set points in real time."""
+    """The program that obeys set points in real time.
+
+    Only on the bench of an arm that carries a beam: nobody says what servos do of set points that differ by less than
+    they resolve, so none of that is emulated.
+    """
 
     role = "robot"
     link = "udp"
@@ -105,7 +109,7 @@ class MelfaMxt(Emulator):
             lag_spread_s=given.mxt_lag_spread_ms / 1e3,
         )
         controller = _controller(context, device)
-        program = Mxt(controller, options, context.keeper.sync)
+        program = Mxt(controller, context.beam_bench, options, context.keeper.sync)
         controller.install(program)
         controller.parameters.preset("MXTTOUT", [str(options.timeout_cycles)])
         return lambda: MxtSession(program, note)

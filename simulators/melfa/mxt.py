@@ -35,6 +35,7 @@ from catseye.simulators.melfa.resident import Resident, Stage
 from catseye.simulators.melfa.servo import ServoModel
 from catseye.simulators.melfa.values import Position, joints_of
 from catseye.simulators.ports.session import Answer, Pending, Session
+from catseye.simulators.world.bench import Bench
 
 Mode = Literal["joint", "xyz", "pulse"]
 """What `Mxt` declares set points to be."""
@@ -85,12 +86,16 @@ class Mxt(Resident):
     """The program that obeys set points in real time while it runs.
 
     Args:
+        bench: that of the controller's arm.
         sync: advances bench time to this moment.
     """
 
-    def __init__(self, controller: ArmControl, options: MxtOptions, sync: Callable[[], object]) -> None:
+    def __init__(
+        self, controller: ArmControl, bench: Bench, options: MxtOptions, sync: Callable[[], object]
+    ) -> None:
         super().__init__(options.program, controller.require_start, controller.changed)
         self.controller = controller
+        self._bench = bench
         self.sync = sync
         self._options = options
         self._servo = self._servo_here()
@@ -210,7 +215,7 @@ class Mxt(Resident):
             here = self._servo.next()
             if here is not None:
                 self.controller.stopped = False
-                self.controller.bench.glide(here, self._options.cycle_s)
+                self._bench.glide(here, self._options.cycle_s)
         except BenchError:
             self._fail(alarms.WHILE_RUNNING)
             return
@@ -258,7 +263,7 @@ class Mxt(Resident):
         sources: dict[int, Joints] = {
             0: self._servo.command,
             1: self._servo.filtered,
-            2: self.controller.bench.joints,
+            2: self.controller.bench.measured,
         }
         if not 1 <= kind <= 9:
             return mxt_packet.NO_DATA

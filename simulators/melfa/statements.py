@@ -217,8 +217,8 @@ _STATUS: dict[str, Callable[[ArmControl], Variable]] = {
     "M_ERR": lambda c: float(c.alarm != 0),
     "M_ERRNO": lambda c: float(c.alarm),
     "J_CURR": lambda c: c.bench.joints,
-    # The encoders sit before the gears: feedback shows the command, not the arm's deviation.
-    "J_FBC": lambda c: c.bench.joints,
+    # The encoders sit before the gears: feedback shows nothing of the arm's deviation behind them.
+    "J_FBC": lambda c: c.bench.measured,
     "P_CURR": lambda c: c.position(),
-    "P_FBC": lambda c: c.position(),
+    "P_FBC": lambda c: c.position_of(c.bench.measured),
 }

@@ -50,6 +50,11 @@ class Bench(TimedBench):
         return self._arm.true_joints(self.time_s)
 
     @property
+    def measured(self) -> Joints:
+        """Joints as the encoders show them: the drives of this bench follow exactly, all errors come behind them."""
+        return self.joints
+
+    @property
     def tracked_mm(self) -> tuple[float, float]:
         """True position of the axis that turns the beam at this moment, mm."""
         return self.true_state().axis_mm

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.world.air import Air, AirSample
 from catseye.simulators.world.counted_beam import CountedBeam
+from catseye.simulators.world.types import Floats
 
 OnEvent = Callable[[str], None]
 """Called with what happens on the bench, at the moment it happens."""
@@ -45,8 +46,60 @@ class TimedBench(ABC):
 
     @property
     @abstractmethod
+    def measured(self) -> Joints:
+        """Joints as the encoders on the motors show them at this moment, deg or mm."""
+
+    @abstractmethod
+    def joints_at(self, time_s: float) -> Joints:
+        """Return the joints as commanded at a moment of the present motion or after it, deg or mm."""
+
+    @property
+    @abstractmethod
+    def destination(self) -> Joints:
+        """Joints as commanded at the end of the present motion, deg or mm."""
+
+    @property
+    @abstractmethod
     def moving(self) -> bool:
         """A motion is under way."""
+
+    @property
+    @abstractmethod
+    def standstill_s(self) -> float:
+        """Bench time at which the present or last motion ends, s."""
+
+    @abstractmethod
+    def move_to(self, target: Joints, override_percent: float = 100.0, accel_percent: float = 100.0) -> None:
+        """Start a joint-interpolated motion.
+
+        Args:
+            target: joints to reach, deg or mm.
+            override_percent: speed, per cent of the largest.
+            accel_percent: acceleration, per cent of the largest.
+
+        Raises:
+            BenchError: the arm moves already.
+        """
+
+    @abstractmethod
+    def follow(self, times_s: Floats, joints: Floats) -> None:
+        """Start a motion through knots, straight and at constant speed from one to the next.
+
+        Args:
+            times_s: when each knot is passed, s from now, above 0 and increasing, shape (m,).
+            joints: knots, deg or mm, shape (m, n).
+
+        Raises:
+            BenchError: the arm moves already, or the knots do not fit each other.
+        """
+
+    @abstractmethod
+    def stop(self) -> None:
+        """Decelerate to standstill; without a motion nothing happens."""
+
+    @abstractmethod
+    def tool_speed_mm_s(self) -> float:
+        """Return the speed of the end of the arm at this moment, mm/s."""
 
     @abstractmethod
     def velocity_mm_s(self) -> float:

@@ -134,7 +134,7 @@ def test_least_steps_are_stated_without_bias_and_their_intervals_hold() -> None:
 
 
 @pytest.mark.slow
-def test_lost_motion_is_sure_and_valid_for_play_only() -> None:
+def test_lost_motion_is_within_u_and_valid_for_play() -> None:
     found = [reversed_once(seed, joint) for seed in SEEDS for joint in range(len(NAMES))]
     rms = float(np.sqrt(np.mean([one.z**2 for one in found])))
     changing, unchanged = (

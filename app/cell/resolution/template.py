@@ -1,12 +1,19 @@
 """The cell file of an arm whose motion resolution is measured, as `catseye init --system resolution` writes it."""
 
-TEMPLATE = """\
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+_HEAD = """\
 # catseye cell file of an arm whose motion resolution is measured. The unit is part of every key.
 # Check it with:   catseye config validate FILE
 # See it resolved: catseye config show FILE
 format = "catseye-cell/1"
 name = "arm-1"                          # you type this name to arm real hardware: catseye run ... --arm arm-1
 
+"""
+
+_KUKA = """\
 [robot]
 driver = "kuka-varproxy"
 # The loopback address is for the emulators: catseye emulate FILE. On a real controller it is that of KUKAVARPROXY or
@@ -20,6 +27,26 @@ drives_off_after_s = 300                # of rest after a run that was started i
 # [robot.limits_deg]                    # within the arm's own, which hold without; narrower where cables need it
 # a1 = [-170.0, 170.0]
 
+"""
+
+_MELFA = """\
+[robot]
+# The program CATSDL tells joints in 0.001 deg, in which the controller drives: a series ends there. The R-protocol
+# alone, "melfa-r3", tells them in 0.01 deg.
+driver = "melfa-datalink"
+# The loopback addresses are for the emulators: catseye emulate FILE. docs/controller.md says how a real controller is
+# set up.
+endpoint = "tcp://127.0.0.1:10001"
+datalink_endpoint = "tcp://127.0.0.1:10003"
+arm = "rh-3frh5515"                     # or the path of a description of your own arm
+override_cap_percent = 10               # the program never drives faster
+# override_cap_reason = ""              # why, for a cap above 30
+drives_off_after_s = 300                # of rest after a run that was started in the terminal UI
+# [robot.limits_deg]                    # a range for each joint, where cables need a narrower one than the arm's own
+
+"""
+
+_INSTRUMENTS = """\
 [interferometer]
 driver = "line-counter"
 profile = "default"                     # the dialect of the emulator
@@ -46,8 +73,18 @@ spacing_mm = 30.0                       # of the two prisms: on the certificate 
 u_spacing_mm = 0.01                     # its standard uncertainty
 distance_mm = 250.0                     # from the interferometer to the retroreflector
 signal_min = 0.5                        # weaker returns are not measured with
+"""
 
+_LINEAR = """
 [linear_optics]                         # for resolution-cartesian
 distance_mm = 250.0
 signal_min = 0.5
 """
+
+BY_ARM: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "kr210-r2700": _HEAD + _KUKA + _INSTRUMENTS + _LINEAR,
+        "rh-3frh5515": _HEAD + _MELFA + _INSTRUMENTS,
+    }
+)
+"""Texts by arm; the first is the one that is meant where none is named."""

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from catseye.app.results.model import Column, Entries, Paragraph, Section, Table, section
 from catseye.app.results.numbers import counted, listed
 from catseye.app.results.resolution.cartesian_comparison import direction_word
-from catseye.app.results.resolution.naming import joints_of, least_step_text, with_unit
+from catseye.app.results.resolution.naming import joints_of, least_step_text, shipped_mark, with_unit
 from catseye.app.results.resolution.predicted import PredictedResolution
 from catseye.app.results.resolution.result import AnyTest, ResolutionResult
 from catseye.app.results.runs.records import Sources
@@ -102,8 +102,14 @@ def _largest_of(name: str, tests: Sequence[AnyTest]) -> tuple[str | int | None, 
         str(len(tests)),
         _largest([test for test in tests if test.test in {"decaying", "cartesian"}]),
         _largest([test for test in tests if test.test == "iso"]),
-        None if worst is None or worst.reversal is None else with_unit(worst.reversal.value, worst.unit),
+        _reversal_text(worst),
     )
+
+
+def _reversal_text(test: AnyTest | None) -> str | None:
+    if test is None or test.reversal is None:
+        return None
+    return f"{with_unit(test.reversal.value, test.unit)}{shipped_mark([test])}"
 
 
 def _largest(tests: Sequence[AnyTest]) -> str | None:

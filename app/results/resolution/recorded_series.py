@@ -105,13 +105,21 @@ def _series(
         str(configuration["step_id"]).replace("/", "-").replace("--", "-minus").replace("-+", "-plus"),
         configuration,
         recording,
-        sent_times(time_s) if recording["method"] == "streamed" else time_s,
+        _times(recording, time_s),
         float(recording["scale"]) * raw_mm + float(recording["offset_mm"]),
         moves,
     )
 
 
-def sent_times(arrival_s: Floats) -> Floats:
+def _times(recording: Mapping[str, Any], arrival_s: Floats) -> Floats:
+    """Return when the readings of a recording were taken."""
+    if recording["method"] != "streamed":
+        return arrival_s
+    complete = bool(recording["numbered"]) and not recording["values_lost"]
+    return sent_times(arrival_s, complete=complete)
+
+
+def sent_times(arrival_s: Floats, *, complete: bool = False) -> Floats:
     """Return when the values of a stream were sent, by when they arrived.
 
     An instrument sends at its own steady rate; links and programs deliver late and in bunches, never early. So the
@@ -120,6 +128,7 @@ def sent_times(arrival_s: Floats) -> Floats:
 
     Args:
         arrival_s: shape (n,).
+        complete: no value is missing, as the instrument's own numbers show, however late some arrived.
     """
     if arrival_s.size < _FEWEST_BLOCKS * _IN_BLOCK:
         return arrival_s
@@ -127,9 +136,9 @@ def sent_times(arrival_s: Floats) -> Floats:
     interval_s = float(arrival_s[-1] - arrival_s[0]) / (arrival_s.size - 1)
     for _ in range(_ROUNDS):
         first, late_s = _earliest(arrival_s - interval_s * number)
-        interval_s += float(np.polyfit(first, late_s, 1)[0])
+        interval_s += _usual_slope(first, late_s)
     _, late_s = _earliest(arrival_s - interval_s * number)
-    if np.ptp(late_s) > interval_s / 2.0:
+    if not complete and np.ptp(late_s) > interval_s / 2.0:
         return arrival_s
     return np.asarray(float(np.median(late_s)) + interval_s * number, dtype=np.float64)
 
@@ -140,3 +149,9 @@ def _earliest(late_s: Floats) -> tuple[Floats, Floats]:
     edges = np.linspace(0, late_s.size, blocks + 1).astype(int)
     earliest = np.array([a + int(np.argmin(late_s[a:b])) for a, b in pairwise(edges)])
     return earliest.astype(np.float64), late_s[earliest]
+
+
+def _usual_slope(at: Floats, late_s: Floats) -> float:
+    """Return the median of the slopes between any two points (Theil and Sen): parts that come late tilt no line."""
+    one, other = np.triu_indices(at.size, 1)
+    return float(np.median((late_s[other] - late_s[one]) / (at[other] - at[one])))

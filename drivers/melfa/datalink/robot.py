@@ -19,7 +19,14 @@ from catseye.drivers.links.transport import Transport
 from catseye.drivers.melfa.datalink import codec
 from catseye.drivers.melfa.datalink.codec import Record, RecordDecoder
 from catseye.drivers.melfa.led import LedArm, parted, require_way
-from catseye.drivers.melfa.motion import LOOK_WHY, STILL_LOOKS, asking_under_way, off_target, sent_once
+from catseye.drivers.melfa.motion import (
+    COMMANDED,
+    LOOK_WHY,
+    STILL_LOOKS,
+    asking_under_way,
+    off_target,
+    sent_once,
+)
 from catseye.drivers.melfa.robot import MelfaR3
 from catseye.drivers.melfa.settings import MelfaSettings
 from catseye.drivers.roles.clock import Clock
@@ -71,7 +78,11 @@ class MelfaDatalink(LedArm):
         "datalink_endpoint": "melfa-datalink",
     }
     abilities: ClassVar[RobotAbilities] = RobotAbilities(
-        following="blended", jogs=True, takes_guard=True, further_endpoint="datalink_endpoint"
+        following="blended",
+        jogs=True,
+        takes_guard=True,
+        further_endpoint="datalink_endpoint",
+        command_resolution=COMMANDED,
     )
 
     def __init__(self, controller: MelfaR3, transport: Transport, settings: DatalinkSettings) -> None:

@@ -16,7 +16,7 @@ from catseye.drivers.links.guarding import LinkGuard, guarded
 from catseye.drivers.links.link import uninterrupted
 from catseye.drivers.melfa.codec import parse_number
 from catseye.drivers.melfa.led import LedArm, parted, require_way
-from catseye.drivers.melfa.motion import LOOK_WHY, off_target
+from catseye.drivers.melfa.motion import COMMANDED, LOOK_WHY, off_target
 from catseye.drivers.melfa.mxt import codec
 from catseye.drivers.melfa.mxt.codec import Command
 from catseye.drivers.melfa.mxt.profile import Bounds, WayProfile
@@ -51,7 +51,11 @@ class MelfaMxt(LedArm):
     summary: ClassVar[str] = "MELFA with program CATSMXT: streams set points"
     protocols: ClassVar[Mapping[str, str] | None] = {"endpoint": "melfa-r3", "mxt_endpoint": "melfa-mxt"}
     abilities: ClassVar[RobotAbilities] = RobotAbilities(
-        following="streamed", jogs=True, takes_guard=True, further_endpoint="mxt_endpoint"
+        following="streamed",
+        jogs=True,
+        takes_guard=True,
+        further_endpoint="mxt_endpoint",
+        command_resolution=COMMANDED,
     )
 
     def __init__(self, controller: MelfaR3, stream: SetPointStream, settings: MxtSettings) -> None:

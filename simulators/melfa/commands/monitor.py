@@ -23,7 +23,7 @@ def _axes(values: list[float] | list[int], form: str = "d") -> str:
 
 
 def _pulses(controller: Controller) -> list[int]:
-    return [round(joint * controller.choices.pulses_per_unit) for joint in controller.bench.joints]
+    return [round(joint * controller.choices.pulses_per_unit) for joint in controller.bench.measured]
 
 
 def _encoders(controller: Controller) -> str:

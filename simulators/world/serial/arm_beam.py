@@ -99,11 +99,13 @@ class ArmBeam(CountedBeam):
             offset_mm: along the beam, from the plane through that axis in which the retroreflector should stand.
 
         Raises:
-            BenchError: there is no such joint.
+            BenchError: there is no such joint, or it turns nothing.
         """
         links = self._links()
         if not 1 <= joint <= links.shape[1]:
             raise BenchError(f"there is no joint {joint}; the arm has {links.shape[1]}")
+        if self._arm.screws.slides(joint):
+            raise BenchError(f"joint {joint} slides: angular optics show nothing of it")
         directions, points = self._arm.screws.axes(links)
         home = self._arm.screws.frames(links)[0, joint]
         self._mount(

@@ -71,8 +71,17 @@ class SerialBench(TimedBench):
 
     @property
     def torques_nm(self) -> tuple[float, ...]:
-        """Torques of the drives at this moment, N m."""
+        """Torques of the drives at this moment, N m, or N of joints that slide."""
         return self.plant.torques_nm(self.time_s)
+
+    def joints_at(self, time_s: float) -> Joints:
+        """Return the joints as commanded at a moment of the present motion or after it, deg or mm."""
+        return self.plant.motion.joints_at(time_s)
+
+    @property
+    def destination(self) -> Joints:
+        """Joints as commanded at the end of the present motion, deg or mm."""
+        return self.plant.motion.end
 
     @property
     def moving(self) -> bool:
@@ -88,7 +97,13 @@ class SerialBench(TimedBench):
         """Return the displacement rate over the last millisecond, mm/s; 0 without a beam."""
         return self.beam.rate_mm_s(max(0.0, self.time_s - _MOMENT_S), self.time_s)
 
-    def move_to(self, target: Joints, speed_fraction: float) -> None:
+    def tool_speed_mm_s(self) -> float:
+        """Return the speed of the flange over the last millisecond, mm/s."""
+        times_s = np.array([max(0.0, self.time_s - _MOMENT_S), self.time_s])
+        before, after = self.plant.screws.last_frame(self.plant.links_deg(times_s))[:, :3, 3]
+        return float(np.linalg.norm(after - before)) / _MOMENT_S
+
+    def move_to(self, target: Joints, override_percent: float = 100.0, accel_percent: float = 100.0) -> None:
         """Start a synchronous motion of all axes; see `DrivenArm.move_to`.
 
         Raises:
@@ -96,8 +111,8 @@ class SerialBench(TimedBench):
         """
         self._require_rest()
         self.beam.observe()
-        self.plant.move_to(target, self.time_s, speed_fraction)
-        self._begun(f"motion to {listed(target)} at {speed_fraction:.2%}")
+        self.plant.move_to(target, self.time_s, override_percent / 100.0, accel_percent / 100.0)
+        self._begun(f"motion to {listed(target)} at {override_percent:g} %")
 
     def follow(self, times_s: Floats, joints: Floats) -> None:
         """Start a motion through knots; see `DrivenArm.follow`.
@@ -110,7 +125,7 @@ class SerialBench(TimedBench):
         self.plant.follow(times_s, joints, self.time_s)
         self._begun(f"way through {times_s.size} knots to {listed(self.plant.motion.end)}")
 
-    def brake(self) -> None:
+    def stop(self) -> None:
         """Decelerate to a standstill; without a motion nothing happens."""
         if not self.moving:
             return

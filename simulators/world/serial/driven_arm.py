@@ -95,9 +95,7 @@ class DrivenArm:
         self._balancer_zero_deg = column(truths, "counterbalance_zero_deg")
         self._ringing_s = column(truths, "ringing_s")
         self._ringing_rad_s = 2.0 * np.pi * column(truths, "ringing_hz")
-        self._dynamics = ArmDynamics(
-            tuple(joint.speed for joint in arm.joints), tuple(joint.acceleration for joint in arm.joints)
-        )
+        self._dynamics = dynamics_of(arm)
         self._drivetrains = Drivetrains(truths)
         self._encoders = Encoders(arm.joints, truths, seed)
         self._servos = Servos(truths, self._encoders, seed)
@@ -113,16 +111,19 @@ class DrivenArm:
         """The present motion as the controller commands it, and the rest that follows it."""
         return self._stretches[-1].motion
 
-    def move_to(self, target: Joints, time_s: float, speed_fraction: float) -> None:
+    def move_to(
+        self, target: Joints, time_s: float, speed_fraction: float, acceleration_fraction: float = 1.0
+    ) -> None:
         """Start a synchronous motion of all axes at a bench time at which none is commanded.
 
         Args:
             target: command, deg, from where the last command ended.
             time_s: bench time, s.
             speed_fraction: part of the largest speeds, above 0, up to 1.
+            acceleration_fraction: part of the largest accelerations, above 0, up to 1.
         """
         start = self.motion.joints_at(time_s)
-        self._begin(plan_motion(start, target, time_s, self._dynamics, speed_fraction))
+        self._begin(plan_motion(start, target, time_s, self._dynamics, speed_fraction, acceleration_fraction))
 
     def follow(self, times_s: Floats, joints: Floats, time_s: float) -> None:
         """Start a motion through knots; see `plan_way`."""
@@ -260,6 +261,13 @@ class DrivenArm:
         """Return the load of each drive: weight less what balancers take, N m, shape (m, n)."""
         balanced: Floats = self._balancer_nm * np.sin(np.deg2rad(joints_deg - self._balancer_zero_deg))
         return self.screws.holding_torques(joints_deg) + balanced
+
+
+def dynamics_of(arm: SerialArm) -> ArmDynamics:
+    """Return how fast an arm moves."""
+    return ArmDynamics(
+        tuple(joint.speed for joint in arm.joints), tuple(joint.acceleration for joint in arm.joints)
+    )
 
 
 def _pieces(motion: Motion) -> tuple[Floats, Floats]:

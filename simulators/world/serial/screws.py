@@ -1,7 +1,8 @@
 """A serial arm by screws: frames as products of exponentials, gravity as wrenches on the joints' twists.
 
-Each joint turns everything behind it about a line that is fixed in the base while the joints before stand at 0
-(Lynch and Park, Modern Robotics, sections 4.1 and 5.2). It is written without the kinematics that it is to check.
+Each joint turns everything behind it about a line that is fixed in the base while the joints before stand at 0, or
+shifts it along that line (Lynch and Park, Modern Robotics, sections 4.1 and 5.2). It is written without the
+kinematics that it is to check.
 """
 
 from collections.abc import Sequence
@@ -9,7 +10,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from catseye.simulators.config import SerialJoint, SerialLoad
-from catseye.simulators.errors import BenchError
 from catseye.simulators.world.types import Floats
 
 _GRAVITY_M_S2 = 9.80665
@@ -19,20 +19,14 @@ _IN_CACHE = 500
 
 
 class ScrewArm:
-    """Axes, homes and loads of an arm whose joints all turn.
+    """Axes, homes and loads of an arm. Values of joints are deg, or mm of those that slide.
 
     Args:
         joints: from the base outwards.
         loads: masses of links and tool.
-
-    Raises:
-        BenchError: a joint slides.
     """
 
     def __init__(self, joints: Sequence[SerialJoint], loads: Sequence[SerialLoad] = ()) -> None:
-        sliding = [joint.name for joint in joints if joint.prismatic]
-        if sliding:
-            raise BenchError(f"joint {sliding[0]} slides: this bench has arms whose joints all turn")
         home = [np.eye(4)]
         for joint in joints:
             home.append(home[-1] @ _at_zero(joint))
@@ -43,18 +37,25 @@ class ScrewArm:
         self._axes = self._home[1:, :3, 2] * self._signs[:, None]
         self._points = self._home[1:, :3, 3]
         self._crosses = np.array([_cross(axis) for axis in self._axes])
+        self._slides = np.array([joint.prismatic for joint in joints])
+
+    def slides(self, joint: int) -> bool:
+        """Return whether a joint slides; its number is counted from 1."""
+        return bool(self._slides[joint - 1])
 
     def frames(self, joints_deg: Floats) -> Floats:
         """Return the frame of each joint.
 
         Args:
-            joints_deg: poses, shape (m, n); fewer joints give the frames of the first ones.
+            joints_deg: poses, deg or mm, shape (m, n); fewer joints give the frames of the first ones.
 
         Returns:
             Homogeneous transforms into the base, mm, shape (m, n + 1, 4, 4); the first is the base.
         """
         count = joints_deg.shape[1]
-        turns = _turns(self._crosses[:count], self._points[:count], np.deg2rad(joints_deg))
+        turned_deg = np.where(self._slides[:count], 0.0, joints_deg)
+        turns = _turns(self._crosses[:count], self._points[:count], np.deg2rad(turned_deg))
+        turns[..., :3, 3] += (joints_deg - turned_deg)[..., None] * self._axes[:count]
         frames = np.empty((len(joints_deg), count + 1, 4, 4))
         frames[:, 0] = moved = np.eye(4)
         for k in range(count):
@@ -83,10 +84,10 @@ class ScrewArm:
         """Return the torques with which drives hold links and tool against gravity, in the joints' own directions.
 
         Args:
-            joints_deg: poses, shape (m, n).
+            joints_deg: poses, deg or mm, shape (m, n).
 
         Returns:
-            N m, shape (m, n).
+            N m, or N of joints that slide, shape (m, n).
         """
         frames = self.frames(joints_deg)
         directions, points = self.axes(joints_deg)
@@ -95,9 +96,11 @@ class ScrewArm:
             centre = frames[:, load.frame] @ np.array([*load.centre_mm, 1.0])
             weight = np.array([0.0, 0.0, -_GRAVITY_M_S2 * load.mass_kg])
             moment = _M_PER_MM * np.cross(centre[:, :3], weight)
-            # The power of the wrench (moment, weight) on a joint's unit twist (ω, -ω × p).
-            linear = -_M_PER_MM * np.cross(directions, points)
-            power = np.einsum("mnk,mk->mn", directions, moment) + linear @ weight
+            # The power of the wrench (moment, weight) on a joint's unit twist (ω, -ω × p), or (0, v) where it slides.
+            sliding = self._slides[:, None]
+            linear = np.where(sliding, directions, -_M_PER_MM * np.cross(directions, points))
+            angular = np.where(sliding, 0.0, directions)
+            power = np.einsum("mnk,mk->mn", angular, moment) + linear @ weight
             torques[:, : load.frame] -= power[:, : load.frame]
         return torques
 

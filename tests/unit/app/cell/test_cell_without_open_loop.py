@@ -14,8 +14,8 @@ from catseye.app.cell.bench import bench_of, scara_bench_of, system_of
 from catseye.app.cell.load import LoadedCell, load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.cell.plausible import implausible
-from catseye.app.cell.resolution.template import TEMPLATE as RESOLUTION
 from catseye.app.cell.scara.template import TEMPLATE
+from catseye.app.cell.templates import RESOLUTION, TEMPLATES
 from catseye.app.engine.gate import require_in_range
 from catseye.app.engine.walked.register import geometry_digest
 from catseye.app.errors import ConfigError, LimitError
@@ -208,7 +208,7 @@ def test_a_cell_of_six_axes_is_read_as_stored(tmp_path: Path, monkeypatch: pytes
 
 def test_the_cell_of_motion_resolution_needs_nothing_of_a_scara(tmp_path: Path) -> None:
     path = tmp_path / "cell.toml"
-    path.write_text(RESOLUTION, "utf-8")
+    path.write_text(TEMPLATES[RESOLUTION].text, "utf-8")
     cell = load_cell(path).cell
     bench = bench_of(cell)
     assert type(bench) is Bench

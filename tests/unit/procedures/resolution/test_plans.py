@@ -14,7 +14,7 @@ from catseye.procedures.resolution.campaign_plan import Series
 from catseye.procedures.resolution.cartesian import CartesianParams, ResolutionCartesian
 from catseye.procedures.resolution.iso import IsoParams, ResolutionIso
 from catseye.procedures.resolution.places import places_of
-from catseye.procedures.resolution.resolution import Resolution, ResolutionParams
+from catseye.procedures.resolution.resolution import Resolution, ResolutionParams, ended_early
 from catseye.procedures.resolution.step_sizes import decaying, there_and_back
 from tests.unit.procedures.resolution.benches import SIX, kuka
 
@@ -171,6 +171,22 @@ def test_a_place_beyond_the_limits_is_named() -> None:
 def test_unknown_names_are_refused(changes: dict[str, list[str]], said: str) -> None:
     with pytest.raises(PlanError, match=said):
         Resolution().plan(SIX, ResolutionParams.model_validate(changes))
+
+
+def test_a_series_that_the_controller_ends_says_why() -> None:
+    bench = replace(SIX, arm=replace(SIX.arm, command_resolution={"deg": 0.001}))
+    plan = Resolution().plan(bench, ResolutionParams(joints=["A1"], positions=["K3"]))
+    # 0.1° / 1.072267^66 = 0.001001°.
+    assert len(plan.places[0].series[0].orders) == 67
+    assert "the series end at 0.001°" in ended_early(plan)
+
+
+def test_a_series_of_all_its_steps_says_nothing() -> None:
+    assert not ended_early(Resolution().plan(SIX, ResolutionParams(joints=["A1"], positions=["K3"])))
+    bench = replace(SIX, arm=replace(SIX.arm, command_resolution={"deg": 0.001}))
+    assert not ended_early(
+        Resolution().plan(bench, ResolutionParams(joints=["A1"], positions=["K3"], steps=20))
+    )
 
 
 def test_a_controller_that_resolves_nothing_of_a_series_is_refused() -> None:

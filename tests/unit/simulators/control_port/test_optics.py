@@ -76,7 +76,7 @@ def test_a_counter_counts_the_turn_of_the_joint() -> None:
     spacing_mm = stand.ask(MountAngularOptics(joint="A5")).spacing_mm
     assert stand.counter.zero()
     before = stand.bench.true_joints[4]
-    stand.bench.move_to((0.0, -90.0, 90.0, 0.0, 1.0, 0.0), 0.01)
+    stand.bench.move_to((0.0, -90.0, 90.0, 0.0, 1.0, 0.0), 1.0)
     stand.bench.advance(20.0)
     shown_deg = np.rad2deg(np.arcsin(stand.counter.read().displacement_mm / spacing_mm))
     assert shown_deg == pytest.approx(stand.bench.true_joints[4] - before, abs=1e-3)

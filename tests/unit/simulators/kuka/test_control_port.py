@@ -29,7 +29,7 @@ def test_a_tracker_sees_the_flange_in_its_frame() -> None:
     bench = kuka_bench()
     seen, places = [], []
     for a1_deg in (0.0, 30.0):
-        bench.bench.move_to((a1_deg, *UPRIGHT[1:]), 1.0)
+        bench.bench.move_to((a1_deg, *UPRIGHT[1:]))
         bench.bench.advance(5.0)
         tracked = carry_out(Track(), bench.reach)
         assert isinstance(tracked, TrackedPlace)

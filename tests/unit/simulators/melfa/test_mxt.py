@@ -32,7 +32,7 @@ class Line:
         self.config: EmulationConfig = without_j4_play(replace(QUIET, start_joints=start))
         self.bench = scara_bench(perfect_arm(self.config), self.config)
         self.controller = Controller(self.bench, self.config, lambda: None)
-        self.program = Mxt(self.controller, options or MxtOptions(), lambda: None)
+        self.program = Mxt(self.controller, self.bench, options or MxtOptions(), lambda: None)
         self.controller.install(self.program)
         self.session = MxtSession(self.program, lambda _text: None)
         if servo:

@@ -4,6 +4,7 @@ import asyncio
 
 import pytest
 
+from catseye.simulators.world.timed_bench import TimedBench
 from catseye.simulators.world.timekeeper import TimeKeeper
 from tests.patience import HANG_S
 from tests.unit.simulators.benches import quiet_bench
@@ -37,6 +38,59 @@ def test_a_change_of_speed_does_not_jump() -> None:
     keeper.speed = 1000.0
     assert keeper.bench.time_s == pytest.approx(1.0)
     assert keeper.sync() == pytest.approx(1.0)
+
+
+def costly(monkeypatch: pytest.MonkeyPatch, bench: TimedBench, wall: Wall, cost: float) -> list[float]:
+    """Let each bench second take `cost` real seconds; return the list of the times that the bench is advanced to."""
+    passed, advance_to = [], bench.advance_to
+
+    def advanced(time_s: float) -> None:
+        wall.time_s += cost * max(0.0, time_s - bench.time_s)
+        advance_to(time_s)
+        passed.append(time_s)
+
+    monkeypatch.setattr(bench, "advance_to", advanced)
+    return passed
+
+
+def test_an_overloaded_bench_falls_behind_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    wall, said = Wall(), list[float]()
+    keeper = TimeKeeper(quiet_bench(), 10.0, wall)
+    keeper.on_behind = said.append
+    passed = costly(monkeypatch, keeper.bench, wall, 0.5)
+    longest_s = 0.0
+    for _ in range(500):
+        wall.time_s += 0.01
+        began_s = wall.time_s
+        keeper.sync()
+        longest_s = max(longest_s, wall.time_s - began_s)
+    # Half a second of calculation for a bench second: at most two of them pass in a real one.
+    assert longest_s < 0.1
+    assert 0.5 < keeper.bench.time_s / (wall.time_s - 1000.0) < 2.0
+    assert keeper.behind_s == said[-1]
+    assert keeper.behind_s == pytest.approx(10.0 * (wall.time_s - 1000.0) - keeper.bench.time_s, abs=2.5)
+    assert passed == sorted(passed)
+
+
+def test_a_pause_of_the_machine_is_caught_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    wall = Wall()
+    keeper = TimeKeeper(quiet_bench(), 10.0, wall)
+    costly(monkeypatch, keeper.bench, wall, 0.05)
+    wall.time_s += 0.2
+    for _ in range(20):
+        keeper.sync()
+    assert keeper.bench.time_s == pytest.approx(10.0 * (wall.time_s - 1000.0), rel=0.01)
+    assert keeper.behind_s == 0.0
+
+
+async def test_who_waits_on_an_overloaded_bench_gets_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    wall = Wall()
+    keeper = TimeKeeper(quiet_bench(), 10.0, wall)
+    costly(monkeypatch, keeper.bench, wall, 0.5)
+    wall.time_s += 5.0
+    await asyncio.wait_for(keeper.wait(lambda: 5.0 if keeper.bench.time_s < 5.0 else None), HANG_S)
+    assert keeper.bench.time_s == 5.0
+    assert keeper.behind_s > 10.0
 
 
 async def test_who_waits_finds_the_bench_exactly_at_its_moment() -> None:

@@ -54,6 +54,15 @@ def test_a_stream_with_a_gap_keeps_its_arrivals() -> None:
     assert sent_times(arrival_s) is arrival_s
 
 
+def test_a_numbered_stream_keeps_its_rate_however_late_it_arrives() -> None:
+    sent_s = np.linspace(0.0, 79.96, 2000)
+    # A busy machine takes everything at once after half a second of its own, twice.
+    arrival_s = sent_s.copy()
+    for busy in (slice(300, 500), slice(1200, 1400)):
+        arrival_s[busy] = sent_s[busy][-1] + 0.5
+    assert sent_times(arrival_s, complete=True) == pytest.approx(sent_s, abs=1e-6)
+
+
 async def test_a_series_is_what_was_recorded_and_moved(tmp_path_factory: pytest.TempPathFactory) -> None:
     room = Room(tmp_path_factory.mktemp("runs"))
     outcome = await carried_out(room, Resolution(), Resolution().plan(SIX, SHORT))

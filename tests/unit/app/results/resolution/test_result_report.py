@@ -144,6 +144,9 @@ def test_shipped_tests_are_marked(file: Path) -> None:
     report = resolution_files_report([file])
     assert report.table("least-steps").rows[0][4] == "0.00015° (0.00013° … 0.00019°) ✱"
     assert "✱" not in str(report.table("least-steps").rows[1])
+    (found,) = report.section("certificate").blocks[:1]
+    assert isinstance(found, Entries)
+    assert dict(found.entries)["tests"] == "39, 1 of them shipped with the program and not of this arm"
     first = report.figures("errors")[0].rows[0]
     assert [panel.title for panel in first if panel] == ["K1 = −175° ✱", "K2 = −90°", "K3 = 0°"]
     last = report.statements()[-1]

@@ -7,7 +7,6 @@ from catseye.app.cell.arm import shipped_arm
 from catseye.app.cell.serial_arm import chain_of, loads_of
 from catseye.calibration.kinematics.gravity import Load, gravity_torques
 from catseye.simulators.config import SerialJoint, SerialLoad
-from catseye.simulators.errors import BenchError
 from catseye.simulators.world.serial.screws import ScrewArm
 from catseye.simulators.world.types import Floats
 from tests.unit.simulators.world.serial.arms import TOOL, serial_arm
@@ -20,7 +19,7 @@ def poses_of(name: str) -> Floats:
     return np.random.default_rng(7).uniform(limits[:, 0], limits[:, 1], (200, len(limits)))
 
 
-@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("name", [*ARMS, "rh-3frh5515"])
 def test_screws_and_kinematics_agree_on_every_frame(name: str) -> None:
     poses = poses_of(name)
     frames = ScrewArm(serial_arm(name).joints).frames(poses)
@@ -39,10 +38,12 @@ def test_screws_and_kinematics_agree_on_holding_torques(name: str) -> None:
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-9)
 
 
-def test_a_sliding_joint_is_refused() -> None:
-    slide = SerialJoint("A3", True, 0.0, 0.0, 0.0, 0.0, 1, 0.0, 100.0, 100.0)
-    with pytest.raises(BenchError, match="A3 slides"):
-        ScrewArm([slide])
+def test_an_upright_slide_is_held_by_its_weight() -> None:
+    slide = SerialJoint("A", True, 0.0, 0.0, 0.0, 0.0, 1, 0.0, 100.0, 100.0)
+    held = ScrewArm([slide], [SerialLoad(1, 2.0, (30.0, 0.0, 0.0))]).holding_torques(
+        np.array([[10.0], [70.0]])
+    )
+    np.testing.assert_allclose(held[:, 0], [2.0 * 9.80665] * 2, atol=1e-12)
 
 
 def test_frames_of_many_poses_are_those_of_each() -> None:

@@ -14,7 +14,7 @@ def test_least_steps_are_stated_with_intervals_that_hold() -> None:
     assert sum(one.held for one in found) >= 2
 
 
-def test_lost_motion_holds_and_is_valid_for_play_only() -> None:
+def test_lost_motion_is_within_u_and_valid_for_play() -> None:
     balanced, loaded = reversed_once(SEED, A1), reversed_once(SEED, A3)
     assert max(abs(balanced.z), abs(loaded.z)) < 4.0
     assert (balanced.changes, balanced.valid) == (True, True)

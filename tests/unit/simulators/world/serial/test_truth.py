@@ -66,5 +66,5 @@ def test_every_key_is_documented() -> None:
 
 def test_an_arm_of_five_joints_needs_a_truth_file() -> None:
     short = SerialArm("short", ARM.joints[:5])
-    with pytest.raises(TruthFileError, match=r"short: .*6 joints, it has 5: state them"):
+    with pytest.raises(TruthFileError, match=r"short: .*it has A1, A2, A3, A4, A5: state them"):
         draw_joint_truth(short, 1)

@@ -1,0 +1,76 @@
+"""demo: the whole job of a system on emulated hardware, narrated as it goes and summed up at the end."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from catseye.app.cli.failure import write_failure_texts
+from catseye.app.cli.options import AsJson, Truth
+from catseye.app.cli.output import note
+
+if TYPE_CHECKING:
+    from catseye.app.engine.announcer import Publish
+
+_SPEED = {"scara": 400.0, "resolution": 30.0}
+_SEED = {"scara": 2, "resolution": 1}
+_FOLDER = {"scara": "catseye-demo", "resolution": "catseye-demo-resolution"}
+
+
+def demo(
+    system: Annotated[Literal["scara", "resolution"], typer.Argument(help="what is measured")] = "scara",
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help="folder for everything that the demo writes [catseye-demo, catseye-demo-resolution]"
+        ),
+    ] = None,
+    speed: Annotated[
+        float | None,
+        typer.Option(
+            min=0.001,
+            max=1e6,
+            help="bench seconds in one real second [400 for scara, 30 for resolution]",
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None,
+        typer.Option(
+            min=0,
+            help="of everything random in the emulated bench [2 for scara, 1 for resolution]",
+        ),
+    ] = None,
+    truth: Truth = None,
+    as_json: AsJson = False,
+) -> None:
+    """Do the whole job on emulated hardware over real sockets: measure, evaluate, report.
+
+    Example: catseye demo --out /tmp/demo --seed 7
+    """
+    from catseye.app.cli.demonstration import DemoInterruptedError, Demonstration
+    from catseye.app.cli.resolution.demo import demonstrate_resolution
+    from catseye.app.cli.scara.demo import demonstrate_scara
+
+    demonstrate = {"scara": demonstrate_scara, "resolution": demonstrate_resolution}[system]
+    given = Demonstration(
+        out or Path(_FOLDER[system]),
+        speed or _SPEED[system],
+        _SEED[system] if seed is None else seed,
+        truth,
+        _narrator,
+    )
+    note(
+        f"emulators at {given.speed:g} times real speed, seed {given.seed}; everything is written to {given.folder}"
+    )
+    try:
+        demonstrate(given, as_json=as_json)
+    except DemoInterruptedError as ended:
+        write_failure_texts([str(ended)], ended.outcome.exit_code)
+        sys.exit(int(ended.outcome.exit_code))
+
+
+def _narrator(name: str) -> "Publish":
+    from catseye.app.cli.narrator import Narrator
+
+    return Narrator(name, as_json=False).publish
