@@ -6,6 +6,7 @@ from typing import Final
 
 _SCARA: Final = "catseye.app.cli.scara"
 _RESOLUTION: Final = "catseye.app.cli.resolution"
+_SERIAL_ARM: Final = "catseye.app.cli.serial_arm"
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,9 @@ COMMANDS: Final[Mapping[str, Command]] = {
     ),
     "predict-resolution": Command(
         "Predict the smallest steps of the tool at poses, from look-up tables of its joints.", _RESOLUTION
+    ),
+    "calibrate": Command(
+        "Identify the geometry and the compliances of a serial arm from measured poses.", _SERIAL_ARM
     ),
     "report": Command(
         "Write one self-contained HTML page about a run or a result, or about several results of motion resolution."

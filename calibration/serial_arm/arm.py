@@ -21,11 +21,13 @@ class Target:
         place_mm: in the frame of the flange.
         u_mm: standard uncertainty of each coordinate; 0 where the place is taken as exact, None where nobody knows it
             beforehand.
+        turned: a frame of unknown orientation belongs to it; without one its axes are those of the flange.
     """
 
     name: str
     place_mm: Point
     u_mm: float | None = 0.0
+    turned: bool = False
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import numpy as np
 
 from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.calibration.core.types import Floats
+from catseye.calibration.kinematics.rotations import angles_of
 from catseye.calibration.serial_arm.arm import Anchor, SerialArm
 from catseye.calibration.serial_arm.measurements import Measurements
 
@@ -69,9 +70,25 @@ def closed_form(arm: SerialArm, measurements: Measurements) -> Start:
     if not len(measurements.points.pose):
         return _from_distances(arm, measurements, None)
     start = _from_points(arm, measurements)
-    if not len(measurements.distances.pose):
-        return start
-    return Start(start.frame, {**start.values, **_from_distances(arm, measurements, start.frame).values})
+    values = {**start.values, **_turned_frames(arm, measurements, start.frame)}
+    if len(measurements.distances.pose):
+        values |= _from_distances(arm, measurements, start.frame).values
+    return Start(start.frame, values)
+
+
+def _turned_frames(arm: SerialArm, measurements: Measurements, frame: Floats) -> dict[str, float]:
+    """Return the angles of frames on the flange: of the mean of what each pose shows."""
+    rows = measurements.orientations
+    flange = frame[:3, :3] @ arm.chain.flange(measurements.commands.joints)[rows.pose, :3, :3]
+    seen = flange.transpose(0, 2, 1) @ rows.rotation
+    found: dict[str, float] = {}
+    for k in np.unique(rows.target).tolist():
+        if arm.targets[k].turned:
+            left, _, right = np.linalg.svd(seen[rows.target == k].sum(axis=0))
+            handed = np.array([1.0, 1.0, np.linalg.det(left @ right)])
+            angles = angles_of((left * handed) @ right)
+            found |= {f"{arm.targets[k].name}.r{a}_deg": float(v) for a, v in zip("xyz", angles, strict=True)}
+    return found
 
 
 def _from_points(arm: SerialArm, measurements: Measurements) -> Start:

@@ -23,6 +23,7 @@ from catseye.calibration.serial_arm.parameters import (
     distance_parameters,
     harmonic_parameters,
     link_parameters,
+    orientation_parameters,
     reversal_parameters,
     target_parameters,
 )
@@ -93,6 +94,7 @@ def parameters_of(
     require_one_of(ModelName, name, "model")
     rank = MODELS.index(name)
     found = base_parameters() + target_parameters(arm, measurements.targets)
+    found += orientation_parameters(arm, np.unique(measurements.orientations.target).tolist())
     found += distance_parameters(measurements.distances.anchors, measurements.distances.segments)
     if rank >= 1:
         found += link_parameters(arm)

@@ -190,6 +190,20 @@ def distance_parameters(anchors: Sequence[Anchor], segments: Sequence[str]) -> t
     return (*places, *paths)
 
 
+def orientation_parameters(arm: SerialArm, targets: Sequence[int]) -> tuple[Parameter, ...]:
+    """Return the angles of frames whose orientation on the flange is unknown.
+
+    Args:
+        targets: numbers of those whose orientation was measured.
+    """
+    return tuple(
+        Parameter(f"{target.name}.{part}", "deg", TargetPlace(number, part), 0.0)
+        for number, target in enumerate(arm.targets)
+        if number in targets and target.turned
+        for part in FRAME_PARTS[3:]
+    )
+
+
 _WAVES: tuple[Literal["cos"], Literal["sin"]] = ("cos", "sin")
 _AXES: tuple[Coordinate, ...] = get_args(Coordinate)
 

@@ -27,6 +27,12 @@ from catseye.calibration.serial_arm.parameters import (
 _NULL = 1e-8
 """A column of which the columns before it leave less than this share says nothing new."""
 
+_STILL_MM = 1e-7
+"""A parameter that moves the targets by less than this per mm or deg, rms, moves nothing: its column is rounding."""
+
+_COMPLIANT = 1e-6
+"""What stands for a unit of a compliance, rad/(N·mm): that of a soft strain wave gear."""
+
 _PARTICIPATION = 1e-3
 """A parameter takes part in a null direction when its share, as motion, exceeds this."""
 
@@ -53,11 +59,13 @@ def choose_basis(chain: Chain, parameters: Sequence[Parameter], jacobian: Floats
     reversals and harmonics at last.
 
     Args:
-        jacobian: weighted derivatives, shape (n, p).
+        jacobian: derivatives of the residuals, mm per unit, shape (n, p).
     """
     order = sorted(range(len(parameters)), key=lambda k: (_rank(chain, parameters[k]), k))
     norms = np.linalg.norm(jacobian, axis=0)
     scaled = jacobian / np.where(norms > 0.0, norms, 1.0)
+    sizes = np.array([_COMPLIANT if isinstance(one.role, Compliance) else 1.0 for one in parameters])
+    moves = norms * sizes > _STILL_MM * np.sqrt(len(jacobian))
     basis = np.zeros((len(jacobian), 0))
     kept: list[int] = []
     held: dict[int, tuple[str, ...]] = {}
@@ -65,11 +73,11 @@ def choose_basis(chain: Chain, parameters: Sequence[Parameter], jacobian: Floats
         left = scaled[:, k] - basis @ (basis.T @ scaled[:, k])
         left -= basis @ (basis.T @ left)
         size = float(np.linalg.norm(left))
-        if norms[k] > 0.0 and size > _NULL:
+        if moves[k] and size > _NULL:
             basis = np.column_stack([basis, left / size])
             kept.append(k)
         else:
-            held[k] = _involved(parameters, scaled, kept, k) if norms[k] > 0.0 else (parameters[k].name,)
+            held[k] = _involved(parameters, scaled, kept, k) if moves[k] else (parameters[k].name,)
     numbers = sorted(held)
     return Choice(
         np.array(sorted(kept), dtype=np.int64),

@@ -162,6 +162,24 @@ def test_whole_poses_give_the_arm() -> None:
     assert values(found)["J6.alpha_deg"] == pytest.approx(-89.969, abs=1e-7)
 
 
+def test_orientation_of_an_unknown_frame_is_found() -> None:
+    poses = random_poses(30, 6)
+    tool = pose_of(np.array([10.0, -20.0, 90.0]), np.array([30.0, 95.0, -140.0]))
+    frames = TrueArm().flange(poses) @ tool
+    arm = irb120().with_targets((Target("plate", (0.0, 0.0, 0.0), None, turned=True),))
+    everywhere = np.arange(30), np.zeros(30, dtype=np.int64)
+    rows = Measurements(
+        Commands.of(arm, poses),
+        tuple(map(str, range(30))),
+        MeasuredPoints(*everywhere, frames[:, :3, 3]),
+        MeasuredOrientations(*everywhere, frames[:, :3, :3]),
+    )
+    found = identify_arm(arm, rows, "geometric+compliance")
+    assert found.estimate.residuals_mm == pytest.approx(0.0, abs=1e-7)
+    held = {parameter.name for parameter, _ in found.model.held}
+    assert {"J6.theta_offset_deg", "J6.d_mm"} <= held
+
+
 def test_correlated_coordinates_count_as_their_covariance_says() -> None:
     poses, rng = random_poses(60, 8), np.random.default_rng(8)
     along = np.array([0.6, 0.64, 0.48])

@@ -1,0 +1,162 @@
+"""What is said of a calibrated serial arm: verdict, parameters, models that were tried, poses that were left out."""
+
+from typing import Final
+
+from catseye.app.results.model import (
+    Block,
+    Bullets,
+    Column,
+    Quantity,
+    Report,
+    Section,
+    Sign,
+    Statement,
+    Table,
+    section,
+)
+from catseye.app.results.numbers import PROBABILITY, THREE_DIGITS, Format, counted, fixed
+from catseye.app.results.origin import origin_now
+from catseye.app.results.serial_arm.result import ParameterPart, SerialArmResult
+
+_MM: Final = fixed(3)
+_FORMS: Final[dict[str, Format]] = {"mm": fixed(4), "deg": fixed(5)}
+
+_CONVENTIONS: Final = (
+    "Parameters are modified Denavit–Hartenberg: T = Rx(α) Ry(β) Tx(a) Rz(θ) Tz(d), θ = sign · q + offset; β only of "
+    "an axis that is nominally parallel to the one before.",
+    "base: the arm's base in the frame of the instrument, R = Rz·Ry·Rx.",
+    "A compliance is the turn of a joint for each N·mm of gravity torque about its +z.",
+    "u are standard uncertainties (k = 1). A parameter that was not identified keeps its nominal value.",
+    "Left out: what all other poses predict of a pose, minus what was measured there; errors are 3-D norms.",
+)
+
+
+def calibration_report(heading: str, result: SerialArmResult) -> Report:
+    """Return the report of a calibration."""
+    simulated = bool(result.provenance and result.provenance.simulated)
+    sections = (
+        section("verdict", "Verdict", _verdict(result), brief=True),
+        section("accuracy", "Before and after", [_accuracy(result)], brief=True),
+        section("parameters", "Parameters", [_parameters(result.parameters)], brief=True),
+        section("models", "Models that were tried", [_candidates(result)]),
+        section("rejected", "Poses that were left out", [_rejected(result)] if result.rejected else []),
+        _redundant(result),
+        section("conventions", "Conventions", [Bullets("", _CONVENTIONS)]),
+    )
+    return Report(heading, origin_now(simulated=simulated, unverified=()), sections)
+
+
+def _verdict(result: SerialArmResult) -> list[Block]:
+    held = result.cross_validation
+    frames = result.frames
+    before = "" if frames is None else f"; with the links as drawn {frames.mean_mm:.3f} mm"
+    said: list[Block] = [
+        Statement(
+            Sign.GOOD,
+            f"Model {result.model}: poses left out are missed by {held.mean_mm:.3f} mm on the average, "
+            f"{held.max_mm:.3f} mm at most{before}.",
+        )
+    ]
+    if result.fit.lack_of_fit:
+        said.append(
+            Statement(
+                Sign.ATTENTION,
+                "The stated uncertainties do not explain the residuals: the arm does what the model lacks, or they "
+                "are too small. The uncertainties of the parameters are widened by that.",
+            )
+        )
+    if result.joints == "read back":
+        said.append(
+            Statement(
+                Sign.ATTENTION,
+                "The joints that the controller read back explain the measurements better than the commanded ones: "
+                "the arm did not reach its commands.",
+            )
+        )
+    if result.base_drift_mm is not None:
+        said.append(
+            Statement(
+                Sign.ATTENTION,
+                f"The base moved against the instrument, by about {result.base_drift_mm:.3g} mm in each coordinate "
+                "between the first and the last pose; the uncertainties know it. Measure the reference nests again "
+                "through the day.",
+            )
+        )
+    if result.rejected:
+        names = ", ".join(one.pose for one in result.rejected[:8])
+        said.append(
+            Statement(
+                Sign.ATTENTION,
+                f"{counted(len(result.rejected), 'pose')} left out, which contradict all others: {names}.",
+            )
+        )
+    return said
+
+
+def _accuracy(result: SerialArmResult) -> Table:
+    rows: list[tuple[str | float | None, ...]] = []
+    if result.frames is not None:
+        rows.append(("links as drawn, frames fitted", result.frames.mean_mm, result.frames.max_mm))
+    rows.append(
+        (f"{result.model}, poses left out", result.cross_validation.mean_mm, result.cross_validation.max_mm)
+    )
+    columns = (
+        Column("state", "state"),
+        Column("mean_mm", "mean error", "mm", _MM),
+        Column("max_mm", "largest", "mm", _MM),
+    )
+    return Table("accuracy", "Position errors at the targets", columns, tuple(rows))
+
+
+def _parameters(parameters: list[ParameterPart]) -> Table:
+    columns = (
+        Column("name", "parameter"),
+        Column("value", "value"),
+        Column("u", "u"),
+        Column("unit", "unit"),
+        Column("nominal", "nominal"),
+        Column("identified", "identified"),
+    )
+    rows = []
+    for one in parameters:
+        form = _FORMS.get(one.unit, THREE_DIGITS)
+        rows.append(
+            (
+                one.name,
+                Quantity(one.value, form),
+                Quantity(one.u if one.identified else None, THREE_DIGITS),
+                one.unit,
+                Quantity(one.nominal, form),
+                "yes" if one.identified else "held",
+            )
+        )
+    return Table("parameters", "Parameters", columns, tuple(rows))
+
+
+def _candidates(result: SerialArmResult) -> Table:
+    columns = (
+        Column("model", "model"),
+        Column("mean_mm", "mean error of poses left out", "mm", _MM),
+        Column("reason", "why it cannot be identified"),
+    )
+    rows = tuple((one.model, one.mean_mm, one.reason or None) for one in result.candidates)
+    return Table(
+        "models", "The simplest model whose predictions no other betters by 1 % is taken", columns, rows
+    )
+
+
+def _rejected(result: SerialArmResult) -> Table:
+    columns = (
+        Column("pose", "pose"),
+        Column("error_mm", "missed by", "mm", _MM),
+        Column("probability", "probability by chance", "", PROBABILITY),
+    )
+    rows = tuple((one.pose, one.error_mm, one.probability) for one in result.rejected)
+    return Table("rejected", "Poses that contradict all others", columns, rows)
+
+
+def _redundant(result: SerialArmResult) -> Section:
+    texts = tuple(f"{names[-1]} is held: {', '.join(names)} say the same" for names in result.null_directions)
+    return section(
+        "redundant", "What such measurements do not tell apart", [Bullets("", texts)] if texts else []
+    )

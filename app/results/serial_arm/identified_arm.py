@@ -1,0 +1,140 @@
+"""A result turned back into an arm that says where its targets are, with uncertainties."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+
+from catseye.app.cell.arm import ArmDescription, arm_description
+from catseye.app.errors import UsageError
+from catseye.app.results.serial_arm.nominal_arm import serial_arm_of, with_unknown_targets
+from catseye.app.results.serial_arm.result import ParameterPart, SerialArmResult
+from catseye.calibration.core.types import Floats
+from catseye.calibration.kinematics.rotations import pose_of
+from catseye.calibration.serial_arm.absolute import base_rates
+from catseye.calibration.serial_arm.arm import SerialArm
+from catseye.calibration.serial_arm.geometry import Commands, Geometry
+from catseye.calibration.serial_arm.parameters import (
+    FRAME_PARTS,
+    BaseFrame,
+    Harmonic,
+    Parameter,
+    Reversal,
+    TargetPlace,
+    base_parameters,
+    compliance_parameters,
+    link_parameters,
+)
+
+_WAVE: Final = re.compile(r"(cos|sin)([0-9.]+)_deg")
+
+
+@dataclass(frozen=True)
+class IdentifiedArm:
+    """An arm as a result has it.
+
+    Attributes:
+        geometry: with the values of the result.
+        covariance: of the identified parameters, the base's as steps from where it is, shape (p, p).
+        identified: numbers of the identified ones among the parameters of the geometry.
+    """
+
+    geometry: Geometry
+    covariance: Floats
+    identified: tuple[int, ...]
+
+    @property
+    def arm(self) -> SerialArm:
+        """The nominal arm with the targets of the result."""
+        return self.geometry.arm
+
+    def places_mm(self, commands: Commands, target: int) -> tuple[Floats, Floats]:
+        """Return where a target is at poses, in the frame of the instrument, mm, (n, 3), and the covariance, mm²."""
+        geometry = self.geometry
+        frames = geometry.frames(commands)
+        places = geometry.places_mm(frames[-1], np.full(len(commands), target))
+        moved = geometry.motions(commands, frames, len(geometry.parameters)).of_points(places)
+        for k, parameter in enumerate(geometry.parameters):
+            match parameter.role:
+                case TargetPlace(number, "x_mm" | "y_mm" | "z_mm" as part) if number == target:
+                    moved[:, :, k] = frames[-1, :, :3, "xyz".index(part[0])]
+        steps = moved[:, :, list(self.identified)]
+        return places, np.asarray(steps @ self.covariance @ steps.transpose(0, 2, 1))
+
+
+def identified_arm(result: SerialArmResult) -> IdentifiedArm:
+    """Return the arm of a result.
+
+    Raises:
+        UsageError: the result has a parameter that its arm does not have.
+        ConfigError: the result has no description of its arm, and there is none of that name.
+    """
+    arm = _nominal(result)
+    known = {
+        one.name: one for one in (*base_parameters(), *link_parameters(arm), *compliance_parameters(arm))
+    }
+    parameters = [known.get(part.name) or _further(arm, part) for part in result.parameters]
+    values = {part.name: part.value for part in result.parameters}
+    start = _base(values)
+    at = [0.0 if isinstance(one.role, BaseFrame) else values[one.name] for one in parameters]
+    geometry = Geometry(arm, start, parameters, np.array(at))
+    identified = tuple(k for k, part in enumerate(result.parameters) if part.identified)
+    return IdentifiedArm(geometry, _covariance(result, geometry, identified), identified)
+
+
+def _nominal(result: SerialArmResult) -> SerialArm:
+    description: ArmDescription = result.description or arm_description(result.arm)
+    arm = serial_arm_of(description, result.tool)
+    if arm.targets:
+        return arm
+    named = dict.fromkeys(
+        part.name.rpartition(".")[0]
+        for part in result.parameters
+        if part.name.rpartition(".")[2] in FRAME_PARTS
+    )
+    return with_unknown_targets(arm, [name for name in named if name != "base"])
+
+
+def _further(arm: SerialArm, part: ParameterPart) -> Parameter:
+    """Return a parameter of a target, a reversal or a harmonic by its name."""
+    owner, _, kind = part.name.rpartition(".")
+    targets = [target.name for target in arm.targets]
+    wave = _WAVE.fullmatch(kind)
+    if owner in targets and kind in FRAME_PARTS:
+        frame_part = FRAME_PARTS[FRAME_PARTS.index(kind)]
+        return Parameter(
+            part.name, part.unit, TargetPlace(targets.index(owner), frame_part), part.nominal or 0.0
+        )
+    if owner in arm.joint_names and kind.startswith("reversal_"):
+        return Parameter(part.name, part.unit, Reversal(arm.joint_names.index(owner)), 0.0)
+    if owner in arm.joint_names and wave is not None:
+        phase: Literal["cos", "sin"] = "cos" if wave[1] == "cos" else "sin"
+        role = Harmonic(arm.joint_names.index(owner), float(wave[2]), phase)
+        return Parameter(part.name, part.unit, role, 0.0)
+    raise UsageError(
+        f"the result has a parameter {part.name}, which its arm with the joints {', '.join(arm.joint_names)} and the "
+        f"targets {', '.join(targets) or 'none'} does not have: use the arm that it was identified for"
+    )
+
+
+def _base(values: Mapping[str, float]) -> Floats:
+    place = np.array([values.get(f"base.{part}", 0.0) for part in FRAME_PARTS])
+    return pose_of(place[:3], place[3:])
+
+
+def _covariance(result: SerialArmResult, geometry: Geometry, identified: tuple[int, ...]) -> Floats:
+    """Return the covariance of the identified parameters, the base's turned into steps from where it is."""
+    u = np.array([result.parameters[k].u for k in identified])
+    covariance = np.array(result.correlation).reshape(len(u), len(u)) * np.outer(u, u)
+    turned, steps = np.eye(len(u)), np.linalg.pinv(base_rates(geometry))
+    rows = {
+        place: FRAME_PARTS.index(role.part)
+        for place, k in enumerate(identified)
+        if isinstance(role := geometry.parameters[k].role, BaseFrame)
+    }
+    for place, row in rows.items():
+        for other, column in rows.items():
+            turned[place, other] = steps[row, column]
+    return np.asarray(turned @ covariance @ turned.T)

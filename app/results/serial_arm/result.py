@@ -1,0 +1,151 @@
+"""Result JSON of a serial arm, version 1: parameters with uncertainties, and what they were identified from.
+
+Values are absolute, not deviations; correlations are in the order of the identified parameters.
+"""
+
+import json
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal, TypeAlias
+
+from pydantic import Field
+
+from catseye.app.cell.arm import ArmDescription
+from catseye.app.cell.tool import ToolDescription
+from catseye.app.files.atomic import write_atomically
+from catseye.app.results.provenance import Provenance
+from catseye.app.results.result_file import read_result_file
+from catseye.app.results.uncertainty_part import Finite, ResultPart
+
+SERIAL_ARM_FORMAT: Final = "catseye-serial-arm/1"
+
+Uncertainty: TypeAlias = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+
+
+class ParameterPart(ResultPart):
+    """One number of the model.
+
+    Attributes:
+        name: of the part and of the number: `base.x_mm`, `A2.alpha_deg`, `nest1.x_mm`.
+        value: absolute.
+        u: standard uncertainty; 0 of a parameter that was not identified.
+        unit: of both.
+        nominal: value beforehand; None where there is none.
+        identified: from the measurements; otherwise it keeps its nominal value.
+    """
+
+    name: str
+    value: Finite
+    u: Uncertainty
+    unit: str
+    nominal: Finite | None
+    identified: bool
+
+
+class FitPart(ResultPart):
+    """Quality of the fit.
+
+    Attributes:
+        n_rows: coordinates and distances.
+        n_parameters: identified ones.
+        rms_mm: of the residuals.
+        chi2_reduced: for the stated uncertainties; None where none are stated.
+        chi2_probability: of so much or more.
+        lack_of_fit: the rows contradict the model beyond what is stated.
+    """
+
+    n_rows: int
+    n_parameters: int
+    rms_mm: Uncertainty
+    chi2_reduced: Finite | None = None
+    chi2_probability: Finite | None = None
+    lack_of_fit: bool = False
+
+
+class HeldOutPart(ResultPart):
+    """Errors of poses that the other poses predict, mm."""
+
+    mean_mm: Uncertainty
+    max_mm: Uncertainty
+
+
+class CandidatePart(ResultPart):
+    """A model that was tried; its mean error on poses left out, or why it could not be identified."""
+
+    model: str
+    mean_mm: Uncertainty | None
+    reason: str = ""
+
+
+class RejectedPart(ResultPart):
+    """A pose that contradicts the others: rms by which they miss it, and the probability of so much by chance."""
+
+    pose: str
+    error_mm: Uncertainty
+    probability: Uncertainty
+
+
+class FramesPart(ResultPart):
+    """Base and targets alone, the links as drawn: the errors that they leave on the same poses, mm."""
+
+    mean_mm: Uncertainty
+    std_mm: Uncertainty
+    max_mm: Uncertainty
+    parameters: list[ParameterPart]
+
+
+class SerialArmResult(ResultPart):
+    """A whole result file.
+
+    Attributes:
+        arm: name of the description, or its path.
+        model: from frames to maps.
+        null_directions: parameters that say the same to such measurements; the last of each is held.
+        correlation: of the identified parameters, row by row.
+        joints: what the poses were taken to be.
+        base_drift_mm: standard deviation of each coordinate between the first and the last pose; None where no drift
+            was seen.
+        description: the nominal arm.
+        tool: its tool; None where targets had unknown places.
+    """
+
+    format: Literal["catseye-serial-arm/1"] = SERIAL_ARM_FORMAT
+    arm: str
+    model: str
+    parameters: list[ParameterPart]
+    null_directions: list[list[str]]
+    correlation: list[list[Finite]]
+    fit: FitPart
+    cross_validation: HeldOutPart
+    rejected: list[RejectedPart]
+    provenance: Provenance | None = None
+    joints: Literal["commanded", "read back"] = "commanded"
+    base_drift_mm: Uncertainty | None = None
+    candidates: list[CandidatePart] = Field(default_factory=list)
+    frames: FramesPart | None = None
+    description: ArmDescription | None = None
+    tool: ToolDescription | None = None
+
+
+def serial_arm_text(result: SerialArmResult) -> str:
+    """Return the text of a result file."""
+    return json.dumps(result.model_dump(mode="json", by_alias=True), ensure_ascii=False, indent=1) + "\n"
+
+
+def serial_arm_summary(result: SerialArmResult) -> dict[str, Any]:
+    """Return a result as the file has it, without descriptions and correlations."""
+    left_out = {"description", "tool", "correlation"}
+    return result.model_dump(mode="json", by_alias=True, exclude=left_out)
+
+
+def write_serial_arm(result: SerialArmResult, path: Path) -> None:
+    """Write a result file, whole or not at all."""
+    write_atomically(path, serial_arm_text(result))
+
+
+def read_serial_arm(path: Path) -> SerialArmResult:
+    """Read a result file.
+
+    Raises:
+        UsageError: the file is missing or no result; names what is wrong.
+    """
+    return read_result_file(path, SerialArmResult, "catseye calibrate")

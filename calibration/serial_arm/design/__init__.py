@@ -1,0 +1,1 @@
+"""Which poses identify an arm best: observability indices, exchange from many candidates, what an instrument sees."""

@@ -1,0 +1,131 @@
+"""calibrate: from tables of measured poses to a result, and what it refuses."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+from catseye.app.cli import cli
+from catseye.app.errors import UsageError
+from catseye.app.results.serial_arm.identified_arm import identified_arm
+from catseye.app.results.serial_arm.result import SerialArmResult, read_serial_arm
+from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.serial_arm.geometry import Commands
+from catseye.calibration.serial_arm.plausibility import ImplausibleError
+from tests.unit.app.results.serial_arm.tables import arm_file, poses_file, some_poses, tool_file
+from tests.unit.calibration.serial_arm.true_arm import BASE, FOUND, TrueArm
+
+
+def called(folder: Path, poses: Path, *words: str) -> Result:
+    arm = ["--arm", str(arm_file(folder)), "-o", str(folder / "arm.json")]
+    return CliRunner().invoke(cli, ["calibrate", "--poses", str(poses), *arm, *words])
+
+
+def calibrated(folder: Path, *words: str) -> SerialArmResult:
+    done = called(folder, poses_file(folder, some_poses()), "--tool", str(tool_file(folder)), *words)
+    assert done.exit_code == 0, done.output
+    return read_serial_arm(folder / "arm.json")
+
+
+def test_table_gives_the_arm_with_honest_uncertainties(tmp_path: Path) -> None:
+    result = calibrated(tmp_path)
+    parts = {one.name: one for one in result.parameters}
+    wanted = {
+        "base.x_mm": BASE[0],
+        "base.rz_deg": BASE[5],
+        "J4.d_mm": FOUND[3, 3],
+        "J5.alpha_deg": FOUND[4, 0],
+    }
+    assert result.model == "geometric+compliance"
+    for name, true in wanted.items():
+        assert abs(parts[name].value - true) < 4.0 * parts[name].u
+        assert parts[name].u < 0.1
+
+
+def test_result_predicts_like_the_arm_that_it_came_from(tmp_path: Path) -> None:
+    arm = identified_arm(calibrated(tmp_path))
+    poses = some_poses(200, 50)
+    places, covariance = arm.places_mm(Commands.of(arm.arm, poses), 1)
+    missed = places - TrueArm().nests(poses, np.ones(200, dtype=np.int64))
+    u = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+    assert np.linalg.norm(missed, axis=1).mean() < 0.06
+    assert 0.5 < np.sqrt(np.mean((missed / u) ** 2)) < 1.6
+
+
+def test_json_has_the_keys_of_the_format(tmp_path: Path) -> None:
+    done = called(tmp_path, poses_file(tmp_path, some_poses()), "--tool", str(tool_file(tmp_path)), "--json")
+    said = json.loads(done.stdout)
+    assert {"arm", "model", "parameters", "fit", "cross_validation", "rejected", "output"} <= set(said)
+    stored = json.loads((tmp_path / "arm.json").read_text("utf-8"))
+    assert stored["format"] == "catseye-serial-arm/1"
+    assert len(stored["correlation"]) == stored["fit"]["n_parameters"]
+
+
+def test_without_a_tool_places_of_targets_are_found(tmp_path: Path) -> None:
+    poses = poses_file(tmp_path, some_poses(80))
+    assert called(tmp_path, poses, "--model", "geometric").exit_code == 0
+    parts = {one.name: one for one in read_serial_arm(tmp_path / "arm.json").parameters}
+    assert parts["nest2.x_mm"].value == pytest.approx(115.0, abs=5.0)
+    assert not parts["J6.theta_offset_deg"].identified
+
+
+def test_wrong_unit_is_named_and_nothing_written(tmp_path: Path) -> None:
+    poses = poses_file(tmp_path, some_poses())
+    header, *rows = (line.split(",") for line in poses.read_text("utf-8").splitlines())
+    turned = [[*row[:1], *(repr(float(np.deg2rad(float(q)))) for q in row[1:7]), *row[7:]] for row in rows]
+    poses.write_text("\n".join(",".join(row) for row in [header, *turned]), encoding="utf-8")
+    done = called(tmp_path, poses, "--tool", str(tool_file(tmp_path)))
+    assert isinstance(done.exception, ImplausibleError)
+    assert "in rad, not in deg" in str(done.exception)
+    assert not (tmp_path / "arm.json").exists()
+
+
+def test_target_that_the_tool_lacks_is_refused_with_its_line(tmp_path: Path) -> None:
+    tool = tool_file(tmp_path, ("smr1", "nest2", "nest3"))
+    done = called(tmp_path, poses_file(tmp_path, some_poses()), "--tool", str(tool))
+    assert isinstance(done.exception, UsageError)
+    assert "poses45.csv:2: the tool has no target 'nest1'; it has smr1" in str(done.exception)
+
+
+def test_pose_with_other_joints_is_refused_with_both_lines(tmp_path: Path) -> None:
+    poses = poses_file(tmp_path, some_poses())
+    poses.write_text(poses.read_text("utf-8").replace("pose 3,", "pose 1,"), encoding="utf-8")
+    done = called(tmp_path, poses, "--tool", str(tool_file(tmp_path)))
+    assert "poses45.csv:4: pose 'pose 1' has other joints" in str(done.exception)
+
+
+def test_too_few_poses_are_refused(tmp_path: Path) -> None:
+    done = called(
+        tmp_path,
+        poses_file(tmp_path, some_poses(3)),
+        "--tool",
+        str(tool_file(tmp_path)),
+        "--model",
+        "geometric",
+    )
+    assert isinstance(done.exception, CalibrationError)
+    assert "rows for 26 parameters" in str(done.exception)
+
+
+def test_distances_to_anchors_are_identified(tmp_path: Path) -> None:
+    poses, rng = some_poses(200, 3), np.random.default_rng(3)
+    places = TrueArm(base=np.zeros(6)).nests(poses, np.ones(200, dtype=np.int64))
+    anchors = {"P1": (900.0, 300.0, 100.0), "P2": (-200.0, 1000.0, 300.0), "P3": (700.0, -800.0, 900.0)}
+    (tmp_path / "anchors.csv").write_text(
+        "anchor,x_mm,y_mm,z_mm\n" + "".join(f"{name},{x},{y},{z}\n" for name, (x, y, z) in anchors.items()),
+        "utf-8",
+    )
+    lines = ["pose," + ",".join(f"q{k}_deg" for k in range(1, 7)) + ",target,anchor,segment,distance_mm,u_mm"]
+    for k, (q, place) in enumerate(zip(poses.tolist(), places, strict=True)):
+        name = ("P1", "P2", "P3")[k % 3]
+        apart = float(np.linalg.norm(place - anchors[name]) - 100.0 * (k % 3) + 0.002 * rng.standard_normal())
+        lines.append(",".join([f"{k}", *map(repr, q), "nest2", name, f"s{k % 3}", repr(apart), "0.002"]))
+    (tmp_path / "distances.csv").write_text("\n".join(lines), encoding="utf-8")
+    words = ["--tool", str(tool_file(tmp_path)), "--anchors", str(tmp_path / "anchors.csv")]
+    done = called(tmp_path, tmp_path / "distances.csv", *words, "--model", "geometric+compliance")
+    assert done.exit_code == 0, done.output
+    parts = {one.name: one for one in read_serial_arm(tmp_path / "arm.json").parameters}
+    assert parts["J4.d_mm"].value == pytest.approx(FOUND[3, 3], abs=4.0 * parts["J4.d_mm"].u)
+    assert parts["P2#s1.dead_path_mm"].value == pytest.approx(100.0, abs=0.05)

@@ -1,0 +1,61 @@
+"""Compensated commands bring an arm, computed by screws, to where the program meant."""
+
+import numpy as np
+import pytest
+
+from catseye.calibration.core.types import Floats
+from catseye.calibration.serial_arm.compensation import compensate
+from catseye.calibration.serial_arm.geometry import Geometry
+from catseye.calibration.serial_arm.identification import identify_arm
+from tests.unit.calibration.serial_arm.nominal import irb120, measured
+from tests.unit.calibration.serial_arm.true_arm import BASE, DRAWN, NESTS, TrueArm, random_poses
+
+STANDING = TrueArm(base=np.zeros(6))
+"""The true arm in the frame of its own base."""
+
+
+@pytest.fixture(scope="module")
+def geometry() -> Geometry:
+    return identify_arm(irb120(), measured(random_poses(38, 1)), "geometric+compliance").geometry
+
+
+def tool() -> Floats:
+    made = np.eye(4)
+    made[:3, 3] = NESTS[1]
+    return made
+
+
+def test_true_arm_reaches_what_the_program_means(geometry: Geometry) -> None:
+    poses = random_poses(50, 11)
+    nest = np.ones(50, dtype=np.int64)
+    found = compensate(geometry, poses, tool())
+    reached = [one for one in range(50) if one not in {named.row for named in found.refused}]
+    assert len(reached) >= 45
+    missed = STANDING.nests(found.joints[reached], nest[reached]) - DRAWN.nests(poses[reached], nest[reached])
+    assert np.abs(missed).max() < 1e-5
+
+
+def test_uncorrected_error_is_that_of_the_true_arm(geometry: Geometry) -> None:
+    poses, nest = random_poses(20, 12), np.ones(20, dtype=np.int64)
+    missed = np.linalg.norm(STANDING.nests(poses, nest) - DRAWN.nests(poses, nest), axis=1)
+    assert compensate(geometry, poses, tool()).uncorrected_mm == pytest.approx(missed, abs=1e-6)
+
+
+def test_pose_at_the_end_of_a_range_is_refused(geometry: Geometry) -> None:
+    poses = np.array([[165.0, 20.0, 0.0, 30.0, 40.0, 50.0], [-165.0, 20.0, 0.0, 30.0, 40.0, 50.0]])
+    found = compensate(geometry, poses)
+    assert len(found.refused) == 1
+    assert "outside -165…165 deg" in found.refused[0].reason
+    assert np.isnan(found.joints[found.refused[0].row]).all()
+
+
+def test_singular_pose_is_refused(geometry: Geometry) -> None:
+    found = compensate(geometry, np.array([[0.0, 30.0, 10.0, 0.0, 0.0, 0.0]]))
+    assert "close to a singular one" in found.refused[0].reason
+
+
+def test_base_of_the_paper_is_not_part_of_the_commands(geometry: Geometry) -> None:
+    assert geometry.base[:3, 3] == pytest.approx(BASE[:3], abs=1e-6)
+    turned = compensate(geometry, np.array([[0.0, 30.0, -10.0, 20.0, 40.0, 60.0]])).joints[0, 0]
+    # The base of Table VI is turned by 0.033°, which the commands must not make up for.
+    assert abs(turned) < 0.02
