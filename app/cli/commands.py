@@ -25,7 +25,7 @@ class Command:
 COMMANDS: Final[Mapping[str, Command]] = {
     "demo": Command("Do the whole job on emulated hardware over real sockets: measure, evaluate, report."),
     "init": Command(
-        "Write a commented cell file: for an RH-3FRH5515 with reflectors and commands of the paper, or for resolution."
+        "Write a commented cell file: for an RH-3FRH5515 with the paper's reflectors and commands, or for resolution."
     ),
     "config": Command("Check and show cell files."),
     "emulate": Command("Emulate every device of a cell file on its endpoints until Ctrl-C."),
