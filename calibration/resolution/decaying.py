@@ -148,7 +148,7 @@ def _least_step(size: Floats, counts: Floats) -> LeastStep | None:
     number = np.arange(size.size, dtype=np.float64)
     # The series falls by the same factor a step; half a step beyond its ends belongs to them.
     slope, start = np.polyfit(number, np.log(size), 1)
-    found = size[np.clip(np.round(counts - 1.0), 0, size.size - 1).astype(np.int64)]
+    found = np.exp(start + slope * (np.clip(counts, 0.5, size.size + 0.5) - 1.0))
     open_below = float(np.mean(counts > size.size - 0.5)) > _TAIL
     return LeastStep(
         value=float(size[int(np.clip(round(middle), 0, size.size - 1))]),

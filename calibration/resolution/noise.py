@@ -7,7 +7,7 @@ import numpy as np
 
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.flags import Flag
-from catseye.calibration.resolution.lowess import velocity
+from catseye.calibration.resolution.lowess import half_window, velocity
 from catseye.calibration.resolution.moves import Moves
 from catseye.calibration.resolution.recording import Recording
 from catseye.calibration.resolution.speed import speed_of
@@ -55,10 +55,12 @@ def standstill_before(recording: Recording, moves: Moves, guard_s: float) -> Sta
     before = recording.clipped(end_s - LONGEST_S, end_s)
     if before.position.size < SHORTEST_S * recording.rate_hz:
         return None
-    speed = np.abs(speed_of(before))
+    # The guard on either side is what the smoothing takes from the ends.
+    around = recording.clipped(end_s - LONGEST_S - guard_s, end_s + guard_s)
+    speed = np.abs(speed_of(around))
     moving = np.flatnonzero(speed > _MOTION * _NORMAL_MAD * np.nanmedian(speed))
     if moving.size:
-        after_s = before.start_s + float(moving[-1]) / recording.rate_hz + _AFTER_MOTION_S
+        after_s = around.start_s + float(moving[-1]) / recording.rate_hz + _AFTER_MOTION_S
         before = before.clipped(after_s, end_s)
     if before.position.size < SHORTEST_S * recording.rate_hz:
         return None
@@ -75,7 +77,8 @@ def noise_of_standstill(
         apart_s: from one plateau to the next, s.
     """
     step, half = still.u_of_step(plateau_s, apart_s), still.u_of_step(0.5 * plateau_s, 0.5 * plateau_s)
-    speed = float(velocity(still.noise, still.rate_hz).std())
+    reach = half_window(still.rate_hz)
+    speed = float(velocity(still.noise, still.rate_hz)[reach:-reach].std())
     if not still.significant:
         return StepNoise(step, half, speed)
     each = shown(still.drift_per_s * apart_s, recording.unit)

@@ -13,9 +13,13 @@ _HIDING_S = 0.1
 def speed_of(recording: Recording) -> Floats:
     """Return the smoothed velocity between successive samples, in units of the position a second, shape (n − 1,).
 
-    Within half a window of a gap that may hide a motion it is NaN: between its ends, any motion is invented.
+    Within half a window of a gap that may hide a motion it is NaN: between its ends, any motion is invented. So it is
+    within half a window of the recording's ends, where a velocity takes its noise from single samples: that is up to
+    hundred times the noise elsewhere, and would pass for motion.
     """
     speed = velocity(recording.position, recording.rate_hz)
+    reach = half_window(recording.rate_hz)
+    speed[:reach] = speed[-reach:] = np.nan
     if recording.missing is not None:
         speed[_hidden(recording.missing, recording.rate_hz)] = np.nan
     return speed

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.flags import Flag, FlagKind, flag_moves
+from catseye.calibration.resolution.lowess import half_window
 from catseye.calibration.resolution.moves import Moves
 from catseye.calibration.resolution.noise import (
     StepNoise,
@@ -116,8 +117,10 @@ def steps(
             "angular optics, or use the moves of this recording"
         )
     rests = plateaus(recording, moves)
+    # The guard on either side is what the smoothing takes from the ends.
     clip = recording.clipped(
-        float(rests.start_s[0]), float(rests.start_s[-1] + rests.length_s + 1.0 / recording.rate_hz)
+        float(rests.start_s[0]) - GUARD_S,
+        float(rests.start_s[-1] + rests.length_s + 1.0 / recording.rate_hz) + GUARD_S,
     )
     speed = speed_of(clip)
     still = still or standstill_before(recording, moves, GUARD_S)
@@ -211,8 +214,9 @@ def _peaks(clip: Recording, speed: Floats, moves: Moves, noise: float) -> tuple[
     """
     edges = np.append(moves.time_s, moves.time_s[-1] + moves.dwell_s) - GUARD_S
     found, hidden = np.full(len(moves), np.nan), np.zeros(len(moves), dtype=np.bool_)
+    last = speed.size - half_window(clip.rate_hz)
     for number, direction in enumerate(moves.directions.tolist()):
-        first, end = clip.index(float(edges[number])), clip.index(float(edges[number + 1])) - 1
+        first, end = clip.index(float(edges[number])), min(clip.index(float(edges[number + 1])) - 1, last)
         window = direction * speed[first:end]
         known = np.nan_to_num(window, nan=-np.inf)
         fastest = int(np.argmax(known))

@@ -56,7 +56,7 @@ def named_arm(arm: str, asked: Asked) -> ArmDescription:
     """Return the description of an arm that has the joint that was asked for.
 
     Raises:
-        UsageError: there is no such arm, or it has no such joint.
+        UsageError: there is no such arm, it has no such joint, or the joint does not reach the position.
     """
     try:
         found = arm_description(arm)
@@ -67,7 +67,37 @@ def named_arm(arm: str, asked: Asked) -> ArmDescription:
         raise UsageError(
             f"--joint {asked.joint}: a {asked.test} test of {found.name} is of {', '.join(joints)}"
         )
+    _require_in_range(found, asked)
     return found
+
+
+def _require_in_range(arm: ArmDescription, asked: Asked) -> None:
+    of = next((joint for joint in arm.joint if joint.name == asked.joint), None)
+    if of is None or asked.position is None:
+        return
+    low, high = of.range
+    if not low <= asked.position <= high:
+        raise UsageError(
+            f"--position-deg {asked.position:g}: {of.name} of {arm.name} moves from {low:g} to {high:g} {of.unit}: "
+            "state where it stood"
+        )
+
+
+def _require_unit(arm: ArmDescription, given: Import, unit: str) -> None:
+    """Refuse lengths of a joint that turns, and angles of what slides: no reader of the result would take them."""
+    asked = given.asked
+    of = next((joint for joint in arm.joint if joint.name == asked.joint), None)
+    wanted = "mm" if asked.test == "cartesian" or of is None else of.unit
+    if unit == wanted:
+        return
+    remedy = (
+        "state the spacing of the angular optics by --spacing-mm, and moves in command_deg"
+        if wanted == "deg"
+        else "leave out --spacing-mm, and give displacement_mm and moves in command_mm"
+    )
+    raise UsageError(
+        f"{given.recording.path}: is in {unit}, and a {asked.test} test of {asked.joint} in {wanted}: {remedy}"
+    )
 
 
 def imported_result(given: Import, arm: str) -> ResolutionResult:
@@ -78,14 +108,16 @@ def imported_result(given: Import, arm: str) -> ResolutionResult:
         arm: name of a shipped arm, or path of its description.
 
     Raises:
-        UsageError: as for `imported_test`, or the arm has no such joint.
+        UsageError: as for `imported_test`, the arm has no such joint at such a position, or the unit is not its own.
         CalibrationError: recording and moves do not fit.
     """
     description = named_arm(arm, given.asked)
+    test = imported_test(given)
+    _require_unit(description, given, test.unit)
     return ResolutionResult(
         arm=description.name,
         actuation=actuation_of(description),
-        tests=[imported_test(given)],
+        tests=[test],
         provenance=Provenance(runs=[given.recording.path.name], software=SOFTWARE, created=now_utc()),
     )
 

@@ -64,6 +64,31 @@ def test_a_test_downwards_states_its_direction(tmp_path: Path) -> None:
     assert _run(tmp_path, files, "--test", "decaying").tests[0].direction == -1
 
 
+@pytest.mark.parametrize(
+    ("more", "complaint"),
+    [
+        (("--test", "cartesian", "--joint", "X"), "is in deg, and a cartesian test of X in mm: leave out"),
+        (("--test", "decaying", "--position-deg", "999"), "A1 of KR 210 R2700 moves from -185 to 185 deg"),
+    ],
+)
+def test_what_the_arm_does_not_have_is_refused(
+    tmp_path: Path, decaying: Files, more: tuple[str, ...], complaint: str
+) -> None:
+    with pytest.raises(UsageError, match=complaint):
+        _run(tmp_path, decaying, *more)
+    assert not (tmp_path / "result.json").exists()
+
+
+def test_lengths_of_a_joint_that_turns_are_refused(tmp_path: Path, decaying: Files) -> None:
+    decaying.moves.write_text(decaying.moves.read_text("utf-8").replace("_deg", "_mm"), "utf-8")
+    recording = np.loadtxt(decaying.recording, delimiter=",", skiprows=1)
+    recording[:, 1] = np.degrees(np.arcsin(recording[:, 1] / 30.0))
+    np.savetxt(decaying.recording, recording, delimiter=",", header="t_s,displacement_mm", comments="")
+    given = ("--recording", decaying.recording, "--moves", decaying.moves, "-o", tmp_path / "result.json")
+    with pytest.raises(UsageError, match="state the spacing of the angular optics by --spacing-mm"):
+        said(*given, *_A1[:-2], "--test", "decaying")
+
+
 def test_the_actuation_comes_from_the_arm(tmp_path: Path, decaying: Files) -> None:
     result = _run(tmp_path, decaying, "--test", "decaying")
     assert [round(1e6 * one.ideal_lis_deg, 1) for one in result.actuation] == [5.3, 5.4, 5.8, 6.9, 6.5, 10.5]

@@ -1,5 +1,6 @@
 """Least increment steps of joints whose mean step error is written down."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -92,6 +93,13 @@ def test_scale_of_the_optics_widens_the_interval() -> None:
     assert sure is not None
     assert unsure is not None
     assert unsure.u > 3.0 * sure.u
+
+
+def test_a_least_step_is_no_surer_than_its_cell() -> None:
+    # Without scatter the series leaves a cell of it open: uniform, of width ln 1.072267 (GUM 4.3.7).
+    least = decaying_test(decaying_steps(COMMAND, overtravel(1e-4, 1e-9, 1))).least_step
+    assert least is not None
+    assert least.u == pytest.approx(least.value * math.log(1.072267) / math.sqrt(12.0), rel=0.1)
 
 
 def test_the_scatter_is_found_as_a_function_of_the_step() -> None:

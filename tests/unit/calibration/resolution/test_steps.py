@@ -11,7 +11,9 @@ from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.moves import Moves, moves_of
+from catseye.calibration.resolution.noise import LONGEST_S, standstill_before
 from catseye.calibration.resolution.optics import AngularOptics
+from catseye.calibration.resolution.plateaus import GUARD_S
 from catseye.calibration.resolution.recording import Recording, recording_of
 from catseye.calibration.resolution.steps import Steps, require_same_run, steps
 from tests.unit.calibration.resolution.staircase import DEG, STEPS_DEG, Bench
@@ -101,6 +103,26 @@ def test_without_a_standstill_the_noise_is_that_of_plateaus() -> None:
     found = staircase(COMMAND, bench=replace(BENCH, lead_s=6.0))
     assert [flag.kind for flag in found.flags] == ["no-standstill"]
     assert found.noise.step == pytest.approx(NOISE * math.sqrt(2.0 / 200.0), rel=0.4)
+
+
+@pytest.mark.parametrize("rate_hz", [100.0, 1000.0])
+def test_white_noise_before_the_first_move_is_a_standstill(rate_hz: float) -> None:
+    bench = Bench(rate_hz=rate_hz, noise=1e-8)
+    moves = bench.moves(np.full(3, 1e-3))
+    for seed in range(8):
+        found = standstill_before(bench.recorded(moves, moves.command, seed), moves, GUARD_S)
+        assert found is not None
+        assert found.noise.size == pytest.approx(LONGEST_S * rate_hz, abs=1)
+
+
+def test_noise_at_the_recordings_end_is_no_motion() -> None:
+    bench = Bench(rate_hz=1000.0, noise=1e-8)
+    moves = bench.moves(np.full(3, 1e-3))
+    for seed in range(8):
+        found = steps(bench.recorded(moves, np.array([1e-3, 1e-3, 0.0]), seed), moves)
+        assert np.isnan(found.peak_s[-1])
+        assert flagged(found, "no-motion") == (3,)
+        assert not flagged(found, "late")
 
 
 def test_a_run_in_before_the_first_move_is_no_standstill() -> None:
