@@ -31,6 +31,7 @@ class ParameterPart(ResultPart):
         unit: of both.
         nominal: value beforehand; None where there is none.
         identified: from the measurements; otherwise it keeps its nominal value.
+        of_distances: an anchor's coordinate or a dead path: nothing of the arm.
     """
 
     name: str
@@ -39,6 +40,7 @@ class ParameterPart(ResultPart):
     unit: str
     nominal: Finite | None
     identified: bool
+    of_distances: bool = False
 
 
 class FitPart(ResultPart):
