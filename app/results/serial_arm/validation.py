@@ -116,7 +116,9 @@ def arm_validation_report(found: ArmValidation, name: str) -> Report:
     rows: list[tuple[str | float, ...]] = [
         (state, *errors.figures().values()) for state, errors in states if errors is not None
     ]
-    table = Table("validation", "Position errors on poses that the calibration has not seen", columns, tuple(rows))
+    table = Table(
+        "validation", "Position errors on poses that the calibration has not seen", columns, tuple(rows)
+    )
     return Report(
         f"Validation with {name}",
         origin_now(simulated=False, unverified=()),

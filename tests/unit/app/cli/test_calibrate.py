@@ -1,5 +1,6 @@
 """calibrate: from tables of measured poses to a result, and what it refuses."""
 
+import csv
 import json
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from catseye.app.cli import cli
-from catseye.app.errors import UsageError
+from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.results.serial_arm.identified_arm import identified_arm
 from catseye.app.results.serial_arm.result import SerialArmResult, read_serial_arm
 from catseye.calibration.core.errors import CalibrationError
@@ -129,3 +130,57 @@ def test_distances_to_anchors_are_identified(tmp_path: Path) -> None:
     parts = {one.name: one for one in read_serial_arm(tmp_path / "arm.json").parameters}
     assert parts["J4.d_mm"].value == pytest.approx(FOUND[3, 3], abs=4.0 * parts["J4.d_mm"].u)
     assert parts["P2#s1.dead_path_mm"].value == pytest.approx(100.0, abs=0.05)
+
+
+def validated(folder: Path, *words: str) -> Result:
+    calibrated(folder)
+    poses = poses_file(folder, some_poses(100, 60), seed=9)
+    return CliRunner().invoke(cli, ["validate", str(folder / "arm.json"), "--measured", str(poses), *words])
+
+
+def test_validation_states_errors_of_drawn_and_calibrated_arm(tmp_path: Path) -> None:
+    done = validated(tmp_path, "--json")
+    said = json.loads(done.stdout)
+    assert said["n"] == 100
+    assert 1.0 < said["frames_only"]["mean_mm"] < 3.0
+    # Noise of the measured places alone makes 0.065 mm.
+    assert 0.05 < said["calibrated"]["mean_mm"] < 0.1
+    assert said["calibrated"]["max_mm"] > said["calibrated"]["mean_mm"] > said["calibrated"]["std_mm"]
+    assert said["inside_95_percent"] >= 85.0
+
+
+def test_validation_beyond_the_limit_is_rejected(tmp_path: Path) -> None:
+    done = validated(tmp_path, "--limit-mm", "0.03")
+    assert isinstance(done.exception, MeasurementRejectedError)
+    assert "more than the limit of 0.03 mm" in str(done.exception)
+
+
+def test_predicted_rows_keep_their_columns(tmp_path: Path) -> None:
+    calibrated(tmp_path)
+    poses = poses_file(tmp_path, some_poses(30, 70), seed=None)
+    words = ["--poses", str(poses), "-o", str(tmp_path / "predicted.csv")]
+    done = CliRunner().invoke(cli, ["predict", str(tmp_path / "arm.json"), *words])
+    assert done.exit_code == 0, done.output
+    with (tmp_path / "predicted.csv").open(encoding="utf-8") as lines:
+        rows = list(csv.DictReader(lines))
+    missed = [[float(row[f"{axis}_pred_mm"]) - float(row[f"{axis}_mm"]) for axis in "xyz"] for row in rows]
+    assert len(rows) == 30
+    assert np.linalg.norm(missed, axis=1).mean() < 0.06
+    assert all(0.0 < float(row["u_pred_mm"]) < 0.1 for row in rows)
+
+
+def test_path_of_a_scara_is_refused_for_a_serial_arm(tmp_path: Path) -> None:
+    calibrated(tmp_path)
+    words = ["--path", str(tmp_path / "poses45.csv"), "-o", str(tmp_path / "predicted.csv")]
+    done = CliRunner().invoke(cli, ["predict", str(tmp_path / "arm.json"), *words])
+    assert isinstance(done.exception, UsageError)
+    assert "is of a serial arm: give --poses FILE" in str(done.exception)
+
+
+def test_report_of_the_result_shows_its_parameters(tmp_path: Path) -> None:
+    calibrated(tmp_path)
+    done = CliRunner().invoke(cli, ["report", str(tmp_path / "arm.json"), "-o", str(tmp_path / "arm.html")])
+    assert done.exit_code == 0, done.output
+    page = (tmp_path / "arm.html").read_text("utf-8")
+    assert "J4.compliance_rad_per_nmm" in page
+    assert "geometric+compliance, poses left out" in page
