@@ -62,8 +62,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
     ),
     "validate": Command("Compare a model with an independent measurement."),
     "compensate": Command(
-        "Turn the model round: commands that bring the arm where it shall go, or a bidirectional table.",
-        _SCARA,
+        "Turn the model round: commands that bring the arm where it shall go, or a bidirectional table."
     ),
     "design": Command("Find where to put the reflectors and which commands to use.", _SCARA),
     "resolution": Command(

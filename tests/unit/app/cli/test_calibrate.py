@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.plausibility import ImplausibleError
 from tests.unit.app.results.serial_arm.tables import arm_file, poses_file, some_poses, tool_file
-from tests.unit.calibration.serial_arm.true_arm import BASE, FOUND, TrueArm
+from tests.unit.calibration.serial_arm.true_arm import BASE, DRAWN, FOUND, TrueArm
 
 
 def called(folder: Path, poses: Path, *words: str) -> Result:
@@ -184,3 +185,42 @@ def test_report_of_the_result_shows_its_parameters(tmp_path: Path) -> None:
     page = (tmp_path / "arm.html").read_text("utf-8")
     assert "J4.compliance_rad_per_nmm" in page
     assert "geometric+compliance, poses left out" in page
+
+
+def compensated(folder: Path, form: str) -> str:
+    calibrated(folder)
+    poses = poses_file(folder, some_poses(12, 80), seed=None)
+    words = ["--poses", str(poses), "--format", form, "--target", "nest2", "-o", str(folder / "out.txt")]
+    done = CliRunner().invoke(cli, ["compensate", str(folder / "arm.json"), *words])
+    assert done.exit_code == 0, done.output
+    return (folder / "out.txt").read_text("utf-8")
+
+
+def test_compensated_commands_bring_the_true_arm_near(tmp_path: Path) -> None:
+    rows = list(csv.DictReader(compensated(tmp_path, "csv").splitlines()))
+    kept = [k for k, row in enumerate(rows) if not row["reason"]]
+    commands = np.array([[float(rows[k][f"q{j}_deg"]) for j in range(1, 7)] for k in kept])
+    nest = np.ones(len(kept), dtype=np.int64)
+    meant = DRAWN.nests(some_poses(12, 80)[kept], nest)
+    missed = np.linalg.norm(TrueArm(base=np.zeros(6)).nests(commands, nest) - meant, axis=1)
+    assert len(kept) >= 9
+    assert missed.mean() < 0.12
+    assert float(rows[kept[0]]["uncorrected_mm"]) > 0.5
+
+
+def test_rapid_module_drives_to_the_compensated_joints(tmp_path: Path) -> None:
+    lines = compensated(tmp_path, "rapid").splitlines()
+    declared = [line for line in lines if "CONST jointtarget" in line]
+    assert (lines[0], lines[-1]) == ("MODULE CATSCOMP", "ENDMODULE")
+    assert len(declared) == sum("MoveAbsJ" in line for line in lines)
+    for line in declared:
+        found = re.search(r"p\d+_pose_(\d+):=\[\[([^\]]*)\]", line)
+        assert found is not None
+        meant = some_poses(12, 80)[int(found[1]) - 1]
+        assert np.abs(np.array([float(q) for q in found[2].split(",")]) - meant).max() < 2.0
+
+
+def test_krl_module_names_the_axes(tmp_path: Path) -> None:
+    text = compensated(tmp_path, "krl")
+    assert text.startswith("DEF CATSCOMP( )")
+    assert re.search(r"PTP \{A1 -?\d+\.\d{6}, A2 .*, A6 -?\d+\.\d{6}\}", text)
