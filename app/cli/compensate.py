@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 import typer
 
 from catseye.app.cli.options import AsJson, Output, ResultFile
-from catseye.app.cli.scara.options import Hand, StartDirection
+from catseye.app.cli.scara.options import FlangeAngle, Hand, StartDirection
 from catseye.app.errors import UsageError
 
 
@@ -35,7 +35,7 @@ def compensate(
     cell: Annotated[
         Path | None, typer.Option(help="cell file whose joint limits and bodies the commands have to keep to")
     ] = None,
-    j4: Annotated[float, typer.Option("--j4", metavar="DEG", help="angle of J4 all along the path")] = 0.0,
+    flange_deg: FlangeAngle = 0.0,
     as_json: AsJson = False,
 ) -> None:
     """Turn the model round: commands that bring the arm where it shall go, or a bidirectional table.
@@ -59,4 +59,6 @@ def compensate(
             f"{result} is of a SCARA: give --path FILE and --format csv, json, melfa or kw-ssfk; --poses, --target, "
             "rapid and krl are for serial arms"
         )
-    return compensate_path(result, output, path, format_, hand, start_direction, cell, j4, as_json=as_json)
+    return compensate_path(
+        result, output, path, format_, hand, start_direction, cell, flange_deg, as_json=as_json
+    )
