@@ -80,7 +80,7 @@ def main() -> None:
     for run in range(RUNS):
         for (pose, direction), value in measured_mm(run).items():
             least = intervals[pose][direction]
-            if least.lis is None:
+            if least.lis is least.high is None:
                 unpredicted += 1
             else:
                 inside.append((least.low or 0.0) <= value <= (least.high or math.inf))
