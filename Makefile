@@ -48,8 +48,11 @@ contracts: $(VENV)/installed  ## who may import whom
 	$(BIN)/python -c "from importlinter.cli import lint_imports_command as main; main()"
 
 test: $(VENV)/installed  ## everything that CI runs; the terminal UI and a measurement on the newest Python found as well
-	@# Tests wait for processes: the checks have what is left of the machine.
-	$(MAKE) --no-print-directory --jobs=2 tests lint types contracts newest
+	@# Tests hold programs to their time: the checks have what is left of the machine.
+	@nice -n 19 $(MAKE) --no-print-directory lint types contracts & checks=$$!; \
+	failed=0; $(MAKE) --no-print-directory newest && $(MAKE) --no-print-directory tests || failed=1; \
+	wait $$checks || { echo "make lint types contracts: failed, see above"; failed=1; }; \
+	exit $$failed
 
 suite: lint types contracts tests  ## the checks and the whole suite in one environment
 

@@ -58,13 +58,11 @@ COMMANDS: Final[Mapping[str, Command]] = {
         "Compare two results of one arm: links, error maps and reflectors, in combined standard uncertainties."
     ),
     "predict": Command(
-        "Predict where the arm really goes, with uncertainties; beyond the identified range it says nothing.",
-        _SCARA,
+        "Predict where the arm really goes, with uncertainties; beyond the identified range it says nothing."
     ),
-    "validate": Command("Compare a model with an independent measurement.", _SCARA),
+    "validate": Command("Compare a model with an independent measurement."),
     "compensate": Command(
-        "Turn the model round: commands that bring the arm where it shall go, or a bidirectional table.",
-        _SCARA,
+        "Turn the model round: commands that bring the arm where it shall go, or a bidirectional table."
     ),
     "design": Command("Find where to put the reflectors and which commands to use.", _SCARA),
     "resolution": Command(

@@ -47,6 +47,8 @@ def _report_of_files(paths: list[Path]) -> "Report":
     from catseye.app.results.resolution.report_files import is_of_resolution
     from catseye.app.results.resolution.result_report import resolution_files_report
     from catseye.app.results.scara.run_report import result_file_report
+    from catseye.app.results.serial_arm.calibration_report import calibration_file_report
+    from catseye.app.results.serial_arm.result import is_of_serial_arm
 
     if all(is_of_resolution(path) for path in paths):
         return resolution_files_report(paths)
@@ -55,6 +57,8 @@ def _report_of_files(paths: list[Path]) -> "Report":
             "a report of several files takes those of motion resolution only, results, predictions (.json) and "
             "look-up tables (.csv): name one result"
         )
+    if is_of_serial_arm(paths[0]):
+        return calibration_file_report(paths[0])
     return result_file_report(paths[0])
 
 

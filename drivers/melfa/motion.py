@@ -3,7 +3,6 @@
 import asyncio
 import contextlib
 from collections.abc import Awaitable, Callable, Iterator, Mapping
-from types import MappingProxyType
 from typing import Final
 
 from catseye.drivers.links.healing import ATTEMPTS
@@ -28,10 +27,10 @@ VARIABLES = tuple(f"JCATSEY{number}" for number in range(1, 9))
 """Joint variables that may carry the target in the controller. A session takes one of them: what another program
 assigns is not where this one drives, and the controller, which keeps its variables, is not filled with names."""
 
-COMMANDED: Final[Mapping[Unit, float]] = MappingProxyType({"deg": 1e-3, "mm": 1e-3})
+COMMANDED: Final[Mapping[Unit, float]] = {"deg": 1e-3, "mm": 1e-3}
 """Steps in which a controller drives (SCARA paper, robot data; µm of J3)."""
 
-REPORTED: Final[Mapping[Unit, float]] = MappingProxyType({"deg": 1e-2, "mm": 1e-2})
+REPORTED: Final[Mapping[Unit, float]] = {"deg": 1e-2, "mm": 1e-2}
 """Steps in which the R-protocol tells where joints stand (sheet 1.11): nothing finer can be added to them."""
 
 NO_TORQUES = (

@@ -1,14 +1,11 @@
-"""compensate: commands that bring the arm where it shall go, or tables that make its controller do so."""
+"""compensate, of a SCARA: commands that bring it where it shall go, or tables that make its controller do so."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
-import typer
-
-from catseye.app.cli.options import AsJson, Output, ResultFile
 from catseye.app.cli.output import note, warn, write_json
 from catseye.app.cli.report_output import note_statements, write_tables
-from catseye.app.cli.scara.options import Hand, StartDirection
+from catseye.app.cli.scara.options import HandName
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import require_output, write_atomically
 
@@ -18,26 +15,24 @@ if TYPE_CHECKING:
     from catseye.calibration.scara.identification import IdentifiedArm
 
 
-def compensate(
-    result: ResultFile,
-    output: Output,
-    path: Annotated[
-        Path | None, typer.Option(help="path CSV, in joints or Cartesian; a table (kw-ssfk) needs none")
-    ] = None,
-    format_: Annotated[
-        Literal["csv", "json", "melfa", "kw-ssfk"], typer.Option("--format", help="what to write")
-    ] = "csv",
-    hand: Hand = "right",
-    start_direction: StartDirection = "1,1",
-    cell: Annotated[
-        Path | None, typer.Option(help="cell file whose joint limits and bodies the commands have to keep to")
-    ] = None,
-    j4: Annotated[float, typer.Option("--j4", metavar="DEG", help="angle of J4 all along the path")] = 0.0,
-    as_json: AsJson = False,
-) -> None:
-    """Turn the model round: commands that bring the arm where it shall go, or a bidirectional table.
+Form: TypeAlias = Literal["csv", "json", "melfa", "kw-ssfk"]
 
-    Example: catseye compensate result.json --path path.csv --format melfa --cell cell.toml -o path.prg
+
+def compensate(
+    result: Path,
+    output: Path,
+    path: Path | None = None,
+    format_: Form = "csv",
+    hand: HandName = "right",
+    start_direction: str = "1,1",
+    cell: Path | None = None,
+    j4: float = 0.0,
+    as_json: bool = False,
+) -> None:
+    """Turn the model round.
+
+    Raises:
+        UsageError: what the form needs is missing.
     """
     from catseye.app.cli.scara.compensation import correction_of, origin_of, write_correction
     from catseye.app.results.scara.identified_arm import arm_of, arm_remarks

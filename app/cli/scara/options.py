@@ -4,7 +4,10 @@ from typing import Annotated, Literal
 
 import typer
 
-Hand = Annotated[Literal["right", "left"], typer.Option(help="of Cartesian positions: right has theta2 >= 0")]
+HandName = Literal["right", "left"]
+
+Hand = Annotated[HandName, typer.Option(help="of Cartesian positions: right has theta2 >= 0")]
 StartDirection = Annotated[
     str, typer.Option(metavar="S1,S2", help="states of approach at the first Cartesian row, 1 or -1 each")
 ]
+FlangeAngle = Annotated[float, typer.Option("--j4", metavar="DEG", help="angle of J4 all along the path")]

@@ -1,29 +1,22 @@
-"""predict: where the model says the arm really goes."""
+"""predict, of a SCARA: where the model says the arm really goes on a path."""
 
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from catseye.app.cli.options import AsJson, Output, ResultFile
 from catseye.app.cli.output import note, write_json
 from catseye.app.cli.report_output import note_statements, write_tables
-from catseye.app.cli.scara.options import Hand, StartDirection
+from catseye.app.cli.scara.options import HandName
 from catseye.app.files.atomic import require_output
 
 
 def predict(
-    result: ResultFile,
-    path: Annotated[Path, typer.Option(help="path CSV, in joints or Cartesian")],
-    output: Output,
-    hand: Hand = "right",
-    start_direction: StartDirection = "1,1",
-    as_json: AsJson = False,
+    result: Path,
+    path: Path,
+    output: Path,
+    hand: HandName = "right",
+    start_direction: str = "1,1",
+    as_json: bool = False,
 ) -> None:
-    """Predict where the arm really goes, with uncertainties; beyond the identified range it says nothing.
-
-    Example: catseye predict result.json --path path.csv -o predicted.csv
-    """
+    """Predict a path."""
     from catseye.app.results.scara.identified_arm import nominal_of
     from catseye.app.results.scara.path_csv import read_path_csv, start_states
     from catseye.app.results.scara.prediction import predict_path, prediction_report, write_predicted_csv

@@ -1,39 +1,28 @@
-"""validate: a model against an independent measurement."""
+"""validate, of a SCARA: a model against an independent measurement."""
 
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from catseye.app.cli.options import AsJson, ResultFile
 from catseye.app.cli.output import note, write_json
 from catseye.app.cli.report_output import note_statements, write_tables
-from catseye.app.cli.scara.options import Hand, StartDirection
+from catseye.app.cli.scara.options import HandName
 from catseye.app.errors import MeasurementRejectedError
 from catseye.app.files.atomic import require_output
 
 
 def validate(
-    result: ResultFile,
-    measured: Annotated[
-        Path, typer.Option(help="measured CSV: commands and independently measured positions")
-    ],
-    reference: Annotated[
-        Path | None,
-        typer.Option(metavar="RESULT", help="model to compare with, as a rule the conventional one"),
-    ] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="HTML page with the figures")] = None,
-    limit: Annotated[
-        float | None,
-        typer.Option("--limit-um", min=0.0, help="2-D rms that may be left; more is exit code 1"),
-    ] = None,
-    hand: Hand = "right",
-    start_direction: StartDirection = "1,1",
-    as_json: AsJson = False,
+    result: Path,
+    measured: Path,
+    reference: Path | None = None,
+    output: Path | None = None,
+    limit: float | None = None,
+    hand: HandName = "right",
+    start_direction: str = "1,1",
+    as_json: bool = False,
 ) -> None:
     """Compare a model with an independent measurement.
 
-    Example: catseye validate error-map.json --measured tracker.csv --reference conventional.json -o validation.html
+    Raises:
+        MeasurementRejectedError: more is left than the limit.
     """
     from catseye.app.render.page import require_html, write_page
     from catseye.app.results.scara.validation_document import validation_document

@@ -29,7 +29,7 @@ from catseye.calibration.core.types import Floats
 from catseye.calibration.serial_arm.absolute import absolute, base_place
 from catseye.calibration.serial_arm.choice import Chosen, choose
 from catseye.calibration.serial_arm.identification import Calibration, ModelName
-from catseye.calibration.serial_arm.parameters import FRAME_PARTS, BaseFrame
+from catseye.calibration.serial_arm.parameters import FRAME_PARTS, AnchorPlace, BaseFrame, DeadPath, Parameter
 from catseye.calibration.serial_arm.plausibility import require_plausible
 
 
@@ -114,33 +114,30 @@ def _lacks(calibration: Calibration) -> bool:
 
 def _parameters(calibration: Calibration) -> list[ParameterPart]:
     """Return base and links in the order of the model, then those that keep their values."""
-    known = absolute(calibration)
+    known, place = absolute(calibration), base_place(calibration.geometry)
     identified = [
-        ParameterPart(
-            name=one.name,
-            value=float(value),
-            u=float(u),
-            unit=one.unit,
-            nominal=None if isinstance(one.role, BaseFrame) else one.nominal,
-            identified=True,
-        )
+        _part(one, float(value), float(u), identified=True)
         for one, value, u in zip(calibration.model.chosen, known.values, known.u, strict=True)
     ]
-    place = base_place(calibration.geometry)
     held = [
-        ParameterPart(
-            name=one.name,
-            value=float(place[FRAME_PARTS.index(one.role.part)])
-            if isinstance(one.role, BaseFrame)
-            else value,
-            u=0.0,
-            unit=one.unit,
-            nominal=None if isinstance(one.role, BaseFrame) else one.nominal,
-            identified=False,
-        )
+        _part(one, float(place[FRAME_PARTS.index(one.role.part)]), 0.0, identified=False)
+        if isinstance(one.role, BaseFrame)
+        else _part(one, value, 0.0, identified=False)
         for one, value in calibration.model.held
     ]
     return identified + held
+
+
+def _part(parameter: Parameter, value: float, u: float, *, identified: bool) -> ParameterPart:
+    return ParameterPart(
+        name=parameter.name,
+        value=value,
+        u=u,
+        unit=parameter.unit,
+        nominal=None if isinstance(parameter.role, BaseFrame | DeadPath) else parameter.nominal,
+        identified=identified,
+        of_distances=isinstance(parameter.role, AnchorPlace | DeadPath),
+    )
 
 
 def _frames(frames: Calibration) -> FramesPart:

@@ -1,5 +1,6 @@
 """What is said of a calibrated serial arm: verdict, parameters, models that were tried, poses that were left out."""
 
+from pathlib import Path
 from typing import Final
 
 from catseye.app.results.model import (
@@ -16,7 +17,7 @@ from catseye.app.results.model import (
 )
 from catseye.app.results.numbers import PROBABILITY, THREE_DIGITS, Format, counted, fixed
 from catseye.app.results.origin import origin_now
-from catseye.app.results.serial_arm.result import ParameterPart, SerialArmResult
+from catseye.app.results.serial_arm.result import ParameterPart, SerialArmResult, read_serial_arm
 
 _MM: Final = fixed(3)
 _FORMS: Final[dict[str, Format]] = {"mm": fixed(4), "deg": fixed(5)}
@@ -29,6 +30,15 @@ _CONVENTIONS: Final = (
     "u are standard uncertainties (k = 1). A parameter that was not identified keeps its nominal value.",
     "Left out: what all other poses predict of a pose, minus what was measured there; errors are 3-D norms.",
 )
+
+
+def calibration_file_report(path: Path) -> Report:
+    """Return the report of a result file.
+
+    Raises:
+        UsageError: the file is missing or no result; names what is wrong.
+    """
+    return calibration_report(f"Result {path.name}", read_serial_arm(path))
 
 
 def calibration_report(heading: str, result: SerialArmResult) -> Report:

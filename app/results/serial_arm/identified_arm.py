@@ -1,7 +1,7 @@
 """A result turned back into an arm that says where its targets are, with uncertainties."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -71,17 +71,33 @@ def identified_arm(result: SerialArmResult) -> IdentifiedArm:
         UsageError: the result has a parameter that its arm does not have.
         ConfigError: the result has no description of its arm, and there is none of that name.
     """
-    arm = _nominal(result)
+    parts = [part for part in result.parameters if not part.of_distances]
+    geometry = _geometry(_nominal(result), parts)
+    identified = tuple(k for k, part in enumerate(parts) if part.identified)
+    return IdentifiedArm(geometry, _covariance(result, geometry, identified), identified)
+
+
+def arm_with_frames(result: SerialArmResult) -> Geometry | None:
+    """Return the arm as drawn, with base and targets fitted; None where the result does not have it.
+
+    Raises:
+        UsageError: as for `identified_arm`.
+        ConfigError: as for `identified_arm`.
+    """
+    if result.frames is None:
+        return None
+    parts = [part for part in result.frames.parameters if not part.of_distances]
+    return _geometry(_nominal(result), parts)
+
+
+def _geometry(arm: SerialArm, parts: Sequence[ParameterPart]) -> Geometry:
     known = {
         one.name: one for one in (*base_parameters(), *link_parameters(arm), *compliance_parameters(arm))
     }
-    parameters = [known.get(part.name) or _further(arm, part) for part in result.parameters]
-    values = {part.name: part.value for part in result.parameters}
-    start = _base(values)
+    parameters = [known.get(part.name) or _further(arm, part) for part in parts]
+    values = {part.name: part.value for part in parts}
     at = [0.0 if isinstance(one.role, BaseFrame) else values[one.name] for one in parameters]
-    geometry = Geometry(arm, start, parameters, np.array(at))
-    identified = tuple(k for k, part in enumerate(result.parameters) if part.identified)
-    return IdentifiedArm(geometry, _covariance(result, geometry, identified), identified)
+    return Geometry(arm, _base(values), parameters, np.array(at))
 
 
 def _nominal(result: SerialArmResult) -> SerialArm:
@@ -92,7 +108,7 @@ def _nominal(result: SerialArmResult) -> SerialArm:
     named = dict.fromkeys(
         part.name.rpartition(".")[0]
         for part in result.parameters
-        if part.name.rpartition(".")[2] in FRAME_PARTS
+        if part.name.rpartition(".")[2] in FRAME_PARTS and not part.of_distances
     )
     return with_unknown_targets(arm, [name for name in named if name != "base"])
 
@@ -126,8 +142,11 @@ def _base(values: Mapping[str, float]) -> Floats:
 
 def _covariance(result: SerialArmResult, geometry: Geometry, identified: tuple[int, ...]) -> Floats:
     """Return the covariance of the identified parameters, the base's turned into steps from where it is."""
-    u = np.array([result.parameters[k].u for k in identified])
-    covariance = np.array(result.correlation).reshape(len(u), len(u)) * np.outer(u, u)
+    estimated = [part for part in result.parameters if part.identified]
+    of_arm = np.array([not part.of_distances for part in estimated])
+    correlation = np.array(result.correlation).reshape(len(estimated), len(estimated))[of_arm][:, of_arm]
+    u = np.array([part.u for part in estimated])[of_arm]
+    covariance = correlation * np.outer(u, u)
     turned, steps = np.eye(len(u)), np.linalg.pinv(base_rates(geometry))
     rows = {
         place: FRAME_PARTS.index(role.part)

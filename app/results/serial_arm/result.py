@@ -13,7 +13,7 @@ from catseye.app.cell.arm import ArmDescription
 from catseye.app.cell.tool import ToolDescription
 from catseye.app.files.atomic import write_atomically
 from catseye.app.results.provenance import Provenance
-from catseye.app.results.result_file import read_result_file
+from catseye.app.results.result_file import format_of, read_result_file
 from catseye.app.results.uncertainty_part import Finite, ResultPart
 
 SERIAL_ARM_FORMAT: Final = "catseye-serial-arm/1"
@@ -31,6 +31,7 @@ class ParameterPart(ResultPart):
         unit: of both.
         nominal: value beforehand; None where there is none.
         identified: from the measurements; otherwise it keeps its nominal value.
+        of_distances: an anchor's coordinate or a dead path: nothing of the arm.
     """
 
     name: str
@@ -39,6 +40,7 @@ class ParameterPart(ResultPart):
     unit: str
     nominal: Finite | None
     identified: bool
+    of_distances: bool = False
 
 
 class FitPart(ResultPart):
@@ -140,6 +142,15 @@ def serial_arm_summary(result: SerialArmResult) -> dict[str, Any]:
 def write_serial_arm(result: SerialArmResult, path: Path) -> None:
     """Write a result file, whole or not at all."""
     write_atomically(path, serial_arm_text(result))
+
+
+def is_of_serial_arm(path: Path) -> bool:
+    """Return whether a result file is of a serial arm.
+
+    Raises:
+        UsageError: the file is missing or cannot be read.
+    """
+    return format_of(path) == SERIAL_ARM_FORMAT
 
 
 def read_serial_arm(path: Path) -> SerialArmResult:

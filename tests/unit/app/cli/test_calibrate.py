@@ -1,6 +1,8 @@
 """calibrate: from tables of measured poses to a result, and what it refuses."""
 
+import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -8,14 +10,14 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from catseye.app.cli import cli
-from catseye.app.errors import UsageError
+from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.results.serial_arm.identified_arm import identified_arm
 from catseye.app.results.serial_arm.result import SerialArmResult, read_serial_arm
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.plausibility import ImplausibleError
 from tests.unit.app.results.serial_arm.tables import arm_file, poses_file, some_poses, tool_file
-from tests.unit.calibration.serial_arm.true_arm import BASE, FOUND, TrueArm
+from tests.unit.calibration.serial_arm.true_arm import BASE, DRAWN, FOUND, TrueArm
 
 
 def called(folder: Path, poses: Path, *words: str) -> Result:
@@ -129,3 +131,96 @@ def test_distances_to_anchors_are_identified(tmp_path: Path) -> None:
     parts = {one.name: one for one in read_serial_arm(tmp_path / "arm.json").parameters}
     assert parts["J4.d_mm"].value == pytest.approx(FOUND[3, 3], abs=4.0 * parts["J4.d_mm"].u)
     assert parts["P2#s1.dead_path_mm"].value == pytest.approx(100.0, abs=0.05)
+
+
+def validated(folder: Path, *words: str) -> Result:
+    calibrated(folder)
+    poses = poses_file(folder, some_poses(100, 60), seed=9)
+    return CliRunner().invoke(cli, ["validate", str(folder / "arm.json"), "--measured", str(poses), *words])
+
+
+def test_validation_states_errors_of_drawn_and_calibrated_arm(tmp_path: Path) -> None:
+    done = validated(tmp_path, "--json")
+    said = json.loads(done.stdout)
+    assert said["n"] == 100
+    assert 1.0 < said["frames_only"]["mean_mm"] < 3.0
+    # Noise of the measured places alone makes 0.065 mm.
+    assert 0.05 < said["calibrated"]["mean_mm"] < 0.1
+    assert said["calibrated"]["max_mm"] > said["calibrated"]["mean_mm"] > said["calibrated"]["std_mm"]
+    assert said["inside_95_percent"] >= 85.0
+
+
+def test_validation_beyond_the_limit_is_rejected(tmp_path: Path) -> None:
+    done = validated(tmp_path, "--limit-mm", "0.03")
+    assert isinstance(done.exception, MeasurementRejectedError)
+    assert "more than the limit of 0.03 mm" in str(done.exception)
+
+
+def test_predicted_rows_keep_their_columns(tmp_path: Path) -> None:
+    calibrated(tmp_path)
+    poses = poses_file(tmp_path, some_poses(30, 70), seed=None)
+    words = ["--poses", str(poses), "-o", str(tmp_path / "predicted.csv")]
+    done = CliRunner().invoke(cli, ["predict", str(tmp_path / "arm.json"), *words])
+    assert done.exit_code == 0, done.output
+    with (tmp_path / "predicted.csv").open(encoding="utf-8") as lines:
+        rows = list(csv.DictReader(lines))
+    missed = [[float(row[f"{axis}_pred_mm"]) - float(row[f"{axis}_mm"]) for axis in "xyz"] for row in rows]
+    assert len(rows) == 30
+    assert np.linalg.norm(missed, axis=1).mean() < 0.06
+    assert all(0.0 < float(row["u_pred_mm"]) < 0.1 for row in rows)
+
+
+def test_path_of_a_scara_is_refused_for_a_serial_arm(tmp_path: Path) -> None:
+    calibrated(tmp_path)
+    words = ["--path", str(tmp_path / "poses45.csv"), "-o", str(tmp_path / "predicted.csv")]
+    done = CliRunner().invoke(cli, ["predict", str(tmp_path / "arm.json"), *words])
+    assert isinstance(done.exception, UsageError)
+    assert "is of a serial arm: give --poses FILE" in str(done.exception)
+
+
+def test_report_of_the_result_shows_its_parameters(tmp_path: Path) -> None:
+    calibrated(tmp_path)
+    done = CliRunner().invoke(cli, ["report", str(tmp_path / "arm.json"), "-o", str(tmp_path / "arm.html")])
+    assert done.exit_code == 0, done.output
+    page = (tmp_path / "arm.html").read_text("utf-8")
+    assert "J4.compliance_rad_per_nmm" in page
+    assert "geometric+compliance, poses left out" in page
+
+
+def compensated(folder: Path, form: str) -> str:
+    calibrated(folder)
+    poses = poses_file(folder, some_poses(12, 80), seed=None)
+    words = ["--poses", str(poses), "--format", form, "--target", "nest2", "-o", str(folder / "out.txt")]
+    done = CliRunner().invoke(cli, ["compensate", str(folder / "arm.json"), *words])
+    assert done.exit_code == 0, done.output
+    return (folder / "out.txt").read_text("utf-8")
+
+
+def test_compensated_commands_bring_the_true_arm_near(tmp_path: Path) -> None:
+    rows = list(csv.DictReader(compensated(tmp_path, "csv").splitlines()))
+    kept = [k for k, row in enumerate(rows) if not row["reason"]]
+    commands = np.array([[float(rows[k][f"q{j}_deg"]) for j in range(1, 7)] for k in kept])
+    nest = np.ones(len(kept), dtype=np.int64)
+    meant = DRAWN.nests(some_poses(12, 80)[kept], nest)
+    missed = np.linalg.norm(TrueArm(base=np.zeros(6)).nests(commands, nest) - meant, axis=1)
+    assert len(kept) >= 9
+    assert missed.mean() < 0.12
+    assert float(rows[kept[0]]["uncorrected_mm"]) > 0.5
+
+
+def test_rapid_module_drives_to_the_compensated_joints(tmp_path: Path) -> None:
+    lines = compensated(tmp_path, "rapid").splitlines()
+    declared = [line for line in lines if "CONST jointtarget" in line]
+    assert (lines[0], lines[-1]) == ("MODULE CATSCOMP", "ENDMODULE")
+    assert len(declared) == sum("MoveAbsJ" in line for line in lines)
+    for line in declared:
+        found = re.search(r"p\d+_pose_(\d+):=\[\[([^\]]*)\]", line)
+        assert found is not None
+        meant = some_poses(12, 80)[int(found[1]) - 1]
+        assert np.abs(np.array([float(q) for q in found[2].split(",")]) - meant).max() < 2.0
+
+
+def test_krl_module_names_the_axes(tmp_path: Path) -> None:
+    text = compensated(tmp_path, "krl")
+    assert text.startswith("DEF CATSCOMP( )")
+    assert re.search(r"PTP \{A1 -?\d+\.\d{6}, A2 .*, A6 -?\d+\.\d{6}\}", text)

@@ -1,0 +1,41 @@
+"""validate, of a serial arm: a calibration against poses that it has not seen."""
+
+from pathlib import Path
+
+from catseye.app.cli.output import note, write_json
+from catseye.app.cli.report_output import note_statements, write_tables
+from catseye.app.errors import MeasurementRejectedError
+from catseye.app.files.atomic import require_output
+
+
+def validate(
+    result: Path, measured: Path, output: Path | None, limit_mm: float | None, *, as_json: bool = False
+) -> None:
+    """Compare a calibration with measured poses.
+
+    Raises:
+        MeasurementRejectedError: more is left than the limit.
+    """
+    from catseye.app.render.page import require_html, write_page
+    from catseye.app.results.serial_arm.result import read_serial_arm
+    from catseye.app.results.serial_arm.validation import arm_validation_report, validate_arm
+
+    require_output(output, result, measured)
+    if output is not None:
+        require_html(output)
+    found = validate_arm(read_serial_arm(result), measured)
+    report = arm_validation_report(found, measured.name)
+    if as_json:
+        write_json(found.document())
+    else:
+        write_tables(report)
+    note_statements(report)
+    if output is not None:
+        write_page(report, output)
+        note(f"{output} written")
+    mean_mm = found.calibrated.figures()["mean_mm"]
+    if limit_mm is not None and mean_mm > limit_mm:
+        raise MeasurementRejectedError(
+            f"{measured}: the calibrated arm leaves {mean_mm:.3f} mm on the average, more than the limit of "
+            f"{limit_mm:g} mm"
+        )
