@@ -184,7 +184,7 @@ def test_a_first_step_beyond_the_tables_gives_no_number() -> None:
     assert re.search(part, least.reason)
 
 
-def test_exact_steps_down_to_the_tables_end_bound_the_least_step() -> None:
+def test_exact_steps_to_the_tables_end_bound_the_step() -> None:
     found = named(flat(ARM, commands=np.array([1e-2, 10.0])))["+Z"]
     least = found.least
     assert (least.lis, least.low) == (None, 0.0)
