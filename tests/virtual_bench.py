@@ -164,10 +164,8 @@ class VirtualBench:
 
     def _lead(self, increment_mm: Floats) -> None:
         start = self._commanded()
-        goal, here = self._kinematics.flange(start), self._kinematics.flange(start)
-        measured = self._kinematics.flange(self._arm.measured(self._time_s))
-        goal[:3, 3] = measured[:3, 3] + increment_mm
-        way_mm = float(np.linalg.norm(goal[:3, 3] - here[:3, 3]))
+        goal = self._kinematics.stepped(self._arm.measured(self._time_s), increment_mm)
+        way_mm = float(np.linalg.norm(goal[:3, 3] - self._kinematics.flange(start)[:3, 3]))
         duration_s = max(way_mm / (1e3 * LINE_M_S * _OVERRIDE), CYCLE_S)
         count = min(_KNOTS, int(np.ceil(duration_s / CYCLE_S)))
         knots = self._kinematics.line(start, goal, count)

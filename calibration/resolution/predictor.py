@@ -55,8 +55,9 @@ class PredictedStep:
 
     Attributes:
         lis: where the mean error leaves the threshold, mm or deg; None where the reason says why it is not known.
-        low: lower end of the 95 % interval of what one run of a measurement finds; None where it is not known.
-        high: upper end of it; None where it is not known.
+        low: lower end of the 95 % interval of what one run of a measurement finds, 0 where runs keep within the
+            threshold as far as steps are covered; None where nothing is known.
+        high: upper end of it, which may be known without `lis`; None where it is not known.
         reason: why a number is missing; empty when none is.
     """
 
@@ -170,25 +171,21 @@ def _least_step(
     if not expected:
         text = f"the error is {mean[0]:+.0f} % at the first step, {sizes[0]:.2g} {unit}: the least step is larger"
         return _no_step(text)
-    if expected == sizes.size:
-        text = f"within ±{threshold:g} % down to {sizes[-1]:.2g} {unit}, where {why_end}"
-        return _no_step(text)
     runs = steps_within(moving_mean(errors_percent.T), threshold)
     fewest, most = np.quantile(runs, [0.025, 0.975], method="weibull")
     fewest, most = min(math.floor(fewest), expected), max(math.ceil(most), expected)
     half = math.sqrt(method.series.ratio)
-    ends = (
-        (
-            f"runs are within ±{threshold:g} % down to {sizes[-1]:.2g} {unit}, where {why_end}",
-            most == sizes.size,
-        ),
+    end = f"within ±{threshold:g} % down to {sizes[-1]:.2g} {unit}, where {why_end}"
+    said = (
+        (end, expected == sizes.size),
+        (f"runs are {end}", expected < most == sizes.size),
         (f"runs are beyond ±{threshold:g} % at the first step, {sizes[0]:.2g} {unit}", not fewest),
     )
     return PredictedStep(
-        float(sizes[expected - 1]),
-        float(sizes[most - 1]) / half if most < sizes.size else None,
+        float(sizes[expected - 1]) if expected < sizes.size else None,
+        float(sizes[most - 1]) / half if most < sizes.size else 0.0,
         float(sizes[fewest - 1]) * half if fewest else None,
-        "; ".join(text for text, is_open in ends if is_open),
+        "; ".join(text for text, is_so in said if is_so),
     )
 
 

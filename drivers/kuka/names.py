@@ -32,7 +32,7 @@ MOST_MM: Final = "CATS_MAX_MM"
 PROGRAM: Final = "CATSKUKA"
 """Name of the program that carries out orders."""
 
-PROGRAM_VERSION: Final = 1
+PROGRAM_VERSION: Final = 2
 """Of CATSKUKA and CATSVARS as they are shipped with this driver."""
 
 ACTIVE: Final = "P_ACTIVE"

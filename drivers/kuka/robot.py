@@ -256,7 +256,10 @@ class KukaVarproxy(Robot):
         await self._carry_out(Order(Command.STEP_AXIS, values))
 
     async def step_line(self, increment_mm: tuple[float, float, float]) -> None:
-        """Move the tool along a line by an increment that the program adds to $POS_ACT_MEAS; see `move_joints`."""
+        """Move the tool along a line by an increment that the program adds to $POS_ACT_MEAS; see `move_joints`.
+
+        Place and orientation of the goal are measured ones.
+        """
         if not all(map(math.isfinite, increment_mm)):
             raise ValueError(f"a step needs finite increments, got {increment_mm}")
         values = dict(zip(names.LINE, map(real_text, increment_mm), strict=True))

@@ -157,10 +157,11 @@ class Robot(Device, Protocol):
         raise RefusedError(f"this robot's driver steps no axis: {axis} stands, not moved by {increment:g}", 0)
 
     async def step_line(self, increment_mm: tuple[float, float, float]) -> None:
-        """Move the tool along a straight line, orientation kept; return when the motion is over.
+        """Move the tool along a straight line; return when the motion is over.
 
         Args:
             increment_mm: x, y and z of the step in the arm's base frame, from where the tool is measured to stand.
+                The orientation is the measured one, so that the servos' errors turn the tool a little at every step.
 
         Only for drivers whose abilities say so.
         """

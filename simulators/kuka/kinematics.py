@@ -3,7 +3,7 @@
 import numpy as np
 
 from catseye.simulators.config import Joints, SerialArm
-from catseye.simulators.kuka.values import Structure, frame
+from catseye.simulators.kuka.values import ANGLES, PLACE, Structure, frame
 from catseye.simulators.world.serial.screws import ScrewArm
 from catseye.simulators.world.types import Floats
 
@@ -41,8 +41,24 @@ class Kinematics:
         x, y, z = flange[:3, 3]
         return frame(x, y, z, *np.rad2deg([a, b, c]))
 
+    def stepped(self, measured: Joints, increment_mm: Floats) -> Floats:
+        """Return the goal of a straight step: the measured frame, in REALs of 32 bits, and an increment.
+
+        Args:
+            measured: joints, deg.
+            increment_mm: along the axes of the base, shape (3,).
+
+        Returns:
+            Frame, mm, shape (4, 4).
+        """
+        members = self.place(measured).members
+        goal = np.eye(4)
+        goal[:3, :3] = _orientation(*(members[angle] for angle in ANGLES))
+        goal[:3, 3] = np.array([members[axis] for axis in PLACE]) + increment_mm
+        return goal
+
     def line(self, start: Joints, goal: Floats, count: int) -> Floats:
-        """Return joints along the straight line of the flange to a frame whose orientation is that at the start.
+        """Return joints along the straight line of the flange to a frame; the orientation changes evenly on the way.
 
         Args:
             start: joints, deg.
@@ -55,9 +71,9 @@ class Kinematics:
         Raises:
             UnsolvableError: a place on the line is out of reach, or the arm is too near a singularity.
         """
-        targets = np.repeat(goal[None], count, axis=0)
-        here_mm = self.flange(start)[:3, 3]
-        targets[:, :3, 3] = here_mm + np.linspace(0.0, 1.0, count + 1)[1:, None] * (goal[:3, 3] - here_mm)
+        here = self.flange(start)
+        # A blend of two orientations is none, but what it is turned by is what is solved for.
+        targets = here + np.linspace(0.0, 1.0, count + 1)[1:, None, None] * (goal - here)
         joints = np.repeat(np.array(start)[None], count, axis=0)
         for _ in range(_MOST_STEPS):
             left, jacobian = self._linearised(joints, targets)
@@ -80,3 +96,17 @@ class Kinematics:
         linear = np.cross(directions, flanges[:, None, :3, 3] - points)
         jacobian = np.concatenate([linear, _MM_PER_RAD * directions], axis=2).transpose(0, 2, 1)
         return left, jacobian
+
+
+def _orientation(a_deg: float, b_deg: float, c_deg: float) -> Floats:
+    """Return R = Rz(A) Ry(B) Rx(C), shape (3, 3)."""
+    (sin_a, sin_b, sin_c), (cos_a, cos_b, cos_c) = (
+        turn(np.deg2rad([a_deg, b_deg, c_deg])) for turn in (np.sin, np.cos)
+    )
+    return np.array(
+        [
+            [cos_a * cos_b, cos_a * sin_b * sin_c - sin_a * cos_c, cos_a * sin_b * cos_c + sin_a * sin_c],
+            [sin_a * cos_b, sin_a * sin_b * sin_c + cos_a * cos_c, sin_a * sin_b * cos_c - cos_a * sin_c],
+            [-sin_b, cos_b * sin_c, cos_b * cos_c],
+        ]
+    )

@@ -53,7 +53,7 @@ class Result(IntEnum):
 def declarations() -> dict[str, Value]:
     """Return the variables of CATSVARS.dat with their initial values."""
     return {
-        "CATS_VERSION": 1,
+        "CATS_VERSION": 2,
         "CATS_SEQ": 0,
         "CATS_FOR": 0,
         "CATS_CMD": 0,
@@ -187,9 +187,7 @@ class CatsKuka:
         increment = np.array([self._real(name) for name in ("CATS_X", "CATS_Y", "CATS_Z")])
         if np.linalg.norm(increment) > self._real("CATS_MAX_MM"):
             return Result.TOO_LARGE, None
-        goal = self._kinematics.flange(self._bench.joints)
-        measured = self._kinematics.flange(self._bench.measured)
-        goal[:3, 3] = measured[:3, 3] + increment
+        goal = self._kinematics.stepped(self._bench.measured, increment)
         return Result.UNDER_WAY, partial(self._lead, goal)
 
     def _drive(self, goal: Joints, percent: int, override: float) -> None:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from catseye.app.errors import UsageError
 from catseye.app.results.model import Block, Column, Sign, Statement, Table
-from catseye.app.results.numbers import NOTHING, SHARE_EXPECTED, counted
-from catseye.app.results.resolution.naming import interval_text
+from catseye.app.results.numbers import NOTHING, SHARE_EXPECTED, counted, number
+from catseye.app.results.resolution.naming import STEP, interval_text
 from catseye.app.results.resolution.predicted import PredictedLeast
 from catseye.app.results.resolution.result import AnyTest, read_resolution
 
@@ -23,10 +23,10 @@ class Compared:
     def inside(self) -> bool | None:
         """Whether the measured step lies in the predicted interval; None where one of them is not known.
 
-        An end that is not known is open.
+        An upper end that is not known is open beside a predicted step; without one, it is all that is predicted.
         """
         least, measured = self.predicted, self.test.lis
-        if least is None or least.lis is None or measured is None:
+        if least is None or measured is None or least.lis is least.high is None:
             return None
         return (least.low or 0.0) <= measured.value and (least.high is None or measured.value <= least.high)
 
@@ -89,12 +89,19 @@ def comparison_blocks(compared: Sequence[Compared]) -> list[Block]:
         )
         for one in compared
     )
-    caption = "Predicted and measured least increment steps of the tool"
+    caption = (
+        "Predicted and measured least increment steps of the tool; ≤ stands where only an upper end is predicted, "
+        "and a measured step up to it is within"
+    )
     return [statement, Table("comparison", caption, columns, rows)]
 
 
 def _predicted_text(least: PredictedLeast | None) -> str:
-    return NOTHING if least is None else interval_text(least.lis, least.low, least.high)
+    if least is None:
+        return NOTHING
+    if least.lis is None and least.high is not None:
+        return f"≤ {number(least.high, STEP)}"
+    return interval_text(least.lis, least.low, least.high)
 
 
 def _measured_text(test: AnyTest) -> str:

@@ -36,8 +36,9 @@ class PredictedLeast(ResultPart):
         direction: +X … −RZ, with a plain minus sign.
         unit: of the step.
         lis: None where the reason says why it is not known.
-        low: lower end of the 95 % interval of what one run of a measurement finds; None where it is not known.
-        high: upper end of it.
+        low: lower end of the 95 % interval of what one run of a measurement finds, 0 where runs keep within the
+            threshold as far as steps are covered; None where nothing is known.
+        high: upper end of it, which may be known without `lis`; None where it is not known.
         reason: why a number is missing; empty when none is.
         curve: None of points of a slice, and of directions without a covered step.
     """

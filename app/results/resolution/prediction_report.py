@@ -50,6 +50,7 @@ def prediction_said(predicted: PredictedResolution) -> list[Statement]:
     """Return how many directions are predicted, and why the first of the others is not."""
     rows = predicted.least_steps
     open_rows = [row for row in rows if row.lis is None]
+    at_most = sum(row.high is not None for row in open_rows)
     statements = [
         Statement(
             Sign.NEUTRAL,
@@ -62,8 +63,8 @@ def prediction_said(predicted: PredictedResolution) -> list[Statement]:
         statements.append(
             Statement(
                 Sign.ATTENTION,
-                f"{counted(len(open_rows), 'direction')} without a number, first {first.direction} at pose "
-                f"{first.pose}: {first.reason}. The file gives the reason of each.",
+                f"{counted(len(open_rows), 'direction')} without a least step, {at_most} with an upper end of it; "
+                f"first {first.direction} at pose {first.pose}: {first.reason}. The file gives the reason of each.",
             )
         )
     return statements

@@ -78,7 +78,11 @@ def test_steps_add_to_the_measured_place() -> None:
     for number in range(1, 7):
         assert f"CASE {number}\n      GOAL.A{number}=MEASURED.A{number}+CATS_INC" in step
     assert "MEASURED=$POS_ACT_MEAS" in line
-    assert all(f"GOAL.{axis}=MEASURED.{axis}+CATS_{axis}" in line for axis in "XYZ")
+    assert all(f"GOAL.{axis}=MEASURED.{axis}+CATS_{axis}\n" in line for axis in "XYZ")
+
+
+def test_a_straight_step_keeps_the_measured_orientation() -> None:
+    assert all(f"GOAL.{angle}=MEASURED.{angle}\n" in routine("CATS_LINE") for angle in "ABC")
 
 
 def test_steps_are_as_slow_as_the_emulated_ones() -> None:

@@ -13,7 +13,8 @@ _BESIDE: Final = 0.12
 _NAMES: Final = ("+X", "−X", "+Y", "−Y", "+Z", "−Z")
 _CAPTION: Final = (
     "Least increment steps of the tool with their 95 % intervals, a panel a pose. The interval of a prediction holds "
-    "what one run of a measurement finds. A direction without a point has no least step; the tables say why."
+    "what one run of a measurement finds. A direction without a point has no least step, or "
+    "an upper end of it only; the tables say why."
 )
 
 
@@ -41,9 +42,9 @@ def cartesian_step_figure(compared: Sequence[Compared]) -> Figure | None:
 def _ends(one: Compared) -> list[float]:
     """Return everything that is shown of a direction."""
     least = one.predicted
-    predicted = (None, None, None) if least is None else (least.lis, least.low, least.high)
+    predicted = () if least is None or least.lis is None else (least.lis, least.low, least.high)
     measured = () if one.test.lis is None else (one.test.lis.value, one.test.lis.low, one.test.lis.high)
-    return [end for end in (*predicted, *measured) if end is not None]
+    return [end for end in (*predicted, *measured) if end]
 
 
 def _marks(compared: Sequence[Compared]) -> list[Mark]:
@@ -53,7 +54,7 @@ def _marks(compared: Sequence[Compared]) -> list[Mark]:
         at = _NAMES.index(direction_word(one.test).replace("-", "−"))
         least = one.predicted
         if least is not None and least.lis is not None:
-            # An end that is not known is drawn at the step itself.
+            # An end that is 0 or not known is drawn at the step itself.
             predicted.append((at - _BESIDE, least.lis, least.low or least.lis, least.high or least.lis))
         if one.test.lis is not None:
             measured.append((at + _BESIDE, one.test.lis.value, one.test.lis.low, one.test.lis.high))

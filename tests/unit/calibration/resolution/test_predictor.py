@@ -177,23 +177,28 @@ def test_a_position_beyond_the_tables_is_named() -> None:
     assert "A3 stands at 95 deg, and its tables hold -120 … -120 deg" in named(narrow)["+X"].least.reason
 
 
-@pytest.mark.parametrize(
-    ("commands", "part"),
-    [
-        (
-            [1e-9, 1e-3],
-            r"at the first step, 1 mm: A\d would step 0\.0\d+ deg, and its table ends at 0\.001 deg",
-        ),
-        (
-            [1e-2, 10.0],
-            r"within ±10 % down to 0\.\d+ mm, where A\d would step 0\.0\d+ deg, and its table begins",
-        ),
-    ],
-)
-def test_a_step_beyond_the_tables_gives_no_number(commands: list[float], part: str) -> None:
-    least = named(flat(ARM, commands=np.array(commands)))["+Z"].least
+def test_a_first_step_beyond_the_tables_gives_no_number() -> None:
+    least = named(flat(ARM, commands=np.array([1e-9, 1e-3])))["+Z"].least
     assert (least.lis, least.low, least.high) == (None, None, None)
+    part = r"at the first step, 1 mm: A\d would step 0\.0\d+ deg, and its table ends at 0\.001 deg"
     assert re.search(part, least.reason)
+
+
+def test_exact_steps_to_the_tables_end_bound_the_step() -> None:
+    found = named(flat(ARM, commands=np.array([1e-2, 10.0])))["+Z"]
+    least = found.least
+    assert (least.lis, least.low) == (None, 0.0)
+    # Half a step of the series above the last one that the tables cover, which is where A2 or A3 would step 0.01 deg.
+    assert least.high == pytest.approx(found.steps[-1] * 1.072267**0.5)
+    part = r"within ±10 % down to 0\.\d+ mm, where A\d would step 0\.0\d+ deg, and its table begins"
+    assert re.search(part, least.reason)
+
+
+def test_runs_that_scatter_raise_the_upper_end() -> None:
+    scattered = named(flat(ARM, scatter=12.0), method=PredictionMethod(draws=400))["+Z"]
+    assert scattered.least.lis is None
+    assert scattered.least.high is not None
+    assert scattered.least.high > 2.0 * scattered.steps[-1]
 
 
 def test_a_joint_that_hardly_contributes_may_be_unknown() -> None:

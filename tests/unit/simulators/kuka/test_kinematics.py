@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from catseye.simulators.config import Joints
 from catseye.simulators.kuka.kinematics import Kinematics, UnsolvableError
+from catseye.simulators.world.types import Floats
 from tests.unit.simulators.kuka.benches import UPRIGHT
 from tests.unit.simulators.world.serial.arms import serial_arm
 
@@ -36,6 +38,32 @@ def test_a_line_is_straight_and_keeps_the_orientation(direction: tuple[float, fl
         flange = KUKA.flange(tuple(joints))
         assert flange[:3, :3] == pytest.approx(start[:3, :3], abs=1e-9)
         assert flange[:3, 3] == pytest.approx(start[:3, 3] + 0.25 * number * np.array(direction), abs=1e-6)
+
+
+def turned_about_z(angle_deg: float) -> Floats:
+    sine, cosine = np.sin(np.deg2rad(angle_deg)), np.cos(np.deg2rad(angle_deg))
+    return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+
+
+def test_a_line_turns_the_flange_evenly() -> None:
+    start = KUKA.flange(UPRIGHT)
+    goal = start.copy()
+    goal[:3, :3] = turned_about_z(0.04) @ start[:3, :3]
+    for number, joints in enumerate(KUKA.line(UPRIGHT, goal, 4), 1):
+        flange = KUKA.flange(tuple(joints))
+        assert flange[:3, :3] == pytest.approx(turned_about_z(0.01 * number) @ start[:3, :3], abs=1e-9)
+        assert flange[:3, 3] == pytest.approx(start[:3, 3], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "measured", [(12.3, -80.0, 70.0, 30.0, 50.0, 10.0), (-60.0, -100.0, 90.0, 100.0, -60.0, 80.0)]
+)
+def test_a_straight_step_begins_at_the_measured_frame(measured: Joints) -> None:
+    goal, here = KUKA.stepped(measured, np.array([0.1, -0.2, 0.3])), KUKA.flange(measured)
+    # REALs of 32 bits: 1.2e-4 mm apart above 1024 mm, 1.5e-5° above 128°.
+    assert goal[:3, 3] - here[:3, 3] == pytest.approx([0.1, -0.2, 0.3], abs=1.3e-4)
+    assert goal[:3, :3] == pytest.approx(here[:3, :3], abs=5e-7)
+    assert np.linalg.det(goal[:3, :3]) == pytest.approx(1.0, abs=1e-12)
 
 
 def test_a_line_through_a_singularity_has_no_joints() -> None:
