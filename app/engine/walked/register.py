@@ -72,6 +72,10 @@ def geometry_digest(cell: Cell) -> str:
     values = cell.model_dump(mode="json")
     robot = {key: value for key, value in values["robot"].items() if key not in _NO_GEOMETRY}
     bodies = asdict(replace(workspace_of(cell), unconfirmed=()))
+    for joint in bodies["chain"]["joints"]:
+        # An untilted joint counts as it did before tilts were described: older walks still hold.
+        if not joint["beta_deg"]:
+            del joint["beta_deg"]
     kept = {key: value for key, value in values.items() if key not in _NO_BODIES}
     kept |= {"robot": robot, "bodies": bodies}
     return hashlib.sha256(json.dumps(kept, sort_keys=True).encode()).hexdigest()

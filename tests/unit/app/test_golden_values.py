@@ -25,7 +25,7 @@ class Golden(NamedTuple):
 
 
 GOLDEN = {
-    "beam-level": Golden("b34c68fcd06633bf", "08b6ced7e1a9bda3", 2.763),
+    "beam-level": Golden("b34c68fcd06633bf", "a6733266570b5b5f", 2.913),
     "beam-to-j4": Golden("56f226d65b68a819", "25e583da856fa109", 42.399),
     "open-loop": Golden("82d82b9ecce15b98", "62822ecd51eb12e5", 1489.834),
     "reflector-search": Golden("956c7c353097831f", "6ba4c9f42baefb68", 42.82),

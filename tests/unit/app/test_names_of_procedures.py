@@ -19,6 +19,7 @@ ALLOWED = {
     "cell/templates.py": "templates are found by the name of their system; one system is called resolution",
     "cell/resolution": "comments of its cell file say which procedure needs an entry",
     "cli/commands.py": "one command is called resolution",
+    "cli/demo.py": "one system is called resolution",
     "cli/resolution": "options and results tell its tests apart by the procedures' names",
     "results/resolution": "results tell its tests apart by the procedures' names",
     "tui/resolution": "views tell its tests apart by the procedures' names",

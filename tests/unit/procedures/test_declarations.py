@@ -21,7 +21,7 @@ print('scipy' in sys.modules)
 
 def test_the_way_has_an_order() -> None:
     orders = [each.stage.order for each in on_the_way() if each.stage]
-    orders += [one.stage.order for each in procedures() for one in each.analyses]
+    orders += [one.stage.order for one in {one for each in procedures() for one in each.analyses}]
     assert len(set(orders)) == len(orders) > 0
 
 

@@ -71,8 +71,8 @@ WAY_THROUGH_THE_PARTS = (
     ("residuals", ("d", "5")),
     ("fit", ("6",)),
     ("path", ("t", "enter")),
-    ("changed_screen", ("1", "down", "c")),
-    ("changed_screen-in-u", ("u",)),
+    ("compare", ("1", "down", "c")),
+    ("compare-in-u", ("u",)),
 )
 
 
@@ -151,7 +151,7 @@ async def test_comparison_in_mdeg_and_in_combined_uncertainties(bench: Path) -> 
         await press(app, pilot, "enter", "c")
         assert app.screen.query_one(ContentSwitcher).current == "files", "compared with itself"
         text = await press(app, pilot, "1", "down", "c")
-        assert app.screen.query_one(ContentSwitcher).current == "changed_screen"
+        assert app.screen.query_one(ContentSwitcher).current == "compare"
         assert "later.json (second) minus error-map.json (first)" in text
         squeezed = " ".join(text.split())
         assert "L1 mm 325.0123 325.0323 +0.0200 0.0050 +4.00" in squeezed
