@@ -70,5 +70,9 @@ class NotArrivedError(DeviceError):
     """The robot stands somewhere else than it was sent."""
 
 
+class HiddenTargetError(DeviceError):
+    """A tracker does not see its target: turned away, behind something, or somewhere else."""
+
+
 class ProfileError(DeviceError):
     """A counter profile or register map is wrong or incomplete."""

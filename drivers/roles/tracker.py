@@ -1,15 +1,22 @@
-"""An independent instrument that locates a target on the arm."""
+"""An independent instrument that locates targets on the arm: a laser tracker, or an optical CMM."""
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import ClassVar, Literal, Protocol
 
-from catseye.drivers.roles.device import Device, Role
+from catseye.drivers.roles.device import Device, DriverClass, Role
+from catseye.drivers.roles.errors import RefusedError
+
+Place = tuple[float, float, float]
+"""x, y, z, mm."""
+
+Face = Literal[1, 2]
+"""Of a tracker: turned about its standing axis by half a turn and over, its face errors change their sign."""
 
 
 @dataclass(frozen=True)
 class Position:
-    """A measured position, in the instrument's own frame.
+    """A measured position in a plane, in the instrument's own frame.
 
     Attributes:
         x_mm: along x.
@@ -22,6 +29,55 @@ class Position:
     u_mm: float
 
 
+@dataclass(frozen=True)
+class TargetPoint:
+    """A measured target, in the instrument's own frame.
+
+    Attributes:
+        place_mm: x, y, z.
+        u_mm: standard uncertainty of x, y and z, as the instrument states or scatters it; None where it says nothing.
+    """
+
+    place_mm: Place
+    u_mm: Place | None = None
+
+
+@dataclass(frozen=True)
+class TargetPose:
+    """A measured frame, in the instrument's own frame.
+
+    Attributes:
+        place_mm: x, y, z of its origin.
+        turn_deg: rx, ry, rz with R = Rz · Ry · Rx.
+        visible: how many marks were seen; None where the instrument does not say.
+        u_mm: standard uncertainty of x, y and z; None where it says nothing.
+        u_deg: standard uncertainty of the rotations; None where it says nothing.
+    """
+
+    place_mm: Place
+    turn_deg: Place
+    visible: int | None = None
+    u_mm: Place | None = None
+    u_deg: Place | None = None
+
+
+@dataclass(frozen=True)
+class TrackerAbilities:
+    """What a tracker's driver is able to do; a class attribute of the driver.
+
+    Attributes:
+        points: `point` measures a target in three coordinates.
+        poses: `pose` measures a frame.
+        finds: it turns to a target by itself where it is told roughly where that is.
+        two_faces: `point` measures in the second face, too.
+    """
+
+    points: bool = False
+    poses: bool = False
+    finds: bool = False
+    two_faces: bool = False
+
+
 class Tracker(Device, Protocol):
     """An independent instrument, such as a laser tracker.
 
@@ -32,7 +88,49 @@ class Tracker(Device, Protocol):
     role: ClassVar[Role] = "tracker"
     has_hands: ClassVar[bool] = False
 
+    @property
     @abstractmethod
-    async def locate(self) -> Position:
-        """Return the position of the target."""
+    def abilities(self) -> TrackerAbilities:
+        """What the driver is able to do; driver classes declare it as a class attribute."""
         ...
+
+    async def locate(self) -> Position:
+        """Return the position of the target in the horizontal plane, in which a SCARA moves.
+
+        Raises:
+            DeviceError: it cannot be measured.
+        """
+        raise RefusedError("this tracker's driver locates nothing in a plane", 0)
+
+    async def point(
+        self, target: str, dwell_s: float, near_mm: Place | None = None, face: Face = 1
+    ) -> TargetPoint:
+        """Measure a target that stands still.
+
+        Only for drivers whose abilities say so.
+
+        Args:
+            target: its name.
+            dwell_s: time over which the instrument averages.
+            near_mm: roughly where it is, in the instrument's frame; None where nobody knows, or it is aimed at.
+            face: in which.
+
+        Raises:
+            HiddenTargetError: the target is not seen there; it can be tried again.
+            DeviceError: the instrument failed.
+        """
+        raise RefusedError(f"this tracker's driver measures no points: {target} is not measured", 0)
+
+    async def pose(self, target: str, dwell_s: float) -> TargetPose:
+        """Measure a frame that stands still; as `point` else."""
+        raise RefusedError(f"this tracker's driver measures no poses: {target} is not measured", 0)
+
+
+class TrackerClass(DriverClass, Protocol):
+    """A tracker's driver as it is registered.
+
+    Attributes:
+        abilities: what the driver is able to do.
+    """
+
+    abilities: ClassVar[TrackerAbilities]

@@ -15,7 +15,7 @@ from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock, SystemClock
 from catseye.drivers.roles.device import Identity, Sink
 from catseye.drivers.roles.errors import DeviceError, LinkError, ProtocolError, WrongDeviceError
-from catseye.drivers.roles.tracker import Position, Tracker
+from catseye.drivers.roles.tracker import Position, Tracker, TrackerAbilities
 
 _LONGEST_ANSWER_BYTES = 65536
 
@@ -79,6 +79,7 @@ class BenchTracker(Tracker):
     Settings: ClassVar[type[BenchTrackerSettings]] = BenchTrackerSettings
     protocols: ClassVar[Mapping[str, str] | None] = {}
     has_hands: ClassVar[bool] = True
+    abilities: ClassVar[TrackerAbilities] = TrackerAbilities()
     summary: ClassVar[str] = "the emulated bench's own; there is none for real hardware"
 
     def __init__(

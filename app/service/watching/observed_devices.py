@@ -19,7 +19,15 @@ from catseye.drivers.roles.interferometer import (
 from catseye.drivers.roles.io import Io, Light
 from catseye.drivers.roles.pose import Pose, Range
 from catseye.drivers.roles.robot import JogDirection, JogFeed, Robot, RobotAbilities, RobotStatus
-from catseye.drivers.roles.tracker import Position, Tracker
+from catseye.drivers.roles.tracker import (
+    Face,
+    Place,
+    Position,
+    TargetPoint,
+    TargetPose,
+    Tracker,
+    TrackerAbilities,
+)
 
 T = TypeVar("T")
 
@@ -271,9 +279,24 @@ class ObservedTracker(ObservedDevice, Tracker):
         super().__init__(name, driver, latest)
         self._driver = driver
 
+    @property
+    def abilities(self) -> TrackerAbilities:
+        """What the driver is able to do."""
+        return self._driver.abilities
+
     async def locate(self) -> Position:
-        """Return the position of the target."""
+        """Return the position of the target in the plane."""
         return await self._answered(self._driver.locate())
+
+    async def point(
+        self, target: str, dwell_s: float, near_mm: Place | None = None, face: Face = 1
+    ) -> TargetPoint:
+        """Measure a target that stands still."""
+        return await self._answered(self._driver.point(target, dwell_s, near_mm, face))
+
+    async def pose(self, target: str, dwell_s: float) -> TargetPose:
+        """Measure a frame that stands still."""
+        return await self._answered(self._driver.pose(target, dwell_s))
 
 
 def observed(devices: Devices, latest: LatestValues, material: str | None) -> Devices:
