@@ -119,11 +119,17 @@ class Tracker(Device, Protocol):
             HiddenTargetError: the target is not seen there; it can be tried again.
             DeviceError: the instrument failed.
         """
-        raise RefusedError(f"this tracker's driver measures no points: {target} is not measured", 0)
+        raise RefusedError(
+            f"this tracker's driver measures no points: {target} at {near_mm} is not measured in face {face} over "
+            f"{dwell_s:g} s",
+            0,
+        )
 
     async def pose(self, target: str, dwell_s: float) -> TargetPose:
         """Measure a frame that stands still; as `point` else."""
-        raise RefusedError(f"this tracker's driver measures no poses: {target} is not measured", 0)
+        raise RefusedError(
+            f"this tracker's driver measures no poses: {target} is not measured over {dwell_s:g} s", 0
+        )
 
 
 class TrackerClass(DriverClass, Protocol):
