@@ -34,7 +34,7 @@ def test_a_circle_is_found_whatever_its_arc(reach: float) -> None:
     assert found.angle_deg - found.angle_deg[0] == pytest.approx(q - q[0], abs=1e-6)
 
 
-def test_a_joint_that_turns_the_other_way_has_the_other_axis() -> None:
+def test_a_joint_of_the_other_sense_has_the_other_axis() -> None:
     q = np.arange(-60.0, 61.0, 5.0)
     assert circle_of(q, turned(-q)).axis == pytest.approx(-AXIS, abs=1e-9)
 

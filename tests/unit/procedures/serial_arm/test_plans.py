@@ -24,7 +24,7 @@ FORWARD = np.zeros((1, 6))
 SMALL = ValidationParams(count=12, nests_every=5)
 
 
-def test_a_target_ahead_looks_past_by_the_angle_of_its_sight() -> None:
+def test_a_target_looks_past_by_the_angle_of_its_sight() -> None:
     place = np.array([REACH_MM + 125.0, 0.0, HEIGHT_MM])
     sight = STATION_MM - place
     expected = math.degrees(math.acos(sight[0] / np.linalg.norm(sight)))
