@@ -170,6 +170,11 @@ class Context(Protocol):
         """The run goes on after an interruption: arm and beam are not where the last stored step left them."""
         ...
 
+    @property
+    def clock_s(self) -> float:
+        """Bench seconds now; they count from an origin of their own in every process."""
+        ...
+
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step once.
 

@@ -6,9 +6,11 @@ from typing import Annotated
 
 import typer
 
-from catseye.app.cli.options import AsJson, Output
+from catseye.app.cli.options import AsJson, MeasuredRuns, Output, Runs, Unverified
 from catseye.app.cli.output import note, write_json
 from catseye.app.cli.report_output import note_statements, write_tables
+from catseye.app.cli.serial_arm.measured_runs import measured_runs
+from catseye.app.errors import UsageError
 from catseye.app.files.atomic import require_output
 
 
@@ -23,14 +25,18 @@ class Model(StrEnum):
 
 
 def calibrate(
-    arm: Annotated[
-        str, typer.Option(metavar="NAME|FILE", help="arm: a shipped one, irb120 for example, or a TOML")
-    ],
     output: Output,
+    run: MeasuredRuns = None,
+    arm: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|FILE", help="arm: a shipped one, irb120 for example, or a TOML; of a run its own"
+        ),
+    ] = None,
     poses: Annotated[
-        list[Path],
+        list[Path] | None,
         typer.Option(metavar="FILE", help="measured poses CSV; several times for several instruments"),
-    ],
+    ] = None,
     anchors: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="anchors CSV of distances; an empty place is identified"),
@@ -42,9 +48,11 @@ def calibrate(
     model: Annotated[
         Model, typer.Option(help="auto: the one that predicts left-out poses best")
     ] = Model.AUTO,
+    runs: Runs = None,
+    unverified: Unverified = False,
     as_json: AsJson = False,
 ) -> None:
-    """Identify the geometry and the compliances of a serial arm from measured poses.
+    """Identify the geometry and the compliances of a serial arm from measured poses: runs, tables, or both.
 
     Example: catseye calibrate --poses poses.csv --arm irb120 --tool plate.toml -o arm.json
     """
@@ -54,11 +62,22 @@ def calibrate(
     from catseye.app.results.serial_arm.calibration_report import calibration_report
     from catseye.app.results.serial_arm.result import serial_arm_summary, write_serial_arm
 
-    require_output(output, *poses)
-    subject = Subject(arm, arm_description(arm), None if tool is None else read_tool(tool))
-    result = calibrate_tables(subject, poses, anchors, model.value)
+    tables = poses or []
+    if not run and not tables:
+        raise UsageError("nothing to calibrate with: name runs, or tables by --poses FILE")
+    require_output(output, *tables)
+    with measured_runs(run or (), runs, unverified=unverified) as given:
+        cell = given.cell(arm)
+        meant = arm if arm is not None or cell is None else cell.robot.arm
+        description = arm_description(meant or "")
+        name = meant if isinstance(meant, str) else description.name
+        carried = read_tool(tool) if tool is not None else None if cell is None else cell.robot.carried
+        result = calibrate_tables(
+            Subject(name, description, carried), [*given.tables, *tables], anchors, model.value
+        )
+        result = given.stated(result, tables)
     write_serial_arm(result, output)
-    report = calibration_report(f"Calibration of {arm}", result)
+    report = calibration_report(f"Calibration of {name}", result)
     note_statements(report)
     if as_json:
         write_json({"output": str(output), **serial_arm_summary(result)})

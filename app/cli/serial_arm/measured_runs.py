@@ -1,0 +1,79 @@
+"""Runs of procedures that measure targets, as the tables that calibrate and validate take."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from catseye.app.errors import UsageError
+
+if TYPE_CHECKING:
+    from catseye.app.cell.model import Cell
+    from catseye.app.results.serial_arm.result import SerialArmResult
+    from catseye.app.store.reader import RunReader
+
+
+@dataclass(frozen=True)
+class MeasuredRuns:
+    """Runs with their poses as tables.
+
+    Attributes:
+        readers: of the runs.
+        tables: CSV of each, which are gone afterwards.
+    """
+
+    readers: list["RunReader"] = field(default_factory=list)
+    tables: list[Path] = field(default_factory=list)
+
+    def cell(self, given: str | None) -> "Cell | None":
+        """Return the cell of the first run; None without runs.
+
+        Args:
+            given: --arm.
+
+        Raises:
+            UsageError: there is neither a run nor an arm.
+        """
+        from catseye.app.results.runs.run_source import cell_of_run
+
+        if self.readers:
+            return cell_of_run(self.readers[0])
+        if given is None:
+            raise UsageError("a table does not say which arm it is of: state --arm, irb120 for example")
+        return None
+
+    def stated(self, result: "SerialArmResult", poses: Sequence[Path]) -> "SerialArmResult":
+        """Return a result that says which runs it comes from."""
+        from catseye.app.results.runs.run_source import are_simulated
+
+        if not self.readers or result.provenance is None:
+            return result
+        origin = {
+            "runs": [*(reader.name for reader in self.readers), *map(str, poses)],
+            "simulated": are_simulated(self.readers),
+            "unverified": [text for reader in self.readers for text in reader.unverified] or None,
+        }
+        return result.model_copy(update={"provenance": result.provenance.model_copy(update=origin)})
+
+
+@contextmanager
+def measured_runs(
+    names: Sequence[str], folder: Path | None, *, unverified: bool = False
+) -> Iterator[MeasuredRuns]:
+    """Give runs by their names, with their poses as tables.
+
+    Raises:
+        UsageError: there is no such run, or it has measured no targets.
+        StorageError: it is damaged or was changed.
+    """
+    from catseye.app.results.serial_arm.run_poses import as_tables
+    from catseye.app.store.catalog import resolve_run
+    from catseye.app.store.reader import RunReader, accept
+    from catseye.app.store.runs_folder import runs_folder
+
+    readers = [
+        RunReader(resolve_run(runs_folder(folder), name), accept(unverified=unverified)) for name in names
+    ]
+    with as_tables(readers) as tables:
+        yield MeasuredRuns(readers, tables)
