@@ -71,19 +71,29 @@ class DrivenArm:
     """State of the arm.
 
     Args:
-        arm: as its description has it.
+        arm: with its true geometry.
         truths: its true drivetrains, a joint each.
         start: joints at bench time 0, deg.
         seed: of everything random.
+        base: where it really stands, from where it should, shape (4, 4); by default it stands there.
 
     Attributes:
         names: of the joints.
+        base: its true base in the room.
         motions_begun: number of motions so far.
         screws: geometry of the arm.
     """
 
-    def __init__(self, arm: SerialArm, truths: Sequence[JointTruth], start: Joints, seed: int) -> None:
+    def __init__(
+        self,
+        arm: SerialArm,
+        truths: Sequence[JointTruth],
+        start: Joints,
+        seed: int,
+        base: Floats | None = None,
+    ) -> None:
         self.names = tuple(joint.name for joint in arm.joints)
+        self.base: Floats = np.eye(4) if base is None else base
         self.screws = ScrewArm(arm.joints, arm.loads)
         self.motions_begun = 0
         self._motor_friction_nm = column(truths, "motor_friction_nm")
