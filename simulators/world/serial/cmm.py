@@ -125,8 +125,8 @@ class OpticalCmm:
     def _warped(self, places_mm: Floats) -> Floats:
         """Return the error of places in the volume, a smooth function of them, mm."""
         rates, phases = self._volume
-        waves: Floats = np.sin(places_mm @ rates + phases)
-        return np.sqrt(2.0) * 1e-3 * self._survey.volume_um * waves
+        waves: Floats = np.sqrt(2.0) * np.sin(places_mm @ rates + phases)
+        return 1e-3 * self._survey.volume_um * waves
 
 
 def plate_marks(survey: SurveyConfig) -> tuple[Mark, ...]:
@@ -150,7 +150,7 @@ def plate_marks(survey: SurveyConfig) -> tuple[Mark, ...]:
 
 def _base_marks() -> tuple[Mark, ...]:
     """Return fifteen marks on base and table: nine looking forwards and outwards, six up."""
-    found = []
+    found: list[Mark] = []
     for angle in np.deg2rad(np.linspace(-60.0, 60.0, 9)):
         out = np.array([np.cos(angle), np.sin(angle), 0.6])
         place = np.array([110.0 * out[0], 110.0 * out[1], 25.0 + 15.0 * (len(found) % 3)])

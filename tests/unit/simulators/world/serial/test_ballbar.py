@@ -66,11 +66,10 @@ def test_it_turns_about_its_cup_without_being_longer() -> None:
 
 def test_its_balls_take_the_places_of_retroreflectors() -> None:
     bench = mounted(surveyed())
-    assert not bench.room.nests["nest1"].occupied
-    assert not bench.room.nests["centre"].occupied
+    names = ("nest1", "nest2", "centre")
+    assert [bench.room.nests[name].occupied for name in names] == [False, True, False]
     bench.ballbar.take_off()
-    assert bench.room.nests["nest1"].occupied
-    assert bench.room.nests["centre"].occupied
+    assert [bench.room.nests[name].occupied for name in names] == [True, True, True]
 
 
 def test_without_a_cup_it_hangs_nowhere() -> None:
