@@ -23,7 +23,7 @@ def test_a_plate_carries_nine_marks_on_either_side() -> None:
     np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0)
 
 
-def test_base_and_tool_are_as_far_from_each_other_as_in_the_room() -> None:
+def test_base_and_tool_are_apart_as_in_the_room() -> None:
     bench = surveyed(start=FACING)
     bench.advance(1.0)
     base, tool = bench.cmm.pose("base", 1.0), bench.cmm.pose("tool", 1.0)

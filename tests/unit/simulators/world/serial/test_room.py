@@ -37,7 +37,7 @@ def test_warm_links_are_longer_in_proportion() -> None:
     np.testing.assert_allclose(warm[:3, :3], cold[:3, :3], atol=1e-9)
 
 
-def test_the_base_wanders_slowly_and_nests_of_the_table_do_not() -> None:
+def test_the_base_wanders_slowly_against_the_table() -> None:
     bench = surveyed(exact_but(base_drift_um=20.0, base_drift_urad=20.0))
     times_s = np.linspace(0.0, 6 * 3600.0, 50)
     tool, table = bench.room.places_mm(["nest1", "world1"], times_s)

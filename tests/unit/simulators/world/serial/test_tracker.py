@@ -83,7 +83,7 @@ def test_a_beam_that_broke_on_the_way_stays_broken() -> None:
     assert bench.tracker.aim(near(bench, "nest1"))
 
 
-def test_something_in_the_beam_loses_it_until_it_is_led_back() -> None:
+def test_an_interrupted_beam_has_to_be_led_back() -> None:
     bench = surveyed()
     bench.tracker.aim(near(bench, "nest1"))
     bench.tracker.block(1.0)
