@@ -22,6 +22,7 @@ from catseye.simulators.world.motion import (
     plan_way,
 )
 from catseye.simulators.world.serial.drivetrain import Drive, Drivetrains
+from catseye.simulators.world.serial.gears import Gears
 from catseye.simulators.world.serial.screws import ScrewArm
 from catseye.simulators.world.serial.servo import Encoders, Servos
 from catseye.simulators.world.serial.truth import JointTruth, column
@@ -105,6 +106,7 @@ class DrivenArm:
         self._balancer_zero_deg = column(truths, "counterbalance_zero_deg")
         self._ringing_s = column(truths, "ringing_s")
         self._ringing_rad_s = 2.0 * np.pi * column(truths, "ringing_hz")
+        self._gears = Gears(truths)
         self._dynamics = dynamics_of(arm)
         self._drivetrains = Drivetrains(truths)
         self._encoders = Encoders(arm.joints, truths, seed)
@@ -249,7 +251,8 @@ class DrivenArm:
         return self._drivetrains.driven(start, motor, hold)
 
     def _links(self, stretch: _Stretch, times_s: Floats) -> Floats:
-        links = self._at(stretch, times_s).link_deg
+        drive = self._at(stretch, times_s)
+        links = drive.link_deg + self._gears.errors_deg(drive, times_s)
         if times_s[0] > stretch.motion.end_s + _CALM_S:
             return links
         after_s = np.maximum(times_s - stretch.motion.end_s, 0.0)[:, None]
