@@ -124,7 +124,7 @@ def test_a_scara_has_no_optics_beside_it(request_: Request[OpticsState]) -> None
 def test_the_truth_is_that_of_the_drivetrains() -> None:
     stand = Stand()
     document = json.loads(json.dumps(joint_truth_document(draw_joint_truth(ARM, CONFIG.seed))))
-    assert stand.ask(ReadTruth()).truth == document
+    assert stand.ask(ReadTruth()).truth["drivetrains"] == document["joints"]
 
 
 def test_a_stated_truth_takes_the_place_of_a_drawn_one() -> None:
