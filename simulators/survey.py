@@ -34,11 +34,15 @@ class SurveyConfig:
         tool_marks: marks of the optical CMM on the tool, in the frame of the flange; empty: nine on either side of
             the plate that the first three nests span.
         base_marks: marks on base and table.
-        nests: fixed ones on the table.
+        nests: fixed ones on the table; in the instrument's frame where base_seen is stated.
+        base_seen: x, y, z in mm and angles about x, y, z in deg, R = Rz·Ry·Rx, of the arm's base in the instrument's
+            frame, as an operator knows it; None: the instruments stand at their rough places, turned anyhow.
         cone_deg: half angle of the cone in which a nest's retroreflector is seen.
         mark_cone_deg: half angle of the cone in which a mark is.
-        tracker_mm: rough place of the laser tracker.
-        cmm_mm: rough place of the optical CMM.
+        tracker_mm: rough place of the laser tracker, where no base_seen is stated.
+        cmm_mm: rough place of the optical CMM, likewise.
+        u_seen_mm: standard deviation of a stated base_seen, each coordinate.
+        u_seen_deg: of its angles.
         search_mm: radius around the beam in which the tracker finds a target.
         range_um: standard deviation of a distance, of one second.
         range_um_per_m: what it grows by.
@@ -72,10 +76,13 @@ class SurveyConfig:
         Mark("world2", (350.0, 350.0, 20.0)),
         Mark("world3", (-350.0, 350.0, 20.0)),
     )
+    base_seen: tuple[Place, Place] | None = None
     cone_deg: float = 30.0
     mark_cone_deg: float = 45.0
     tracker_mm: Place = (2300.0, -300.0, 350.0)
     cmm_mm: Place = (2000.0, 300.0, 700.0)
+    u_seen_mm: float = 3.0
+    u_seen_deg: float = 0.1
     search_mm: float = 30.0
     range_um: float = 8.0
     range_um_per_m: float = 0.8

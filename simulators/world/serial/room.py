@@ -12,37 +12,19 @@ import numpy as np
 from catseye.simulators.config import EmulationConfig, SerialBody
 from catseye.simulators.errors import BenchError
 from catseye.simulators.survey import Mark, Place
+from catseye.simulators.world.serial.drift import Drift
 from catseye.simulators.world.serial.driven_arm import DrivenArm
-from catseye.simulators.world.serial.frames import frames_of, placed
-from catseye.simulators.world.serial.optics import Wander
+from catseye.simulators.world.serial.frames import inverse, placed
 from catseye.simulators.world.serial.sight import clear, in_cone
+from catseye.simulators.world.serial.station import base_seen
 from catseye.simulators.world.types import Bools, Floats
 
 BAR_ENDS = ("bar1", "bar2")
 CENTRE = "centre"
 """Nest of the ballbar's cup."""
 
-_DRIFT_S = (3600.0, 8.0 * 3600.0)
 _U_NEST_MM = 1.0
 """How roughly nests of the table are where the cell file says; nobody relies on it, they are measured."""
-
-
-class Drift:
-    """Slow displacement and rotation of what stands in the room, 0 at bench time 0.
-
-    Args:
-        rms_um: of each coordinate.
-        rms_urad: of each angle.
-    """
-
-    def __init__(self, rng: np.random.Generator, rms_um: float, rms_urad: float) -> None:
-        self._waves = [Wander(rng, rms, _DRIFT_S) for rms in (*(1e-3 * rms_um,) * 3, *(1e-6 * rms_urad,) * 3)]
-        self._first = np.array([wave.at(np.zeros(1))[0] for wave in self._waves])
-
-    def at(self, times_s: Floats) -> Floats:
-        """Return it as frames at bench times, shape (m, 4, 4)."""
-        moved = np.stack([wave.at(times_s) for wave in self._waves], axis=-1) - self._first
-        return frames_of(moved[:, :3], moved[:, 3:])
 
 
 @dataclass
@@ -92,7 +74,10 @@ class Room:
         self.nests = {
             mark.name: _nest(mark, survey.u_target_mm, rng, on_tool=True) for mark in survey.targets
         }
-        self.nests |= {mark.name: _nest(mark, _U_NEST_MM, rng, on_tool=False) for mark in survey.nests}
+        for mark in survey.nests:
+            nest = _nest(mark, _U_NEST_MM, rng, on_tool=False)
+            nest.place_mm = placed(inverse(base_seen(survey)), nest.place_mm)
+            self.nests[mark.name] = nest
         if len(self.nests) < len(survey.targets) + len(survey.nests):
             raise BenchError(
                 f"two nests have one name; they are called {', '.join(n.name for n in survey.targets)} on the "

@@ -1,5 +1,7 @@
 """What stands in the room: the frames of its things, and what hides them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,8 +10,8 @@ from catseye.app.cell.serial_arm import chain_of
 from catseye.calibration.kinematics.rotations import rotation_of
 from catseye.simulators.config import SerialBody
 from catseye.simulators.errors import BenchError
-from catseye.simulators.survey import Mark, SurveyConfig
-from catseye.simulators.world.serial.frames import frames_of, inverse
+from catseye.simulators.survey import Mark, Place, SurveyConfig
+from catseye.simulators.world.serial.frames import frames_of, inverse, placed
 from catseye.simulators.world.serial.sight import clear, in_cone
 from tests.unit.simulators.world.serial.surveyed import EXACT, FORWARD, TARGETS, exact_but, surveyed
 
@@ -56,6 +58,19 @@ def test_nests_are_off_their_drawing_by_the_seed() -> None:
 def test_two_nests_of_one_name_are_refused() -> None:
     with pytest.raises(BenchError, match="two nests have one name"):
         surveyed(SurveyConfig(targets=(TARGETS[0], Mark("nest1", (0.0, 0.0, 0.0)))))
+
+
+def test_instruments_see_base_and_nests_about_where_cells_say() -> None:
+    seen: tuple[Place, Place] = ((2000.0, -400.0, -300.0), (1.0, -2.0, 120.0))
+    nest = Mark("corner", (2300.0, -350.0, -280.0))
+    for seed in range(5):
+        bench = surveyed(replace(EXACT, base_seen=seen, nests=(nest,)), seed)
+        into = bench.tracker.station.into_at(NOW)
+        # The room's frame is that of the base: three coordinates of 3 mm, and 0.1 deg at two metres.
+        assert np.linalg.norm(into[0, :3, 3] - seen[0]) < 25.0
+        assert np.abs(into[0, :3, :3] - rotation_of(np.array(seen[1]))).max() < 0.01
+        corner = placed(into, bench.room.places_mm(["corner"], NOW)[0])[0]
+        assert 0.1 < np.linalg.norm(corner - nest.place_mm) < 30.0
 
 
 def test_a_cone_ends_at_its_half_angle() -> None:
