@@ -54,7 +54,7 @@ class SurveyConfig:
         instrument_drift_urad: rms of its slow rotation.
         base_drift_um: rms of the slow displacement of the arm's base on its table.
         base_drift_urad: rms of its slow rotation.
-        mark_um: standard deviation of one mark that the CMM sees, each coordinate.
+        mark_um: standard deviation of one mark in one frame of the CMM, each coordinate.
         volume_um: rms of the CMM's error that depends on the place in its volume.
         bar_mm: nominal length of the scale bar.
         u_bar_um: standard deviation of its true length from its certificate.
