@@ -65,7 +65,10 @@ class Digest:
         nonce, count = self._fields["nonce"], f"{self.count + ahead:08x}"
         parts = [self._secret, nonce, count, self._client_nonce, "auth", asked]
         response = _md5(":".join(parts if self._counted else [self._secret, nonce, asked]))
-        named = {"username": self._user, **{name: self._fields[name] for name in _KEPT if name in self._fields}}
+        named = {
+            "username": self._user,
+            **{name: self._fields[name] for name in _KEPT if name in self._fields},
+        }
         quoted = ", ".join(f'{name}="{_escaped(value)}"' for name, value in (named | {"uri": target}).items())
         counted = f', qop=auth, nc={count}, cnonce="{self._client_nonce}"' if self._counted else ""
         return f'Digest {quoted}{counted}, response="{response}"'
@@ -80,7 +83,9 @@ def challenge_of(values: list[str]) -> str:
     for value in values:
         if value[:7].lower() == "digest ":
             return value
-    raise ProtocolError("the server asks for a login, but not by a digest: Robot Web Services 2.0 are not spoken here")
+    raise ProtocolError(
+        "the server asks for a login, but not by a digest: Robot Web Services 2.0 are not spoken here"
+    )
 
 
 def _fields_of(challenge: str) -> Mapping[str, str]:

@@ -31,7 +31,9 @@ async def system_of(service: Service) -> tuple[str, str]:
     return str(fields.get("name", "")), str(fields.get("rwversion", ""))
 
 
-async def examination_of(service: Service, orders: Orders, settings: AbbSettings, login: Login) -> Examination:
+async def examination_of(
+    service: Service, orders: Orders, settings: AbbSettings, login: Login
+) -> Examination:
     """Return facts and advice about a connected controller.
 
     Raises:

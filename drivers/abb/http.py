@@ -234,5 +234,7 @@ def _body_of(head: Answer) -> _Counted | _Chunked:
     lengths = set(head.values("content-length"))
     text = lengths.pop() if len(lengths) == 1 else ""
     if not (text.isascii() and text.isdecimal()) or len(text) > 8 or int(text) > LONGEST_BODY_BYTES:
-        raise ProtocolError(f"the length of the answer is missing, wrong, or beyond {LONGEST_BODY_BYTES} bytes")
+        raise ProtocolError(
+            f"the length of the answer is missing, wrong, or beyond {LONGEST_BODY_BYTES} bytes"
+        )
     return _Counted(int(text))

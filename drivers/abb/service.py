@@ -233,4 +233,6 @@ class Service:
                 "ask it, or wait until it forgets those that were not ended",
                 number,
             )
-        raise RefusedError(f"{self.where}: {request.method} {request.path}: refused ({answer.status}): {text}", number)
+        raise RefusedError(
+            f"{self.where}: {request.method} {request.path}: refused ({answer.status}): {text}", number
+        )

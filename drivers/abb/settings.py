@@ -21,7 +21,9 @@ class AbbSettings(DeviceSettings):
     expected_name: str = Field(
         default="", description="beginning of the system's name; empty accepts every controller."
     )
-    task: str = Field(default="T_ROB1", pattern=r"^\w+$", description="RAPID task in which CATSABB is loaded.")
+    task: str = Field(
+        default="T_ROB1", pattern=r"^\w+$", description="RAPID task in which CATSABB is loaded."
+    )
     mechanical_unit: str = Field(default="ROB_1", pattern=r"^\w+$", description="of the arm.")
     connect_timeout_s: float = Field(default=5.0, gt=0, description="for connecting.")
     answer_timeout_s: float = Field(default=1.0, gt=0, description="for one answer.")

@@ -53,7 +53,13 @@ class Logins:
     """
 
     def __init__(
-        self, seed: int, now_s: Callable[[], float], on_end: Callable[[Login], None], *, most: int, life_s: float
+        self,
+        seed: int,
+        now_s: Callable[[], float],
+        on_end: Callable[[Login], None],
+        *,
+        most: int,
+        life_s: float,
     ) -> None:
         self._source = Random(seed)
         self._now_s = now_s

@@ -63,7 +63,11 @@ class CatsAbb:
     """
 
     def __init__(
-        self, arm: SerialArm, control: ArmControl, speed: Callable[[], float], note: Callable[[int, str], None]
+        self,
+        arm: SerialArm,
+        control: ArmControl,
+        speed: Callable[[], float],
+        note: Callable[[int, str], None],
     ) -> None:
         self.data = declarations()
         self.running = True

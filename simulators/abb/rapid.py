@@ -16,7 +16,9 @@ UNUSED: Final = 9e9
 """An external axis that there is not."""
 
 _LONGEST_TEXT: Final = 80
-_TOKEN = re.compile(r'\s*(?:([\[\],])|(TRUE|FALSE)|"((?:[^"]|"")*)"|([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))')
+_TOKEN = re.compile(
+    r'\s*(?:([\[\],])|(TRUE|FALSE)|"((?:[^"]|"")*)"|([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))'
+)
 
 
 class ValueTextError(Exception):

@@ -52,9 +52,7 @@ class Server:
         self.most_requests = most_requests
         self.turns = Turns(controller.bench, seed, 21)
         self._real_s = _RealTime(controller)
-        self._gate = Gate(
-            "Default User", password, seed, self._real_s, life_s=_LIFE_S, strict=strict_counts
-        )
+        self._gate = Gate("Default User", password, seed, self._real_s, life_s=_LIFE_S, strict=strict_counts)
         self._logins = Logins(seed, self._real_s, self._forget, most=most_sessions, life_s=_LIFE_S)
         self._masterships = Masterships(explicit=explicit_mastership)
         self._subscriptions = Subscriptions()
@@ -69,7 +67,9 @@ class Server:
     def answer(self, request: Request, note: Callable[[str], None]) -> Answer:
         """Carry out a request; `note` is called with those that were let in."""
         if (challenge := self._gate.refusal(request)) is not None:
-            return Answer(401, b"<html><body>Unauthorized</body></html>", headers=(("WWW-Authenticate", challenge),))
+            return Answer(
+                401, b"<html><body>Unauthorized</body></html>", headers=(("WWW-Authenticate", challenge),)
+            )
         login = self._logins.known(request.headers.get("cookie", ""))
         fresh = login is None
         try:
@@ -201,7 +201,7 @@ class RwsSession(Session):
 
 def _noted(request: Request) -> str:
     """Return a request for the journal: what is asked, and the form; nothing of who asks."""
-    form = request.body.decode("utf-8", "replace") if "form" in request.headers.get("content-type", "") else ""
+    form = (
+        request.body.decode("utf-8", "replace") if "form" in request.headers.get("content-type", "") else ""
+    )
     return f"{request.method} {request.target} {form}".strip()[:_SHOWN]
-
-

@@ -86,7 +86,9 @@ class Subscriptions:
         form = call.request.form
         names = form.get("resources", [])
         if not names or len(names) > _MOST_RESOURCES or len(call.login.subscriptions) >= _MOST:
-            raise RefusedError(400, REFUSED, "a subscription names up to 100 resources; a client has up to 10")
+            raise RefusedError(
+                400, REFUSED, "a subscription names up to 100 resources; a client has up to 10"
+            )
         wanted = [form[name][-1] for name in names if name in form]
         looks = {resource: _look_of(call.controller, resource) for resource in wanted}
         self._last += 1
