@@ -83,9 +83,7 @@ def challenge_of(values: list[str]) -> str:
     for value in values:
         if value[:7].lower() == "digest ":
             return value
-    raise ProtocolError(
-        "the server asks for a login, but not by a digest: Robot Web Services 2.0 are not spoken here"
-    )
+    raise ProtocolError("the server wants a login, but no digest: Robot Web Services 2.0 are not spoken here")
 
 
 def _fields_of(challenge: str) -> Mapping[str, str]:

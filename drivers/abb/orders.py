@@ -83,8 +83,8 @@ class Orders(NumberedOrders):
             result = await self.carry_out(number, permit)
         if result == Result.NO_HEARTBEAT:
             raise NotArrivedError(
-                f"{self._where}: CATSABB stopped the arm, since no sign of life came for 0.4 s: check the network and "
-                "the load of this computer"
+                f"{self._where}: CATSABB stopped the arm, since no sign of life came for 0.4 s: check the network "
+                "and the load of this computer"
             )
         if result != Result.DONE:
             raise RefusedError(

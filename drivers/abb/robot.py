@@ -1,7 +1,7 @@
 """An ABB robot with an IRC5 over Robot Web Services 1.0, moved by the module CATSABB on its controller.
 
-Four connections are held in one session: the first for orders and questions about them, the second for STOP, the third
-for signs of life, the fourth for questions while the arm moves.
+Four connections are held in one session: the first for orders and questions about them, the second for STOP, the
+third for signs of life, the fourth for questions while the arm moves.
 """
 
 import asyncio
@@ -242,8 +242,8 @@ class AbbRws(Robot):
     async def stop(self) -> None:
         """Stop now, past any command under way; return when the robot stands.
 
-        RAPID stands afterwards; the next motion starts CATSABB from main. A cancellation does not interrupt it. May be
-        called at any time and any number of times.
+        RAPID stands afterwards; the next motion starts CATSABB from main. A cancellation does not interrupt it. May
+        be called at any time and any number of times.
 
         Raises:
             LinkError: STOP could not be written or the standstill is not confirmed: use the emergency stop.

@@ -10,7 +10,7 @@ from catseye.drivers.abb.digest import Login
 from catseye.drivers.links.driver import DeviceSettings
 
 USER_VARIABLE: Final = "CATSEYE_ABB_USER"
-PASSWORD_VARIABLE: Final = "CATSEYE_ABB_PASSWORD"  # noqa: S105  # the variable's name
+PASSWORD_VARIABLE: Final = "CATSEYE_ABB_PASSWORD"
 FACTORY: Final = Login("Default User", "robotics")
 """What every IRC5 leaves the factory with."""
 
@@ -30,7 +30,8 @@ class AbbSettings(DeviceSettings):
     taken_timeout_s: float = Field(
         default=5.0,
         gt=0,
-        description="for CATSABB to take an order; then the order is taken back. A program that stands is found at once.",
+        description="for CATSABB to take an order; then the order is taken back. A program that stands is found at "
+        "once.",
     )
     start_timeout_s: float = Field(default=5.0, gt=0, description="for CATSABB to run after its start.")
     servo_timeout_s: float = Field(default=10.0, gt=0, description="for the motors to be switched.")

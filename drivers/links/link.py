@@ -428,8 +428,8 @@ class RequestLink:
         if not self._stays_writable:
             await self._transport.close()
         return UnreachableError(
-            f"{self.where}: bytes keep coming without a request, such as {self._shown(self._received)}: the link is no longer "
-            "read; check that the endpoint belongs to this device and that no other program talks to it"
+            f"{self.where}: bytes keep coming without a request, such as {self._shown(self._received)}: the link "
+            "is no longer read; check that the endpoint belongs to this device and that no other program talks to it"
         )
 
     def _unasked(self) -> str:

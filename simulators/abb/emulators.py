@@ -28,7 +28,7 @@ class AbbRws(Emulator):
                 the moment.
         """
 
-        password: str = "robotics"  # noqa: S105  # the factory's, which the sheet states
+        password: str = "robotics"  # the factory's
         sessions: int = Field(default=70, ge=1, le=1000)
         requests: int = Field(default=400, ge=0)
         strict_counts: bool = False
