@@ -141,13 +141,20 @@ class Service:
         return data
 
     async def renew(self) -> None:
-        """See that the login still holds, so that STOP does, and give the guard what it says then.
+        """Have a new challenge, before the old one may be stale, and see that the login holds.
+
+        The guard has a STOP with a fresh proof then.
 
         Raises:
             RefusedError: the login is refused.
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
+        async with self._turn:
+            await self.link.ensure()
+            data = names.CONTROL_STATE.encoded(self._host, self._cookies.headers)
+            self._learn(await self.link.request(data, AnswerDecoder, self._settings.answer_timeout_s))
+            self._arm(ahead=1)
         await self.ask(names.CONTROL_STATE)
         # A server ends a connection behind so many requests: then another one is opened at once.
         await self.link.ensure()

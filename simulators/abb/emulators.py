@@ -26,6 +26,7 @@ class AbbRws(Emulator):
             strict_counts: no count of a nonce is taken twice.
             explicit_mastership: nothing is changed without mastership; otherwise one that nobody holds is taken for
                 the moment.
+            life_s: of a nonce and of a silent session, real s; an assumption.
         """
 
         password: str = "robotics"  # the factory's
@@ -33,6 +34,7 @@ class AbbRws(Emulator):
         requests: int = Field(default=400, ge=0)
         strict_counts: bool = False
         explicit_mastership: bool = False
+        life_s: float = Field(default=300.0, gt=0.0)
 
     @classmethod
     def sessions(cls, context: EmulationContext, device: EmulatedDevice, note: Note) -> NewSession:
@@ -49,5 +51,6 @@ class AbbRws(Emulator):
             most_requests=options.requests,
             strict_counts=options.strict_counts,
             explicit_mastership=options.explicit_mastership,
+            life_s=options.life_s,
         )
         return lambda: RwsSession(server, note)

@@ -17,9 +17,6 @@ from catseye.simulators.ports.session import Answer as Reply
 from catseye.simulators.ports.session import Session
 from catseye.simulators.ports.turns import Turns
 
-_LIFE_S: Final = 300.0
-"""Of a nonce and of a silent session, real s; an assumption."""
-
 _POLL: Final = "poll/"
 _SHOWN: Final = 200
 
@@ -35,6 +32,7 @@ class Server:
         most_requests: of one connection, which ends behind them; 0: any number.
         strict_counts: no count of a nonce is taken twice.
         explicit_mastership: nothing is changed without it.
+        life_s: of a nonce and of a silent session, real s.
     """
 
     def __init__(
@@ -47,13 +45,14 @@ class Server:
         most_requests: int,
         strict_counts: bool,
         explicit_mastership: bool,
+        life_s: float,
     ) -> None:
         self.controller = controller
         self.most_requests = most_requests
         self.turns = Turns(controller.bench, seed, 21)
         self._real_s = _RealTime(controller)
-        self._gate = Gate("Default User", password, seed, self._real_s, life_s=_LIFE_S, strict=strict_counts)
-        self._logins = Logins(seed, self._real_s, self._forget, most=most_sessions, life_s=_LIFE_S)
+        self._gate = Gate("Default User", password, seed, self._real_s, life_s=life_s, strict=strict_counts)
+        self._logins = Logins(seed, self._real_s, self._forget, most=most_sessions, life_s=life_s)
         self._masterships = Masterships(explicit=explicit_mastership)
         self._subscriptions = Subscriptions()
         self._resources = Resources(
