@@ -56,8 +56,8 @@ async def examination_of(
     if number_of(await service.value(names.SPEED_RATIO, "speedratio")) == 0:
         advice.append("the speed ratio is 0: a motion would not end; raise it at the pendant")
     if is_factory(login):
-        advice.append(
-            f"user and password are those of the factory, which everybody knows: give catseye a user of its own, and "
-            f"set {USER_VARIABLE} and {PASSWORD_VARIABLE}"
+        facts.append(
+            "user and password are those of the factory, which everybody knows: better give catseye a user "
+            f"of its own ({USER_VARIABLE}, {PASSWORD_VARIABLE})"
         )
     return Examination(tuple(facts), tuple(advice))

@@ -301,7 +301,7 @@ class AbbRws(Robot):
 
     async def _identity(self) -> Identity:
         name, version = await system_of(self._main)
-        wanted = self._settings.expected_name
+        wanted = self._settings.expected_model
         if not name.upper().startswith(wanted.upper()):
             raise WrongDeviceError(
                 f"{self._main.where}: the controller is {name or 'without a name'}, expected {wanted}"

@@ -18,7 +18,7 @@ FACTORY: Final = Login("Default User", "robotics")
 class AbbSettings(DeviceSettings):
     """Settings of the driver. Times are real seconds, except `poll_s`."""
 
-    expected_name: str = Field(
+    expected_model: str = Field(
         default="", description="beginning of the system's name; empty accepts every controller."
     )
     task: str = Field(

@@ -93,7 +93,7 @@ async def test_the_controller_is_recognised_and_asked() -> None:
 
 async def test_another_controller_is_refused() -> None:
     async with abb_bench() as bench:
-        robot = AbbRws.at(bench.endpoints[0].endpoint, SystemClock(), expected_name="IRB_6700")
+        robot = AbbRws.at(bench.endpoints[0].endpoint, SystemClock(), expected_model="IRB_6700")
         with pytest.raises(WrongDeviceError, match="IRB_120"):
             await robot.connect()
 
@@ -169,7 +169,7 @@ async def test_the_password_is_taken_from_the_environment(monkeypatch: pytest.Mo
     monkeypatch.setenv("CATSEYE_ABB_PASSWORD", "a:\"b'ü")
     async with rig({"password": "a:\"b'ü"}) as one:
         assert len(await one.robot.joints()) == 6
-        assert not any("factory" in text for text in (await one.robot.examine()).advice)
+        assert not any("factory" in text for text in (await one.robot.examine()).facts)
 
 
 async def test_neither_proofs_nor_sessions_are_in_the_transcript() -> None:
