@@ -120,7 +120,7 @@ def test_an_order_from_before_the_start_is_not_carried_out(pc: Pc) -> None:
     assert (pc.done(1), pc.bench.bench.joints) == (True, BENT)
 
 
-def test_a_goal_out_of_range_stops_the_program_with_an_event(pc: Pc) -> None:
+def test_a_goal_out_of_range_stops_the_program(pc: Pc) -> None:
     pc.order(1, (170.0, *BENT[1:]))
     pc.bench.bench.advance(1.0)
     controller = pc.bench.controller

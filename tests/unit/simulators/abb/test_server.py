@@ -367,7 +367,7 @@ def test_what_is_no_request_ends_the_connection(client: Client) -> None:
     assert client.session.over
 
 
-def test_what_was_sent_is_carried_out_though_its_client_is_gone(client: Client) -> None:
+def test_what_was_sent_is_carried_out_without_its_client(client: Client) -> None:
     client.get("/rw/panel/opmode")
     client.count += 1
     target = "/rw/rapid/execution?action=stop"
