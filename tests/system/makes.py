@@ -63,7 +63,7 @@ MAKES: Final = {
     "abb": Make(
         EXAMPLES / "abb.toml",
         AbbRws,
-        AbbSettings(answer_timeout_s=0.3, stop_timeout_s=3.0),
+        AbbSettings(answer_timeout_s=0.5, stop_timeout_s=5.0),
         abb_bench,
         BENT,
         "POST /rw/rapid/symbol/data/RAPID/T_ROB1/CATSABB/cats_seq",
