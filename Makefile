@@ -98,7 +98,7 @@ soak: $(VENV)/installed  ## ten minutes of a stream with 1000 samples a second
 CAMPAIGN := $(BIN)/python -m pytest -c pyproject.toml -s -q --timeout 7200
 
 campaign-stop: $(VENV)/installed  ## STOP at random moments, each with a fault on a link
-	$(CAMPAIGN) tests/campaigns/test_stop_moments.py tests/campaigns/test_kuka_stop_moments.py
+	$(CAMPAIGN) tests/campaigns/test_stop_moments.py tests/campaigns/test_serial_stop_moments.py
 
 campaign-safety: $(VENV)/installed  ## killed and blocked programs, opened doors, two programs on one arm, bodies in the way
 	$(CAMPAIGN) tests/campaigns/test_guard.py tests/campaigns/test_door.py tests/campaigns/test_two_programs.py \

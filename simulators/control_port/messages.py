@@ -13,8 +13,10 @@ from catseye.simulators.control_port.faults import Fault, fault_named
 from catseye.simulators.control_port.survey_messages import OPERATIONS as SURVEY_OPERATIONS
 from catseye.simulators.errors import EmulatorError
 
-PanelKey = Literal["start", "stop", "confirm", "drives", "T1", "T2", "AUT", "EX"]
-"""What an operator's hand presses on a controller's panel; T1 … EX: where the mode switch is turned to."""
+PanelKey = Literal[
+    "start", "stop", "confirm", "drives", "main", "guard", "T1", "T2", "AUT", "EX", "AUTO", "MANR", "MANF"
+]
+"""What an operator's hand does at a controller's panel; T1 … MANF: where the mode switch is turned to."""
 
 
 class Identity(Answer):
