@@ -160,17 +160,17 @@ class FurtherDevice(Section):
 
 
 class Tracker(Section):
-    """[tracker]: an independent instrument for validation paths; so far the one of the emulated bench."""
+    """[tracker]: an independent instrument that locates targets on the arm."""
 
     driver: str = "bench-tracker"
+    # The only device that may be a file, which its own program writes.
     endpoint: str
+    settings: Settings = Field(default_factory=dict)
 
-    _endpoint = field_validator("endpoint")(_checked_endpoint)
-
-    @property
-    def settings(self) -> Settings:
-        """Its driver has none."""
-        return {}
+    @field_validator("endpoint")
+    @classmethod
+    def _endpoint_or_file(cls, text: str) -> str:
+        return text if text.startswith("file:") else _checked_endpoint(text)
 
 
 class AngularOptics(Section):
