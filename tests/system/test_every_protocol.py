@@ -17,8 +17,10 @@ def every_protocol(folder: Path) -> str:
 
 
 def test_examples_have_every_driver_and_every_emulator() -> None:
-    # A robot of another make stands on a bench of its own.
-    text = "".join((EXAMPLES / name).read_text(encoding="utf-8") for name in (EXAMPLE.name, "kuka.toml"))
+    # A robot of another make stands on a bench of its own, and so do trackers that look at a serial arm.
+    text = "".join(
+        (EXAMPLES / name).read_text(encoding="utf-8") for name in (EXAMPLE.name, "kuka.toml", "trackers.toml")
+    )
     # Real-time control is a door of the controller that the data link's cell file opens too.
     for name in {*driver_names(), *emulator_names()} - {"melfa-mxt"}:
         assert f'driver = "{name}"' in text, name
