@@ -79,7 +79,7 @@ def _tracker_driver(name: str) -> type[TrackerDriver]:
     try:
         return cast("type[TrackerDriver]", load_driver(name, "tracker"))
     except LookupError as error:
-        raise ConfigError(f"[tracker] driver: {error}") from None
+        raise ConfigError(f"[tracker] driver: {error.args[0]}") from error
 
 
 def _speaker(key: str) -> tuple[str, str]:
