@@ -45,7 +45,7 @@ def with_tracker(driver: str, endpoint: str) -> Cell:
     return Cell.model_validate(document)
 
 
-def test_a_tracker_with_a_protocol_is_a_device_of_its_own() -> None:
+def test_a_tracker_with_a_protocol_is_a_device() -> None:
     given = with_tracker("leica-emscon", "tcp://127.0.0.1:10700")
     (device,) = [device for device in emulated_devices(given) if device.name == "tracker"]
     assert (device.protocol, device.endpoint) == ("leica-emscon", "tcp://127.0.0.1:10700")
