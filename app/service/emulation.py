@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any, BinaryIO, cast
 
 from catseye.app.cell.axes import robot_driver
-from catseye.app.cell.model import Cell, Interferometer, Tracker
+from catseye.app.cell.model import Cell, Interferometer
+from catseye.app.cell.tracker import Tracker
 from catseye.app.errors import ConfigError, LinkFailedError
 from catseye.drivers.counter.profile import load_profile
 from catseye.drivers.roles.errors import ProfileError

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
 from catseye.simulators.survey import Place
-
 from catseye.simulators.t2sa.commands import (
     BUSY,
     GROUP_FAILED,

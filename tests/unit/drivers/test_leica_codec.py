@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from catseye.drivers.leica import codec
 from catseye.drivers.leica.commands import status_text
 from catseye.drivers.leica.measurement import ResultDecoder, StationaryResult
+from catseye.drivers.links.link import Decoder
 from catseye.drivers.roles.errors import ProtocolError
 
 START = 49
@@ -56,7 +57,7 @@ def test_sizes_of_commands_are_those_of_the_sheet() -> None:
     assert len(codec.encode(55, "3di", 1.0, 2.0, 3.0, 1)) == 40
 
 
-def fed(decoder: codec.PacketDecoder[object], data: bytes, cuts: list[int]) -> object:
+def fed(decoder: Decoder[object], data: bytes, cuts: list[int]) -> object:
     """Feed bytes in pieces; return what comes first."""
     places = sorted({min(cut, len(data)) for cut in cuts} | {0, len(data)})
     for start, end in pairwise(places):

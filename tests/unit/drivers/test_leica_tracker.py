@@ -264,7 +264,7 @@ async def test_the_doctor_hears_of_face_reflector_and_air() -> None:
 
 
 async def test_the_air_is_set_where_there_is_no_weather_station() -> None:
-    air = {"temperature_c": 23.5, "pressure_hpa": 990.0, "humidity_percent": 40.0}
+    air: dict[str, Any] = {"temperature_c": 23.5, "pressure_hpa": 990.0, "humidity_percent": 40.0}
     async with rig({"has_weather": False}, **air) as one:
         examined = await one.tracker.examine()
         assert any("23.50 °C, 990.00 hPa" in fact for fact in examined.facts)

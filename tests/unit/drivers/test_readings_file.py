@@ -22,7 +22,7 @@ from catseye.drivers.tracker.readings_file import ReadingsFile
 from tests.unit.drivers.peers import StepClock
 
 HEADING = "name;x;y;z\n"
-SETTINGS = {"separator": ";", "target_column": 1, "x_column": 2, "y_column": 3, "z_column": 4}
+SETTINGS: dict[str, Any] = {"separator": ";", "target_column": 1, "x_column": 2, "y_column": 3, "z_column": 4}
 COMMA = Dialect(",", ".", 1, "utf-8")
 
 

@@ -79,7 +79,7 @@ def status(said: bytes) -> tuple[int, int]:
     """Return command and status of a reply."""
     ((kind, body),) = packets(said)
     assert kind == 0
-    return struct.unpack_from("<ii", body)  # type: ignore[return-value]  # two integers
+    return struct.unpack_from("<ii", body)
 
 
 def client(**options: bool | float) -> Client:
