@@ -36,7 +36,7 @@ class Instruments:
 
     def has_group(self, name: str) -> bool:
         """Return whether there is something of a name that has a pose."""
-        return name in get_args(Artifact)
+        return name in get_args(Artifact) or (self.has_point(name) and self.bench.room.nests[name].on_tool)
 
     def begin(self, name: str) -> None:
         """Point at a nest, before the time over which it is measured passes."""
@@ -52,9 +52,17 @@ class Instruments:
         return None if seen is None else seen.place_mm
 
     def pose(self, group: str, duration_s: float) -> Pose | None:
-        """Return the pose of a group measured in the last seconds; None if too little of it is seen."""
-        seen = self.bench.cmm.pose("tool" if group == "tool" else "base", duration_s)
-        return None if seen is None else pose_of(seen.frame)
+        """Return the pose of a group measured in the last seconds; None if too little of it is seen.
+
+        A group that is called like a nest of the tool has its frame there, parallel to that of the flange.
+        """
+        seen = self.bench.cmm.pose("base" if group == "base" else "tool", duration_s)
+        if seen is None:
+            return None
+        frame = np.array(seen.frame)
+        if self.has_point(group):
+            frame[:3, 3] = placed(frame, self.bench.room.nests[group].place_mm)
+        return pose_of(frame)
 
 
 def pose_of(frame: Floats) -> Pose:

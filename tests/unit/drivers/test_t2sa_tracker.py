@@ -85,6 +85,15 @@ async def test_poses_are_those_of_the_artifacts() -> None:
         np.testing.assert_allclose(np.linalg.inv(frames[0]) @ frames[1], true, atol=1e-4)
 
 
+async def test_a_frame_of_the_tool_stands_at_its_nest() -> None:
+    async with rig(start=FACING) as one:
+        flange, nest = await one.tracker.pose("tool", 0.0), await one.tracker.pose("nest2", 0.0)
+        turned = Rotation.from_euler("xyz", flange.turn_deg, degrees=True)
+        expected = np.array(flange.place_mm) + turned.apply(one.bench.bench.room.nests["nest2"].place_mm)
+        np.testing.assert_allclose(nest.place_mm, expected, atol=1e-3)
+        assert nest.turn_deg == pytest.approx(flange.turn_deg, abs=1e-4)
+
+
 async def test_moving_axes_are_turned() -> None:
     async with rig(start=FACING) as one:
         fixed = await one.tracker.pose("tool", 0.0)
