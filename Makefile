@@ -85,7 +85,7 @@ peers: $(VENV)/installed  ## public clients of the protocols, unmodified, agains
 	  || { echo "mbpoll is missing; call: apt-get install mbpoll"; exit 2; }
 	test -d .venv-peers || "$(PYTHON)" -m venv .venv-peers
 	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check melfapy==0.1.0 numpy matplotlib
-	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --no-deps feather-xrol==0.1.1
+	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --no-deps feather-xrol==0.1.1 CESAPI==1.1.3
 	$(BIN)/python -m pytest -c pyproject.toml tests/peers
 
 bench: $(VENV)/installed  ## the figures of the README, side by side with their peers

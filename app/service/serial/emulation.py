@@ -8,7 +8,7 @@ from catseye.app.cell.model import Cell
 from catseye.app.cell.serial_arm import chain_of, loads_of, point_of
 from catseye.app.cell.tool import ToolDescription
 from catseye.app.files.documents import read_document
-from catseye.app.service.emulation import emulated_devices
+from catseye.app.service.emulation import control_endpoint, emulated_devices
 from catseye.simulators.config import (
     ArmOptics,
     EmulationConfig,
@@ -40,7 +40,7 @@ def serial_emulation_config(cell: Cell, speed: float, seed: int, truth: Path | N
         limits=tuple((joint.low, joint.high) for joint in arm.joints),
         start_joints=tuple(0.5 * (joint.low + joint.high) for joint in arm.joints),
         devices=emulated_devices(cell),
-        control="tcp://127.0.0.1:0" if cell.tracker is None else cell.tracker.endpoint,
+        control=control_endpoint(cell),
         speed=speed,
         seed=seed,
         arm_optics=_optics(cell, tool),
