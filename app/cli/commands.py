@@ -74,6 +74,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "predict-resolution": Command(
         "Predict the smallest steps of the tool at poses, from look-up tables of its joints.", _RESOLUTION
     ),
+    "select-poses": Command("Choose the poses that identify a serial arm best.", _SERIAL_ARM),
     "calibrate": Command(
         "Identify the geometry and the compliances of a serial arm from measured poses.", _SERIAL_ARM
     ),

@@ -20,6 +20,7 @@ from catseye.calibration.serial_arm.parameters import (
     FRAME_PARTS,
     BaseFrame,
     Harmonic,
+    MapNode,
     Parameter,
     Reversal,
     TargetPlace,
@@ -29,6 +30,7 @@ from catseye.calibration.serial_arm.parameters import (
 )
 
 _WAVE: Final = re.compile(r"(cos|sin)([0-9.]+)_deg")
+_NODE: Final = re.compile(r"(map|reversal)_(-?[0-9.]+)_deg")
 
 
 @dataclass(frozen=True)
@@ -123,6 +125,10 @@ def _further(arm: SerialArm, part: ParameterPart) -> Parameter:
         return Parameter(
             part.name, part.unit, TargetPlace(targets.index(owner), frame_part), part.nominal or 0.0
         )
+    node = _NODE.fullmatch(kind)
+    if owner in arm.joint_names and node is not None:
+        of_map = MapNode(arm.joint_names.index(owner), float(node[2]), node[1] == "reversal")
+        return Parameter(part.name, part.unit, of_map, 0.0)
     if owner in arm.joint_names and kind.startswith("reversal_"):
         return Parameter(part.name, part.unit, Reversal(arm.joint_names.index(owner)), 0.0)
     if owner in arm.joint_names and wave is not None:

@@ -14,7 +14,7 @@ def serial_arm_of(description: ArmDescription, tool: ToolDescription | None) -> 
     return SerialArm(
         chain_of(description),
         loads_of(description, tool),
-        tuple(Target(one.name, (one.x_mm, one.y_mm, one.z_mm)) for one in targets),
+        tuple(Target(one.name, (one.x_mm, one.y_mm, one.z_mm), one.u_mm) for one in targets),
     )
 
 
