@@ -117,7 +117,7 @@ def _limit(text: str) -> tuple[str, tuple[float, float]]:
     try:
         low, high = map(float, ends.split(":"))
     except ValueError as error:
-        raise UsageError(f"--limit {text}: give NAME=LOW:HIGH, such as J2=0:110") from error
+        raise UsageError(f"--limit {text}: give NAME=LOW:HIGH, such as A2=0:110") from error
     if not low < high:
         raise UsageError(f"--limit {text}: {low:g} is not below {high:g}")
     return name, (low, high)
