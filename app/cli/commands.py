@@ -55,7 +55,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
         "Show what speaks against a fit: outliers, drift, lack of fit, cross-validation, richer models, node spacing."
     ),
     "compare": Command(
-        "Compare two results of one arm: links, error maps and reflectors, in combined standard uncertainties."
+        "Compare two results of one arm, parameter by parameter, in combined standard uncertainties."
     ),
     "predict": Command(
         "Predict where the arm really goes, with uncertainties; beyond the identified range it says nothing."
