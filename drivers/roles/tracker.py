@@ -68,7 +68,7 @@ class TrackerAbilities:
     Attributes:
         points: `point` measures a target in three coordinates.
         poses: `pose` measures a frame.
-        finds: it turns to a target by itself where it is told roughly where that is.
+        finds: it turns to a target by itself, given roughly where that is.
         two_faces: `point` measures in the second face, too.
     """
 

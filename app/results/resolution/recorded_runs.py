@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain, groupby
-from typing import Any
+from typing import Any, Final, Literal
 
 import numpy as np
 
@@ -20,11 +20,17 @@ from catseye.app.store.reader import RunReader
 from catseye.app.store.software import SOFTWARE
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.resolution.errors import MovesError
+from catseye.calibration.resolution.mounting import other_way_round
 from catseye.calibration.resolution.moves import moves_of
 from catseye.calibration.resolution.optics import AngularOptics, LinearOptics
 from catseye.calibration.resolution.recording import Recording, recording_of
 from catseye.calibration.resolution.standstill import standstill
 from catseye.procedures.resolution.records import Configuration
+
+_OTHER_WAY_ROUND: Final = (
+    "the count falls while the command grows: the optics were mounted the other way round, and the sign of the "
+    "recording was changed"
+)
 
 
 def holds_tests(reader: RunReader) -> bool:
@@ -117,11 +123,20 @@ def evaluate_series(
         members = list(group)
         asked = _asked(members[0].configuration, threshold_percent)
         try:
-            yield evaluated(asked, [_series(one) for one in members])
+            yield _evaluated(asked, members)
         except CalibrationError as error:
             position = members[0].configuration["position"]
             where = f"{source}, {asked.test} test of {asked.joint} at {position}"
             raise MovesError(f"{where}: {error}") from error
+
+
+def _evaluated(asked: Asked, members: Sequence[RecordedSeries]) -> AnyTest:
+    """Return what the series of one test come to, whichever way round its optics were mounted."""
+    series = [_series(one) for one in members]
+    if not other_way_round((one.recording, one.moves) for one in series):
+        return evaluated(asked, series)
+    test = evaluated(asked, [_series(one, sign=-1) for one in members])
+    return test.model_copy(update={"flags": [_OTHER_WAY_ROUND, *test.flags]})
 
 
 def _count(reader: RunReader) -> int:
@@ -145,9 +160,9 @@ def _asked(row: Mapping[str, Any], threshold_percent: float) -> Asked:
     return Asked(row["test"], row["joint"], row["position_value"], pose, threshold_percent)
 
 
-def _series(recorded: RecordedSeries) -> Series:
+def _series(recorded: RecordedSeries, sign: Literal[1, -1] = 1) -> Series:
     row = recorded.configuration
-    recording, optics = _recording(recorded)
+    recording, optics = _recording(recorded, sign)
     still = standstill(recording.clipped(row["standstill_from_s"], row["standstill_until_s"]))
     # A test that goes there and back begins where its preliminary moves have led.
     there_and_back = row["test"] in {"iso", "backlash"}
@@ -161,8 +176,10 @@ def _series(recorded: RecordedSeries) -> Series:
     return Series(recording, moves, optics, still, recorded.torque_time_s()[counted], torque_nm[counted])
 
 
-def _recording(recorded: RecordedSeries) -> tuple[Recording, AngularOptics | LinearOptics]:
-    row, displacement_mm = recorded.configuration, recorded.displacement_mm
+def _recording(
+    recorded: RecordedSeries, sign: Literal[1, -1]
+) -> tuple[Recording, AngularOptics | LinearOptics]:
+    row, displacement_mm = recorded.configuration, sign * recorded.displacement_mm
     if row["spacing_mm"] is None:
         return recording_of(recorded.time_s, displacement_mm, "mm"), LinearOptics()
     optics = AngularOptics(row["spacing_mm"], row["u_spacing_mm"] or 0.0, 1e-3 * row["distance_mm"])
