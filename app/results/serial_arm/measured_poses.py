@@ -15,10 +15,10 @@ from catseye.app.cell.arm import ArmDescription
 from catseye.app.errors import UsageError
 from catseye.app.files.columns import read_rows
 from catseye.app.files.csv_lines import CsvRow
-from catseye.app.results.serial_arm.nominal_arm import with_unknown_targets
+from catseye.app.results.serial_arm.nominal_arm import FLANGE, with_flange, with_unknown_targets
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.kinematics.rotations import rotation_of
-from catseye.calibration.serial_arm.arm import Anchor, SerialArm, Target
+from catseye.calibration.serial_arm.arm import Anchor, SerialArm
 from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.measurements import (
     MeasuredDistances,
@@ -33,9 +33,6 @@ _PLACE: Final = ("x_mm", "y_mm", "z_mm")
 _ANGLES: Final = ("rx_deg", "ry_deg", "rz_deg")
 _U_EACH: Final = ("u_x_mm", "u_y_mm", "u_z_mm")
 _STATED: Final = ("u_mm", *_U_EACH, "u_deg")
-_FLANGE: Final = "flange"
-"""What an empty target means: the frame of the flange itself."""
-
 _COVARIANCES: Final = {"cov_xy_mm2": (0, 1), "cov_xz_mm2": (0, 2), "cov_yz_mm2": (1, 2)}
 
 
@@ -237,16 +234,16 @@ class _Poses:
 
 def _targets(tables: Sequence[_Table], nominal: SerialArm) -> tuple[SerialArm, tuple[Ints, ...]]:
     """Return the arm with its targets, and the number of each row's target, one array a table."""
-    names = [[row.cells["target"] or _FLANGE for row in table.rows] for table in tables]
+    names = [[row.cells["target"] or FLANGE for row in table.rows] for table in tables]
     used = sorted({name for of_table in names for name in of_table})
     turned = {name for table, own in zip(tables, names, strict=True) if table.turned for name in own}
     arm = (
-        nominal if nominal.targets else with_unknown_targets(nominal, [one for one in used if one != _FLANGE])
+        nominal if nominal.targets else with_unknown_targets(nominal, [one for one in used if one != FLANGE])
     )
-    targets = [replace(one, turned=one.name in turned) for one in arm.targets]
-    if _FLANGE in used and _FLANGE not in {one.name for one in targets}:
-        targets.append(Target(_FLANGE, (0.0, 0.0, 0.0)))
-    known = [target.name for target in targets]
+    targets = [replace(one, turned=one.name in turned and one.name != FLANGE) for one in arm.targets]
+    arm = arm.with_targets(tuple(targets))
+    arm = with_flange(arm) if FLANGE in used else arm
+    known = [target.name for target in arm.targets]
     for table, of_table in zip(tables, names, strict=True):
         for row, name in zip(table.rows, of_table, strict=True):
             if name not in known:
@@ -255,7 +252,7 @@ def _targets(tables: Sequence[_Table], nominal: SerialArm) -> tuple[SerialArm, t
                     "tool's file"
                 )
     numbers = tuple(np.array([known.index(name) for name in of_table]) for of_table in names)
-    return arm.with_targets(tuple(targets)), numbers
+    return arm, numbers
 
 
 def _points(tables: Sequence[_Table], poses: _Poses, targets: Sequence[Ints]) -> MeasuredPoints:
