@@ -2,7 +2,7 @@
 
 from contextlib import closing
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
 
@@ -13,9 +13,6 @@ from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import require_output, write_atomically
-
-if TYPE_CHECKING:
-    from catseye.calibration.kinematics.bodies import Point
 
 
 def select_poses(
@@ -104,7 +101,7 @@ class _Bars:
         self._bar.close()
 
 
-def _place(text: str) -> "Point":
+def _place(text: str) -> tuple[float, float, float]:
     try:
         x_mm, y_mm, z_mm = map(float, text.split(","))
     except ValueError as error:

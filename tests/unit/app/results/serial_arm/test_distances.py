@@ -1,6 +1,7 @@
 """Predicted distances of a result that was identified from distances."""
 
 import csv
+import json
 from pathlib import Path
 
 import numpy as np
@@ -73,3 +74,39 @@ def test_dead_path_that_nobody_knows_is_refused(folder: Path) -> None:
     done = predicted(folder, file)
     assert isinstance(done.exception, UsageError)
     assert "other.csv:3: the result does not know the dead path of P2#s9" in str(done.exception)
+
+
+def validated(folder: Path, file: Path, *words: str) -> Result:
+    return CliRunner().invoke(cli, ["validate", str(folder / "arm.json"), "--measured", str(file), *words])
+
+
+def ballbar(folder: Path, seed: int) -> Path:
+    """Write lengths from nests 1 and 2 to a sphere of which nobody says where it is."""
+    poses = some_poses(160, seed)
+    nests = np.arange(160) % 2
+    centre = np.array([450.0, 100.0, 150.0])
+    apart = np.linalg.norm(TrueArm(base=np.zeros(6)).nests(poses, nests) - centre, axis=1)
+    lines = [f"pose,{JOINTS},target,anchor,segment,distance_mm"]
+    for k, (q, length) in enumerate(zip(poses.tolist(), apart.tolist(), strict=True)):
+        lines.append(",".join([f"B{k}", *map(repr, q), f"nest{nests[k] + 1}", "sphere", "", repr(length)]))
+    (folder / "ballbar.csv").write_text("\n".join(lines), "utf-8")
+    return folder / "ballbar.csv"
+
+
+def test_lengths_of_a_ballbar_validate_by_target(folder: Path) -> None:
+    done = validated(folder, ballbar(folder, 71), "--json", "-o", str(folder / "ballbar.html"))
+    said = json.loads(done.stdout)
+    rows = {(one["target"], one["state"]): one for one in said["by_target"]}
+    assert (said["measured"], said["n"], said["fitted_anchors"]) == ("distances", 160, ["sphere"])
+    assert said["calibrated"]["max_mm"] < 0.15
+    assert said["frames_only"]["mean_mm"] > 5.0 * said["calibrated"]["mean_mm"]
+    assert abs(rows["nest2", "calibrated"]["mean_mm"]) < 0.05
+    assert "Length errors by measurement" in (folder / "ballbar.html").read_text("utf-8")
+
+
+def test_stated_place_of_the_sphere_is_taken(folder: Path) -> None:
+    (folder / "sphere.csv").write_text("anchor,x_mm,y_mm,z_mm\nsphere,450,100,150\n", "utf-8")
+    done = validated(folder, ballbar(folder, 72), "--json", "--anchors", str(folder / "sphere.csv"))
+    said = json.loads(done.stdout)
+    assert said["fitted_anchors"] == []
+    assert said["calibrated"]["mean_mm"] < 0.1
