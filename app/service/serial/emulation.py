@@ -6,7 +6,7 @@ from pathlib import Path
 from catseye.app.cell.arm import ArmDescription, Joint, arm_description
 from catseye.app.cell.model import Cell
 from catseye.app.cell.serial_arm import loads_of
-from catseye.app.cell.tool import ToolDescription, read_tool
+from catseye.app.cell.tool import ToolDescription
 from catseye.app.files.documents import read_document
 from catseye.app.service.emulation import emulated_devices
 from catseye.simulators.config import (
@@ -31,7 +31,7 @@ def serial_emulation_config(cell: Cell, speed: float, seed: int, truth: Path | N
     Raises:
         ConfigError: an endpoint cannot be emulated, or the file with the tool or the true arm cannot be read.
     """
-    tool = None if cell.robot.tool is None else read_tool(Path(cell.robot.tool))
+    tool = cell.robot.carried
     arm = serial_arm_of(arm_description(cell.robot.arm), tool)
     return EmulationConfig(
         serial=arm,
