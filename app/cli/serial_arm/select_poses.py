@@ -49,6 +49,10 @@ def select_poses(
     ] = True,
     starts: Annotated[int, typer.Option(min=1, max=1000, help="random choices to begin with")] = 3,
     seed: Annotated[int, typer.Option(min=0, help="of candidates and starts")] = 1,
+    page: Annotated[
+        Path | None,
+        typer.Option("--report", metavar="FILE", help="HTML page with the index against the poses"),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Choose the poses that identify a serial arm best.
@@ -56,9 +60,13 @@ def select_poses(
     Example: catseye select-poses --arm irb120 --tool plate.toml --count 38 --station 1800,0,400 -o poses.csv
     """
     from catseye.app.cell.tool import read_tool
+    from catseye.app.render.page import require_html, write_page
     from catseye.app.results.serial_arm.pose_selection import Asked, select_poses, selection_report
 
     require_output(output, tool)
+    require_output(page, tool, output)
+    if page is not None:
+        require_html(page)
     asked = Asked(
         count,
         candidates,
@@ -81,6 +89,9 @@ def select_poses(
     else:
         write_tables(report)
     note_statements(report)
+    if page is not None:
+        write_page(report, page)
+        note(f"{page} written")
     note(f"{output} written")
 
 

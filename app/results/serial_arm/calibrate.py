@@ -25,6 +25,7 @@ from catseye.app.results.serial_arm.result import (
     FramesPart,
     HeldOutPart,
     ImplausiblePart,
+    MassPart,
     ParameterPart,
     RejectedPart,
     SerialArmResult,
@@ -39,6 +40,7 @@ from catseye.calibration.serial_arm.arm import SerialArm
 from catseye.calibration.serial_arm.bounds import beyond_bounds
 from catseye.calibration.serial_arm.choice import Chosen, choose
 from catseye.calibration.serial_arm.identification import Calibration, ModelName
+from catseye.calibration.serial_arm.mass_errors import mass_errors
 from catseye.calibration.serial_arm.monte_carlo import draw_estimates, with_draws
 from catseye.calibration.serial_arm.parameters import FRAME_PARTS, AnchorPlace, BaseFrame, DeadPath, Parameter
 from catseye.calibration.serial_arm.plausibility import ImplausibleError, require_plausible
@@ -254,6 +256,19 @@ def result_of(subject: Subject, found: Chosen, provenance: Provenance) -> Serial
         tool=subject.tool,
         anchors=_anchors(calibration),
         errors=_errors(found),
+        masses=_masses(calibration),
+    )
+
+
+def _masses(calibration: Calibration) -> MassPart | None:
+    found = mass_errors(calibration)
+    if found is None:
+        return None
+    return MassPart(
+        share=found.share,
+        draws=found.draws,
+        mean_mm=float(found.error_mm.mean()),
+        max_mm=float(found.error_mm.max()),
     )
 
 
@@ -274,6 +289,7 @@ def _errors(found: Chosen) -> ErrorsPart:
     return ErrorsPart(
         pose=[names[k] for k in rows.pose],
         target=[found.frames.model.arm.targets[k].name for k in rows.target],
+        place_mm=[(float(x), float(y), float(z)) for x, y, z in rows.place_mm],
         frames_mm=_point_errors_mm(found.frames)[:count].tolist(),
         left_out_mm=[None if np.isnan(one) else float(one) for one in left_out],
     )

@@ -26,6 +26,41 @@ def _histogram(state: str, error_mm: Floats) -> Panel:
     return Panel(state, Axis("error / mm", low=0.0), Axis("rows"), marks)
 
 
+def deviations(names: Sequence[str], values: Floats, u: Floats, unit: str) -> Figure:
+    """Return identified minus nominal parameters of one unit with their standard uncertainties."""
+    marks = (
+        Points(np.arange(len(names), dtype=np.float64), values, Role.CHANGE, "identified − nominal", u),
+        Level(0.0, Role.AXIS),
+    )
+    panel = Panel("", Axis("", names=tuple(names)), Axis(f"deviation / {unit}"), marks)
+    caption = f"Deviations from the drawing in {unit}; bars: standard uncertainty (k = 1)."
+    return Figure(f"deviations-{unit}", f"Deviations in {unit}", caption, ((panel,),))
+
+
+def places(place_mm: Floats, error_mm: Floats) -> Figure:
+    """Return where targets were measured, from above and from the side, coloured by their errors left out."""
+    views = (("from above", 0, 1), ("from the side", 0, 2))
+    panels = tuple(
+        Panel(
+            title,
+            Axis(f"{'xyz'[i]} / mm"),
+            Axis(f"{'xyz'[j]} / mm"),
+            (
+                Points(
+                    place_mm[:, i],
+                    place_mm[:, j],
+                    Role.SCATTER,
+                    value=error_mm,
+                    value_label="error left out / mm",
+                ),
+            ),
+            equal=True,
+        )
+        for title, i, j in views
+    )
+    return Figure("places", "Measured places", "Measured places in the frame of the instrument.", (panels,))
+
+
 def length_errors(states: Sequence[tuple[str, Floats]], targets: Sequence[str]) -> Figure:
     """Return errors of measured lengths in measuring order, a panel for each target and both states in it."""
     names, roles = np.array(targets), (Role.CONVENTIONAL, Role.POSITIVE)

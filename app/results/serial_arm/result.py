@@ -106,12 +106,26 @@ class AnchorPart(ResultPart):
 
 
 class ErrorsPart(ResultPart):
-    """3-D errors of points at the poses that were used, mm: links as drawn with frames fitted, and poses left out."""
+    """3-D errors of points at the poses that were used, mm: links as drawn with frames fitted, and poses left out.
+
+    Attributes:
+        place_mm: measured, in the frame of the instrument.
+    """
 
     pose: list[str]
     target: list[str]
+    place_mm: list[tuple[Finite, Finite, Finite]]
     frames_mm: list[Finite]
     left_out_mm: list[Finite | None]
+
+
+class MassPart(ResultPart):
+    """Errors at random poses when the masses are wrong by a share, each up or down, and their centres too; mm."""
+
+    share: Uncertainty
+    draws: int
+    mean_mm: Uncertainty
+    max_mm: Uncertainty
 
 
 class ImplausiblePart(ResultPart):
@@ -147,6 +161,7 @@ class SerialArmResult(ResultPart):
         loss: of the rows; a robust one leaves no pose out.
         anchors: of distances.
         errors: of single points, for histograms; None in results of earlier versions.
+        masses: simulated identification with wrong masses; None where nothing depends on them.
         implausible: None where the gate found nothing.
     """
 
@@ -170,6 +185,7 @@ class SerialArmResult(ResultPart):
     loss: Literal["squares", "huber", "soft-l1"] = "squares"
     anchors: list[AnchorPart] = Field(default_factory=list)
     errors: ErrorsPart | None = None
+    masses: MassPart | None = None
     implausible: ImplausiblePart | None = None
 
 
