@@ -115,11 +115,21 @@ def validate_arm(result: SerialArmResult, measured: Path, anchors: Path | None =
     known = {name: Anchor(name, _point(place)) for name, place in arm.distances.anchors.items()}
     known |= {} if anchors is None else read_anchors(anchors)
     description = result.description or arm_description(result.arm)
-    tables = read_measured_poses([measured], description, arm.arm, known)
-    rows = _with_joints(result, tables)
-    if len(rows.points.pose):
-        return _places(arm, arm_with_frames(result), rows)
-    return _distances(arm, arm_with_frames(result), rows)
+    return validated(result, read_measured_poses([measured], description, arm.arm, known))
+
+
+def validated(result: SerialArmResult, tables: MeasuredPoses) -> ArmValidation:
+    """Compare a result with measured poses, or with distances where no places were measured.
+
+    Args:
+        tables: their targets are those of the result's arm.
+
+    Raises:
+        UsageError: they lack the joints that the result was identified with.
+        InsufficientPointsError: too few distances to an anchor that has to be fitted.
+    """
+    rows, arm, frames = _with_joints(result, tables), identified_arm(result), arm_with_frames(result)
+    return _places(arm, frames, rows) if len(rows.points.pose) else _distances(arm, frames, rows)
 
 
 def _point(place: Floats) -> tuple[float, float, float]:
