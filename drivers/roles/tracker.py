@@ -1,7 +1,7 @@
 """An independent instrument that locates targets on the arm: a laser tracker, or an optical CMM."""
 
 from abc import abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import ClassVar, Literal, Protocol
 
 from catseye.drivers.roles.device import Device, DriverClass, Role
@@ -76,6 +76,10 @@ class TrackerAbilities:
     poses: bool = False
     finds: bool = False
     two_faces: bool = False
+
+    def named(self) -> tuple[str, ...]:
+        """Return the names of what it is able to do."""
+        return tuple(each.name for each in fields(self) if getattr(self, each.name))
 
 
 class Tracker(Device, Protocol):
