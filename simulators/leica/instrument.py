@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from catseye.simulators.survey import Place
 
 from catseye.calibration.air import HE_NE_VACUUM_NM, refractive_index
 from catseye.simulators.leica import parameters
 from catseye.simulators.leica.coordinates import Units, angles_of, direction_mm
 from catseye.simulators.leica.packets import PointValues
 from catseye.simulators.leica.parameters import Parameters
+from catseye.simulators.survey import Place
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.serial.bench import SerialBench
 
