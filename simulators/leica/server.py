@@ -9,6 +9,7 @@ regions, the try mode.
 
 import math
 import struct
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
@@ -33,6 +34,7 @@ _LAST_COMMAND = 142
 
 _INITIALISE_S, _MOVE_S, _SEARCH_S, _FACE_S, _NIVEL_S = 8.0, 0.6, 0.8, 2.0, 1.0
 
+_MOST_NEWS = 100
 _DISTANCE_SET, _ENVIRONMENT_CHANGED = 0, 2
 _NEWS_OF_FACE: Final = {1: 30, 2: 31}
 
@@ -52,6 +54,28 @@ class Job:
     said: bytes = b""
 
 
+class News:
+    """Codes of changes of state; only the last ones are kept.
+
+    Attributes:
+        count: how many there were so far.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._last: deque[int] = deque(maxlen=_MOST_NEWS)
+
+    def add(self, code: int) -> None:
+        """Add a change."""
+        self.count += 1
+        self._last.append(code)
+
+    def since(self, count: int) -> list[int]:
+        """Return the changes after so many, as far as they are kept."""
+        new = min(self.count - count, len(self._last))
+        return list(self._last)[len(self._last) - new :]
+
+
 Said = bytes | Job
 """An answer at once, or one that follows."""
 
@@ -67,7 +91,7 @@ class Server:
         has_nivel: there is an inclination sensor.
 
     Attributes:
-        news: codes of changes of state so far.
+        news: changes of state.
         last_status: of the last command.
     """
 
@@ -83,7 +107,7 @@ class Server:
         self.instrument = instrument
         self.kept = kept
         self.information = information
-        self.news: list[int] = []
+        self.news = News()
         self.last_status = OK
         self._warm_s = warm_s
         self._has_nivel = has_nivel
@@ -184,7 +208,7 @@ class Server:
     def _set(self, number: int, data: bytes) -> int:
         status = self.kept.write(number, data)
         if status == OK:
-            self.news.append(BLOCKS[number].news)
+            self.news.add(BLOCKS[number].news)
         return status
 
     def _motion(self, number: int, data: bytes) -> Said:
@@ -214,7 +238,7 @@ class Server:
                 return packets.reply(number, OK)
             case 20, 24:
                 self.instrument.set_air(struct.unpack("<3d", data))
-                self.news.append(_ENVIRONMENT_CHANGED)
+                self.news.add(_ENVIRONMENT_CHANGED)
                 return packets.reply(number, OK)
             case 65, 32:
                 return self._look(number, data)
@@ -264,7 +288,7 @@ class Server:
 
     def _found(self, found: bool) -> int:
         if found:
-            self.news.append(_DISTANCE_SET)
+            self.news.add(_DISTANCE_SET)
         return OK if found else NO_DISTANCE
 
     def _initialise(self) -> int:
@@ -277,7 +301,7 @@ class Server:
 
     def _change_face(self) -> int:
         self.instrument.change_face()
-        self.news.append(_NEWS_OF_FACE[self.instrument.face])
+        self.news.add(_NEWS_OF_FACE[self.instrument.face])
         return OK
 
     def _aim(self, *values: float) -> int:

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from catseye.simulators.leica import packets, parameters
 from catseye.simulators.leica.packets import Command, CommandCutter
 from catseye.simulators.leica.server import (
+    BUSY,
     GO_AND_MEASURE,
     NO_NIVEL,
     NO_RESULT,
@@ -48,7 +49,7 @@ class EmsconSession(Session):
         self._commands: deque[Command] = deque()
         self._jobs: list[Job] = []
         self._stream: Stream | None = None
-        self._told = len(server.news)
+        self._told = server.news.count
         self._state = 0
         self._tick_s = server.now_s
         self._measurement: Job | None = None
@@ -116,6 +117,8 @@ class EmsconSession(Session):
         server = self._server
         if refusal := server.refusal_to_measure(number):
             return refusal
+        if self._stream is not None:
+            return packets.reply(number, BUSY)
         if server.kept[parameters.MODE][0] != parameters.STATIONARY_MODE:
             self._stream = Stream(server)
             return packets.reply(number, OK)
@@ -179,7 +182,7 @@ class EmsconSession(Session):
             self._stream = None
             if stream.broken:
                 return said + packets.error(START, NO_RESULT)
-            self._server.news.append(_COUNT_REACHED)
+            self._server.news.add(_COUNT_REACHED)
         return said
 
     def _news(self) -> bytes:
@@ -187,10 +190,10 @@ class EmsconSession(Session):
         settings = server.kept[parameters.SETTINGS]
         if settings[parameters.UNSOLICITED]:
             state = _BUSY if server.busy else _READY if server.instrument.locked else _NOT_READY
-            codes = [*server.news[self._told :], *([state] if state != self._state else [])]
+            codes = [*server.news.since(self._told), *([state] if state != self._state else [])]
             self._state = state
             said = b"".join(map(packets.state_changed, codes))
-        self._told = len(server.news)
+        self._told = server.news.count
         if settings[parameters.REFLECTOR_POSITIONS] and server.instrument.locked:
             said += packets.reflector_position(server.instrument.units.place(server.instrument.beam_mm))
         return said

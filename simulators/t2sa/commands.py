@@ -22,13 +22,13 @@ class Command:
     """
 
     verb: str
-    arguments: tuple[str, ...]
+    arguments: list[str]
 
 
 def parse(line: str) -> Command:
     """Return the command of a line."""
     verb, _, rest = line.partition(" " if line.startswith("?POS ") else ":")
-    return Command(verb.strip(), tuple(part.strip() for part in rest.split(";")) if rest else ())
+    return Command(verb.strip(), [part.strip() for part in rest.split(";")] if rest else [])
 
 
 def good(text: str, code: int = 300) -> bytes:
