@@ -19,7 +19,7 @@ from catseye.simulators.world.scara.arm import scara_bench
 from catseye.simulators.world.scara.truth import draw_truth, true_arm, truth_document
 from catseye.simulators.world.serial.bench import SerialBench
 from catseye.simulators.world.serial.driven_arm import DrivenArm, dynamics_of
-from catseye.simulators.world.serial.truth import draw_joint_truth, joint_truth_document, read_joint_truth
+from catseye.simulators.world.serial.true_arm import true_serial_arm
 from catseye.simulators.world.timekeeper import TimeKeeper
 from catseye.simulators.world.tracker import Tracker
 
@@ -140,17 +140,14 @@ class _DrivenBench(ServedBench, Generic[AnyController]):
     ) -> None:
         _require_speed(config)
         journal = Journal(lambda: self.bench.time_s)
-        truth = (
-            draw_joint_truth(arm, config.seed)
-            if config.truth is None
-            else read_joint_truth(config.truth, arm)
-        )
-        plant = DrivenArm(arm, truth.joints, config.start_joints, config.seed)
-        self.bench = SerialBench(plant, config, lambda text: journal.add("robot", "motion", text))
+        truth = true_serial_arm(arm, config)
+        plant = DrivenArm(truth.arm, truth.drives.joints, config.start_joints, config.seed, truth.base)
+        made = replace(config, survey=replace(config.survey, targets=truth.targets, u_target_mm=0.0))
+        self.bench = SerialBench(plant, made, lambda text: journal.add("robot", "motion", text))
         keeper = TimeKeeper(self.bench, config.speed)
         self.controller = control(self.bench, keeper)
         probe = AirProbe(self.bench)
-        document = joint_truth_document(truth)
+        document = truth.document()
         super().__init__(
             EmulationContext(config, self.bench, document, self.controller, keeper, journal, probe)
         )

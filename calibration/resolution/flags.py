@@ -19,7 +19,6 @@ FlagKind = Literal[
     "reversed",
     "unsettled",
     "late",
-    "unexpected-motion",
     "partial-mean",
     "least-step-open",
     "masked-by-reversal",

@@ -324,6 +324,7 @@ class ResolutionResult(ResultPart):
         actuation: of the joints whose description says it.
         tests: in the order in which they were made.
         measured: the runs of the tests; empty for recordings of other programs.
+        refused: tests of the runs that cannot be evaluated: which, and why.
         provenance: where they come from; None of a file that another program wrote.
     """
 
@@ -336,6 +337,7 @@ class ResolutionResult(ResultPart):
         ]
     ]
     measured: list[MeasuredRun] = Field(default_factory=list)
+    refused: list[str] = Field(default_factory=list)
     provenance: Provenance | None = None
 
 

@@ -6,7 +6,11 @@ from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.errors import BenchError
 from catseye.simulators.world.motion import SHORTEST
 from catseye.simulators.world.serial.arm_beam import ArmBeam
+from catseye.simulators.world.serial.ballbar import Ballbar
+from catseye.simulators.world.serial.cmm import OpticalCmm
 from catseye.simulators.world.serial.driven_arm import DrivenArm
+from catseye.simulators.world.serial.room import Room
+from catseye.simulators.world.serial.tracker import LaserTracker
 from catseye.simulators.world.timed_bench import OnEvent, TimedBench, listed
 from catseye.simulators.world.types import Floats
 
@@ -22,6 +26,10 @@ class SerialBench(TimedBench):
 
     Attributes:
         beam: of the interferometer beside the arm.
+        room: what stands around the arm, and the nests that trackers see.
+        tracker: the laser tracker in the room.
+        cmm: the optical CMM in the room.
+        ballbar: that hands put between arm and table.
     """
 
     beam: ArmBeam
@@ -30,6 +38,11 @@ class SerialBench(TimedBench):
         super().__init__(config)
         self.plant = plant
         self.beam = ArmBeam(plant, config, self._air.index_at, lambda: self.time_s)
+        bodies = () if config.serial is None else config.serial.bodies
+        self.room = Room(plant, bodies, config, lambda: self.time_s)
+        self.tracker = LaserTracker(self.room, config, lambda: self.time_s)
+        self.cmm = OpticalCmm(self.room, config, lambda: self.time_s)
+        self.ballbar = Ballbar(self.room, config, lambda: self.time_s)
         self._on_event = on_event or (lambda _text: None)
         self._arrived = True
 
@@ -134,8 +147,11 @@ class SerialBench(TimedBench):
         self._begun(f"stop towards {listed(self.plant.motion.end)}")
 
     def clear_faults(self) -> None:
-        """Take away what stands in the beam, dims it or unlocks the laser."""
+        """Take away what stands in the beams, dims them or unlocks the laser, and put retroreflectors back."""
         self.beam.unblock()
+        self.tracker.unblock()
+        self.cmm.unblock()
+        self.room.put_back()
         self.beam.weaken(1.0)
         self.beam.set_laser(ready=True)
 

@@ -12,7 +12,7 @@ import pytest
 from catseye.app.cell.load import load_cell
 from catseye.app.cli.report import report
 from catseye.app.cli.resolution.resolution import resolution
-from catseye.app.errors import UsageError
+from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.results.resolution.recorded_runs import holds_tests, result_of_runs
 from catseye.app.results.resolution.result import read_resolution
 from catseye.app.store.chunks import Chunk, pack
@@ -153,7 +153,7 @@ async def test_a_faulty_series_is_named_with_its_run(tmp_path: Path) -> None:
     command = decaying_commands(30)
     reader = await _stored(tmp_path, _rows("decaying", command, 0.1 * command))
     with pytest.raises(
-        MovesError, match=f"{reader.path.name}, decaying test of A1 at K3: the 10 largest moves"
+        MovesError, match=f"{reader.path.name}, decaying test of A1 at K3, direction .1: the 10 largest moves"
     ):
         result_of_runs([reader], 10.0)
 
@@ -197,6 +197,22 @@ async def test_a_run_without_tests_is_refused(tmp_path: Path) -> None:
     assert not holds_tests(reader)
     with pytest.raises(UsageError, match="has recorded no test of motion resolution"):
         result_of_runs([reader], 10.0)
+
+
+async def test_a_faulty_series_leaves_the_others_usable(tmp_path: Path) -> None:
+    command = decaying_commands(40)
+    reader = await _stored(
+        tmp_path,
+        _rows("decaying", command, 0.1 * command),
+        _rows("decaying", command, command, joint="A2"),
+    )
+    output = tmp_path / "result.json"
+    with pytest.raises(MeasurementRejectedError, match="1 of 2 tests cannot be evaluated"):
+        resolution(output, [str(reader.path)], threshold=10.0)
+    found = read_resolution(output)
+    assert [test.joint for test in found.tests] == ["A2"]
+    (refused,) = found.refused
+    assert "decaying test of A1 at K3, direction +1: the 10 largest moves" in refused
 
 
 async def test_commands_take_a_run_by_its_path(tmp_path: Path) -> None:
