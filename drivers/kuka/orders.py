@@ -61,6 +61,7 @@ class Orders:
         self._beat = beat
         self._clock = clock
         self._settings = settings
+        self._number = 0
 
     async def prepare(self, order: Order, permit: Callable[[], None]) -> int:
         """Write all of an order but what begins it; return its number. Nothing moves yet.
@@ -96,7 +97,7 @@ class Orders:
             await self._require_done(number)
 
     async def _free_number(self) -> int:
-        """Return the number of the next order.
+        """Return the number of the next order; one that was lost may arrive yet, and is never used again.
 
         Raises:
             NotReadyError: other programs are loaded, none runs, or an order is still under way.
@@ -125,7 +126,8 @@ class Orders:
                 f"{self._proxy.where}: order {taken} is still under way; if it stands, reset it and {_START}",
                 0,
             )
-        return max(sequence, taken) + 1
+        self._number = max(sequence, taken, self._number) + 1
+        return self._number
 
     async def _begin(self, number: int, permit: Callable[[], None]) -> None:
         """Write the number; where the reply is lost, ask whether it was written."""
