@@ -101,7 +101,7 @@ class NumberedOrders(ABC):
         """Give a sign of life."""
 
     def _unused(self, *known: int) -> int:
-        """Return a number above all that the controller knows; one that was lost may arrive yet, and never comes again."""
+        """Return a number above all that are known; one that was lost may arrive yet, and is not used again."""
         self._latest = max(self._latest, *known) + 1
         return self._latest
 
