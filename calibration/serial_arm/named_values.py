@@ -15,6 +15,7 @@ from catseye.calibration.serial_arm.parameters import (
     FRAME_PARTS,
     BaseFrame,
     Harmonic,
+    MapNode,
     Parameter,
     Reversal,
     TargetPlace,
@@ -24,6 +25,7 @@ from catseye.calibration.serial_arm.parameters import (
 )
 
 _WAVE: Final = re.compile(r"(cos|sin)([0-9.]+)_deg")
+_NODE: Final = re.compile(r"(map|reversal)_(-?[0-9.]+)_deg")
 
 
 def geometry_of(arm: SerialArm, values: Mapping[str, float]) -> Geometry:
@@ -45,7 +47,7 @@ def geometry_of(arm: SerialArm, values: Mapping[str, float]) -> Geometry:
 
 
 def _further(arm: SerialArm, name: str) -> Parameter:
-    """Return a parameter of a target, a reversal or a harmonic by its name."""
+    """Return a parameter of a target, a map, a reversal or a harmonic by its name."""
     owner, _, kind = name.rpartition(".")
     targets = [target.name for target in arm.targets]
     unit = kind.rpartition("_")[2]
@@ -53,6 +55,10 @@ def _further(arm: SerialArm, name: str) -> Parameter:
     if owner in targets and kind in FRAME_PARTS:
         part = FRAME_PARTS[FRAME_PARTS.index(kind)]
         return Parameter(name, unit, TargetPlace(targets.index(owner), part), 0.0)
+    node = _NODE.fullmatch(kind)
+    if owner in arm.joint_names and node is not None:
+        of_map = MapNode(arm.joint_names.index(owner), float(node[2]), node[1] == "reversal")
+        return Parameter(name, unit, of_map, 0.0)
     if owner in arm.joint_names and kind.startswith("reversal_"):
         return Parameter(name, unit, Reversal(arm.joint_names.index(owner)), 0.0)
     if owner in arm.joint_names and wave is not None:

@@ -175,6 +175,11 @@ class Context(Protocol):
         """Bench seconds now; they count from an origin of their own in every process."""
         ...
 
+    @property
+    def set_up_lost(self) -> bool:
+        """Somebody has moved what the run had set up, before it was resumed: what is needed is to be set up anew."""
+        ...
+
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step once.
 

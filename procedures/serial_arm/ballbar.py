@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.calibration.serial_arm.arm import SerialArm, Target
-from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.pose import Pose, out_of_range
 from catseye.procedures.kit.columns import DocumentRule
 from catseye.procedures.kit.context import Context
-from catseye.procedures.kit.errors import OutOfReachError, PlanError
+from catseye.procedures.kit.errors import OutOfReachError, PlanError, PlanLimitError
 from catseye.procedures.kit.motion.clear_way import require_clear_way
 from catseye.procedures.kit.motion.motion_time import way_time_s
 from catseye.procedures.kit.needs import Needs
@@ -43,7 +43,7 @@ class BallbarParams(BaseModel):
         [], max_length=_MOST_NESTS, description="nests of the tool, a path for each; the first two when empty"
     )
     azimuth_deg: list[float] = Field(
-        [-60.0, 60.0],
+        [-90.0, -30.0],
         min_length=2,
         max_length=2,
         description="of the bar about z; 0 points from the cup to the arm's base, deg",
@@ -166,6 +166,8 @@ def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str
             "better calibration"
         )
     commands = tuple(tuple(pose) for pose in found.commands.tolist())
+    if wrong := [text for pose in commands for text in out_of_range(bench.arm.axes, pose)]:
+        raise PlanLimitError(f"{name}: {wrong[0]}: choose smaller ranges of azimuth and elevation")
     require_clear_way((rest, *commands, rest), bench)
     measured = tuple(number for number, one in enumerate(path) if one.measured)
     return BarPath(name, commands, measured, tuple(found.deviation_mm.tolist()))

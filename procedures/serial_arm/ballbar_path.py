@@ -1,7 +1,8 @@
 """A path on a sphere about a fixed cup by commands of a calibrated arm, and the lengths that a bar has there."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Final
 
@@ -12,7 +13,7 @@ from catseye.calibration.kinematics.inverse import inverse_kinematics
 from catseye.calibration.kinematics.rotations import rotation_of
 from catseye.calibration.serial_arm.compensation import compensate
 from catseye.calibration.serial_arm.geometry import Commands, Geometry
-from catseye.drivers.roles.pose import Pose, out_of_range
+from catseye.drivers.roles.pose import Axes, Pose, out_of_range
 from catseye.procedures.kit.errors import PlanError
 from catseye.procedures.kit.motion.clear_way import clear_poses
 from catseye.procedures.serial_arm.bench import SerialBench, ToolTarget
@@ -26,7 +27,16 @@ _FIRST_ROLLS: Final = np.arange(0.0, 360.0, 15.0)
 _NEXT_ROLLS: Final = np.arange(-8.0, 8.1, 2.0)
 """Turns of the tool about the bar that are tried, deg."""
 
-_MOST_STARTS: Final = 12
+_TILTS: Final = ((0.0, 0.0), *((tilt, side) for tilt in (20.0, 40.0) for side in np.arange(0.0, 360.0, 45.0)))
+"""Angles between the nest's normal and the bar, and to which side, deg: a magnetic cup holds the ball beyond."""
+
+_MOST_STARTS: Final = 60
+_ROOM_DEG: Final = 1.0
+"""Of each range at either end, deg: compensated commands differ by less from those of the nominal arm."""
+
+_MOST_TURN_DEG: Final = 20.0
+"""Of a joint between two commands: more is another way to stand there."""
+
 _INSIDE: Final = 4
 """Places between two commands at which the length is looked at."""
 
@@ -99,8 +109,8 @@ def nominal_path(
         )
     solver = _Solver(bench, nest, centre_mm, length_mm)
     farthest = path[0]
-    for start, roll in solver.starts(path[0], rest)[:_MOST_STARTS]:
-        found, stuck = solver.along(path, start, roll)
+    for start, held in solver.starts(path[0], rest)[:_MOST_STARTS]:
+        found, stuck = solver.along(path, start, held)
         if stuck is None:
             return np.array(found)
         farthest = max(farthest, stuck, key=lambda one: list(path).index(one))
@@ -114,57 +124,89 @@ def nominal_path(
 
 
 @dataclass(frozen=True)
+class _Held:
+    """How a nest is held.
+
+    Attributes:
+        roll_deg: of the tool about the bar.
+        tilt_deg: of the nest's normal against the bar.
+        side_deg: to which side.
+    """
+
+    roll_deg: float
+    tilt_deg: float
+    side_deg: float
+
+
+@dataclass(frozen=True)
 class _Solver:
     bench: SerialBench
     nest: ToolTarget
     centre_mm: Floats
     length_mm: float
 
-    def starts(self, first: SpherePoint, rest: Pose) -> list[tuple[Pose, float]]:
-        """Return ways to stand at the first place with the roll of each, the nearest to the rest pose first."""
-        found = self._solved(first, np.array(rest), _FIRST_ROLLS)
-        return sorted(found, key=lambda one: float(np.abs(np.subtract(one[0], rest)).max()))
+    def starts(self, first: SpherePoint, rest: Pose) -> list[tuple[Pose, _Held]]:
+        """Return ways to stand at the first place and hold the nest, the nearest to the rest pose first."""
+        held = [_Held(float(roll), tilt, float(side)) for tilt, side in _TILTS for roll in _FIRST_ROLLS]
+        found = self._solved(first, np.array(rest), held)
+        return sorted(found, key=lambda one: (one[1].tilt_deg, _apart(one[0], rest)))
 
     def along(
-        self, path: Sequence[SpherePoint], start: Pose, roll: float
+        self, path: Sequence[SpherePoint], start: Pose, held: _Held
     ) -> tuple[list[Pose], SpherePoint | None]:
         """Return the joints along a path, and the place that cannot be reached; None where all can."""
         poses = [start]
         for point in path[1:]:
-            near = self._solved(point, np.array(poses[-1]), roll + _NEXT_ROLLS)
-            near = [one for one in near if np.abs(np.subtract(one[0], poses[-1])).max() <= 8.0 * _FINE_DEG]
+            rolled = [replace(held, roll_deg=held.roll_deg + float(by)) for by in _NEXT_ROLLS]
+            near = self._solved(point, np.array(poses[-1]), rolled)
+            near = [one for one in near if _apart(one[0], poses[-1]) <= _MOST_TURN_DEG]
             if not near:
                 return poses, point
-            pose, roll = min(near, key=lambda one: float(np.abs(np.subtract(one[0], poses[-1])).max()))
+            pose, held = min(near, key=lambda one: _apart(one[0], poses[-1]))
             poses.append(pose)
         return poses, None
 
-    def _solved(self, point: SpherePoint, reference: Floats, rolls: Floats) -> list[tuple[Pose, float]]:
-        frames = np.array([self._frame(point, float(roll)) for roll in rolls])
+    def _solved(
+        self, point: SpherePoint, reference: Floats, held: Sequence[_Held]
+    ) -> list[tuple[Pose, _Held]]:
         tool = np.eye(4)
         tool[:3, 3] = self.nest.place_mm
-        chain = self.bench.workspace.chain
-        inverse = inverse_kinematics(chain, frames, reference, tool)
+        frames = np.array([self._frame(point, one) for one in held])
+        inverse = inverse_kinematics(self.bench.workspace.chain, frames, reference, tool)
         refused = {one.row for one in inverse.refused}
-        good = np.array([row not in refused for row in range(len(rolls))])
+        good = np.array([row not in refused for row in range(len(held))])
         poses = np.where(good[:, None], inverse.poses, 0.0)
         good &= clear_poses(poses, self.bench)
-        axes = self.bench.arm.axes
         listed = [tuple(pose) for pose in poses.tolist()]
         return [
-            (listed[row], float(rolls[row]))
-            for row in np.flatnonzero(good)
-            if not out_of_range(axes, listed[row])
+            (listed[row], held[row])
+            for row in np.flatnonzero(good).tolist()
+            if not out_of_range(self._axes, listed[row])
         ]
 
-    def _frame(self, point: SpherePoint, roll_deg: float) -> Floats:
-        """Return the nest's frame, turned like the flange: its normal looks at the cup."""
+    @cached_property
+    def _axes(self) -> Axes:
+        """The axes, with room for the compensation at the ends of their ranges."""
+        return tuple(
+            replace(axis, low=axis.low + _ROOM_DEG, high=axis.high - _ROOM_DEG)
+            for axis in self.bench.arm.axes
+        )
+
+    def _frame(self, point: SpherePoint, held: _Held) -> Floats:
+        """Return the nest's frame, turned like the flange: its normal looks at the cup, but for the tilt."""
         outwards = point.direction
-        made = np.eye(4)
         looks = np.array(self.nest.normal) / np.linalg.norm(np.array(self.nest.normal))
-        made[:3, :3] = _across(-outwards) @ rotation_of(np.array([0.0, 0.0, roll_deg])) @ _across(looks).T
+        aside = rotation_of(np.array([0.0, 0.0, held.side_deg]))
+        tilt = aside @ rotation_of(np.array([held.tilt_deg, 0.0, 0.0])) @ aside.T
+        roll = rotation_of(np.array([0.0, 0.0, held.roll_deg]))
+        made = np.eye(4)
+        made[:3, :3] = _across(-outwards) @ roll @ tilt @ _across(looks).T
         made[:3, 3] = self.centre_mm + self.length_mm * outwards
         return made
+
+
+def _apart(one: Pose, other: Pose) -> float:
+    return float(np.abs(np.subtract(one, other)).max())
 
 
 def _across(axis: Floats) -> Floats:

@@ -2,11 +2,11 @@
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
-from catseye.app.cli.options import AsJson, MeasuredRuns, Output, Runs, Unverified
+from catseye.app.cli.options import AcceptImplausible, AsJson, MeasuredRuns, Output, Runs, Unverified
 from catseye.app.cli.output import note, write_json
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cli.serial_arm.measured_runs import measured_runs
@@ -48,6 +48,20 @@ def calibrate(
     model: Annotated[
         Model, typer.Option(help="auto: the one that predicts left-out poses best")
     ] = Model.AUTO,
+    priors: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="CSV name,value,u: what is known of parameters beforehand"),
+    ] = None,
+    loss: Annotated[
+        Literal["squares", "huber", "soft-l1"],
+        typer.Option(help="a robust loss keeps all poses and weighs wrong ones down"),
+    ] = "squares",
+    uncertainty: Annotated[
+        Literal["jacobian", "monte-carlo"], typer.Option(help="how uncertainties are propagated")
+    ] = "jacobian",
+    draws: Annotated[int, typer.Option(help="Monte Carlo draws, at least 2000")] = 10_000,
+    seed: Annotated[int, typer.Option(min=0, help="of the Monte Carlo draws")] = 1,
+    accept_implausible: AcceptImplausible = None,
     runs: Runs = None,
     unverified: Unverified = False,
     as_json: AsJson = False,
@@ -56,25 +70,31 @@ def calibrate(
 
     Example: catseye calibrate --poses poses.csv --arm irb120 --tool plate.toml -o arm.json
     """
-    from catseye.app.cell.arm import arm_description
     from catseye.app.cell.tool import read_tool
-    from catseye.app.results.serial_arm.calibrate import Subject, calibrate_tables
+    from catseye.app.results.serial_arm.calibrate import (
+        Method,
+        MonteCarlo,
+        Sources,
+        Subject,
+        calibrate_tables,
+    )
     from catseye.app.results.serial_arm.calibration_report import calibration_report
     from catseye.app.results.serial_arm.result import serial_arm_summary, write_serial_arm
 
     tables = poses or []
     if not run and not tables:
         raise UsageError("nothing to calibrate with: name runs, or tables by --poses FILE")
-    require_output(output, *tables)
+    require_output(output, *tables, anchors, tool, priors)
+    method = Method(
+        model.value,
+        None if loss == "squares" else loss,
+        MonteCarlo(draws, seed) if uncertainty == "monte-carlo" else None,
+        accept_implausible,
+    )
     with measured_runs(run or (), runs, unverified=unverified) as given:
-        cell = given.cell(arm)
-        meant = arm if arm is not None or cell is None else cell.robot.arm
-        description = arm_description(meant or "")
-        name = meant if isinstance(meant, str) else description.name
-        carried = read_tool(tool) if tool is not None else None if cell is None else cell.robot.carried
-        result = calibrate_tables(
-            Subject(name, description, carried), [*given.tables, *tables], anchors, model.value
-        )
+        name, description, carried = given.subject(arm, None if tool is None else read_tool(tool))
+        sources = Sources([*given.tables, *tables], anchors, priors)
+        result = calibrate_tables(Subject(name, description, carried), sources, method)
         result = given.stated(result, tables)
     write_serial_arm(result, output)
     report = calibration_report(f"Calibration of {name}", result)

@@ -6,10 +6,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from catseye.app.cli.arm_option import described
 from catseye.app.errors import UsageError
 
 if TYPE_CHECKING:
-    from catseye.app.cell.model import Cell
+    from catseye.app.cell.arm import ArmDescription
+    from catseye.app.cell.tool import ToolDescription
     from catseye.app.results.serial_arm.result import SerialArmResult
     from catseye.app.store.reader import RunReader
 
@@ -26,22 +28,31 @@ class MeasuredRuns:
     readers: list["RunReader"] = field(default_factory=list)
     tables: list[Path] = field(default_factory=list)
 
-    def cell(self, given: str | None) -> "Cell | None":
-        """Return the cell of the first run; None without runs.
+    def subject(
+        self, arm: str | None, tool: "ToolDescription | None"
+    ) -> tuple[str, "ArmDescription", "ToolDescription | None"]:
+        """Return the arm with its name and its tool: those that are given, else those of the first run.
 
         Args:
-            given: --arm.
+            arm: --arm.
+            tool: of --tool.
 
         Raises:
             UsageError: there is neither a run nor an arm.
         """
+        from catseye.app.cell.arm import arm_description
         from catseye.app.results.runs.run_source import cell_of_run
 
-        if self.readers:
-            return cell_of_run(self.readers[0])
-        if given is None:
-            raise UsageError("a table does not say which arm it is of: state --arm, irb120 for example")
-        return None
+        if not self.readers:
+            if arm is None:
+                raise UsageError("a table does not say which arm it is of: state --arm, irb120 for example")
+            return arm, described(arm), tool
+        robot = cell_of_run(self.readers[0]).robot
+        carried = robot.carried if tool is None else tool
+        if arm is not None:
+            return arm, described(arm), carried
+        description = arm_description(robot.arm)
+        return robot.arm if isinstance(robot.arm, str) else description.name, description, carried
 
     def stated(self, result: "SerialArmResult", poses: Sequence[Path]) -> "SerialArmResult":
         """Return a result that says which runs it comes from."""
