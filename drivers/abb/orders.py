@@ -188,7 +188,7 @@ class Orders(NumberedOrders):
         ]
         if taken != done:
             raise NotReadyError(f"{self._where}: order {taken} is still under way; if it stands, {START}", 0)
-        return max(sequence, taken) % names.LARGEST_NUMBER + 1
+        return (self._unused(sequence, taken) - 1) % names.LARGEST_NUMBER + 1
 
     async def _write_number(self, number: int, permit: Callable[[], None]) -> None:
         await self._write(names.SEQUENCE, str(number), repeat=Repeat.NEVER, permit=permit)

@@ -129,7 +129,7 @@ class Orders(NumberedOrders):
                 f"{self._proxy.where}: order {taken} is still under way; if it stands, reset it and {_START}",
                 0,
             )
-        return max(sequence, taken) + 1
+        return self._unused(sequence, taken)
 
     def _known(self, number: int) -> Result:
         try:

@@ -78,6 +78,7 @@ class NumberedOrders(ABC):
         self._advice = advice
         self._clock = clock
         self._times = times
+        self._latest = 0
 
     @abstractmethod
     async def look(self) -> OrderLook:
@@ -98,6 +99,11 @@ class NumberedOrders(ABC):
     @abstractmethod
     async def _beat(self) -> None:
         """Give a sign of life."""
+
+    def _unused(self, *known: int) -> int:
+        """Return a number above all that are known; one that was lost may arrive yet, and is not used again."""
+        self._latest = max(self._latest, *known) + 1
+        return self._latest
 
     async def carry_out(self, number: int, permit: Callable[[], None]) -> int:
         """Begin an order that is prepared; return what became of it when it is over.

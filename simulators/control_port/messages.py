@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.simulators.control_port.exchange import Answer, Request, known
 from catseye.simulators.control_port.faults import Fault, fault_named
+from catseye.simulators.control_port.survey_messages import OPERATIONS as SURVEY_OPERATIONS
 from catseye.simulators.errors import EmulatorError
 
 PanelKey = Literal[
@@ -291,27 +292,27 @@ class PressKey(Request[Answer]):
     key: PanelKey
 
 
-_OPERATIONS: dict[str, type[Request[Any]]] = {
-    kind.op: kind
-    for kind in (
-        Identify,
-        ReadTruth,
-        ReadArm,
-        ReadState,
-        Track,
-        ReadLog,
-        SetSpeed,
-        TurnScrew,
-        MountInterferometer,
-        PlaceReflector,
-        MountAngularOptics,
-        MountLinearOptics,
-        ReadOptics,
-        ClearBeam,
-        PressKey,
-        Fault,
-    )
-}
+_KINDS: tuple[type[Request[Any]], ...] = (
+    Identify,
+    ReadTruth,
+    ReadArm,
+    ReadState,
+    Track,
+    ReadLog,
+    SetSpeed,
+    TurnScrew,
+    MountInterferometer,
+    PlaceReflector,
+    MountAngularOptics,
+    MountLinearOptics,
+    ReadOptics,
+    ClearBeam,
+    PressKey,
+    Fault,
+    *SURVEY_OPERATIONS,
+)
+
+_OPERATIONS = {kind.op: kind for kind in _KINDS}
 
 
 def decode_request(line: bytes) -> Request[Any]:

@@ -11,8 +11,8 @@ from tests.system.command import catseye, emulated
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 EXAMPLE = EXAMPLES / "every-protocol.toml"
-OTHER_MAKES = ("kuka.toml", "abb.toml")
-"""A robot of another make stands on a bench of its own."""
+OTHER_MAKES = ("kuka.toml", "abb.toml", "trackers.toml")
+"""A robot of another make stands on a bench of its own, and so do trackers that look at a serial arm."""
 
 
 def every_protocol(folder: Path) -> str:
