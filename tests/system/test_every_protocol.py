@@ -37,3 +37,14 @@ def test_the_doctor_finds_every_device_of_every_protocol(tmp_path: Path) -> None
     assert len(devices) == 12
     assert all(row["simulated"] for row in devices.values()), devices
     assert all(row["identity"] for row in devices.values())
+
+
+def test_the_doctor_finds_trackers_beside_a_serial_arm(tmp_path: Path) -> None:
+    text = (EXAMPLES / "trackers.toml").read_text(encoding="utf-8")
+    with emulated(tmp_path, "--speed", "1", text=text) as bench:
+        found = catseye("doctor", bench.cell, "--json", cwd=tmp_path)
+    devices = {row["device"]: row for row in json.loads(found.stdout)["devices"]}
+    for name in ("tracker", "spatialanalyzer"):
+        assert devices[name]["ok"], devices[name]
+        assert devices[name]["simulated"]
+    assert any("reflector CCR-1.5in" in fact for fact in devices["tracker"]["status"])
