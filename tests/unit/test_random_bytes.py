@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from catseye.drivers.abb.http import AnswerDecoder as HttpDecoder
 from catseye.drivers.air.ptu300_codec import TextDecoder
 from catseye.drivers.attocube.codec import AnswerDecoder as IdsDecoder
 from catseye.drivers.counter.codec import LineDecoder, StreamDecoder
@@ -33,10 +34,11 @@ from catseye.drivers.t2sa.codec import ReplyDecoder as T2saDecoder
 from catseye.drivers.tracker.bench_tracker import ObjectDecoder
 from catseye.drivers.umd.codec import SampleDecoder
 from catseye.simulators.config import EmulatedDevice
-from catseye.simulators.emulated_bench import EmulatedBench
-from catseye.simulators.emulator import emulator_names, load_emulator, sessions_of
+from catseye.simulators.emulated_bench import EmulatedBench, ServedBench
+from catseye.simulators.emulator import emulator_names, sessions_of
 from catseye.simulators.ports.session import Pending, Session
 from catseye.simulators.world.timed_bench import TimedBench
+from tests.unit.simulators.abb.benches import abb_bench
 from tests.unit.simulators.benches import QUIET
 from tests.unit.simulators.kuka.benches import kuka_bench
 
@@ -135,6 +137,17 @@ DECODERS: dict[str, tuple[Callable[[], Feed], tuple[bytes, ...]]] = {
     ),
     "kuka-varproxy": (lambda: answers(lambda: VarproxyDecoder(1, Kind.READ)), VARPROXY_SAYS),
     "kuka-varproxy many": (lambda: answers(lambda: VarproxyDecoder(1, Kind.READ_MANY)), VARPROXY_SAYS),
+    "abb-rws": (
+        lambda: answers(HttpDecoder),
+        (
+            b"HTTP/1.1 200 OK\r\n",
+            b"Content-Length: 9\r\n",
+            b"\r\n",
+            b"Transfer-Encoding: chunked\r\n",
+            b"a\r\n",
+            b"0",
+        ),
+    ),
     "lasertex-hpi": (lambda: stream(HpiDecoder()), (b"\xaa", b"\xaa\xb0\x15", b"\xb0\x0a", bytes(12))),
     "attocube-ids": (lambda: answers(lambda: IdsDecoder(1)), JSON_SAYS),
     "umd": (
@@ -227,6 +240,13 @@ SAID_TO_EMULATORS: dict[str, tuple[bytes, ...]] = {
         b"\x00\x04\x00\x00",
         b"$",
     ),
+    "abb-rws": (
+        b"GET /rw/panel/opmode HTTP/1.1\r\n",
+        b"POST / HTTP/1.1\r\n",
+        b"Content-Length: 9\r\n",
+        b"\r\n",
+        b"x",
+    ),
     "lasertex-hpi": (b"\xaa", b"\xaa\xb0\x32", b"\xb0\x48", bytes(4)),
     "attocube-ids": (
         *JSON_SAYS,
@@ -288,6 +308,14 @@ def test_no_bytes_break_a_driver(protocol: str) -> None:
     survive(make(), pieces)
 
 
+OF_SERIAL_ARMS: dict[str, Callable[[], ServedBench]] = {
+    "kuka-varproxy": kuka_bench,
+    "abb-rws": abb_bench,
+    "leica-emscon": kuka_bench,
+    "t2sa": kuka_bench,
+}
+"""Benches of robots that move another arm, and of trackers that look at one."""
+
 SOCKET, LINE = "tcp://127.0.0.1:0", "serial:///dev/ptmx"
 OTHER_ON_A_LINE = ("melfa-r3", "modbus-air")
 """Protocols that frame their requests in another way on a serial line."""
@@ -297,12 +325,12 @@ OTHER_ON_A_LINE = ("melfa-r3", "modbus-air")
     ("protocol", "endpoint"), [(p, SOCKET) for p in emulator_names()] + [(p, LINE) for p in OTHER_ON_A_LINE]
 )
 def test_no_bytes_break_an_emulator(protocol: str, endpoint: str) -> None:
-    emulation = kuka_bench() if load_emulator(protocol).arm == "serial" else EmulatedBench(QUIET)
+    emulation = OF_SERIAL_ARMS.get(protocol, lambda: EmulatedBench(QUIET))()
     device = EmulatedDevice("device", protocol, endpoint)
     session = sessions_of(emulation.context, device, lambda _text: None)()
     if isinstance(emulation, EmulatedBench):
         # Programs of the controller serve their clients with the servo on.
         emulation.controller.switch_servo_on()
-    emulation.bench.advance(2.0)
-    survive(Conversation(session, emulation.bench).feed, SAID_TO_EMULATORS.get(protocol, ()))
+    emulation.context.bench.advance(2.0)
+    survive(Conversation(session, emulation.context.bench).feed, SAID_TO_EMULATORS.get(protocol, ()))
     session.close()

@@ -73,8 +73,9 @@ def _any_robot(answer: Answer) -> list[Question]:
         Question(
             "robot.endpoint",
             "Endpoint",
-            "of what answers on the controller: tcp://192.168.1.2:7000 for KUKAVARPROXY and C3 Bridge",
-            find_out="the controller's address, and the port of the program there; see docs/kuka.md",
+            "of what answers on the controller: tcp://192.168.1.2:7000 for KUKAVARPROXY and C3 Bridge, "
+            "tcp://192.168.125.1:80 for an ABB IRC5",
+            find_out="the controller's address, and the port of what answers there; see docs/kuka.md, docs/abb.md",
         ),
         *_override_cap(answer),
         *resolution.arm(answer),

@@ -50,9 +50,11 @@ def result_of_runs(
         threshold_percent: largest step error of a step that counts.
         done: is called with the number of evaluated tests and of all.
 
+    A test that cannot be evaluated leaves the others what they are: the result says which, and why.
+
     Raises:
         UsageError: a run has recorded no test, or they are of several arms.
-        CalibrationError: a recording does not fit its moves; names run and test.
+        MovesError: no test can be evaluated; names run and test.
     """
     arms = {arm.name: arm for arm in (arm_description(cell_of_run(one).robot.arm) for one in readers)}
     if len(arms) > 1:
@@ -60,11 +62,18 @@ def result_of_runs(
             f"the runs are of several arms: {', '.join(arms)}; evaluate those of each by themselves"
         )
     tests: list[AnyTest] = []
+    refused: list[MovesError] = []
     count = sum(_count(reader) for reader in readers)
-    for test in chain.from_iterable(_tests(reader, threshold_percent) for reader in readers):
-        tests.append(test)
+    judged = chain.from_iterable(_tests(reader, threshold_percent) for reader in readers)
+    for number, test in enumerate(judged, 1):
+        if isinstance(test, MovesError):
+            refused.append(test)
+        else:
+            tests.append(test)
         if done is not None:
-            done(len(tests), count)
+            done(number, count)
+    if not tests:
+        raise refused[0]
     unverified = [text for one in readers for text in one.unverified]
     ((name, description),) = arms.items()
     return ResolutionResult(
@@ -72,6 +81,7 @@ def result_of_runs(
         actuation=actuation_of(description),
         tests=tests,
         measured=[_measured(reader) for reader in readers],
+        refused=[str(error) for error in refused],
         provenance=Provenance(
             runs=[one.path.name for one in readers],
             software=SOFTWARE,
@@ -100,11 +110,11 @@ def _measured(reader: RunReader) -> MeasuredRun:
     )
 
 
-def _tests(reader: RunReader, threshold_percent: float) -> Iterator[AnyTest]:
+def _tests(reader: RunReader, threshold_percent: float) -> Iterator[AnyTest | MovesError]:
     recorded = list(series_of_run(reader))
     if not recorded:
         raise UsageError(f"{reader.path.name}: has recorded no test of motion resolution")
-    return evaluate_series(recorded, reader.path.name, threshold_percent)
+    return _judged(recorded, reader.path.name, threshold_percent)
 
 
 def evaluate_series(
@@ -119,15 +129,27 @@ def evaluate_series(
     Raises:
         MovesError: a recording does not fit its moves; names source and test.
     """
+    for test in _judged(recorded, source, threshold_percent):
+        if isinstance(test, MovesError):
+            raise test
+        yield test
+
+
+def _judged(
+    recorded: Sequence[RecordedSeries], source: str, threshold_percent: float
+) -> Iterator[AnyTest | MovesError]:
+    """Yield what each test comes to, or why it cannot be evaluated."""
     for _, group in groupby(recorded, key=lambda one: _test_of(one.configuration)):
         members = list(group)
         asked = _asked(members[0].configuration, threshold_percent)
         try:
             yield _evaluated(asked, members)
         except CalibrationError as error:
-            position = members[0].configuration["position"]
-            where = f"{source}, {asked.test} test of {asked.joint} at {position}"
-            raise MovesError(f"{where}: {error}") from error
+            place = members[0].configuration
+            way = "" if asked.test in {"iso", "backlash"} else f", direction {place['direction']:+d}"
+            yield MovesError(
+                f"{source}, {asked.test} test of {asked.joint} at {place['position']}{way}: {error}"
+            )
 
 
 def _evaluated(asked: Asked, members: Sequence[RecordedSeries]) -> AnyTest:
@@ -156,8 +178,8 @@ def _test_of(row: Mapping[str, Any]) -> tuple[object, ...]:
 
 
 def _asked(row: Mapping[str, Any], threshold_percent: float) -> Asked:
-    pose = row["position"] if row["test"] == "cartesian" else None
-    return Asked(row["test"], row["joint"], row["position_value"], pose, threshold_percent)
+    pose, position = (row["position"], None) if row["test"] == "cartesian" else (None, row["position"])
+    return Asked(row["test"], row["joint"], row["position_value"], pose, threshold_percent, position)
 
 
 def _series(recorded: RecordedSeries, sign: Literal[1, -1] = 1) -> Series:

@@ -35,6 +35,11 @@ def read_torque(path: Path, channel: str | None = None) -> Columns:
     Raises:
         UsageError: the file cannot be used, or which channel is meant is not clear; names what there is.
     """
+    if path.suffix.lower() == ".r64":
+        raise UsageError(
+            f"{path}: holds the values of a KUKA trace and not what they are: state the .dat of the same name, with "
+            "this file beside it"
+        )
     if path.suffix.lower() == ".dat":
         return _of_channels(path, read_trace(path), channel)
     if channel is None and (path.suffix == ".parquet" or _has_own_header(path)):

@@ -65,6 +65,9 @@ def serial_arm_of(description: ArmDescription, tool: ToolDescription | None = No
 def _survey(cell: Cell, tool: ToolDescription | None) -> SurveyConfig:
     """Return what instruments see: they and their nests stand about where the cell file says."""
     survey, tracker = SurveyConfig(targets=_targets(tool)), cell.tracker
+    if bar := cell.ballbar:
+        centre = point_of(bar.centre_mm)
+        survey = replace(survey, cup=centre, ballbar_mm=bar.length_mm, ballbar_range_mm=bar.range_mm)
     if tracker is None or tracker.base_mm is None or tracker.base_deg is None:
         return survey
     nests = tuple(Mark(nest.name, (nest.x_mm, nest.y_mm, nest.z_mm)) for nest in tracker.nest)

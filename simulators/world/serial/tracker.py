@@ -81,6 +81,11 @@ class LaserTracker:
         self._looked_s = now()
 
     @property
+    def target(self) -> str | None:
+        """Nest of the retroreflector that the beam follows; no wire carries that."""
+        return self._follow()
+
+    @property
     def locked(self) -> bool:
         """The beam returns from a retroreflector that it follows."""
         return self._follow() is not None

@@ -12,7 +12,8 @@ import pytest
 from catseye.app.cell.load import load_cell
 from catseye.app.cli.report import report
 from catseye.app.cli.resolution.resolution import resolution
-from catseye.app.errors import UsageError
+from catseye.app.errors import MeasurementRejectedError, UsageError
+from catseye.app.results.resolution.naming import named_positions
 from catseye.app.results.resolution.recorded_runs import holds_tests, result_of_runs
 from catseye.app.results.resolution.result import read_resolution
 from catseye.app.store.chunks import Chunk, pack
@@ -153,7 +154,7 @@ async def test_a_faulty_series_is_named_with_its_run(tmp_path: Path) -> None:
     command = decaying_commands(30)
     reader = await _stored(tmp_path, _rows("decaying", command, 0.1 * command))
     with pytest.raises(
-        MovesError, match=f"{reader.path.name}, decaying test of A1 at K3: the 10 largest moves"
+        MovesError, match=f"{reader.path.name}, decaying test of A1 at K3, direction .1: the 10 largest moves"
     ):
         result_of_runs([reader], 10.0)
 
@@ -192,11 +193,38 @@ async def test_large_steps_show_how_optics_stand_for_small_ones(tmp_path: Path) 
     assert [one.distinguishable for one in found.amplitudes] == [False, True]
 
 
+async def test_a_position_keeps_the_name_of_its_run(tmp_path: Path) -> None:
+    command = decaying_commands(40)
+    reader = await _stored(tmp_path, _rows("decaying", command, command))
+    tests = result_of_runs([reader], 10.0).tests
+    assert named_positions(tests, "A1") == [("K3 = 0°", 0.0)]
+    unnamed = tests[0].model_copy(update={"position": -20.0, "position_name": None})
+    assert named_positions([*tests, unnamed], "A1") == [("−20°", -20.0), ("K3 = 0°", 0.0)]
+    lower = unnamed.model_copy(update={"position": -40.0})
+    assert named_positions([*tests, unnamed, lower], "A1")[0] == ("K1 = −40°", -40.0)
+
+
 async def test_a_run_without_tests_is_refused(tmp_path: Path) -> None:
     reader = await _stored(tmp_path, records=False)
     assert not holds_tests(reader)
     with pytest.raises(UsageError, match="has recorded no test of motion resolution"):
         result_of_runs([reader], 10.0)
+
+
+async def test_a_faulty_series_leaves_the_others_usable(tmp_path: Path) -> None:
+    command = decaying_commands(40)
+    reader = await _stored(
+        tmp_path,
+        _rows("decaying", command, 0.1 * command),
+        _rows("decaying", command, command, joint="A2"),
+    )
+    output = tmp_path / "result.json"
+    with pytest.raises(MeasurementRejectedError, match="1 of 2 tests cannot be evaluated"):
+        resolution(output, [str(reader.path)], threshold=10.0)
+    found = read_resolution(output)
+    assert [test.joint for test in found.tests] == ["A2"]
+    (refused,) = found.refused
+    assert "decaying test of A1 at K3, direction +1: the 10 largest moves" in refused
 
 
 async def test_commands_take_a_run_by_its_path(tmp_path: Path) -> None:
