@@ -9,9 +9,10 @@ from typing import Final
 import numpy as np
 
 from catseye.simulators.config import Joints, SerialArm
-from catseye.simulators.kuka.arm_control import ArmControl, Begin
+from catseye.simulators.kuka.arm_control import ArmControl
 from catseye.simulators.kuka.kinematics import Kinematics, UnsolvableError
 from catseye.simulators.kuka.values import AXES, Structure, Value, e6axis, single
+from catseye.simulators.world.serial.held_arm import Begin
 from catseye.simulators.world.types import Floats
 
 CYCLE_S: Final = 0.012
