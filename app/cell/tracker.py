@@ -35,7 +35,11 @@ class Tracker(Section):
     face_deg: Degrees = 15.0
     nest: list[Nest] = Field(default_factory=list)
 
-    _endpoint = field_validator("endpoint")(checked_endpoint)
+    @field_validator("endpoint")
+    @classmethod
+    def _endpoint_or_file(cls, text: str) -> str:
+        """A tracker is the only device that may be a file: its own program writes it."""
+        return text if text.startswith("file:") else checked_endpoint(text)
 
     @model_validator(mode="after")
     def _unique_nests(self) -> Self:
