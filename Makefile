@@ -16,7 +16,7 @@ export PYTHONDONTWRITEBYTECODE :=
 .DELETE_ON_ERROR:
 
 .PHONY: demo demo-resolution test suite tests lint types contracts newest start pythons lowest tests-lowest bench soak campaigns \
-  campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution peers seeds shipped-recordings pictures clean help
+  campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution campaign-six-axis peers seeds shipped-recordings pictures clean help
 
 help:  ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
@@ -85,11 +85,13 @@ peers: $(VENV)/installed  ## public clients of the protocols, unmodified, agains
 	  || { echo "mbpoll is missing; call: apt-get install mbpoll"; exit 2; }
 	test -d .venv-peers || "$(PYTHON)" -m venv .venv-peers
 	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check melfapy==0.1.0 numpy matplotlib
-	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --no-deps feather-xrol==0.1.1
+	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --no-deps feather-xrol==0.1.1 CESAPI==1.1.3
 	$(BIN)/python -m pytest -c pyproject.toml tests/peers
 
 bench: $(VENV)/installed  ## the figures of the README, side by side with their peers
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c $(VERSIONS) textual-plot==0.10.1 statsmodels==0.15.0
+	@# Its metadata ask for an older numpy, with which it is compared all the same.
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps pybotics==3.1.2 attrs
 	$(BIN)/python -m pytest -c pyproject.toml tests/benchmarks -s -q --timeout 900
 
 soak: $(VENV)/installed  ## ten minutes of a stream with 1000 samples a second
@@ -98,7 +100,7 @@ soak: $(VENV)/installed  ## ten minutes of a stream with 1000 samples a second
 CAMPAIGN := $(BIN)/python -m pytest -c pyproject.toml -s -q --timeout 7200
 
 campaign-stop: $(VENV)/installed  ## STOP at random moments, each with a fault on a link
-	$(CAMPAIGN) tests/campaigns/test_stop_moments.py tests/campaigns/test_kuka_stop_moments.py
+	$(CAMPAIGN) tests/campaigns/test_stop_moments.py tests/campaigns/test_serial_stop_moments.py
 
 campaign-safety: $(VENV)/installed  ## killed and blocked programs, opened doors, two programs on one arm, bodies in the way
 	$(CAMPAIGN) tests/campaigns/test_guard.py tests/campaigns/test_door.py tests/campaigns/test_two_programs.py \
@@ -113,6 +115,9 @@ campaign-soak: $(VENV)/installed  ## hundreds of runs in one engine: memory
 campaign-resolution: $(VENV)/installed  ## least steps, lost motion, and from the joints' recordings to measured steps of the tool
 	$(CAMPAIGN) tests/campaigns/test_motion_resolution.py
 	$(BIN)/python -m tests.resolution_loop
+
+campaign-six-axis: $(VENV)/installed  ## calibration of a six-axis arm: accuracy, lack of fit, disturbed sets, choice of the model
+	$(CAMPAIGN) tests/campaigns/test_six_axis.py
 
 campaigns: $(VENV)/installed  ## long runs: the paper's whole plan, ways of following, killed runs
 	$(BIN)/python -m pytest -c pyproject.toml tests/campaigns -s -q

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from catseye.calibration.air import HE_NE_RELATIVE_U
+from catseye.simulators.survey import Place, SurveyConfig
 
 Joints = tuple[float, ...]
 """One value a joint of the arm: deg for a rotary joint, mm for a linear one."""
@@ -119,6 +120,7 @@ class SerialJoint:
         a_mm: a, mm.
         theta_offset_deg: offset of θ, deg.
         d_mm: d, mm.
+        beta_deg: tilt about y after the twist, T = Rx(α) Ry(β) Tx(a) …; drawings have none.
         sign: +1 or −1.
         low: smallest value, deg or mm.
         high: largest value, deg or mm.
@@ -141,6 +143,7 @@ class SerialJoint:
     acceleration: float = 500.0
     gear_ratio: float | None = None
     encoder_bits: int | None = None
+    beta_deg: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -159,6 +162,23 @@ class SerialLoad:
 
 
 @dataclass(frozen=True)
+class SerialBody:
+    """A capsule of the arm: what may stand between an instrument and a target.
+
+    Attributes:
+        frame: number of the joint in whose frame it stands, from 1; 0 is the base.
+        from_mm: one end of its axis.
+        to_mm: the other one.
+        radius_mm: around it.
+    """
+
+    frame: int
+    from_mm: Place
+    to_mm: Place
+    radius_mm: float
+
+
+@dataclass(frozen=True)
 class SerialArm:
     """A serial arm as its description has it: what its controller believes, and what the true one is drawn around.
 
@@ -166,11 +186,13 @@ class SerialArm:
         name: of the arm.
         joints: from the base outwards.
         loads: masses of its links.
+        bodies: what its links hide.
     """
 
     name: str
     joints: tuple[SerialJoint, ...]
     loads: tuple[SerialLoad, ...] = ()
+    bodies: tuple[SerialBody, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -355,7 +377,8 @@ class EmulationConfig:
         air: state of the air.
         axis_pattern: axes in position answers: 4 (native), 6 or 8 (what some clients demand).
         answer_suffix: what the controller appends to an answer: nothing, CR or CR LF.
-        arm_optics: what measures a serial arm.
+        arm_optics: the interferometer beside a serial arm.
+        survey: what else measures a serial arm.
     """
 
     reflectors: tuple[ReflectorPlace, ...] = ()
@@ -386,3 +409,4 @@ class EmulationConfig:
     axis_pattern: int = 4
     answer_suffix: str = ""
     arm_optics: ArmOptics = field(default_factory=ArmOptics)
+    survey: SurveyConfig = field(default_factory=SurveyConfig)

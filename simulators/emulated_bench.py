@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import Generic, Self, TypeVar
 
+from catseye.simulators.abb.controller import AbbController
+from catseye.simulators.abb.emulators import AbbRws
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, Scara, SerialArm
 from catseye.simulators.context import EmulationContext, RobotController
 from catseye.simulators.control_port.operations import ControlSession, Reach
@@ -19,7 +21,7 @@ from catseye.simulators.world.scara.arm import scara_bench
 from catseye.simulators.world.scara.truth import draw_truth, true_arm, truth_document
 from catseye.simulators.world.serial.bench import SerialBench
 from catseye.simulators.world.serial.driven_arm import DrivenArm, dynamics_of
-from catseye.simulators.world.serial.truth import draw_joint_truth, joint_truth_document, read_joint_truth
+from catseye.simulators.world.serial.true_arm import true_serial_arm
 from catseye.simulators.world.timekeeper import TimeKeeper
 from catseye.simulators.world.tracker import Tracker
 
@@ -140,17 +142,14 @@ class _DrivenBench(ServedBench, Generic[AnyController]):
     ) -> None:
         _require_speed(config)
         journal = Journal(lambda: self.bench.time_s)
-        truth = (
-            draw_joint_truth(arm, config.seed)
-            if config.truth is None
-            else read_joint_truth(config.truth, arm)
-        )
-        plant = DrivenArm(arm, truth.joints, config.start_joints, config.seed)
-        self.bench = SerialBench(plant, config, lambda text: journal.add("robot", "motion", text))
+        truth = true_serial_arm(arm, config)
+        plant = DrivenArm(truth.arm, truth.drives.joints, config.start_joints, config.seed, truth.base)
+        made = replace(config, survey=replace(config.survey, targets=truth.targets, u_target_mm=0.0))
+        self.bench = SerialBench(plant, made, lambda text: journal.add("robot", "motion", text))
         keeper = TimeKeeper(self.bench, config.speed)
         self.controller = control(self.bench, keeper)
         probe = AirProbe(self.bench)
-        document = joint_truth_document(truth)
+        document = truth.document()
         super().__init__(
             EmulationContext(config, self.bench, document, self.controller, keeper, journal, probe)
         )
@@ -169,6 +168,23 @@ class EmulatedSerialBench(_DrivenBench[KukaController]):
 
     def __init__(self, config: EmulationConfig, arm: SerialArm) -> None:
         super().__init__(config, arm, lambda bench, keeper: KukaController(bench, arm, keeper))
+
+
+class EmulatedAbbBench(_DrivenBench[AbbController]):
+    """The bench of a serial arm with its ABB controller.
+
+    Args:
+        config: of the bench.
+        arm: that stands on it.
+
+    Raises:
+        EmulatorError: the arm has not six joints, or the truth file, a protocol or an option cannot be used.
+    """
+
+    def __init__(self, config: EmulationConfig, arm: SerialArm) -> None:
+        if len(arm.joints) != 6:
+            raise EmulatorError(f"{arm.name}: the emulated IRC5 drives arms with six joints only")
+        super().__init__(config, arm, lambda bench, keeper: AbbController(bench, arm, keeper))
 
 
 class EmulatedDrivenScara(_DrivenBench[Controller]):
@@ -199,8 +215,11 @@ def served_bench(config: EmulationConfig) -> ServedBench:
     if config.serial is None:
         return EmulatedBench(config)
     robots = [load_emulator(device.protocol) for device in config.devices if device.name == "robot"]
-    melfa = any(robot.arm == "scara" for robot in robots)
-    return (EmulatedDrivenScara if melfa else EmulatedSerialBench)(config, config.serial)
+    if any(robot.arm == "scara" for robot in robots):
+        return EmulatedDrivenScara(config, config.serial)
+    if any(issubclass(robot, AbbRws) for robot in robots):
+        return EmulatedAbbBench(config, config.serial)
+    return EmulatedSerialBench(config, config.serial)
 
 
 def _check(config: EmulationConfig) -> None:

@@ -24,7 +24,7 @@ Note = Callable[[str], None]
 NewSession = Callable[[], Session]
 """Makes the session of a new client."""
 
-Role = Literal["robot", "interferometer", "environment", "io"]
+Role = Literal["robot", "interferometer", "environment", "io", "tracker"]
 
 
 class DeviceOptions(BaseModel):

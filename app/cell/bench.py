@@ -7,19 +7,23 @@ from catseye.app.cell.bodies import workspace_of
 from catseye.app.cell.model import Cell
 from catseye.app.cell.scara.bench import scara_bench, stated_arm
 from catseye.app.cell.scara.sections import ScaraSections
+from catseye.app.cell.serial_bench import missing_of_serial, serial_bench, tracker_abilities
 from catseye.app.errors import ConfigError
 from catseye.procedures.kit.bench import AngularOptics, Bench, LinearOptics, Timing
-from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.needs import Needs, TrackerAbility
 from catseye.procedures.kit.system import System
 from catseye.procedures.kit.tasks import OpticsKind
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.system import ScaraSystem
+from catseye.procedures.serial_arm.bench import SerialBench
 
 
 def bench_of(cell: Cell) -> Bench:
     """Return the bench that a cell file describes, as far as it does."""
     bench, scara = _bench(cell), stated_scara_sections(cell)
-    return bench if scara.missing else scara_bench(bench, scara)
+    if not scara.missing:
+        return scara_bench(bench, scara)
+    return bench if missing_of_serial(cell) else serial_bench(bench, cell)
 
 
 def scara_bench_of(cell: Cell, wanted_by: str = "open-loop tracking") -> ScaraBench:
@@ -63,11 +67,29 @@ def bench_for(cell: Cell, needs: Needs, wanted_by: str) -> Bench:
     Raises:
         ConfigError: names every section and key that the cell file does not have.
     """
-    of_bench = stated_scara_sections(cell).missing if issubclass(needs.bench, ScaraBench) else []
+    of_bench = _missing_of(cell, needs.bench)
     devices = [f"[{role}]" for role in needs.roles if role not in cell.instruments]
     optics = [f"[{kind}_optics]" for kind in needs.optics if kind not in optics_of(cell)]
     _require_none([*of_bench, *devices, *optics], cell, wanted_by)
+    _require_able(cell, needs.tracker, wanted_by)
     return bench_of(cell)
+
+
+def _missing_of(cell: Cell, bench: type[Bench]) -> list[str]:
+    if issubclass(bench, ScaraBench):
+        return stated_scara_sections(cell).missing
+    return missing_of_serial(cell) if issubclass(bench, SerialBench) else []
+
+
+def _require_able(cell: Cell, wanted: Sequence[TrackerAbility], wanted_by: str) -> None:
+    if not wanted or cell.tracker is None:
+        return
+    able = tracker_abilities(cell.tracker).named()
+    if not set(wanted) & set(able):
+        raise ConfigError(
+            f"{wanted_by} needs a tracker that measures {' or '.join(wanted)}, and the driver {cell.tracker.driver} "
+            f"measures {', '.join(able) or 'neither'}: choose another driver in [tracker] of {cell.name}"
+        )
 
 
 def optics_of(cell: Cell) -> tuple[OpticsKind, ...]:

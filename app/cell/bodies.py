@@ -1,5 +1,6 @@
 """Bodies and boxes of a cell file as procedures need them, and which of their dimensions are only estimates."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from catseye.app.cell.arm import ArmDescription, Body, arm_description
@@ -20,7 +21,7 @@ def workspace_of(cell: Cell) -> Workspace:
     bodies += own.values()
     return Workspace(
         chain=chain,
-        bodies=tuple(_capsule(body, chain) for body in bodies),
+        bodies=capsules_of(bodies, chain),
         table_z_mm=given.table.z_mm,
         stand_radius_mm=given.stands.radius_mm,
         clearance_mm=given.clearance_mm,
@@ -45,9 +46,17 @@ def _chain(description: ArmDescription, cell: Cell) -> Chain:
     )
 
 
-def _capsule(body: Body, chain: Chain) -> Capsule:
-    return Capsule(
-        body.name, chain.frame_of(body.joint), point_of(body.from_mm), point_of(body.to_mm), body.radius_mm
+def capsules_of(bodies: Sequence[Body], chain: Chain) -> tuple[Capsule, ...]:
+    """Return bodies on the frames of their joints."""
+    return tuple(
+        Capsule(
+            body.name,
+            chain.frame_of(body.joint),
+            point_of(body.from_mm),
+            point_of(body.to_mm),
+            body.radius_mm,
+        )
+        for body in bodies
     )
 
 

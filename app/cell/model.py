@@ -1,10 +1,12 @@
 """Shape of the cell file, version 1. The unit is part of every key; unknown keys are refused."""
 
+from pathlib import Path
 from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from catseye.app.cell.arm import Body, arm_description
+from catseye.app.cell.endpoints import checked_endpoint
 from catseye.app.cell.scara.sections import (
     Alignment,
     Measurement,
@@ -15,9 +17,11 @@ from catseye.app.cell.scara.sections import (
 )
 from catseye.app.cell.scara.uncertainty import Uncertainty
 from catseye.app.cell.section import RECORD, Name, NotNegative, Positive, Range, Section
+from catseye.app.cell.tool import ToolDescription, read_tool
+from catseye.app.cell.tracker import Ballbar, Tracker
 from catseye.app.cell.workspace import Workspace
+from catseye.app.errors import ConfigError
 from catseye.calibration.air import HE_NE_VACUUM_NM, Formula
-from catseye.drivers.links.endpoint import parse_endpoint
 from catseye.drivers.roles.device import Role
 
 Settings = dict[str, Any]
@@ -31,16 +35,8 @@ RESERVED_NAMES = ("robot", "interferometer", "environment", "io", "tracker", "co
 """Names of the devices that have sections of their own."""
 
 
-def _checked_endpoint(text: str) -> str:
-    # Port 0 asks an emulator for a free port; as a place to connect to it means nothing.
-    parse_endpoint(
-        text[:-2] + ":1" if text.startswith(("tcp://", "udp://")) and text.endswith(":0") else text
-    )
-    return text
-
-
 def _checked_further(text: str | None) -> str | None:
-    return None if text is None else _checked_endpoint(text)
+    return None if text is None else checked_endpoint(text)
 
 
 _DEFAULT_ARM: Final = ScaraRobot.model_fields["arm"].default
@@ -54,8 +50,8 @@ class Robot(ScaraRobot):
     datalink_endpoint: str | None = None
     mxt_endpoint: str | None = None
     settings: Settings = Field(default_factory=dict)
-    # Path of the description of what the flange carries.
-    tool: str | None = None
+    # Description of what the flange carries, by its path: a run keeps it, whatever becomes of the file.
+    tool: str | ToolDescription | None = None
     expected_model: str = "RH-3FRH5515"
     override_cap_percent: Annotated[float, Field(ge=1.0, le=100.0, allow_inf_nan=False)] = 20.0
     override_cap_reason: str = ""
@@ -71,6 +67,19 @@ class Robot(ScaraRobot):
         given = {"datalink_endpoint": self.datalink_endpoint, "mxt_endpoint": self.mxt_endpoint}
         return {key: endpoint for key, endpoint in given.items() if endpoint is not None}
 
+    @property
+    def carried(self) -> ToolDescription | None:
+        """Description of what the flange carries; None where the cell file names none."""
+        return read_tool(Path(self.tool)) if isinstance(self.tool, str) else self.tool
+
+    @field_validator("tool")
+    @classmethod
+    def _read(cls, value: str | ToolDescription | None) -> str | ToolDescription | None:
+        try:
+            return read_tool(Path(value)) if isinstance(value, str) else value
+        except ConfigError as error:
+            raise ValueError(str(error)) from error
+
     @model_validator(mode="before")
     @classmethod
     def _model_of_another_arm(cls, data: Any) -> Any:
@@ -79,7 +88,7 @@ class Robot(ScaraRobot):
             return {"expected_model": "", **data}
         return data
 
-    _endpoint = field_validator("endpoint")(_checked_endpoint)
+    _endpoint = field_validator("endpoint")(checked_endpoint)
     _further = field_validator("datalink_endpoint", "mxt_endpoint")(_checked_further)
 
     @model_validator(mode="after")
@@ -105,7 +114,7 @@ class Interferometer(Section):
     endpoint: str
     settings: Settings = Field(default_factory=dict)
 
-    _endpoint = field_validator("endpoint")(_checked_endpoint)
+    _endpoint = field_validator("endpoint")(checked_endpoint)
 
 
 class Environment(Section):
@@ -117,7 +126,7 @@ class Environment(Section):
     pressure_register: Annotated[int, Field(ge=0, le=65535)] | None = None
     settings: Settings = Field(default_factory=dict)
 
-    _endpoint = field_validator("endpoint")(_checked_endpoint)
+    _endpoint = field_validator("endpoint")(checked_endpoint)
 
 
 class Air(Section):
@@ -136,7 +145,7 @@ class Io(Section):
     endpoint: str
     settings: Settings = Field(default_factory=dict)
 
-    _endpoint = field_validator("endpoint")(_checked_endpoint)
+    _endpoint = field_validator("endpoint")(checked_endpoint)
 
 
 class Material(Section):
@@ -156,21 +165,7 @@ class FurtherDevice(Section):
     endpoint: str
     settings: Settings = Field(default_factory=dict)
 
-    _endpoint = field_validator("endpoint")(_checked_endpoint)
-
-
-class Tracker(Section):
-    """[tracker]: an independent instrument for validation paths; so far the one of the emulated bench."""
-
-    driver: str = "bench-tracker"
-    endpoint: str
-
-    _endpoint = field_validator("endpoint")(_checked_endpoint)
-
-    @property
-    def settings(self) -> Settings:
-        """Its driver has none."""
-        return {}
+    _endpoint = field_validator("endpoint")(checked_endpoint)
 
 
 class AngularOptics(Section):
@@ -228,6 +223,7 @@ class Cell(Section):
     io: Io | None = None
     material: Material | None = None
     tracker: Tracker | None = None
+    ballbar: Ballbar | None = None
     angular_optics: AngularOptics | None = None
     linear_optics: LinearOptics | None = None
     device: list[FurtherDevice] = Field(default_factory=list)

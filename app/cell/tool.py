@@ -11,13 +11,18 @@ from catseye.app.cell.section import Finite, Name, NotNegative, Section
 
 
 class Target(Section):
-    """[[target]]: a point of the tool; a retroreflector also has the direction in which it looks."""
+    """[[target]]: a point of the tool; a retroreflector also has the direction in which it looks.
+
+    Attributes:
+        u_mm: standard uncertainty of each coordinate; with 0 a calibration takes the place as exact.
+    """
 
     name: Name
     x_mm: Finite
     y_mm: Finite
     z_mm: Finite
     normal: Triple | None = None
+    u_mm: NotNegative = 0.0
 
     @model_validator(mode="after")
     def _looks_somewhere(self) -> Self:

@@ -55,7 +55,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
         "Show what speaks against a fit: outliers, drift, lack of fit, cross-validation, richer models, node spacing."
     ),
     "compare": Command(
-        "Compare two results of one arm: links, error maps and reflectors, in combined standard uncertainties."
+        "Compare two results of one arm, parameter by parameter, in combined standard uncertainties."
     ),
     "predict": Command(
         "Predict where the arm really goes, with uncertainties; beyond the identified range it says nothing."
@@ -74,6 +74,7 @@ COMMANDS: Final[Mapping[str, Command]] = {
     "predict-resolution": Command(
         "Predict the smallest steps of the tool at poses, from look-up tables of its joints.", _RESOLUTION
     ),
+    "select-poses": Command("Choose the poses that identify a serial arm best.", _SERIAL_ARM),
     "calibrate": Command(
         "Identify the geometry and the compliances of a serial arm from measured poses.", _SERIAL_ARM
     ),

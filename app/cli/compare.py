@@ -8,18 +8,55 @@ import typer
 from catseye.app.cli.options import AsJson, ResultFile
 from catseye.app.cli.output import write_json
 from catseye.app.cli.report_output import note_statements, write_tables
+from catseye.app.errors import MeasurementRejectedError
 from catseye.app.results.origin import origin_now
 
 
 def compare(
     first: ResultFile,
     second: Annotated[Path, typer.Argument(metavar="RESULT", help="another one of the same arm")],
+    limit_u: Annotated[
+        float | None,
+        typer.Option(
+            "--limit-u", metavar="K", min=0.0, help="largest difference in combined u; more is exit code 1"
+        ),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Compare two results of one arm: links, error maps and reflectors, in combined standard uncertainties.
+    """Compare two results of one arm, parameter by parameter, in combined standard uncertainties.
 
     Example: catseye compare january.json june.json
     """
+    from catseye.app.results.serial_arm.result import is_of_serial_arm
+
+    if is_of_serial_arm(first):
+        largest = _compare_arms(first, second, as_json=as_json)
+    else:
+        largest = _compare_scaras(first, second, as_json=as_json)
+    if limit_u is not None and abs(largest) > limit_u:
+        raise MeasurementRejectedError(
+            f"{second}: a difference of {largest:.1f} combined standard uncertainties from {first} exceeds the "
+            f"limit of {limit_u:g}"
+        )
+
+
+def _compare_arms(first: Path, second: Path, *, as_json: bool) -> float:
+    """Compare calibrations of a serial arm and return the largest difference, in combined standard uncertainties."""
+    from catseye.app.results.serial_arm.comparison import compare_arms, comparison_report
+    from catseye.app.results.serial_arm.result import read_serial_arm
+
+    found = compare_arms(read_serial_arm(first), read_serial_arm(second))
+    report = comparison_report(found, (first.name, second.name))
+    if as_json:
+        write_json({"first": str(first), "second": str(second), **found.document()})
+    else:
+        write_tables(report)
+    note_statements(report)
+    return 0.0 if found.largest is None else found.largest[1]
+
+
+def _compare_scaras(first: Path, second: Path, *, as_json: bool) -> float:
+    """Compare results of a SCARA and return the largest difference, in combined standard uncertainties."""
     from catseye.app.results.scara.comparison import compare_results
     from catseye.app.results.scara.comparison_document import comparison_document
     from catseye.app.results.scara.comparison_report import comparison_report
@@ -32,3 +69,4 @@ def compare(
     else:
         write_tables(report)
     note_statements(report)
+    return float(max(found.normalised, key=abs, default=0.0))

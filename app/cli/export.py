@@ -12,7 +12,7 @@ from catseye.app.cli.output import note
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import require_output, write_atomically
 from catseye.app.files.csv_text import comment_lines
-from catseye.app.files.tabular import table_parquet
+from catseye.app.files.tabular import table_csv, table_parquet
 from catseye.app.protocol.banners import unverified_text
 from catseye.app.store.runs_folder import runs_folder
 from catseye.procedures.kit.recording import Recorded
@@ -20,9 +20,9 @@ from catseye.procedures.kit.recording import Recorded
 if TYPE_CHECKING:
     from catseye.app.results.scara.export import Export
 
-Format = Literal["csv", "json", "parquet"]
+Format = Literal["csv", "json", "parquet", "urdf"]
 
-_ENDINGS: dict[str, Format] = {".csv": "csv", ".json": "json", ".parquet": "parquet"}
+_ENDINGS: dict[str, Format] = {".csv": "csv", ".json": "json", ".parquet": "parquet", ".urdf": "urdf"}
 
 
 def export(
@@ -38,7 +38,8 @@ def export(
     """Write what a run has measured or what a result holds for other programs.
 
     The CSV of distances is a points file, that of located positions a measured file; JSON and Parquet hold all
-    columns. Beside the CSV of a run with recordings stand a recording, its moves and torques for each series.
+    columns. Beside the CSV of a run with recordings stand a recording, its moves and torques for each series. Of a
+    calibrated serial arm there is URDF, too.
 
     Example: catseye export 1a2b3c -o points.csv
     """
@@ -47,6 +48,11 @@ def export(
     direct = Path(source)
     if direct.is_file() and output.exists() and output.samefile(direct):
         raise UsageError(f"{output} is the result itself; choose another -o FILE")
+    if direct.is_file() and _is_of_serial_arm(direct):
+        _write_serial_arm(direct, output, chosen)
+        return
+    if chosen == "urdf":
+        raise UsageError(f"{source}: URDF is of calibrated serial arms (catseye calibrate): take csv or json")
     table = _of_result(direct) if direct.is_file() else _of_run(source, runs, unverified=unverified)
     if chosen == "csv" and not direct.is_file():
         _write_series(source, runs, output, unverified=unverified)
@@ -56,6 +62,33 @@ def export(
     returns = sum(bool(row.get("returned")) for row in table.rows)
     kind = f"{table.content}, {returns} of them returns" if returns else table.content
     note(f"{output}: {len(table.rows)} rows ({kind}) of {table.source}")
+
+
+def _is_of_serial_arm(file: Path) -> bool:
+    from catseye.app.results.serial_arm.result import is_of_serial_arm
+
+    return is_of_serial_arm(file)
+
+
+def _write_serial_arm(file: Path, output: Path, form: Format) -> None:
+    """Write the parameters of a calibrated serial arm."""
+    from catseye.app.results.serial_arm.export import parameter_rows, urdf_text
+    from catseye.app.results.serial_arm.result import read_serial_arm
+
+    result = read_serial_arm(file)
+    rows = parameter_rows(result)
+    about = {"result": file.name, "arm": result.arm, "model": result.model}
+    match form:
+        case "csv":
+            written: str | bytes = table_csv(rows)
+        case "json":
+            written = json.dumps({**about, "parameters": rows}, ensure_ascii=False) + "\n"
+        case "parquet":
+            written = table_parquet(rows, about)
+        case _:
+            written = urdf_text(result)
+    write_atomically(output, written)
+    note(f"{output}: {len(rows)} parameters of {file.name}")
 
 
 def _of_result(file: Path) -> "Export":
@@ -107,7 +140,7 @@ def form_of(output: Path, form: Format | None) -> Format:
     chosen = form or ending
     if chosen is None:
         raise UsageError(
-            f"{output}: say what to write: --format csv, json or parquet, or a FILE that ends so"
+            f"{output}: say what to write: --format csv, json, parquet or urdf, or a FILE that ends so"
         )
     if ending is not None and chosen != ending:
         raise UsageError(

@@ -33,6 +33,10 @@ def validate(
             "--limit-mm", min=0.0, help="of a serial arm: mean error that may be left; more is exit code 1"
         ),
     ] = None,
+    anchors: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="of a serial arm: anchors CSV of measured distances (ballbar)"),
+    ] = None,
     hand: Hand = "right",
     start_direction: StartDirection = "1,1",
     as_json: AsJson = False,
@@ -51,9 +55,9 @@ def validate(
                 f"{result} is of a serial arm: its reference is the arm as drawn, its limit --limit-mm; leave "
                 "--reference and --limit-um away"
             )
-        return validate_poses(result, measured, output, limit_mm, as_json=as_json)
+        return validate_poses(result, measured, anchors, output, limit_mm, as_json=as_json)
     from catseye.app.cli.scara.validate import validate as validate_scara
 
-    if limit_mm is not None:
-        raise UsageError(f"{result} is of a SCARA: state its limit by --limit-um")
+    if limit_mm is not None or anchors is not None:
+        raise UsageError(f"{result} is of a SCARA: state its limit by --limit-um, and leave --anchors away")
     return validate_scara(result, measured, reference, output, limit, hand, start_direction, as_json=as_json)

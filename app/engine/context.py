@@ -39,7 +39,7 @@ from catseye.app.store.run_store import RunStore
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Axes, Pose
-from catseye.drivers.roles.tracker import Position, Tracker
+from catseye.drivers.roles.tracker import Face, Place, Position, TargetPoint, TargetPose, Tracker
 from catseye.procedures.kit.columns import Columns, TableRule
 from catseye.procedures.kit.context import Measurement, Prompt, Stepped
 from catseye.procedures.kit.errors import TableFileError
@@ -67,6 +67,7 @@ class RunContext:
 
     Attributes:
         on_remounted: called with the angle by which what the arm carries is turned, deg, when that changes.
+        set_up_lost: somebody has moved what the run had set up, before it was resumed.
     """
 
     def __init__(
@@ -85,6 +86,7 @@ class RunContext:
         records: Collection[type[Record]] = (),
     ) -> None:
         self.on_remounted: Callable[[float], None] = lambda _turned_deg: None
+        self.set_up_lost = False
         self._devices = devices
         self._store = store
         self._control = control
@@ -266,10 +268,25 @@ class RunContext:
         Raises:
             ConfigError: the cell has none.
         """
-        await self._control.checkpoint()
-        if self._devices.tracker is None:
-            raise ConfigError("this procedure needs a [tracker] and the cell file has none; add one")
-        return await self._control.command(self._locate(self._devices.tracker, settle_time_s))
+        found = await self._settled(settle_time_s, lambda tracker: tracker.locate())
+        return Position(found.x_mm, found.y_mm, found.u_mm)
+
+    async def measure_target(
+        self, target: str, settle_time_s: float, dwell_s: float, near_mm: Place | None = None, face: Face = 1
+    ) -> TargetPoint:
+        """Settle, then have the tracker measure a target; see the protocol.
+
+        Raises:
+            ConfigError: the cell has none.
+            HiddenTargetError: the target is not seen.
+        """
+        return await self._settled(
+            settle_time_s, lambda tracker: tracker.point(target, dwell_s, near_mm, face)
+        )
+
+    async def measure_frame(self, target: str, settle_time_s: float, dwell_s: float) -> TargetPose:
+        """Settle, then have an optical CMM measure a frame; raises as `measure_target` does."""
+        return await self._settled(settle_time_s, lambda tracker: tracker.pose(target, dwell_s))
 
     async def remounted(self, turned_deg: float) -> None:
         """Store how what the arm carries is mounted from now on, for those who watch, too."""
@@ -399,10 +416,21 @@ class RunContext:
         await self._sleep(settle_time_s)
         return await self._lengths.measure(dwell_time_s, readings)
 
-    async def _locate(self, tracker: Tracker, settle_time_s: float) -> Position:
-        await self._sleep(settle_time_s)
-        found = await tracker.locate()
-        return Position(found.x_mm, found.y_mm, found.u_mm)
+    async def _settled(self, settle_time_s: float, measure: Callable[[Tracker], Awaitable[T]]) -> T:
+        """Let the arm settle, then ask the independent instrument."""
+        await self.checkpoint()
+        tracker = self._devices.tracker
+        if tracker is None:
+            raise ConfigError("this procedure needs a [tracker] and the cell file has none; add one")
+
+        async def measured() -> T:
+            await self._sleep(settle_time_s)
+            start_s = self._clock.monotonic_s()
+            found = await measure(tracker)
+            self._steps.waited(self._clock.monotonic_s() - start_s)
+            return found
+
+        return await self._control.command(measured())
 
     async def _sleep(self, duration_s: float) -> None:
         start_s = self._clock.monotonic_s()

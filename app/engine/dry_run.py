@@ -16,7 +16,7 @@ from catseye.app.errors import LimitError, MeasurementRejectedError
 from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
-from catseye.drivers.roles.tracker import Position
+from catseye.drivers.roles.tracker import Face, Place, Position, TargetPoint, TargetPose
 from catseye.procedures.kit.bench import Arm
 from catseye.procedures.kit.columns import Columns, TableRule
 from catseye.procedures.kit.context import Measurement, Prompt, Stepped
@@ -171,6 +171,11 @@ class DryRunContext:
     def resumed(self) -> bool:
         """A rehearsal begins at the beginning, unless some steps are done."""
         return bool(self.done)
+
+    @property
+    def set_up_lost(self) -> bool:
+        """Nobody moves anything before a rehearsal."""
+        return False
 
     @property
     def total_s(self) -> float:
@@ -391,9 +396,22 @@ class DryRunContext:
 
     async def locate(self, settle_time_s: float) -> Position:
         """Account for settling; a dry run does not know the independent instrument's frame."""
-        self._account.time_s += settle_time_s
-        self._account.measurements += 1
+        self._measured_in(settle_time_s)
         return Position(0.0, 0.0, 0.0)
+
+    async def measure_target(
+        self, target: str, settle_time_s: float, dwell_s: float, near_mm: Place | None = None, face: Face = 1
+    ) -> TargetPoint:
+        """Account for settling and dwell; an ideal arm has its targets where they are looked for."""
+        del target, face
+        self._measured_in(settle_time_s + dwell_s)
+        return TargetPoint(near_mm or (0.0, 0.0, 0.0))
+
+    async def measure_frame(self, target: str, settle_time_s: float, dwell_s: float) -> TargetPose:
+        """Account for settling and dwell; a dry run does not know the instrument's frame."""
+        del target
+        self._measured_in(settle_time_s + dwell_s)
+        return TargetPose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
     async def remounted(self, turned_deg: float) -> None:
         """Let the ideal beam leave as it does then."""
@@ -451,6 +469,12 @@ class DryRunContext:
 
     def progress(self, done: float, total: float, text: str = "") -> None:
         """Do nothing: a dry run is over at once."""
+
+    def _measured_in(self, duration_s: float) -> None:
+        """Account for a measurement of the independent instrument."""
+        self._account.time_s += duration_s
+        self._account.measurements += 1
+        self._questions = 0
 
     def _claim_way(self) -> None:
         """Count the miss of the way to this distance: it was measured over it."""

@@ -5,6 +5,7 @@ of interferometers, section 7): sections end with `::`, targets stand five to a 
 target, deviation, counted from 1. Deviations of `.rtl` are in µm; those of `.rta` have no unit that is certain.
 """
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -86,12 +87,18 @@ def _deviations(path: Path, lines: list[str], runs: int, targets: int) -> list[l
     rows = np.full((runs, targets), np.nan)
     for number, line in enumerate(lines[start : start + runs * targets], start + 1):
         values = _numbers(line)
-        if values is None or len(values) != 3 or not (1 <= values[0] <= runs and 1 <= values[1] <= targets):
+        if values is None or not _is_deviation(values, runs, targets):
             raise UsageError(
                 f"{path}:{number}: {line.strip()!r} is no run (1…{runs}), target (1…{targets}) and deviation; "
                 f"{_AGAIN}"
             )
         rows[int(values[0]) - 1, int(values[1]) - 1] = values[2]
+    behind = start + runs * targets
+    if behind < len(lines) and _numbers(lines[behind]):
+        raise UsageError(
+            f"{path}:{behind + 1}: numbers go on behind {runs} runs of {targets} targets, which Run-count and "
+            f"Target-count announce: the counts are wrong; {_AGAIN}"
+        )
     missing = np.argwhere(np.isnan(rows))
     if missing.size:
         run, target = missing[0] + 1
@@ -99,6 +106,11 @@ def _deviations(path: Path, lines: list[str], runs: int, targets: int) -> list[l
             f"{path}: run {run} has no deviation at target {target}: the file is cut off; {_AGAIN}"
         )
     return [list(row) for row in rows]
+
+
+def _is_deviation(values: list[float], runs: int, targets: int) -> bool:
+    """Return whether the numbers of a line are run, target and deviation."""
+    return len(values) == 3 and values[0] in range(1, runs + 1) and values[1] in range(1, targets + 1)
 
 
 def _after(path: Path, lines: list[str], heading: str) -> int:
@@ -110,11 +122,12 @@ def _after(path: Path, lines: list[str], heading: str) -> int:
 
 
 def _numbers(line: str) -> list[float] | None:
-    """Return the numbers of a line; None when one of its words is none."""
+    """Return the numbers of a line; None when one of its words is none, or none that is finite."""
     try:
-        return [float(word.replace(",", ".")) for word in line.split()]
+        values = [float(word.replace(",", ".")) for word in line.split()]
     except ValueError:
         return None
+    return values if all(map(math.isfinite, values)) else None
 
 
 def _lines(path: Path) -> list[str]:

@@ -1,7 +1,8 @@
 """The result files that the screen Results lists, of every kind, and what is found beside them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from datetime import datetime
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeAlias, cast
@@ -11,16 +12,16 @@ from catseye.app.tui.session import DEMO_FOLDER
 
 if TYPE_CHECKING:
     # The first screen is painted before files and mathematics are imported.
-    from catseye.app.results.model import Report
     from catseye.app.results.resolution.result import ResolutionResult
     from catseye.app.results.result_files import ResultFile, ResultFiles
     from catseye.app.results.scara.comparison import ResultComparison
     from catseye.app.results.scara.result import Result
+    from catseye.app.results.serial_arm.result import SerialArmResult
+    from catseye.app.tui.report_kind import ReportKind
 
     ScaraFile: TypeAlias = ResultFile[Result]
-    ResolutionFile: TypeAlias = ResultFile[ResolutionResult]
-    AnyFile: TypeAlias = ResultFile[Result | ResolutionResult]
-    AnyFiles: TypeAlias = ResultFiles[Result | ResolutionResult]
+    AnyFile: TypeAlias = ResultFile[Result | ResolutionResult | SerialArmResult]
+    AnyFiles: TypeAlias = ResultFiles[Result | ResolutionResult | SerialArmResult]
 
 Version: TypeAlias = tuple[Path, datetime]
 
@@ -48,16 +49,28 @@ def shelf_of(root: Path) -> "AnyFiles":
     from catseye.app.results.resolution.result import read_resolution
     from catseye.app.results.result_files import ResultFiles
     from catseye.app.results.scara.result import read_result
+    from catseye.app.results.serial_arm.result import read_serial_arm
 
     folders = [root.absolute().parent, Path.cwd(), DEMO_FOLDER.absolute()]
-    return ResultFiles(folders, {"catseye-result": read_result, "catseye-resolution": read_resolution})
+    readers: dict[str, Callable[[Path], Result | ResolutionResult | SerialArmResult]] = {
+        "catseye-result": read_result,
+        "catseye-resolution": read_resolution,
+        "catseye-serial-arm": read_serial_arm,
+    }
+    return ResultFiles(folders, readers)
 
 
-def as_resolution(file: "AnyFile") -> "ResolutionFile | None":
-    """Return a file that holds a result of motion resolution; None for any other."""
-    from catseye.app.results.resolution.result import ResolutionResult
+@cache
+def _kinds() -> "tuple[ReportKind, ...]":
+    from catseye.app.tui.resolution import result_kind as resolution
+    from catseye.app.tui.serial import result_kind as serial
 
-    return cast("ResolutionFile", file) if isinstance(file.result, ResolutionResult) else None
+    return resolution.KIND, serial.KIND
+
+
+def report_kind(file: "AnyFile") -> "ReportKind | None":
+    """Return how a result is shown by the sections of its report; None of a SCARA's, and of a file without any."""
+    return next((kind for kind in _kinds() if isinstance(file.result, kind.holds)), None)
 
 
 def as_scaras(file: "AnyFile") -> "ScaraFile | None":
@@ -70,25 +83,10 @@ def as_scaras(file: "AnyFile") -> "ScaraFile | None":
 def file_row(file: "AnyFile") -> list[str]:
     """Return what the row of a file says: name, model, distances or tests, rms, simulated, time."""
     from catseye.app.tui import result_texts
-    from catseye.app.tui.resolution.result_texts import resolution_row
 
-    if (found := as_resolution(file)) is not None:
-        return resolution_row(found)
+    if (kind := report_kind(file)) is not None:
+        return kind.row_of(file)
     return result_texts.file_row(cast("ScaraFile", file))
-
-
-def resolution_files_of(file: "ResolutionFile") -> list[Path]:
-    """Return a result of motion resolution, and what was predicted for its arm beside it; call it in a thread."""
-    from catseye.app.results.resolution.report_files import files_beside
-
-    return [file.path, *([] if file.result is None else files_beside(file.path, file.result.arm))]
-
-
-def resolution_report_of(files: list[Path]) -> "Report":
-    """Return the report of a result and of what was predicted beside it; call it in a thread."""
-    from catseye.app.results.resolution.result_report import resolution_files_report
-
-    return resolution_files_report(files)
 
 
 def version_of(file: "AnyFile") -> Version:

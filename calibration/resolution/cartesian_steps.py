@@ -20,6 +20,10 @@ _UNITS: Final = np.repeat(np.eye(6), 2, axis=0) * np.tile([1.0, -1.0], 6)[:, Non
 """Motions of one mm or one deg in the directions, shape (directions, 6)."""
 
 
+_WAYS: Final = 6
+"""In which a tool can be moved."""
+
+
 @dataclass(frozen=True)
 class StepSeries:
     """Commanded steps that decrease exponentially.
@@ -105,15 +109,17 @@ class CartesianSteps:
 
     def why_open(self, direction: int, step: int) -> str:
         """Return why the error of a step is not known: the arm does not make it, or a joint's table ends."""
+        if not self._made[direction, step]:
+            return f"the arm cannot make this motion: {self._why_not_made()}"
         if not self._inside[direction, step]:
             return beyond_text(self._chain, self._pose + self.increments[direction, step])
-        if not self._made[direction, step]:
-            ways = self._motion.rank
-            return (
-                f"the arm cannot make this motion: at this pose its joints move the tool in {ways} of 6 ways"
-            )
         joint = int(np.argmax(self._open[direction, step]))
         return self._lookup.why_unknown(joint, float(self.increments[direction, step, joint]))
+
+    def _why_not_made(self) -> str:
+        if self._motion.rank < _WAYS:
+            return f"at this pose its joints move the tool in {self._motion.rank} of {_WAYS} ways"
+        return "it stands near a singular pose or the end of its reach"
 
     def draw(self, direction: int, count: int, draws: int, rng: np.random.Generator) -> StepDraws:
         """Return what comes of the first steps of a direction.

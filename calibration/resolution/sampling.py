@@ -11,6 +11,9 @@ from catseye.calibration.resolution.flags import Flag
 LEAST_RATE_HZ = 20.0
 """Below it, a window of 0.5 s has too few samples for a local line."""
 
+NEARLY = 0.97
+"""Share of the least rate that counts as reached: clocks differ, and single samples come late."""
+
 _MOST_RATE_HZ = 1e6
 _GAP = 1.5
 """An interval this many times the usual one lacks a sample."""
@@ -136,11 +139,12 @@ def _usual_interval(time_s: Floats, steps: Floats) -> float:
             row,
         )
     usual_s = float(np.median(steps))
-    if LEAST_RATE_HZ * (1.0 - 1e-6) <= 1.0 / usual_s <= _MOST_RATE_HZ:
+    if NEARLY * LEAST_RATE_HZ <= 1.0 / usual_s <= _MOST_RATE_HZ:
         return usual_s
     raise RecordingError(
         f"the times give {1.0 / usual_s:.4g} samples a second; a recording has {LEAST_RATE_HZ:g} or more, up to "
-        f"{_MOST_RATE_HZ:g}: check the unit of the time column (s, not ms) and whether the columns are swapped"
+        f"{_MOST_RATE_HZ:g}: check the unit of the time column (s, not ms) and whether the columns are swapped; a "
+        "recording that was made so slowly has to be made again"
     )
 
 

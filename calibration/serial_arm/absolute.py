@@ -22,11 +22,13 @@ class Absolute:
         names: of the estimated parameters.
         values: shape (p,).
         covariance: shape (p, p).
+        rates: how the absolute values change with those that are estimated, shape (p, p).
     """
 
     names: tuple[str, ...]
     values: Floats
     covariance: Floats
+    rates: Floats
 
     @property
     def u(self) -> Floats:
@@ -57,7 +59,9 @@ def absolute(calibration: Calibration) -> Absolute:
         turned[k] = 0.0
         for other, other_part in base:
             turned[k, other] = rates[row, FRAME_PARTS.index(other_part)]
-    return Absolute(tuple(one.name for one in model.chosen), values, turned @ found.covariance @ turned.T)
+    return Absolute(
+        tuple(one.name for one in model.chosen), values, turned @ found.covariance @ turned.T, turned
+    )
 
 
 def base_place(geometry: Geometry) -> Floats:

@@ -1,6 +1,7 @@
 """A serial arm as its maker draws it: joints, masses, and the targets that an instrument sees on its flange."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -46,6 +47,19 @@ class Anchor:
 
 
 @dataclass(frozen=True)
+class Known:
+    """What is known of a parameter beforehand, by a drawing's tolerance or a measurement of its own.
+
+    Attributes:
+        value: None where it is the nominal one.
+        u: its standard uncertainty, in the parameter's unit.
+    """
+
+    value: float | None
+    u: float
+
+
+@dataclass(frozen=True)
 class SerialArm:
     """The nominal arm.
 
@@ -54,12 +68,14 @@ class SerialArm:
         loads: masses of links and tool.
         targets: on the flange.
         gravity_m_s2: in the frame of the base.
+        known: what is known beforehand of parameters beside nominal values, by name.
     """
 
     chain: Chain
     loads: tuple[Load, ...]
     targets: tuple[Target, ...]
     gravity_m_s2: Point = STANDARD_GRAVITY
+    known: Mapping[str, Known] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         names = [target.name for target in self.targets]

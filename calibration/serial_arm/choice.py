@@ -12,6 +12,7 @@ from catseye.calibration.core.errors import (
     InsufficientPointsError,
     UnidentifiableError,
 )
+from catseye.calibration.core.robust import Loss, robust_estimate
 from catseye.calibration.core.types import Floats
 from catseye.calibration.serial_arm.arm import SerialArm
 from catseye.calibration.serial_arm.base_drift import Drift, drift_errors, find_drift
@@ -80,18 +81,21 @@ def choose(
     measurements: Measurements,
     read_back: Floats | None = None,
     name: ModelName | Literal["auto"] = "auto",
+    loss: Loss | None = None,
 ) -> Chosen:
     """Identify an arm with the model and the joints that predict poses best that were left out.
 
     Args:
         read_back: joints as the controller said them at the poses, shape (n, joints).
         name: model; the best one is found if nothing is said.
+        loss: robust loss of the rows of the model that is found, with all poses; without one poses that contradict
+            all others are left out.
 
     Raises:
         CalibrationError: no model can be identified; the text says why.
     """
-    joints, cleaned, rejected = _cleaned(arm, measurements, read_back, MODELS if name == "auto" else (name,))
     names = MODELS if name == "auto" else (name,)
+    joints, cleaned, rejected = _cleaned(arm, measurements, read_back, names)
     tried = [_tried(arm, cleaned, one, joints) for one in names]
     able = [found for found, _ in tried if found is not None]
     if not able:
@@ -102,7 +106,26 @@ def choose(
             best = one
     frames = identify_arm(arm, cleaned, "frames")
     candidates = tuple(candidate for _, candidate in tried)
-    return Chosen(best.calibration, frames, rejected, joints, best.drift, candidates, best.errors)
+    if loss is None:
+        return Chosen(best.calibration, frames, rejected, joints, best.drift, candidates, best.errors)
+    every = _robust(arm, _with_joints(arm, measurements, read_back, joints), best.calibration, loss)
+    return Chosen(every, frames, (), joints, best.drift, candidates, best.errors)
+
+
+def _robust(arm: SerialArm, rows: Measurements, clean: Calibration, loss: Loss) -> Calibration:
+    """Return the parameters of a model from all rows, by a loss that wrong ones hardly move."""
+    model = replace(clean.model, arm=arm, measurements=rows, common=())
+    begun = replace(clean.estimate, residuals_mm=model.residuals(clean.estimate.values))
+    found = robust_estimate(model, begun, loss)
+    return replace(clean, model=model, estimate=found.estimate)
+
+
+def _with_joints(
+    arm: SerialArm, rows: Measurements, read_back: Floats | None, source: JointSource
+) -> Measurements:
+    if read_back is None or source == "commanded":
+        return rows
+    return replace(rows, commands=Commands.of(arm, read_back, rows.commands.approach))
 
 
 @dataclass(frozen=True)
@@ -118,11 +141,8 @@ def _cleaned(
     arm: SerialArm, measurements: Measurements, read_back: Floats | None, names: Sequence[ModelName]
 ) -> tuple[JointSource, Measurements, tuple[RejectedPose, ...]]:
     """Return the better joints, and the measurements without poses that contradict the others."""
-    sides = measurements.commands.approach
-    sources: list[tuple[JointSource, Measurements]] = [("commanded", measurements)]
-    if read_back is not None:
-        other = replace(measurements, commands=Commands.of(arm, read_back, sides))
-        sources.append(("read back", other))
+    known: tuple[JointSource, ...] = ("commanded",) if read_back is None else ("commanded", "read back")
+    sources = [(one, _with_joints(arm, measurements, read_back, one)) for one in known]
     found = [(source, rows, *_without_wrong(arm, rows, names)) for source, rows in sources]
     best = found[0]
     for other_found in found[1:]:

@@ -14,6 +14,9 @@ from catseye.calibration.serial_arm.measurements import Measurements
 _ROUNDS = 100
 """Places of base and targets in turn; each round takes more than half of what is left."""
 
+_STEPS = 10
+"""Gauss-Newton steps from a closed form: each squares what is left."""
+
 _FLAT = 1e-9
 """Points whose second principal extension is below this share of the first lie on a line."""
 
@@ -119,7 +122,7 @@ def _from_distances(arm: SerialArm, measurements: Measurements, frame: Floats | 
     tools = np.array([target.place_mm for target in arm.targets])
     places = np.einsum("nij,nj->ni", flange[:, :3, :3], tools[rows.target]) + flange[:, :3, 3]
     used = np.unique(rows.anchor).tolist()
-    found = {k: _anchor(places, measurements, k) for k in used}
+    found = {k: anchor_of(places, measurements, k) for k in used}
     if frame is None:
         frame = _onto_anchors({k: place for k, (place, _) in found.items()}, rows.anchors)
     values: dict[str, float] = {}
@@ -130,10 +133,13 @@ def _from_distances(arm: SerialArm, measurements: Measurements, frame: Floats | 
     return Start(frame, values)
 
 
-def _anchor(places_mm: Floats, measurements: Measurements, anchor: int) -> tuple[Floats, dict[int, float]]:
-    """Return an anchor in the frame of the base and the dead paths of its segments.
+def anchor_of(places_mm: Floats, measurements: Measurements, anchor: int) -> tuple[Floats, dict[int, float]]:
+    """Return an anchor in the frame of the places and the dead paths of its segments.
 
     With a the anchor, x a target and c the dead path, |x − a| = d + c is linear in a, c and c² − |a|².
+
+    Args:
+        places_mm: of the target at every distance, shape (m, 3).
 
     Raises:
         InsufficientPointsError: too few distances.
@@ -154,6 +160,29 @@ def _anchor(places_mm: Floats, measurements: Measurements, anchor: int) -> tuple
     solved = np.linalg.lstsq(columns / scale, np.sum(x**2, axis=1) - d**2, rcond=None)[0] / scale
     relative = [int(s) for s in segments if s >= 0]
     return solved[:3], {s: float(solved[3 + k]) for k, s in enumerate(relative)}
+
+
+def refined_anchor(
+    places_mm: Floats, measurements: Measurements, anchor: int
+) -> tuple[Floats, dict[int, float]]:
+    """Return an anchor and dead paths that leave the least squares of distances, from where a closed form puts them.
+
+    Raises:
+        InsufficientPointsError: too few distances.
+    """
+    place, dead_paths = anchor_of(places_mm, measurements, anchor)
+    rows = measurements.distances
+    of_it = rows.anchor == anchor
+    x, d, segment = places_mm[of_it], rows.distance_mm[of_it], rows.segment[of_it]
+    shares = np.column_stack([segment == s for s in dead_paths] or [np.zeros((len(x), 0))]).astype(np.float64)
+    paths = np.array(list(dead_paths.values()))
+    for _ in range(_STEPS):
+        beam = x - place
+        length = np.linalg.norm(beam, axis=1)
+        slopes = np.column_stack([-beam / length[:, None], -shares])
+        step = np.linalg.lstsq(slopes, d + shares @ paths - length, rcond=None)[0]
+        place, paths = place + step[:3], paths + step[3:]
+    return place, dict(zip(dead_paths, paths.tolist(), strict=True))
 
 
 def _onto_anchors(found: Mapping[int, Floats], anchors: tuple[Anchor, ...]) -> Floats:

@@ -12,15 +12,18 @@ from functools import cached_property
 import numpy as np
 
 from catseye.calibration.core.types import Floats, Ints
-from catseye.calibration.kinematics.chain import Chain
+from catseye.calibration.kinematics.chain import Chain, Joint
 from catseye.calibration.kinematics.rotations import pose_of, rotation_of
 from catseye.calibration.serial_arm.arm import SerialArm
 from catseye.calibration.serial_arm.parameters import (
     FRAME_PARTS,
+    NODE_SPACING_DEG,
     BaseFrame,
     Compliance,
     Harmonic,
+    JointTerm,
     Link,
+    MapNode,
     Parameter,
     Reversal,
     TargetPlace,
@@ -150,8 +153,8 @@ class Geometry:
         found = commands.joints.copy()
         for parameter, value in zip(self.parameters, self.values.tolist(), strict=True):
             role = parameter.role
-            if isinstance(role, Compliance | Reversal | Harmonic):
-                found[:, role.joint] += value * self._per_unit(role, commands)
+            if isinstance(role, JointTerm):
+                found[:, role.joint] += value * per_unit(role, self.arm.chain.joints[role.joint], commands)
         return found
 
     def frames(self, commands: Commands) -> Floats:
@@ -184,27 +187,14 @@ class Geometry:
                 case Link(number, part):
                     found.direction[:, k], found.origin_mm[:, k] = self._link_axis(frames, number, part)
                     found.turns[k] = part.endswith("_deg")
-                case Compliance(number) | Reversal(number) | Harmonic(number):
+                case Compliance(number) | Reversal(number) | Harmonic(number) | MapNode(number):
                     joint = self.arm.chain.joints[number]
                     turning = joint.kind == "revolute"
-                    unit = joint.sign * self._per_unit(role, commands) * (_RAD if turning else 1.0)
+                    unit = joint.sign * per_unit(role, joint, commands) * (_RAD if turning else 1.0)
                     found.direction[:, k] = frames[number + 1, :, :3, 2] * unit[:, None]
                     found.origin_mm[:, k] = frames[number + 1, :, :3, 3]
                     found.turns[k] = turning
         return found
-
-    def _per_unit(self, role: Compliance | Reversal | Harmonic, commands: Commands) -> Floats:
-        """Return what a unit of a parameter adds to its joint's value, deg or mm, shape (n,)."""
-        joint = self.arm.chain.joints[role.joint]
-        match role:
-            case Compliance(number):
-                scale = joint.sign * (1.0 / _RAD if joint.kind == "revolute" else 1.0)
-                return np.asarray(scale * commands.torques_nmm[:, number])
-            case Reversal(number):
-                return 0.5 * commands.approach[:, number]
-            case Harmonic(number, order, wave):
-                angle = order * _RAD * commands.joints[:, number]
-                return np.asarray(np.cos(angle) if wave == "cos" else np.sin(angle))
 
     def _base_axis(self, part: str) -> Floats:
         """Return the axis that a parameter of the base shifts along or turns about, rad per deg, shape (3,)."""
@@ -229,13 +219,29 @@ class Geometry:
                 return behind[:, :, 2], behind[:, :, 3]
 
 
+def per_unit(role: JointTerm, joint: Joint, commands: Commands) -> Floats:
+    """Return what a unit of a parameter adds to its joint's value, deg or mm, shape (n,)."""
+    match role:
+        case Compliance(number):
+            scale = joint.sign * (1.0 / _RAD if joint.kind == "revolute" else 1.0)
+            return np.asarray(scale * commands.torques_nmm[:, number])
+        case Reversal(number):
+            return 0.5 * commands.approach[:, number]
+        case Harmonic(number, order, wave):
+            angle = order * _RAD * commands.joints[:, number]
+            return np.asarray(np.cos(angle) if wave == "cos" else np.sin(angle))
+        case MapNode(number, at_deg, reversal):
+            share = np.maximum(1.0 - np.abs(commands.joints[:, number] - at_deg) / NODE_SPACING_DEG, 0.0)
+            return np.asarray(share * 0.5 * commands.approach[:, number] if reversal else share)
+
+
 def turning_axis(angles_deg: Floats, part: str) -> Floats:
-    """Return the axis that one of the angles of R = Rz·Ry·Rx turns about, shape (3,).
+    """Return the axis that one of the angles of R = Rz·Ry·Rx turns about, shape (..., 3).
 
     Args:
-        angles_deg: about x, y and z, shape (3,).
+        angles_deg: about x, y and z, shape (..., 3).
         part: "rx_deg", "ry_deg" or "rz_deg".
     """
-    _, ry, rz = angles_deg
-    outer = {"rx_deg": (0.0, ry, rz), "ry_deg": (0.0, 0.0, rz), "rz_deg": (0.0, 0.0, 0.0)}[part]
-    return np.asarray(rotation_of(np.array(outer))[:, "xyz".index(part[1])])
+    number = "xyz".index(part[1])
+    outer = np.where(np.arange(3) > number, angles_deg, 0.0)
+    return np.asarray(rotation_of(outer)[..., number])

@@ -1,5 +1,6 @@
 """Identification of a serial arm: from measurements at poses to parameters with their covariance."""
 
+import math
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -7,27 +8,29 @@ import numpy as np
 
 from catseye.calibration.core.arguments import require_one_of
 from catseye.calibration.core.budget import Shared
-from catseye.calibration.core.errors import InsufficientPointsError, UnidentifiableError
+from catseye.calibration.core.errors import ArgumentError, InsufficientPointsError, UnidentifiableError
 from catseye.calibration.core.estimation import Estimate, estimate
 from catseye.calibration.core.least_squares import factorise
 from catseye.calibration.core.types import Floats
-from catseye.calibration.serial_arm.arm import SerialArm
+from catseye.calibration.serial_arm.arm import Known, SerialArm
 from catseye.calibration.serial_arm.closed_form import Start, closed_form
 from catseye.calibration.serial_arm.geometry import Commands, Geometry
 from catseye.calibration.serial_arm.measurements import Measurements
 from catseye.calibration.serial_arm.model import ArmModel
 from catseye.calibration.serial_arm.parameters import (
+    BaseFrame,
     Parameter,
     base_parameters,
     compliance_parameters,
     distance_parameters,
     harmonic_parameters,
     link_parameters,
+    map_parameters,
     orientation_parameters,
     reversal_parameters,
     target_parameters,
 )
-from catseye.calibration.serial_arm.redundancy import choose_basis
+from catseye.calibration.serial_arm.redundancy import Choice, choose_basis
 
 ModelName = Literal["frames", "geometric", "geometric+compliance", "maps"]
 """From the simplest to the richest; each has the parameters of those before it."""
@@ -42,6 +45,12 @@ HARMONIC_U_DEG = 0.02
 
 _FAR_WORSE = 30.0
 """A standard uncertainty so many times that of as many poses all over the ranges shows that poses are missing."""
+
+_SCATTER_ROUNDS = 4
+"""Scatter and estimate in turn: each round takes a tenth of what is left, as a rule."""
+
+_LEAST_SCATTER = 1e-12
+"""Share of the variance that rows without errors keep in a round."""
 
 _TRIAL_POSES = 100
 _TRIAL_SEED = 1
@@ -101,10 +110,24 @@ def parameters_of(
     if rank >= 2:
         found += compliance_parameters(arm)
     if rank >= 3:
+        both = bool(np.ptp(measurements.commands.approach))
+        joints = measurements.commands.joints
+        used = list(zip(joints.min(axis=0).tolist(), joints.max(axis=0).tolist(), strict=True))
         found += harmonic_parameters(arm, HARMONIC_ORDERS, harmonic_u_deg)
-        if np.ptp(measurements.commands.approach):
-            found += reversal_parameters(arm)
-    return found
+        found += map_parameters(arm, used, harmonic_u_deg, reversal=both)
+        found += reversal_parameters(arm) if both else ()
+    return tuple(_informed(one, arm.known.get(one.name)) for one in found)
+
+
+def _informed(parameter: Parameter, known: Known | None) -> Parameter:
+    """Return a parameter with what is known of it beforehand."""
+    if known is None:
+        return parameter
+    if isinstance(parameter.role, BaseFrame):
+        raise ArgumentError(
+            f"{parameter.name} cannot be known beforehand: the base is where the measurements put it"
+        )
+    return replace(parameter, nominal=parameter.nominal if known.value is None else known.value, u=known.u)
 
 
 def identify_arm(
@@ -127,7 +150,7 @@ def identify_arm(
     """
     begin = closed_form(arm, measurements) if start is None else start
     model = ArmModel(arm, begin.frame, parameters_of(arm, measurements, name, harmonic_u_deg), measurements)
-    ideal = _ideal(model, begin)
+    ideal = _ideal(model, model.start_values(begin))
     structure = choose_basis(arm.chain, model.chosen, ideal)
     fitted = replace(
         model,
@@ -136,9 +159,22 @@ def identify_arm(
         undetermined=_poses_wanted,
     )
     _require_rows(fitted)
-    found = Calibration(name, fitted, estimate(fitted, fitted.start_values(begin)), structure.directions)
+    fitted, estimated = _estimated(fitted, fitted.start_values(begin))
+    found = Calibration(name, fitted, estimated, structure.directions)
     _require_shown(found, ideal[:, structure.kept])
     return found
+
+
+def _estimated(model: ArmModel, start: Floats) -> tuple[ArmModel, Estimate]:
+    """Estimate; what is known beforehand is weighed against the scatter of the rows where they state none."""
+    found = estimate(model, start)
+    if model.stated or not model.known:
+        return model, found
+    for _ in range(_SCATTER_ROUNDS):
+        variance = max(found.fit.unit_weight_variance, _LEAST_SCATTER)
+        model = replace(model, scatter_mm=model.scatter_mm * math.sqrt(variance))
+        found = estimate(model, found.values)
+    return model, found
 
 
 def refined(found: Calibration, common: tuple[Shared, ...]) -> Calibration:
@@ -147,7 +183,13 @@ def refined(found: Calibration, common: tuple[Shared, ...]) -> Calibration:
     return replace(found, model=model, estimate=estimate(model, found.estimate.values))
 
 
-def _ideal(model: ArmModel, start: Start) -> Floats:
+def tell_apart(model: ArmModel) -> Choice:
+    """Return which parameters such measurements tell apart wherever the arm stands, about nominal values."""
+    nominal = np.array([one.nominal for one in model.chosen])
+    return choose_basis(model.arm.chain, model.chosen, _ideal(model, nominal))
+
+
+def _ideal(model: ArmModel, values: Floats) -> Floats:
     """Return the derivatives of what measurements of this kind show wherever the arm stands, shape (m, p)."""
     joints = model.arm.chain.joints
     low, high = np.array([(joint.low, joint.high) for joint in joints]).T
@@ -155,7 +197,7 @@ def _ideal(model: ArmModel, start: Start) -> Floats:
     sides = np.where(np.arange(_TRIAL_POSES) % 2, 1.0, -1.0)[:, None] * np.ones(len(joints))
     approach = sides if np.ptp(model.measurements.commands.approach) else np.ones_like(sides)
     everywhere = model.measurements.everywhere(Commands.of(model.arm, trial, approach))
-    return replace(model, measurements=everywhere).jacobian(model.start_values(start))
+    return replace(model, measurements=everywhere).jacobian(values)
 
 
 def _require_shown(found: Calibration, ideal: Floats) -> None:

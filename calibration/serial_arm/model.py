@@ -44,6 +44,8 @@ class ArmModel:
         measurements: rows.
         common: errors that rows have in common.
         undetermined: sentence about null directions.
+        scatter_mm: standard deviation of rows that state none; what is known beforehand is weighed against it.
+        errors_mm: what was drawn of the rows' errors, taken from the residuals, shape (n,); None: nothing.
     """
 
     arm: SerialArm
@@ -53,6 +55,8 @@ class ArmModel:
     held: tuple[tuple[Parameter, float], ...] = ()
     common: tuple[Shared, ...] = ()
     undetermined: Callable[[list[list[str]]], str] = not_separable
+    scatter_mm: float = 1.0
+    errors_mm: Floats | None = None
 
     @cached_property
     def parameters(self) -> Parameters:
@@ -78,16 +82,16 @@ class ArmModel:
     def weights(self) -> Floats:
         """Reciprocal white standard uncertainties, 1/mm, shape (n,)."""
         points, turned, distances = self._rows
-        found = np.ones(self.rows)
+        found = np.full(self.rows, 1.0 / self.scatter_mm)
         if self.stated:
-            found[: 3 * points] = (1.0 / np.sqrt(self._axes[0])).ravel()
+            found[: 3 * points] = (1.0 / np.sqrt(self.axes[0])).ravel()
             if self.measurements.orientations.u_deg is not None:
                 u_deg = np.repeat(self.measurements.orientations.u_deg, 3)
                 found[3 * points : 3 * (points + turned)] = 1.0 / (LEVER_MM * _RAD * u_deg)
             if self.measurements.distances.u_mm is not None:
                 first = 3 * (points + turned)
                 found[first : first + distances] = 1.0 / self.measurements.distances.u_mm
-        for row, (_, u) in zip(range(self.rows - len(self._known), self.rows), self._known, strict=True):
+        for row, (_, u) in zip(range(self.rows - len(self.known), self.rows), self.known, strict=True):
             found[row] = 1.0 / u
         return found
 
@@ -112,7 +116,7 @@ class ArmModel:
                     distances.segment,
                 ]
             ),
-            _keys(3, np.arange(len(self._known)), np.zeros(len(self._known), dtype=np.int64), 1),
+            _keys(3, np.arange(len(self.known)), np.zeros(len(self.known), dtype=np.int64), 1),
         ]
         _, found = np.unique(np.vstack(keys), axis=0, return_inverse=True)
         return np.asarray(found.ravel(), dtype=np.int64)
@@ -126,7 +130,7 @@ class ArmModel:
     @property
     def rows(self) -> int:
         """Number of rows."""
-        return self.measured_rows + len(self._known)
+        return self.measured_rows + len(self.known)
 
     def geometry(self, values: Floats) -> Geometry:
         """Return the arm at values of shape (p,)."""
@@ -139,21 +143,22 @@ class ArmModel:
         points, distances = self.measurements.points, self.measurements.distances
         flange = seen.frames[-1]
         missed = seen.geometry.places_mm(flange[points.pose], points.target) - points.place_mm
-        along = np.einsum("nij,nj->ni", self._axes[1], missed)
+        along = np.einsum("nij,nj->ni", self.axes[1], missed)
         found = [along.ravel(), self._turned(seen.geometry, flange).ravel()]
         if len(distances.pose):
             ends = seen.geometry.places_mm(flange[distances.pose], distances.target)
-            apart = np.linalg.norm(ends - self._anchors(values)[distances.anchor], axis=1)
+            apart = np.linalg.norm(ends - self.anchors(values)[distances.anchor], axis=1)
             found.append(apart - self._dead_paths(values)[distances.segment] - distances.distance_mm)
-        found.append(np.array([values[k] - self.chosen[k].nominal for k, _ in self._known]))
-        return np.concatenate(found)
+        found.append(np.array([values[k] - self.chosen[k].nominal for k, _ in self.known]))
+        predicted = np.concatenate(found)
+        return predicted if self.errors_mm is None else predicted - self.errors_mm
 
     def jacobian(self, values: Floats) -> Floats:
         """Return the derivatives of the residuals, shape (n, p)."""
         seen = self._seen(values)
         points, turned = self.measurements.points, self.measurements.orientations
         moved = self._moved(seen, points.pose, points.target)[0]
-        along = np.einsum("nij,njp->nip", self._axes[1], moved)
+        along = np.einsum("nij,njp->nip", self.axes[1], moved)
         size = len(self.chosen)
         found = [along.reshape(-1, size)]
         rotated = seen.motions.some(turned.pose).of_rotations() * LEVER_MM
@@ -161,8 +166,8 @@ class ArmModel:
         found.append(rotated.reshape(-1, size))
         if len(self.measurements.distances.pose):
             found.append(self._distance_rows(seen, values))
-        known = np.zeros((len(self._known), size))
-        for row, (k, _) in enumerate(self._known):
+        known = np.zeros((len(self.known), size))
+        for row, (k, _) in enumerate(self.known):
             known[row, k] = 1.0
         return np.vstack([*found, known])
 
@@ -190,7 +195,7 @@ class ArmModel:
                 np.repeat(measured.points.pose, 3),
                 np.repeat(measured.orientations.pose, 3),
                 measured.distances.pose,
-                np.full(len(self._known), -1),
+                np.full(len(self.known), -1),
             ]
         )
 
@@ -200,12 +205,12 @@ class ArmModel:
         return len(measured.points.pose), len(measured.orientations.pose), len(measured.distances.pose)
 
     @cached_property
-    def _known(self) -> tuple[tuple[int, float], ...]:
+    def known(self) -> tuple[tuple[int, float], ...]:
         """Parameters that were measured beforehand, by number, with their standard uncertainties."""
         return tuple((k, one.u) for k, one in enumerate(self.chosen) if one.u)
 
     @cached_property
-    def _axes(self) -> tuple[Floats, Floats]:
+    def axes(self) -> tuple[Floats, Floats]:
         """Variances of each point along the axes of its covariance, (m, 3), and these axes as rows, (m, 3, 3)."""
         covariance = self.measurements.points.covariance_mm2
         if covariance is None:
@@ -264,7 +269,7 @@ class ArmModel:
     def _distance_rows(self, seen: "_Seen", values: Floats) -> Floats:
         rows = self.measurements.distances
         moved, places = self._moved(seen, rows.pose, rows.target)
-        towards = places - self._anchors(values)[rows.anchor]
+        towards = places - self.anchors(values)[rows.anchor]
         towards /= np.linalg.norm(towards, axis=1, keepdims=True)
         found = np.einsum("ni,nip->np", towards, moved)
         for k, parameter in enumerate(self.chosen):
@@ -275,7 +280,7 @@ class ArmModel:
                     found[:, k] = -1.0 * (rows.segment == number)
         return np.asarray(found)
 
-    def _anchors(self, values: Floats) -> Floats:
+    def anchors(self, values: Floats) -> Floats:
         """Return the places of the anchors at values of shape (p,), mm, shape (anchors, 3)."""
         places = np.array([one.place_mm for one in self.measurements.distances.anchors])
         for parameter, value in self._all(values):

@@ -3,6 +3,7 @@
 Names and units are those of result files: `base.x_mm`, `A2.alpha_deg`, `A2.compliance_rad_per_nmm`, `nest1.x_mm`.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
@@ -19,6 +20,10 @@ FramePart = Literal["x_mm", "y_mm", "z_mm", "rx_deg", "ry_deg", "rz_deg"]
 Coordinate = Literal["x_mm", "y_mm", "z_mm"]
 
 FRAME_PARTS: tuple[FramePart, ...] = get_args(FramePart)
+LINK_PARTS: tuple[LinkPart, ...] = get_args(LinkPart)
+
+NODE_SPACING_DEG = 30.0
+"""Between the nodes of a joint's map."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +70,20 @@ class Harmonic:
 
 
 @dataclass(frozen=True)
+class MapNode:
+    """Error of a revolute joint at a node of its map, deg; linear to zero at the neighbouring nodes.
+
+    Attributes:
+        at_deg: command of the joint.
+        reversal: half of it counts up or down with the side of approach: the backlash there.
+    """
+
+    joint: int
+    at_deg: float
+    reversal: bool = False
+
+
+@dataclass(frozen=True)
 class TargetPlace:
     """A coordinate of a target in the frame of the flange, mm, or an angle of its frame, deg."""
 
@@ -87,7 +106,10 @@ class DeadPath:
     segment: int
 
 
-Role = BaseFrame | Link | Compliance | Reversal | Harmonic | TargetPlace | AnchorPlace | DeadPath
+JointTerm = Compliance | Reversal | Harmonic | MapNode
+"""What adds to the value of a joint."""
+
+Role = BaseFrame | Link | JointTerm | TargetPlace | AnchorPlace | DeadPath
 """What a parameter does; joints, targets, anchors and segments are counted from 0."""
 
 
@@ -159,6 +181,31 @@ def reversal_parameters(arm: SerialArm) -> tuple[Parameter, ...]:
         for number, joint in enumerate(arm.chain.joints)
         for unit in [("deg" if joint.kind == "revolute" else "mm")]
     )
+
+
+def map_parameters(
+    arm: SerialArm, used_deg: Sequence[tuple[float, float]], u_deg: float, *, reversal: bool
+) -> tuple[Parameter, ...]:
+    """Return the nodes of the maps of all revolute joints, known beforehand to be about zero.
+
+    Args:
+        used_deg: smallest and largest command of each joint.
+        u_deg: standard deviation that an error at a node has among arms.
+        reversal: of the maps of backlash, beside those of what both sides of approach have in common.
+    """
+    kinds = {"map": False, "reversal": True} if reversal else {"map": False}
+    return tuple(
+        Parameter(f"{joint.name}.{kind}_{at:g}_deg", "deg", MapNode(number, at, turned), 0.0, u_deg)
+        for number, joint in enumerate(arm.chain.joints)
+        if joint.kind == "revolute"
+        for kind, turned in kinds.items()
+        for at in _nodes_deg(*used_deg[number])
+    )
+
+
+def _nodes_deg(low: float, high: float) -> tuple[float, ...]:
+    first, last = math.floor(low / NODE_SPACING_DEG), math.ceil(high / NODE_SPACING_DEG)
+    return tuple(k * NODE_SPACING_DEG for k in range(first, last + 1))
 
 
 def target_parameters(arm: SerialArm, targets: Sequence[int]) -> tuple[Parameter, ...]:

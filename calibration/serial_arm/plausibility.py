@@ -25,6 +25,9 @@ _SOUND_SHARE = 0.02
 _FAR_BETTER = 0.2
 """Share of the misfit that is left when a mistake is found."""
 
+_EXACT_MM = 1e-6
+"""A misfit below this is rounding."""
+
 _MOST_TARGETS = 4
 """All orders of more targets are too many to try."""
 
@@ -47,14 +50,16 @@ def require_plausible(arm: SerialArm, measurements: Measurements) -> None:
     Raises:
         ImplausibleError: the likely mistake, with the misfit before and after.
     """
+    _require_no_copies(measurements)
     misfit, limit = _misfit_mm(arm, measurements), _SOUND_SHARE * _reach_mm(arm)
     if misfit < limit:
+        _require_names(arm, measurements, misfit)
         return
     found = [
         (_misfit_mm(arm, one.measurements), k, one.text) for k, one in enumerate(_mistakes(arm, measurements))
     ]
     left, _, text = min(found)
-    if left < max(_FAR_BETTER * misfit, 1e-6):
+    if left < max(_FAR_BETTER * misfit, _EXACT_MM):
         raise ImplausibleError(
             f"the nominal arm misses the measured places by {misfit:.3g} mm rms, and by {left:.3g} mm if {text}: "
             "put the table right"
@@ -64,6 +69,31 @@ def require_plausible(arm: SerialArm, measurements: Measurements) -> None:
         f"{_reach_mm(arm):.0f} mm is wrong by: another arm, joints at other poses than measured, or targets of "
         "another tool. Check the arm description, the tool and which row belongs to which pose"
     )
+
+
+def _require_names(arm: SerialArm, rows: Measurements, misfit: float) -> None:
+    """Refuse exchanged names of targets, which a small tool hides below what an arm may be wrong by."""
+    for one in _renamed(arm, rows):
+        left = _misfit_mm(arm, one.measurements)
+        if left < _FAR_BETTER * misfit and misfit > _EXACT_MM:
+            raise ImplausibleError(
+                f"the nominal arm misses the measured places by {misfit:.3g} mm rms, and by {left:.3g} mm if "
+                f"{one.text}: put the table right"
+            )
+
+
+def _require_no_copies(rows: Measurements) -> None:
+    """Refuse rows that stand twice to the last digit: no instrument measures the same numbers again."""
+    points = rows.points
+    table = np.column_stack([rows.commands.joints[points.pose], points.target, points.place_mm])
+    _, first, number = np.unique(table, axis=0, return_index=True, return_inverse=True)
+    copies = np.flatnonzero(first[number.ravel()] != np.arange(len(table)))
+    if copies.size:
+        one, other = (rows.names[points.pose[k]] for k in (first[number.ravel()[copies[0]]], copies[0]))
+        raise ImplausibleError(
+            f"{copies.size} rows repeat others to the last digit (the first: pose {other!r} repeats {one!r}): no "
+            "instrument measures the same numbers again. Remove the copies"
+        )
 
 
 def _mistakes(arm: SerialArm, rows: Measurements) -> Iterator[_Mistake]:

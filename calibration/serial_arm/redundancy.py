@@ -19,6 +19,7 @@ from catseye.calibration.serial_arm.parameters import (
     DeadPath,
     Harmonic,
     Link,
+    MapNode,
     Parameter,
     Reversal,
     TargetPlace,
@@ -108,5 +109,5 @@ def _rank(chain: Chain, parameter: Parameter) -> int:
             return 3
         case Reversal():
             return 5
-        case Harmonic():
+        case Harmonic() | MapNode():
             return 6

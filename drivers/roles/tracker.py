@@ -1,7 +1,7 @@
 """An independent instrument that locates targets on the arm: a laser tracker, or an optical CMM."""
 
 from abc import abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import ClassVar, Literal, Protocol
 
 from catseye.drivers.roles.device import Device, DriverClass, Role
@@ -68,7 +68,7 @@ class TrackerAbilities:
     Attributes:
         points: `point` measures a target in three coordinates.
         poses: `pose` measures a frame.
-        finds: it turns to a target by itself where it is told roughly where that is.
+        finds: it turns to a target by itself, given roughly where that is.
         two_faces: `point` measures in the second face, too.
     """
 
@@ -76,6 +76,10 @@ class TrackerAbilities:
     poses: bool = False
     finds: bool = False
     two_faces: bool = False
+
+    def named(self) -> tuple[str, ...]:
+        """Return the names of what it is able to do."""
+        return tuple(each.name for each in fields(self) if getattr(self, each.name))
 
 
 class Tracker(Device, Protocol):

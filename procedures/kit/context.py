@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal, Protocol
 from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Pose
-from catseye.drivers.roles.tracker import Position
+from catseye.drivers.roles.tracker import Face, Place, Position, TargetPoint, TargetPose
 from catseye.procedures.kit.live import Live
 from catseye.procedures.kit.recording import Recording
 from catseye.procedures.kit.records import Json, Record, Row
@@ -170,6 +170,11 @@ class Context(Protocol):
         """The run goes on after an interruption: arm and beam are not where the last stored step left them."""
         ...
 
+    @property
+    def set_up_lost(self) -> bool:
+        """Somebody has moved what the run had set up, before it was resumed: what is needed is to be set up anew."""
+        ...
+
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step once.
 
@@ -294,6 +299,26 @@ class Context(Protocol):
 
     async def locate(self, settle_time_s: float) -> Position:
         """Return where an independent instrument (a laser tracker) sees its target after settling."""
+        ...
+
+    async def measure_target(
+        self, target: str, settle_time_s: float, dwell_s: float, near_mm: Place | None = None, face: Face = 1
+    ) -> TargetPoint:
+        """Settle, then have the tracker measure a target.
+
+        Args:
+            target: its name.
+            dwell_s: time over which the instrument averages.
+            near_mm: roughly where it is, in the instrument's frame; None where the instrument is aimed at it.
+            face: in which.
+
+        Raises:
+            HiddenTargetError: the target is not seen; it can be tried again.
+        """
+        ...
+
+    async def measure_frame(self, target: str, settle_time_s: float, dwell_s: float) -> TargetPose:
+        """Settle, then have an optical CMM measure a frame; as `measure_target` else."""
         ...
 
     async def remounted(self, turned_deg: float) -> None:

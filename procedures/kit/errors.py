@@ -63,3 +63,11 @@ class AlignmentError(ProcedureError):
 
 class NotWarmError(ProcedureError):
     """The drift of a distance is not below its limit after the longest permitted warm-up."""
+
+
+class HiddenTargetsError(ProcedureError):
+    """An instrument beside the arm saw too few targets for what they are to show."""
+
+
+class OutOfReachError(ProcedureError):
+    """A gauge would have to be longer or shorter than it can be."""

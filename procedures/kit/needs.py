@@ -2,12 +2,15 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 from catseye.drivers.roles.device import Role
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.tasks import OpticsKind
+
+TrackerAbility = Literal["points", "poses", "two_faces"]
+"""One of `catseye.drivers.roles.tracker.TrackerAbilities`, by its name."""
 
 
 @dataclass(frozen=True)
@@ -113,6 +116,7 @@ class Needs:
     Attributes:
         bench: kind of bench that it is planned on.
         roles: of the devices that it uses beside the robot.
+        tracker: what the tracker's driver has to be able to do, one of these; empty where it is not asked for more.
         optics: that stand beside the arm; the cell file describes them.
         equipment: of the bench.
         after: procedures that should have been run.
@@ -122,6 +126,7 @@ class Needs:
 
     bench: type[Bench] = Bench
     roles: tuple[Role, ...] = ()
+    tracker: tuple[TrackerAbility, ...] = ()
     optics: tuple[OpticsKind, ...] = ()
     equipment: tuple[Equipment, ...] = ()
     after: tuple[After, ...] = ()

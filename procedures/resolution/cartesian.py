@@ -48,6 +48,7 @@ class ResolutionCartesian(Procedure):
     needs = Needs(roles=("interferometer", "environment"), optics=("linear",))
     stage = STRAIGHT
     analyses = (EVALUATE, REPORT)
+    sets_up_anew = True
     live_plots = "steps"
     records = (Configuration, Move, Recorded)
     event_texts = LOSS_TEXTS

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from catseye.calibration.resolution.sampling import LEAST_RATE_HZ
+from catseye.calibration.resolution.sampling import LEAST_RATE_HZ, NEARLY
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import SlowCounterError
@@ -10,9 +10,6 @@ from catseye.procedures.kit.recording import Recording
 
 LOOK_AFTER_S: Final = 10.0
 """Of recording: a start that is late by half a second counts 5 % then."""
-
-_NEARLY: Final = 0.97
-"""Share of the least rate that counts as reached: the recording may have begun a few readings late."""
 
 
 class ReadingRate:
@@ -38,7 +35,7 @@ class ReadingRate:
             SlowCounterError: the rate is too low, and nobody wants to go on.
         """
         rate_hz = recording.readings / recording.elapsed_s
-        if self._said or rate_hz >= _NEARLY * LEAST_RATE_HZ:
+        if self._said or rate_hz >= NEARLY * LEAST_RATE_HZ:
             return
         # Some counters give no value without a beam; the loss of the beam has ways of its own.
         if not (await self._ctx.beam()).count_valid:

@@ -35,3 +35,7 @@ class BeamPath:
         started: Bools = time_s >= self._blocked_s[0]
         ended: Bools = time_s >= self._blocked_s[1]
         return started & ~ended
+
+    def met(self, since_s: float, until_s: float) -> bool:
+        """Return whether something stood in the beam at any moment between two bench times."""
+        return self._blocked_s[0] <= until_s and since_s < self._blocked_s[1]

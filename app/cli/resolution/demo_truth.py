@@ -12,9 +12,10 @@ from catseye.app.results.resolution.naming import STEP, least_step_text, with_un
 from catseye.app.results.resolution.result import AnyTest
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.least_step import moving_mean, steps_within
-from catseye.simulators.config import SerialArm, TruthText
+from catseye.simulators.config import EmulationConfig, SerialArm, TruthText
 from catseye.simulators.world.serial.repeated_steps import RepeatedSteps
-from catseye.simulators.world.serial.truth import ArmTruth, read_joint_truth
+from catseye.simulators.world.serial.true_arm import true_serial_arm
+from catseye.simulators.world.serial.truth import ArmTruth
 
 _REPEATS: Final = 200
 """Of every step: the least step of their mean is what one test is to find."""
@@ -55,10 +56,10 @@ def compare_with_truth(
     Raises:
         TruthFileError: they are of another arm.
     """
-    truth = read_joint_truth(TruthText(truth_file.read_bytes(), str(truth_file)), arm)
+    truth = true_serial_arm(arm, EmulationConfig(truth=TruthText(truth_file.read_bytes(), str(truth_file))))
     rows = {(row["joint"], row["direction"]): row for row in configurations if row["test"] == "decaying"}
     return [
-        _compared(test, _true_least_step(test, rows[test.joint, test.direction], arm, truth))
+        _compared(test, _true_least_step(test, rows[test.joint, test.direction], truth.arm, truth.drives))
         for test in tests
         if test.test == "decaying"
     ]

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from catseye.app.cli.arm_option import described
 from catseye.app.cli.options import AsJson, Dask, InsecureCluster, Workers
 from catseye.app.cli.output import note, write_json
 from catseye.app.cli.progress import ProgressBar
@@ -15,7 +16,6 @@ from catseye.app.errors import UsageError
 from catseye.app.files.atomic import require_output
 
 if TYPE_CHECKING:
-    from catseye.app.cell.arm import ArmDescription
     from catseye.calibration.core.types import Floats
     from catseye.calibration.resolution.workspace_slice import AxisName, SliceAxis
 
@@ -89,7 +89,7 @@ def predict_resolution(
 
     require_output(output, tables, poses, tool, measured)
     asked = Prediction(
-        _description(arm),
+        described(arm),
         tables,
         poses,
         PredictionMethod(threshold, draws, seed, StepSeries(from_mm, from_deg)),
@@ -111,17 +111,6 @@ def predict_resolution(
         write_tables(report)
     note_statements(report)
     note(f"{output} written")
-
-
-def _description(arm: str) -> "ArmDescription":
-    from catseye.app.cell.arm import arm_description
-
-    try:
-        return arm_description(arm)
-    except ValueError as error:
-        raise UsageError(
-            f"--arm {arm}: {error}; or give the path of a description, ending with .toml"
-        ) from error
 
 
 def _tool_frame(tool: Path | None, target: str | None) -> "Floats | None":

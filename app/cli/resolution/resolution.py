@@ -10,7 +10,7 @@ from catseye.app.cli.options import AsJson, MeasuredRuns, Runs, Unverified
 from catseye.app.cli.output import note, write_json, write_line
 from catseye.app.cli.progress import ProgressBar
 from catseye.app.cli.report_output import note_statements, write_tables
-from catseye.app.errors import UsageError
+from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.files.atomic import require_output
 
 if TYPE_CHECKING:
@@ -164,7 +164,11 @@ def _show_preview(source: Path, mapping: Path | None, rate_hz: float | None, *, 
 
 
 def _hand_over(result: "ResolutionResult", output: Path, *, as_json: bool) -> None:
-    """Write a result and show it."""
+    """Write a result and show it.
+
+    Raises:
+        MeasurementRejectedError: some tests cannot be evaluated; those that can are written.
+    """
     from catseye.app.results.resolution.report_files import ReportFiles
     from catseye.app.results.resolution.result import resolution_summary, write_resolution
     from catseye.app.results.resolution.result_report import resolution_report
@@ -178,3 +182,8 @@ def _hand_over(result: "ResolutionResult", output: Path, *, as_json: bool) -> No
         write_tables(report)
     note_statements(report)
     note(f"{output} written")
+    if result.refused:
+        raise MeasurementRejectedError(
+            f"{len(result.refused)} of {len(result.refused) + len(result.tests)} tests cannot be evaluated, as said "
+            f"above; {output} holds the others: measure these again in another run, and evaluate both together"
+        )

@@ -2,11 +2,12 @@
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
-from catseye.app.cli.options import AsJson, Output
+from catseye.app.cli.arm_option import described
+from catseye.app.cli.options import AcceptImplausible, AsJson, Output
 from catseye.app.cli.output import note, write_json
 from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.files.atomic import require_output
@@ -42,21 +43,46 @@ def calibrate(
     model: Annotated[
         Model, typer.Option(help="auto: the one that predicts left-out poses best")
     ] = Model.AUTO,
+    priors: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="CSV name,value,u: what is known of parameters beforehand"),
+    ] = None,
+    loss: Annotated[
+        Literal["squares", "huber", "soft-l1"],
+        typer.Option(help="a robust loss keeps all poses and weighs wrong ones down"),
+    ] = "squares",
+    uncertainty: Annotated[
+        Literal["jacobian", "monte-carlo"], typer.Option(help="how uncertainties are propagated")
+    ] = "jacobian",
+    draws: Annotated[int, typer.Option(help="Monte Carlo draws, at least 2000")] = 10_000,
+    seed: Annotated[int, typer.Option(min=0, help="of the Monte Carlo draws")] = 1,
+    accept_implausible: AcceptImplausible = None,
     as_json: AsJson = False,
 ) -> None:
     """Identify the geometry and the compliances of a serial arm from measured poses.
 
     Example: catseye calibrate --poses poses.csv --arm irb120 --tool plate.toml -o arm.json
     """
-    from catseye.app.cell.arm import arm_description
     from catseye.app.cell.tool import read_tool
-    from catseye.app.results.serial_arm.calibrate import Subject, calibrate_tables
+    from catseye.app.results.serial_arm.calibrate import (
+        Method,
+        MonteCarlo,
+        Sources,
+        Subject,
+        calibrate_tables,
+    )
     from catseye.app.results.serial_arm.calibration_report import calibration_report
     from catseye.app.results.serial_arm.result import serial_arm_summary, write_serial_arm
 
-    require_output(output, *poses)
-    subject = Subject(arm, arm_description(arm), None if tool is None else read_tool(tool))
-    result = calibrate_tables(subject, poses, anchors, model.value)
+    require_output(output, *poses, anchors, tool, priors)
+    subject = Subject(arm, described(arm), None if tool is None else read_tool(tool))
+    method = Method(
+        model.value,
+        None if loss == "squares" else loss,
+        MonteCarlo(draws, seed) if uncertainty == "monte-carlo" else None,
+        accept_implausible,
+    )
+    result = calibrate_tables(subject, Sources(poses, anchors, priors), method)
     write_serial_arm(result, output)
     report = calibration_report(f"Calibration of {arm}", result)
     note_statements(report)

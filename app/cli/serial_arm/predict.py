@@ -11,24 +11,37 @@ from catseye.app.files.atomic import require_output
 def predict(result: Path, poses: Path, output: Path, *, as_json: bool = False) -> None:
     """Predict the places of targets at the rows of a poses CSV."""
     from catseye.app.results.serial_arm.identified_arm import identified_arm
-    from catseye.app.results.serial_arm.prediction import predict_places, read_asked, write_predicted_places
+    from catseye.app.results.serial_arm.prediction import (
+        predict_distances,
+        predict_places,
+        read_asked,
+        write_predicted_distances,
+        write_predicted_places,
+    )
     from catseye.app.results.serial_arm.result import read_serial_arm
 
     require_output(output, result, poses)
     identified = read_serial_arm(result)
     arm = identified_arm(identified)
-    predicted = predict_places(arm, read_asked(poses, arm))
-    write_predicted_places(predicted, output)
+    asked = read_asked(poses, arm)
+    if asked.of_distances:
+        found = predict_distances(arm, asked)
+        write_predicted_distances(asked, found, output)
+        u_mm = found.u_mm
+    else:
+        predicted = predict_places(arm, asked)
+        write_predicted_places(predicted, output)
+        u_mm = predicted.u_mm
     facts = {
         "output": str(output),
         "model": identified.model,
-        "rows": len(predicted.u_mm),
-        "median_u_mm": float(np.median(predicted.u_mm)),
-        "max_u_mm": float(predicted.u_mm.max()),
+        "rows": len(u_mm),
+        "median_u_mm": float(np.median(u_mm)),
+        "max_u_mm": float(u_mm.max()),
     }
     if as_json:
         write_json(facts)
     note(
-        f"{output} written: {facts['rows']} rows, standard uncertainty of a coordinate {facts['median_u_mm']:.4f} mm "
+        f"{output} written: {facts['rows']} rows, standard uncertainty {facts['median_u_mm']:.4f} mm "
         f"(median), {facts['max_u_mm']:.4f} mm at most"
     )

@@ -9,7 +9,13 @@ from catseye.app.files.atomic import require_output
 
 
 def validate(
-    result: Path, measured: Path, output: Path | None, limit_mm: float | None, *, as_json: bool = False
+    result: Path,
+    measured: Path,
+    anchors: Path | None,
+    output: Path | None,
+    limit_mm: float | None,
+    *,
+    as_json: bool = False,
 ) -> None:
     """Compare a calibration with measured poses.
 
@@ -18,12 +24,13 @@ def validate(
     """
     from catseye.app.render.page import require_html, write_page
     from catseye.app.results.serial_arm.result import read_serial_arm
-    from catseye.app.results.serial_arm.validation import arm_validation_report, validate_arm
+    from catseye.app.results.serial_arm.validation import validate_arm
+    from catseye.app.results.serial_arm.validation_report import arm_validation_report
 
-    require_output(output, result, measured)
+    require_output(output, result, measured, anchors)
     if output is not None:
         require_html(output)
-    found = validate_arm(read_serial_arm(result), measured)
+    found = validate_arm(read_serial_arm(result), measured, anchors)
     report = arm_validation_report(found, measured.name)
     if as_json:
         write_json(found.document())

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain, groupby
-from typing import Any
+from typing import Any, Final, Literal
 
 import numpy as np
 
@@ -20,11 +20,17 @@ from catseye.app.store.reader import RunReader
 from catseye.app.store.software import SOFTWARE
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.resolution.errors import MovesError
+from catseye.calibration.resolution.mounting import other_way_round
 from catseye.calibration.resolution.moves import moves_of
 from catseye.calibration.resolution.optics import AngularOptics, LinearOptics
 from catseye.calibration.resolution.recording import Recording, recording_of
 from catseye.calibration.resolution.standstill import standstill
 from catseye.procedures.resolution.records import Configuration
+
+_OTHER_WAY_ROUND: Final = (
+    "the count falls while the command grows: the optics were mounted the other way round, and the sign of the "
+    "recording was changed"
+)
 
 
 def holds_tests(reader: RunReader) -> bool:
@@ -44,9 +50,11 @@ def result_of_runs(
         threshold_percent: largest step error of a step that counts.
         done: is called with the number of evaluated tests and of all.
 
+    A test that cannot be evaluated leaves the others what they are: the result says which, and why.
+
     Raises:
         UsageError: a run has recorded no test, or they are of several arms.
-        CalibrationError: a recording does not fit its moves; names run and test.
+        MovesError: no test can be evaluated; names run and test.
     """
     arms = {arm.name: arm for arm in (arm_description(cell_of_run(one).robot.arm) for one in readers)}
     if len(arms) > 1:
@@ -54,11 +62,18 @@ def result_of_runs(
             f"the runs are of several arms: {', '.join(arms)}; evaluate those of each by themselves"
         )
     tests: list[AnyTest] = []
+    refused: list[MovesError] = []
     count = sum(_count(reader) for reader in readers)
-    for test in chain.from_iterable(_tests(reader, threshold_percent) for reader in readers):
-        tests.append(test)
+    judged = chain.from_iterable(_tests(reader, threshold_percent) for reader in readers)
+    for number, test in enumerate(judged, 1):
+        if isinstance(test, MovesError):
+            refused.append(test)
+        else:
+            tests.append(test)
         if done is not None:
-            done(len(tests), count)
+            done(number, count)
+    if not tests:
+        raise refused[0]
     unverified = [text for one in readers for text in one.unverified]
     ((name, description),) = arms.items()
     return ResolutionResult(
@@ -66,6 +81,7 @@ def result_of_runs(
         actuation=actuation_of(description),
         tests=tests,
         measured=[_measured(reader) for reader in readers],
+        refused=[str(error) for error in refused],
         provenance=Provenance(
             runs=[one.path.name for one in readers],
             software=SOFTWARE,
@@ -94,11 +110,11 @@ def _measured(reader: RunReader) -> MeasuredRun:
     )
 
 
-def _tests(reader: RunReader, threshold_percent: float) -> Iterator[AnyTest]:
+def _tests(reader: RunReader, threshold_percent: float) -> Iterator[AnyTest | MovesError]:
     recorded = list(series_of_run(reader))
     if not recorded:
         raise UsageError(f"{reader.path.name}: has recorded no test of motion resolution")
-    return evaluate_series(recorded, reader.path.name, threshold_percent)
+    return _judged(recorded, reader.path.name, threshold_percent)
 
 
 def evaluate_series(
@@ -113,15 +129,36 @@ def evaluate_series(
     Raises:
         MovesError: a recording does not fit its moves; names source and test.
     """
+    for test in _judged(recorded, source, threshold_percent):
+        if isinstance(test, MovesError):
+            raise test
+        yield test
+
+
+def _judged(
+    recorded: Sequence[RecordedSeries], source: str, threshold_percent: float
+) -> Iterator[AnyTest | MovesError]:
+    """Yield what each test comes to, or why it cannot be evaluated."""
     for _, group in groupby(recorded, key=lambda one: _test_of(one.configuration)):
         members = list(group)
         asked = _asked(members[0].configuration, threshold_percent)
         try:
-            yield evaluated(asked, [_series(one) for one in members])
+            yield _evaluated(asked, members)
         except CalibrationError as error:
-            position = members[0].configuration["position"]
-            where = f"{source}, {asked.test} test of {asked.joint} at {position}"
-            raise MovesError(f"{where}: {error}") from error
+            place = members[0].configuration
+            way = "" if asked.test in {"iso", "backlash"} else f", direction {place['direction']:+d}"
+            yield MovesError(
+                f"{source}, {asked.test} test of {asked.joint} at {place['position']}{way}: {error}"
+            )
+
+
+def _evaluated(asked: Asked, members: Sequence[RecordedSeries]) -> AnyTest:
+    """Return what the series of one test come to, whichever way round its optics were mounted."""
+    series = [_series(one) for one in members]
+    if not other_way_round((one.recording, one.moves) for one in series):
+        return evaluated(asked, series)
+    test = evaluated(asked, [_series(one, sign=-1) for one in members])
+    return test.model_copy(update={"flags": [_OTHER_WAY_ROUND, *test.flags]})
 
 
 def _count(reader: RunReader) -> int:
@@ -141,13 +178,13 @@ def _test_of(row: Mapping[str, Any]) -> tuple[object, ...]:
 
 
 def _asked(row: Mapping[str, Any], threshold_percent: float) -> Asked:
-    pose = row["position"] if row["test"] == "cartesian" else None
-    return Asked(row["test"], row["joint"], row["position_value"], pose, threshold_percent)
+    pose, position = (row["position"], None) if row["test"] == "cartesian" else (None, row["position"])
+    return Asked(row["test"], row["joint"], row["position_value"], pose, threshold_percent, position)
 
 
-def _series(recorded: RecordedSeries) -> Series:
+def _series(recorded: RecordedSeries, sign: Literal[1, -1] = 1) -> Series:
     row = recorded.configuration
-    recording, optics = _recording(recorded)
+    recording, optics = _recording(recorded, sign)
     still = standstill(recording.clipped(row["standstill_from_s"], row["standstill_until_s"]))
     # A test that goes there and back begins where its preliminary moves have led.
     there_and_back = row["test"] in {"iso", "backlash"}
@@ -161,8 +198,10 @@ def _series(recorded: RecordedSeries) -> Series:
     return Series(recording, moves, optics, still, recorded.torque_time_s()[counted], torque_nm[counted])
 
 
-def _recording(recorded: RecordedSeries) -> tuple[Recording, AngularOptics | LinearOptics]:
-    row, displacement_mm = recorded.configuration, recorded.displacement_mm
+def _recording(
+    recorded: RecordedSeries, sign: Literal[1, -1]
+) -> tuple[Recording, AngularOptics | LinearOptics]:
+    row, displacement_mm = recorded.configuration, sign * recorded.displacement_mm
     if row["spacing_mm"] is None:
         return recording_of(recorded.time_s, displacement_mm, "mm"), LinearOptics()
     optics = AngularOptics(row["spacing_mm"], row["u_spacing_mm"] or 0.0, 1e-3 * row["distance_mm"])

@@ -207,6 +207,7 @@ class _Test(ResultPart):
         test: which one.
         joint: name of the axis in the arm's description; X, Y or Z of a Cartesian test.
         position: of the joint, where the test was made; None where none was stated.
+        position_name: what the run called it, K1 … K5; None where nobody named it.
         direction: of its steps; None of a test in both directions.
         threshold_percent: largest error of a step that counts as made.
         lis: None where the test gives none, and the flags say why.
@@ -222,6 +223,7 @@ class _Test(ResultPart):
     test: Test
     joint: str
     position: Finite | None = None
+    position_name: str | None = None
     direction: Direction | None = None
     threshold_percent: Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
     lis: LeastStep | None = None
@@ -324,6 +326,7 @@ class ResolutionResult(ResultPart):
         actuation: of the joints whose description says it.
         tests: in the order in which they were made.
         measured: the runs of the tests; empty for recordings of other programs.
+        refused: tests of the runs that cannot be evaluated: which, and why.
         provenance: where they come from; None of a file that another program wrote.
     """
 
@@ -336,6 +339,7 @@ class ResolutionResult(ResultPart):
         ]
     ]
     measured: list[MeasuredRun] = Field(default_factory=list)
+    refused: list[str] = Field(default_factory=list)
     provenance: Provenance | None = None
 
 

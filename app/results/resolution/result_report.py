@@ -88,12 +88,13 @@ def resolution_report(heading: str, files: ReportFiles, sources: Sources) -> Rep
     """
     results = files.results
     tests = [test for result in results for test in result.tests]
+    refused = [text for result in results for text in result.refused]
     actuation = list({one.joint: one for result in results for one in result.actuation}.values())
     origin = _origin(files)
     joints = joints_of(tests)
     sections = (
         certificate(results, tests, files.predicted, sources),
-        section("verdict", "Verdict", verdict(tests), brief=True),
+        section("verdict", "Verdict", verdict(tests, refused), brief=True),
         section("actuation", "Actuation", [actuation_table(actuation)]),
         _least_steps(tests, actuation),
         section("errors", "Step errors", [step_error_figure(joint, tests) for joint in joints]),

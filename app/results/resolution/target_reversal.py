@@ -10,6 +10,7 @@ from catseye.app.errors import UsageError
 from catseye.app.files.target_deviations import TargetDeviations, read_target_deviations
 from catseye.app.results.resolution.result import Reversal, Unit
 from catseye.calibration.core.errors import CalibrationError
+from catseye.calibration.core.types import Floats
 from catseye.calibration.standards.iso230_2 import Positioning, positioning
 
 DeviationUnit: TypeAlias = Literal["um", "mrad", "urad", "arcsec", "mdeg"]
@@ -42,7 +43,8 @@ def reversal_of_targets(
         The unit of the values, the reversal error, and each target between the ends.
 
     Raises:
-        UsageError: the file cannot be used, has runs in one direction only, or its unit is not stated.
+        UsageError: the file cannot be used, has runs in one direction only, its targets have no order, or its unit is
+            not stated.
     """
     found = read_target_deviations(path)
     linear = path.suffix.lower() == ".rtl"
@@ -53,13 +55,26 @@ def reversal_of_targets(
             f"{path}: {found.target.size} targets have none between their ends: measure three or more"
         )
     sides = _positioning(path, found, worth, inner)
+    # Odd runs go from the first target to the last one, which may be downwards.
+    upwards = _sense(path, found.target)
     repeats = len(found.forward), len(found.backward)
     variance = sides.s_up**2 / repeats[0] + sides.s_down**2 / repeats[1]
     u = float(np.sqrt(variance.sum())) / variance.size
-    places = zip(found.target[inner].tolist(), (-sides.reversal).tolist(), strict=True)
+    places = zip(found.target[inner].tolist(), (-upwards * sides.reversal).tolist(), strict=True)
     targets = [{"position": place, "reversal": lost} for place, lost in places]
-    value = -float(sides.reversal.mean())
+    value = -upwards * float(sides.reversal.mean())
     return "mm" if linear else "deg", Reversal(value=value, u=u, valid=None), targets
+
+
+def _sense(path: Path, targets: Floats) -> float:
+    """Return 1 where positions grow from target to target, −1 where they fall."""
+    senses = np.sign(np.diff(targets))
+    if senses[0] == 0.0 or (senses != senses[0]).any():
+        raise UsageError(
+            f"{path}: the targets neither grow nor fall from one to the next: which way the runs went is not "
+            "known; export the file again"
+        )
+    return float(senses[0])
 
 
 def _worth(path: Path, unit: DeviationUnit | None) -> float:

@@ -12,8 +12,12 @@ _MOST_APART: Final = 4
 """More tests of one kind and joint are said in one statement."""
 
 
-def verdict(tests: Sequence[AnyTest]) -> list[Block]:
-    """Return what the tests come to."""
+def verdict(tests: Sequence[AnyTest], refused: Sequence[str] = ()) -> list[Block]:
+    """Return what the tests come to.
+
+    Args:
+        refused: tests that cannot be evaluated: which, and why.
+    """
     groups: dict[tuple[str, str], list[AnyTest]] = {}
     for test in tests:
         groups.setdefault((test.joint, test.test), []).append(test)
@@ -25,7 +29,7 @@ def verdict(tests: Sequence[AnyTest]) -> list[Block]:
             f"about this arm: {listed((title(test) for test in shipped), 6)}"
         )
         said.append(Statement(Sign.ATTENTION, text))
-    return said
+    return [*said, *(Statement(Sign.ATTENTION, f"Not evaluated: {text}") for text in refused)]
 
 
 def _said_of(tests: Sequence[AnyTest]) -> list[Statement]:

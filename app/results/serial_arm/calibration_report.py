@@ -3,6 +3,9 @@
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
+from catseye.app.results.figures import Figure
 from catseye.app.results.model import (
     Block,
     Bullets,
@@ -17,10 +20,15 @@ from catseye.app.results.model import (
 )
 from catseye.app.results.numbers import PROBABILITY, THREE_DIGITS, Format, counted, fixed
 from catseye.app.results.origin import origin_now
+from catseye.app.results.serial_arm.certificate import certificate
+from catseye.app.results.serial_arm.figures import deviations, histograms, places
 from catseye.app.results.serial_arm.result import ParameterPart, SerialArmResult, read_serial_arm
 
 _MM: Final = fixed(3)
 _FORMS: Final[dict[str, Format]] = {"mm": fixed(4), "deg": fixed(5)}
+
+_PAIRS: Final = 12
+"""Correlations that are named."""
 
 _CONVENTIONS: Final = (
     "Parameters are modified Denavit–Hartenberg: T = Rx(α) Ry(β) Tx(a) Rz(θ) Tz(d), θ = sign · q + offset; β only of "
@@ -46,8 +54,13 @@ def calibration_report(heading: str, result: SerialArmResult) -> Report:
     simulated = bool(result.provenance and result.provenance.simulated)
     sections = (
         section("verdict", "Verdict", _verdict(result), brief=True),
+        certificate(result),
         section("accuracy", "Before and after", [_accuracy(result)], brief=True),
+        section("errors", "Errors by pose", _error_figures(result)),
         section("parameters", "Parameters", [_parameters(result.parameters)], brief=True),
+        section("deviations", "Deviations from the drawing", _deviation_figures(result)),
+        section("correlations", "Strongest correlations", [_correlations(result)]),
+        section("masses", "Masses that are not quite known", _masses(result)),
         section("models", "Models that were tried", [_candidates(result)]),
         section("rejected", "Poses that were left out", [_rejected(result)] if result.rejected else []),
         _redundant(result),
@@ -92,6 +105,14 @@ def _verdict(result: SerialArmResult) -> list[Block]:
                 "through the day.",
             )
         )
+    if result.implausible is not None:
+        said.append(
+            Statement(
+                Sign.BAD,
+                f"Implausible, and kept because of: {result.implausible.accepted}. "
+                f"{' '.join(result.implausible.findings)}",
+            )
+        )
     if result.rejected:
         names = ", ".join(one.pose for one in result.rejected[:8])
         said.append(
@@ -116,6 +137,62 @@ def _accuracy(result: SerialArmResult) -> Table:
         Column("max_mm", "largest", "mm", _MM),
     )
     return Table("accuracy", "Position errors at the targets", columns, tuple(rows))
+
+
+def _error_figures(result: SerialArmResult) -> list[Figure]:
+    errors = result.errors
+    if errors is None or not errors.frames_mm:
+        return []
+    left_out = np.array([np.nan if one is None else one for one in errors.left_out_mm])
+    known = np.isfinite(left_out)
+    states = [
+        ("links as drawn, frames fitted", np.array(errors.frames_mm)),
+        (f"{result.model}, poses left out", left_out[known]),
+    ]
+    shown = [histograms("errors", "Position errors before and after", states)] if known.any() else []
+    return [*shown, places(np.array(errors.place_mm)[known], left_out[known])] if shown else []
+
+
+def _deviation_figures(result: SerialArmResult) -> list[Figure]:
+    figures = []
+    for unit in ("mm", "deg", "rad/(N·mm)"):
+        parts = [
+            (one.name, one.value - one.nominal, one.u)
+            for one in result.parameters
+            if one.identified and one.unit == unit and one.nominal is not None and not one.of_distances
+        ]
+        if parts:
+            names, values, u = zip(*parts, strict=True)
+            figures.append(deviations(names, np.array(values), np.array(u), unit))
+    return figures
+
+
+def _correlations(result: SerialArmResult) -> Table | None:
+    names = [one.name for one in result.parameters if one.identified]
+    matrix = np.triu(np.array(result.correlation).reshape(len(names), len(names)), 1)
+    order = np.argsort(np.abs(matrix), axis=None)[::-1][:_PAIRS]
+    pairs = [(int(i), int(j)) for i, j in zip(*np.unravel_index(order, matrix.shape), strict=True)]
+    rows = tuple((names[i], names[j], float(matrix[i, j])) for i, j in pairs if matrix[i, j])
+    columns = (
+        Column("one", "parameter"),
+        Column("other", "with"),
+        Column("coefficient", "coefficient", "", fixed(2, signed=True)),
+    )
+    return Table("correlations", "Correlation coefficients", columns, rows) if rows else None
+
+
+def _masses(result: SerialArmResult) -> list[Block]:
+    masses = result.masses
+    if masses is None:
+        return []
+    return [
+        Statement(
+            Sign.NEUTRAL,
+            f"Simulated: with every mass and centre of gravity wrong by {100.0 * masses.share:.0f} %, up or down, "
+            f"and nothing else wrong, the calibrated arm would miss by {masses.mean_mm:.3f} mm on the average, "
+            f"{masses.max_mm:.3f} mm at most ({masses.draws} sets of masses, random poses all over the ranges).",
+        )
+    ]
 
 
 def _parameters(parameters: list[ParameterPart]) -> Table:

@@ -9,9 +9,9 @@ import numpy as np
 
 from catseye.app.cell.arm import ArmDescription, arm_description
 from catseye.app.errors import UsageError
-from catseye.app.results.serial_arm.nominal_arm import serial_arm_of, with_unknown_targets
+from catseye.app.results.serial_arm.nominal_arm import serial_arm_of, with_flange, with_unknown_targets
 from catseye.app.results.serial_arm.result import ParameterPart, SerialArmResult
-from catseye.calibration.core.types import Floats
+from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.kinematics.rotations import pose_of
 from catseye.calibration.serial_arm.absolute import base_rates
 from catseye.calibration.serial_arm.arm import SerialArm
@@ -20,6 +20,7 @@ from catseye.calibration.serial_arm.parameters import (
     FRAME_PARTS,
     BaseFrame,
     Harmonic,
+    MapNode,
     Parameter,
     Reversal,
     TargetPlace,
@@ -29,6 +30,8 @@ from catseye.calibration.serial_arm.parameters import (
 )
 
 _WAVE: Final = re.compile(r"(cos|sin)([0-9.]+)_deg")
+_DEAD_PATH: Final = ".dead_path_mm"
+_NODE: Final = re.compile(r"(map|reversal)_(-?[0-9.]+)_deg")
 
 
 @dataclass(frozen=True)
@@ -39,11 +42,13 @@ class IdentifiedArm:
         geometry: with the values of the result.
         covariance: of the identified parameters, the base's as steps from where it is, shape (p, p).
         identified: numbers of the identified ones among the parameters of the geometry.
+        distances: places of anchors and dead paths.
     """
 
     geometry: Geometry
     covariance: Floats
     identified: tuple[int, ...]
+    distances: "IdentifiedDistances"
 
     @property
     def arm(self) -> SerialArm:
@@ -52,6 +57,11 @@ class IdentifiedArm:
 
     def places_mm(self, commands: Commands, target: int) -> tuple[Floats, Floats]:
         """Return where a target is at poses, in the frame of the instrument, mm, (n, 3), and the covariance, mm²."""
+        places, steps = self.moved_mm(commands, target)
+        return places, np.asarray(steps @ self.covariance @ steps.transpose(0, 2, 1))
+
+    def moved_mm(self, commands: Commands, target: int) -> tuple[Floats, Floats]:
+        """Return where a target is, mm, (n, 3), and how the identified parameters move it, shape (n, 3, p)."""
         geometry = self.geometry
         frames = geometry.frames(commands)
         places = geometry.places_mm(frames[-1], np.full(len(commands), target))
@@ -60,8 +70,26 @@ class IdentifiedArm:
             match parameter.role:
                 case TargetPlace(number, "x_mm" | "y_mm" | "z_mm" as part) if number == target:
                     moved[:, :, k] = frames[-1, :, :3, "xyz".index(part[0])]
-        steps = moved[:, :, list(self.identified)]
-        return places, np.asarray(steps @ self.covariance @ steps.transpose(0, 2, 1))
+        return places, moved[:, :, list(self.identified)]
+
+
+@dataclass(frozen=True)
+class IdentifiedDistances:
+    """What a result knows of distances.
+
+    Attributes:
+        anchors: places, mm, by name.
+        dead_paths: mm, by anchor and segment.
+        names: of the identified numbers among them.
+        cross: covariance with the identified parameters of the arm, shape (p, names).
+        own: covariance among themselves, shape (names, names).
+    """
+
+    anchors: Mapping[str, Floats]
+    dead_paths: Mapping[str, float]
+    names: tuple[str, ...]
+    cross: Floats
+    own: Floats
 
 
 def identified_arm(result: SerialArmResult) -> IdentifiedArm:
@@ -74,7 +102,25 @@ def identified_arm(result: SerialArmResult) -> IdentifiedArm:
     parts = [part for part in result.parameters if not part.of_distances]
     geometry = _geometry(_nominal(result), parts)
     identified = tuple(k for k, part in enumerate(parts) if part.identified)
-    return IdentifiedArm(geometry, _covariance(result, geometry, identified), identified)
+    estimated = [part for part in result.parameters if part.identified]
+    of_arm = np.array([not part.of_distances for part in estimated], dtype=np.bool_)
+    every = _covariance(result, geometry, identified, of_arm)
+    return IdentifiedArm(
+        geometry,
+        every[of_arm][:, of_arm],
+        identified,
+        IdentifiedDistances(
+            {one.name: np.array(one.place_mm) for one in result.anchors},
+            {
+                one.name.removesuffix(_DEAD_PATH): one.value
+                for one in result.parameters
+                if one.name.endswith(_DEAD_PATH)
+            },
+            tuple(part.name for part in estimated if part.of_distances),
+            every[of_arm][:, ~of_arm],
+            every[~of_arm][:, ~of_arm],
+        ),
+    )
 
 
 def arm_with_frames(result: SerialArmResult) -> Geometry | None:
@@ -104,13 +150,13 @@ def _nominal(result: SerialArmResult) -> SerialArm:
     description: ArmDescription = result.description or arm_description(result.arm)
     arm = serial_arm_of(description, result.tool)
     if arm.targets:
-        return arm
+        return with_flange(arm)
     named = dict.fromkeys(
         part.name.rpartition(".")[0]
         for part in result.parameters
         if part.name.rpartition(".")[2] in FRAME_PARTS and not part.of_distances
     )
-    return with_unknown_targets(arm, [name for name in named if name != "base"])
+    return with_flange(with_unknown_targets(arm, [name for name in named if name != "base"]))
 
 
 def _further(arm: SerialArm, part: ParameterPart) -> Parameter:
@@ -123,6 +169,10 @@ def _further(arm: SerialArm, part: ParameterPart) -> Parameter:
         return Parameter(
             part.name, part.unit, TargetPlace(targets.index(owner), frame_part), part.nominal or 0.0
         )
+    node = _NODE.fullmatch(kind)
+    if owner in arm.joint_names and node is not None:
+        of_map = MapNode(arm.joint_names.index(owner), float(node[2]), node[1] == "reversal")
+        return Parameter(part.name, part.unit, of_map, 0.0)
     if owner in arm.joint_names and kind.startswith("reversal_"):
         return Parameter(part.name, part.unit, Reversal(arm.joint_names.index(owner)), 0.0)
     if owner in arm.joint_names and wave is not None:
@@ -140,17 +190,16 @@ def _base(values: Mapping[str, float]) -> Floats:
     return pose_of(place[:3], place[3:])
 
 
-def _covariance(result: SerialArmResult, geometry: Geometry, identified: tuple[int, ...]) -> Floats:
-    """Return the covariance of the identified parameters, the base's turned into steps from where it is."""
-    estimated = [part for part in result.parameters if part.identified]
-    of_arm = np.array([not part.of_distances for part in estimated])
-    correlation = np.array(result.correlation).reshape(len(estimated), len(estimated))[of_arm][:, of_arm]
-    u = np.array([part.u for part in estimated])[of_arm]
-    covariance = correlation * np.outer(u, u)
+def _covariance(
+    result: SerialArmResult, geometry: Geometry, identified: tuple[int, ...], of_arm: Bools
+) -> Floats:
+    """Return the covariance of all identified parameters, the base's turned into steps from where it is."""
+    u = np.array([part.u for part in result.parameters if part.identified])
+    covariance = np.array(result.correlation).reshape(len(u), len(u)) * np.outer(u, u)
     turned, steps = np.eye(len(u)), np.linalg.pinv(base_rates(geometry))
     rows = {
-        place: FRAME_PARTS.index(role.part)
-        for place, k in enumerate(identified)
+        int(place): FRAME_PARTS.index(role.part)
+        for place, k in zip(np.flatnonzero(of_arm), identified, strict=True)
         if isinstance(role := geometry.parameters[k].role, BaseFrame)
     }
     for place, row in rows.items():

@@ -5,7 +5,7 @@ a frame where it was measured, or distances from targets to anchors.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -15,7 +15,7 @@ from catseye.app.cell.arm import ArmDescription
 from catseye.app.errors import UsageError
 from catseye.app.files.columns import read_rows
 from catseye.app.files.csv_lines import CsvRow
-from catseye.app.results.serial_arm.nominal_arm import with_unknown_targets
+from catseye.app.results.serial_arm.nominal_arm import FLANGE, with_flange, with_unknown_targets
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.kinematics.rotations import rotation_of
 from catseye.calibration.serial_arm.arm import Anchor, SerialArm
@@ -32,6 +32,7 @@ from catseye.procedures.kit.columns import ColumnRule, Columns, TableRule
 _PLACE: Final = ("x_mm", "y_mm", "z_mm")
 _ANGLES: Final = ("rx_deg", "ry_deg", "rz_deg")
 _U_EACH: Final = ("u_x_mm", "u_y_mm", "u_z_mm")
+_STATED: Final = ("u_mm", *_U_EACH, "u_deg")
 _COVARIANCES: Final = {"cov_xy_mm2": (0, 1), "cov_xz_mm2": (0, 2), "cov_yz_mm2": (1, 2)}
 
 
@@ -66,10 +67,11 @@ def read_measured_poses(
     units = [joint.unit for joint in description.joint]
     tables = [_Table.read(path, units) for path in paths]
     poses = _Poses.of(tables)
+    _require_stated_alike(tables)
     arm, targets = _targets(tables, nominal)
     names = sorted({row.cells["anchor"] for table in tables if table.distances for row in table.rows})
     known = tuple(anchors.get(name, Anchor(name, u_mm=None)) for name in names)
-    first = Commands.of(arm, poses.joints)
+    first = Commands.of(arm, poses.joints, poses.approach)
     found = Measurements(
         first,
         poses.names,
@@ -87,12 +89,14 @@ class _Table:
     Attributes:
         joints: commanded, shape (rows, joints).
         read_back: shape (rows, joints); None where the file has none.
+        approach: side that each joint came from, 1 from below, −1 from above, shape (rows, joints).
     """
 
     rows: list[CsvRow]
     columns: Columns
     joints: Floats
     read_back: Floats | None
+    approach: Floats
 
     @classmethod
     def read(cls, path: Path, units: Sequence[Unit]) -> "_Table":
@@ -104,18 +108,50 @@ class _Table:
                 f"{path}: column {', '.join(missing)} is missing: each row names its {wanted[0]} and more"
             )
         joints = columns.stacked([f"q{k}_{unit}" for k, unit in enumerate(units, 1)])
-        read = [f"q{k}_read_{unit}" for k, unit in enumerate(units, 1)]
-        here = [name in columns for name in read]
-        if any(here) and not all(here):
-            raise UsageError(
-                f"{path}: column {read[here.index(False)]} is missing: read-back joints are all or none"
-            )
-        return cls(rows, columns, joints, columns.stacked(read) if all(here) else None)
+        read = _all_or_none(
+            path, columns, [f"q{k}_read_{unit}" for k, unit in enumerate(units, 1)], "read-back joints"
+        )
+        sides = _all_or_none(path, columns, _directions(len(units)), "directions of approach")
+        return cls(rows, columns, joints, read, np.ones_like(joints) if sides is None else sides)
 
     @property
     def distances(self) -> bool:
         """It holds distances."""
         return "distance_mm" in self.columns
+
+    @property
+    def turned(self) -> bool:
+        """It holds orientations."""
+        return all(name in self.columns for name in _ANGLES)
+
+    @property
+    def stated(self) -> bool:
+        """It states uncertainties of everything that it holds."""
+        places = "u_mm" in self.columns or all(name in self.columns for name in _U_EACH)
+        return places and (not self.turned or "u_deg" in self.columns)
+
+
+def _all_or_none(path: Path, columns: Columns, names: list[str], what: str) -> Floats | None:
+    here = [name in columns for name in names]
+    if any(here) and not all(here):
+        raise UsageError(f"{path}: column {names[here.index(False)]} is missing: {what} are all or none")
+    return columns.stacked(names) if all(here) else None
+
+
+def _directions(joints: int) -> list[str]:
+    return [f"direction{k}" for k in range(1, joints + 1)]
+
+
+def _require_stated_alike(tables: Sequence[_Table]) -> None:
+    """Refuse tables of which some rows state an uncertainty and others none: nobody could weigh them."""
+    partly = [one for one in tables if not one.stated and any(name in one.columns for name in _STATED)]
+    bare = [one for one in tables if not one.stated]
+    if partly or (bare and len(bare) < len(tables)):
+        path = (partly or bare)[0].rows[0].path
+        raise UsageError(
+            f"{path}: uncertainties are stated for some rows only: state u_mm (or u_x_mm, u_y_mm, u_z_mm), and u_deg "
+            "where angles were measured, in every table, or nowhere"
+        )
 
 
 def measured_table(units: Sequence[Unit]) -> TableRule:
@@ -129,6 +165,8 @@ def measured_table(units: Sequence[Unit]) -> TableRule:
     covariances = tuple(ColumnRule(name, unit="mm²", optional=True) for name in _COVARIANCES)
     u_deg = ColumnRule("u_deg", unit="deg", optional=True, positive=True)
     distance = ColumnRule("distance_mm", unit="mm")
+    sides = tuple(ColumnRule(name, "direction", optional=True) for name in _directions(len(units)))
+    read = (*read, *sides)
     return TableRule(
         "measured poses",
         "one measured target of a pose",
@@ -154,6 +192,7 @@ class _Poses:
     names: tuple[str, ...]
     joints: Floats
     read_back: Floats | None
+    approach: Floats
     numbers: tuple[Ints, ...]
 
     @classmethod
@@ -161,6 +200,7 @@ class _Poses:
         places: dict[str, int] = {}
         joints: list[Floats] = []
         read: list[Floats | None] = []
+        sides: list[Floats] = []
         where: list[CsvRow] = []
         numbers: list[Ints] = []
         for table in tables:
@@ -173,6 +213,7 @@ class _Poses:
                     places[name] = len(places)
                     joints.append(table.joints[k])
                     read.append(None if table.read_back is None else table.read_back[k])
+                    sides.append(table.approach[k])
                     where.append(row)
                 elif (joints[places[name]] != table.joints[k]).any():
                     other = where[places[name]]
@@ -186,23 +227,32 @@ class _Poses:
             tuple(places),
             np.array(joints),
             np.array(known) if len(known) == len(read) else None,
+            np.array(sides),
             tuple(numbers),
         )
 
 
 def _targets(tables: Sequence[_Table], nominal: SerialArm) -> tuple[SerialArm, tuple[Ints, ...]]:
     """Return the arm with its targets, and the number of each row's target, one array a table."""
-    named = sorted({row.cells["target"] for table in tables for row in table.rows})
-    arm = nominal if nominal.targets else with_unknown_targets(nominal, named)
+    names = [[row.cells["target"] or FLANGE for row in table.rows] for table in tables]
+    used = sorted({name for of_table in names for name in of_table})
+    turned = {name for table, own in zip(tables, names, strict=True) if table.turned for name in own}
+    arm = (
+        nominal if nominal.targets else with_unknown_targets(nominal, [one for one in used if one != FLANGE])
+    )
+    targets = [replace(one, turned=one.name in turned and one.name != FLANGE) for one in arm.targets]
+    arm = arm.with_targets(tuple(targets))
+    arm = with_flange(arm) if FLANGE in used else arm
     known = [target.name for target in arm.targets]
-    for table in tables:
-        for row in table.rows:
-            if row.cells["target"] not in known:
+    for table, of_table in zip(tables, names, strict=True):
+        for row, name in zip(table.rows, of_table, strict=True):
+            if name not in known:
                 raise row.fault(
-                    f"the tool has no target {row.cells['target']!r}; it has {', '.join(known)}: correct the name, "
-                    "here or in the tool's file"
+                    f"the tool has no target {name!r}; it has {', '.join(known)}: correct the name, here or in the "
+                    "tool's file"
                 )
-    return arm, tuple(np.array([known.index(row.cells["target"]) for row in table.rows]) for table in tables)
+    numbers = tuple(np.array([known.index(name) for name in of_table]) for of_table in names)
+    return arm, numbers
 
 
 def _points(tables: Sequence[_Table], poses: _Poses, targets: Sequence[Ints]) -> MeasuredPoints:
@@ -241,7 +291,7 @@ def _covariance(table: _Table) -> Floats | None:
 
 
 def _orientations(tables: Sequence[_Table], poses: _Poses, targets: Sequence[Ints]) -> MeasuredOrientations:
-    used = [k for k, table in enumerate(tables) if all(name in table.columns for name in _ANGLES)]
+    used = [k for k, table in enumerate(tables) if table.turned]
     if not used:
         return MeasuredOrientations()
     stated = [tables[k].columns["u_deg"] for k in used if "u_deg" in tables[k].columns]

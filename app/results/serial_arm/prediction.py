@@ -12,10 +12,12 @@ from catseye.app.files.csv_lines import CsvRow
 from catseye.app.files.csv_text import csv_text
 from catseye.app.files.poses import poses_table
 from catseye.app.results.serial_arm.identified_arm import IdentifiedArm
+from catseye.app.results.serial_arm.nominal_arm import FLANGE
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.serial_arm.geometry import Commands
 
-ADDED = ("x_pred_mm", "y_pred_mm", "z_pred_mm", "u_pred_mm")
+_OF_PLACES = ("x_pred_mm", "y_pred_mm", "z_pred_mm", "u_pred_mm")
+_OF_DISTANCES = ("distance_pred_mm", "u_pred_mm")
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,19 @@ class AskedPlaces:
     rows: list[CsvRow]
     commands: Commands
     target: Ints
+
+    @property
+    def of_distances(self) -> bool:
+        """Distances to anchors are asked for."""
+        return "anchor" in self.rows[0].cells
+
+
+@dataclass(frozen=True)
+class Distances:
+    """Predicted distances with their standard uncertainties, mm, shape (n,) each."""
+
+    distance_mm: Floats
+    u_mm: Floats
 
 
 @dataclass(frozen=True)
@@ -75,20 +90,67 @@ def predict_places(arm: IdentifiedArm, asked: AskedPlaces) -> PredictedPlaces:
     return PredictedPlaces(asked, places, covariance)
 
 
+def predict_distances(arm: IdentifiedArm, asked: AskedPlaces) -> Distances:
+    """Predict distances from targets to anchors: what the instrument says, dead paths left out.
+
+    Raises:
+        UsageError: the result knows no such anchor, or not the dead path of a segment; names file and line.
+    """
+    known = arm.distances
+    length, u = np.zeros(len(asked.rows)), np.zeros(len(asked.rows))
+    for k, row in enumerate(asked.rows):
+        anchor, segment = row.cells["anchor"], row.cells.get("segment", "")
+        path = f"{anchor}#{segment}"
+        if anchor not in known.anchors:
+            raise row.fault(
+                f"the result has no anchor {anchor!r}; it has {', '.join(known.anchors) or 'none'}"
+            )
+        if segment and path not in known.dead_paths:
+            raise row.fault(f"the result does not know the dead path of {path}: leave the segment empty")
+        at = asked.commands.some(np.array([k]))
+        places, moved = arm.moved_mm(at, int(asked.target[k]))
+        beam = places[0] - known.anchors[anchor]
+        towards = beam / np.linalg.norm(beam)
+        slope = towards @ moved[0]
+        own = np.array([_slope(name, anchor, path if segment else "", towards) for name in known.names])
+        length[k] = np.linalg.norm(beam) - (known.dead_paths[path] if segment else 0.0)
+        variance = slope @ arm.covariance @ slope + 2.0 * slope @ known.cross @ own + own @ known.own @ own
+        u[k] = np.sqrt(max(float(variance), 0.0))
+    return Distances(length, u)
+
+
+def _slope(name: str, anchor: str, path: str, towards: Floats) -> float:
+    """Return how a distance changes with a number of distances by its name."""
+    owner, _, part = name.rpartition(".")
+    if owner == anchor:
+        return -float(towards["xyz".index(part[0])])
+    return -1.0 if path and owner == path else 0.0
+
+
 def write_predicted_places(predicted: PredictedPlaces, path: Path) -> None:
-    """Write the rows with what was predicted."""
-    header = [*predicted.asked.rows[0].cells, *ADDED]
+    """Write the rows with the places that were predicted."""
+    _write(predicted.asked, _OF_PLACES, np.column_stack([predicted.places_mm, predicted.u_mm]), path)
+
+
+def write_predicted_distances(asked: AskedPlaces, found: Distances, path: Path) -> None:
+    """Write the rows with the distances that were predicted."""
+    _write(asked, _OF_DISTANCES, np.column_stack([found.distance_mm, found.u_mm]), path)
+
+
+def _write(asked: AskedPlaces, added: tuple[str, ...], values: Floats, path: Path) -> None:
+    header = [*asked.rows[0].cells, *added]
     body = (
-        [*row.cells.values(), *(f"{value:.6f}" for value in place), f"{u:.6f}"]
-        for row, place, u in zip(predicted.asked.rows, predicted.places_mm, predicted.u_mm, strict=True)
+        [*row.cells.values(), *(f"{value:.6f}" for value in own)]
+        for row, own in zip(asked.rows, values.tolist(), strict=True)
     )
     write_atomically(path, csv_text(header, body))
 
 
 def _target(row: CsvRow, names: list[str]) -> int:
     name = row.cells.get("target", "")
-    if not name and len(names) == 1:
-        return 0
+    of_tool = [one for one in names if one != FLANGE] or names
+    if not name and len(of_tool) == 1:
+        return names.index(of_tool[0])
     if name in names:
         return names.index(name)
     known = ", ".join(names)

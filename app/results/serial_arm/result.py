@@ -32,6 +32,8 @@ class ParameterPart(ResultPart):
         nominal: value beforehand; None where there is none.
         identified: from the measurements; otherwise it keeps its nominal value.
         of_distances: an anchor's coordinate or a dead path: nothing of the arm.
+        low: lower end of the 95 % interval of a Monte Carlo; None without one.
+        high: upper end.
     """
 
     name: str
@@ -41,6 +43,8 @@ class ParameterPart(ResultPart):
     nominal: Finite | None
     identified: bool
     of_distances: bool = False
+    low: Finite | None = None
+    high: Finite | None = None
 
 
 class FitPart(ResultPart):
@@ -86,6 +90,51 @@ class RejectedPart(ResultPart):
     probability: Uncertainty
 
 
+class DrawsPart(ResultPart):
+    """The Monte Carlo that uncertainties and correlations come from, and how many draws the damped solver took."""
+
+    draws: int
+    seed: int
+    damped_solutions: int
+
+
+class AnchorPart(ResultPart):
+    """The fixed end of distances, in the frame of the instrument, mm; identified ones are parameters, too."""
+
+    name: str
+    place_mm: tuple[Finite, Finite, Finite]
+
+
+class ErrorsPart(ResultPart):
+    """3-D errors of points at the poses that were used, mm: links as drawn with frames fitted, and poses left out.
+
+    Attributes:
+        place_mm: measured, in the frame of the instrument.
+    """
+
+    pose: list[str]
+    target: list[str]
+    place_mm: list[tuple[Finite, Finite, Finite]]
+    frames_mm: list[Finite]
+    left_out_mm: list[Finite | None]
+
+
+class MassPart(ResultPart):
+    """Errors at random poses when the masses are wrong by a share, each up or down, and their centres too; mm."""
+
+    share: Uncertainty
+    draws: int
+    mean_mm: Uncertainty
+    max_mm: Uncertainty
+
+
+class ImplausiblePart(ResultPart):
+    """What the gate found, and why the result is kept all the same."""
+
+    accepted: str
+    findings: list[str]
+
+
 class FramesPart(ResultPart):
     """Base and targets alone, the links as drawn: the errors that they leave on the same poses, mm."""
 
@@ -108,6 +157,12 @@ class SerialArmResult(ResultPart):
             was seen.
         description: the nominal arm.
         tool: its tool; None where targets had unknown places.
+        monte_carlo: None where uncertainties follow from the Jacobian.
+        loss: of the rows; a robust one leaves no pose out.
+        anchors: of distances.
+        errors: of single points, for histograms; None in results of earlier versions.
+        masses: simulated identification with wrong masses; None where nothing depends on them.
+        implausible: None where the gate found nothing.
     """
 
     format: Literal["catseye-serial-arm/1"] = SERIAL_ARM_FORMAT
@@ -126,6 +181,12 @@ class SerialArmResult(ResultPart):
     frames: FramesPart | None = None
     description: ArmDescription | None = None
     tool: ToolDescription | None = None
+    monte_carlo: DrawsPart | None = None
+    loss: Literal["squares", "huber", "soft-l1"] = "squares"
+    anchors: list[AnchorPart] = Field(default_factory=list)
+    errors: ErrorsPart | None = None
+    masses: MassPart | None = None
+    implausible: ImplausiblePart | None = None
 
 
 def serial_arm_text(result: SerialArmResult) -> str:
@@ -135,7 +196,7 @@ def serial_arm_text(result: SerialArmResult) -> str:
 
 def serial_arm_summary(result: SerialArmResult) -> dict[str, Any]:
     """Return a result as the file has it, without descriptions and correlations."""
-    left_out = {"description", "tool", "correlation"}
+    left_out = {"description", "tool", "correlation", "errors"}
     return result.model_dump(mode="json", by_alias=True, exclude=left_out)
 
 

@@ -1,5 +1,6 @@
-"""A calibrated serial arm against poses that were measured independently."""
+"""A calibrated serial arm against measurements that it has not seen: places of targets, or lengths of a ballbar."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -7,33 +8,46 @@ from typing import Any
 import numpy as np
 
 from catseye.app.cell.arm import arm_description
-from catseye.app.results.model import Column, Report, Sign, Statement, Table, section
-from catseye.app.results.numbers import counted, fixed
-from catseye.app.results.origin import origin_now
-from catseye.app.results.serial_arm.identified_arm import arm_with_frames, identified_arm
-from catseye.app.results.serial_arm.measured_poses import read_measured_poses
+from catseye.app.errors import UsageError
+from catseye.app.results.serial_arm.anchors import read_anchors
+from catseye.app.results.serial_arm.identified_arm import IdentifiedArm, arm_with_frames, identified_arm
+from catseye.app.results.serial_arm.measured_poses import MeasuredPoses, read_measured_poses
 from catseye.app.results.serial_arm.result import SerialArmResult
-from catseye.calibration.core.types import Floats
+from catseye.calibration.core.types import Bools, Floats, Ints
+from catseye.calibration.serial_arm.arm import Anchor
+from catseye.calibration.serial_arm.closed_form import refined_anchor
+from catseye.calibration.serial_arm.geometry import Commands, Geometry
+from catseye.calibration.serial_arm.measurements import Measurements
 
 _CHI2_95_OF_3 = 7.814727903251179
 """0.95 quantile of χ² with three degrees of freedom."""
 
-_MM = fixed(3)
+_CHI2_95_OF_1 = 3.841458820694124
 
 
 @dataclass(frozen=True)
 class Errors:
-    """3-D errors at targets, mm, shape (n,)."""
+    """Errors of one state of the arm, predicted minus measured.
 
-    error_mm: Floats
+    Attributes:
+        signed_mm: lengths of three-dimensional errors, or errors of distances with their sign, mm, shape (n,).
+    """
+
+    signed_mm: Floats
+
+    @property
+    def error_mm(self) -> Floats:
+        """Sizes, shape (n,)."""
+        return np.abs(self.signed_mm)
 
     def figures(self) -> dict[str, float]:
-        """Return mean, standard deviation and maximum by the names of the JSON output."""
-        return {
-            "mean_mm": float(self.error_mm.mean()),
-            "std_mm": float(self.error_mm.std()),
-            "max_mm": float(self.error_mm.max()),
-        }
+        """Return mean, standard deviation and maximum of the sizes, by the names of the JSON output."""
+        return _figures(self.error_mm)
+
+    def of(self, rows: Bools) -> dict[str, float]:
+        """Return the same of some rows, the mean with its sign, as ballbar tables have it."""
+        chosen = self.signed_mm[rows]
+        return {**_figures(chosen), "max_mm": float(np.abs(chosen).max())}
 
 
 @dataclass(frozen=True)
@@ -43,84 +57,200 @@ class ArmValidation:
     Attributes:
         frames_only: the links as drawn, with base and targets of the result; None where the result has none.
         inside_95_percent: share of errors within the 95 % region of the stated uncertainties, in percent.
+        poses: name of each row's pose.
+        targets: name of each row's target.
+        of_distances: lengths were measured, not places.
+        fitted: anchors of distances that nobody knew: each state of the arm has its own best place for them.
     """
 
     calibrated: Errors
     frames_only: Errors | None
     inside_95_percent: float
+    poses: tuple[str, ...]
+    targets: tuple[str, ...]
+    of_distances: bool
+    fitted: tuple[str, ...] = ()
+
+    @property
+    def states(self) -> list[tuple[str, Errors]]:
+        """What is compared, by name."""
+        states = (("links as drawn, frames fitted", self.frames_only), ("calibrated", self.calibrated))
+        return [(name, errors) for name, errors in states if errors is not None]
+
+    def by_target(self) -> list[tuple[str, str, dict[str, float]]]:
+        """Return target, state and figures, the mean with its sign."""
+        names = np.array(self.targets)
+        return [
+            (target, state, errors.of(names == target))
+            for target in dict.fromkeys(self.targets)
+            for state, errors in self.states
+        ]
 
     def document(self) -> dict[str, Any]:
         """Return the JSON output."""
         return {
-            "n": len(self.calibrated.error_mm),
+            "n": len(self.targets),
+            "measured": "distances" if self.of_distances else "places",
             "frames_only": None if self.frames_only is None else self.frames_only.figures(),
             "calibrated": self.calibrated.figures(),
             "inside_95_percent": self.inside_95_percent,
+            "by_target": [
+                {"target": target, "state": state, **figures} for target, state, figures in self.by_target()
+            ],
+            "fitted_anchors": list(self.fitted),
         }
 
 
-def validate_arm(result: SerialArmResult, measured: Path) -> ArmValidation:
-    """Compare a result with a table of measured poses.
+def validate_arm(result: SerialArmResult, measured: Path, anchors: Path | None = None) -> ArmValidation:
+    """Compare a result with a table of measured poses, or of distances.
+
+    Args:
+        anchors: of distances; those of the result without it. One that nobody knows is fitted.
 
     Raises:
-        UsageError: the table is missing or wrong, or has distances only; names file and line.
+        UsageError: the table is missing or wrong; names file and line.
+        InsufficientPointsError: too few distances to an anchor that has to be fitted.
     """
-    arm, frames = identified_arm(result), arm_with_frames(result)
+    arm = identified_arm(result)
+    known = {name: Anchor(name, _point(place)) for name, place in arm.distances.anchors.items()}
+    known |= {} if anchors is None else read_anchors(anchors)
     description = result.description or arm_description(result.arm)
-    tables = read_measured_poses([measured], description, arm.arm, {})
-    rows, commands = tables.measurements.points, tables.measurements.commands
-    missed = np.zeros((len(rows.pose), 3))
-    bare = np.zeros(len(rows.pose))
-    square = np.zeros(len(rows.pose))
-    for number in np.unique(rows.target).tolist():
-        of_it = np.flatnonzero(rows.target == number)
-        there = commands.some(rows.pose[of_it])
+    return validated(result, read_measured_poses([measured], description, arm.arm, known))
+
+
+def validated(result: SerialArmResult, tables: MeasuredPoses) -> ArmValidation:
+    """Compare a result with measured poses, or with distances where no places were measured.
+
+    Args:
+        tables: their targets are those of the result's arm.
+
+    Raises:
+        UsageError: they lack the joints that the result was identified with.
+        InsufficientPointsError: too few distances to an anchor that has to be fitted.
+    """
+    rows, arm, frames = _with_joints(result, tables), identified_arm(result), arm_with_frames(result)
+    return _places(arm, frames, rows) if len(rows.points.pose) else _distances(arm, frames, rows)
+
+
+def _point(place: Floats) -> tuple[float, float, float]:
+    x, y, z = place.tolist()
+    return x, y, z
+
+
+def _with_joints(result: SerialArmResult, tables: MeasuredPoses) -> Measurements:
+    """Return the measurements with the joints that the result was identified with."""
+    rows = tables.measurements
+    if result.joints == "commanded":
+        return rows
+    if tables.read_back is None:
+        raise UsageError(
+            "the result was identified with the joints that the controller read back: the table needs them, too "
+            "(q1_read_deg …)"
+        )
+    sides = rows.commands.approach
+    commands = Commands.of(tables.arm, tables.read_back, sides)
+    return Measurements(commands, rows.names, rows.points, rows.orientations, rows.distances)
+
+
+def _places(arm: IdentifiedArm, frames: Geometry | None, rows: Measurements) -> ArmValidation:
+    points, commands = rows.points, rows.commands
+    missed, bare, square = (
+        np.zeros((len(points.pose), 3)),
+        np.zeros(len(points.pose)),
+        np.zeros(len(points.pose)),
+    )
+    for number in np.unique(points.target).tolist():
+        of_it = np.flatnonzero(points.target == number)
+        there = commands.some(points.pose[of_it])
         places, covariance = arm.places_mm(there, number)
-        if rows.covariance_mm2 is not None:
-            covariance = covariance + rows.covariance_mm2[of_it]
-        missed[of_it] = places - rows.place_mm[of_it]
+        if points.covariance_mm2 is not None:
+            covariance = covariance + points.covariance_mm2[of_it]
+        missed[of_it] = places - points.place_mm[of_it]
         square[of_it] = np.einsum(
             "ni,ni->n", missed[of_it], np.linalg.solve(covariance, missed[of_it][:, :, None])[:, :, 0]
         )
         if frames is not None:
             drawn = frames.places_mm(frames.frames(there)[-1], np.full(len(of_it), number))
-            bare[of_it] = np.linalg.norm(drawn - rows.place_mm[of_it], axis=1)
+            bare[of_it] = np.linalg.norm(drawn - points.place_mm[of_it], axis=1)
     return ArmValidation(
         Errors(np.asarray(np.linalg.norm(missed, axis=1))),
         None if frames is None else Errors(bare),
         100.0 * float(np.mean(square <= _CHI2_95_OF_3)),
+        tuple(rows.names[k] for k in points.pose),
+        tuple(arm.arm.targets[k].name for k in points.target),
+        of_distances=False,
     )
 
 
-def arm_validation_report(found: ArmValidation, name: str) -> Report:
-    """Return the report of a validation."""
-    after = found.calibrated.figures()
-    said = [
-        Statement(
-            Sign.GOOD,
-            f"{counted(len(found.calibrated.error_mm), 'measured target')}: the calibrated arm misses them by "
-            f"{after['mean_mm']:.3f} mm on the average, {after['max_mm']:.3f} mm at most.",
-        ),
-        Statement(
-            Sign.NEUTRAL if found.inside_95_percent >= 90.0 else Sign.ATTENTION,
-            f"{found.inside_95_percent:.0f} % of the errors lie within the 95 % region of the stated uncertainties.",
-        ),
-    ]
-    columns = (
-        Column("state", "state"),
-        Column("mean_mm", "mean error", "mm", _MM),
-        Column("std_mm", "standard deviation", "mm", _MM),
-        Column("max_mm", "largest", "mm", _MM),
+def _distances(arm: IdentifiedArm, frames: Geometry | None, rows: Measurements) -> ArmValidation:
+    distances = rows.distances
+    places, moved = _ends(rows, lambda at, target: arm.moved_mm(at, target))
+    missed, towards = _length_errors(arm.distances.dead_paths, places, rows)
+    slopes = np.einsum("ni,nip->np", towards, moved)
+    variance = np.einsum("np,pq,nq->n", slopes, arm.covariance, slopes)
+    if distances.u_mm is not None:
+        variance = variance + distances.u_mm**2
+    drawn = None
+    if frames is not None:
+        of_frames = frames
+        seen, _ = _ends(
+            rows,
+            lambda at, target: (
+                of_frames.places_mm(of_frames.frames(at)[-1], np.full(len(at), target)),
+                np.zeros((len(at), 3, 0)),
+            ),
+        )
+        drawn = Errors(_length_errors({}, seen, rows)[0])
+    return ArmValidation(
+        Errors(missed),
+        drawn,
+        100.0 * float(np.mean(missed**2 <= _CHI2_95_OF_1 * variance)),
+        tuple(rows.names[k] for k in distances.pose),
+        tuple(arm.arm.targets[k].name for k in distances.target),
+        of_distances=True,
+        fitted=tuple(one.name for one in distances.anchors if one.u_mm is None),
     )
-    states = (("links as drawn, frames fitted", found.frames_only), ("calibrated", found.calibrated))
-    rows: list[tuple[str | float, ...]] = [
-        (state, *errors.figures().values()) for state, errors in states if errors is not None
-    ]
-    table = Table(
-        "validation", "Position errors on poses that the calibration has not seen", columns, tuple(rows)
+
+
+def _ends(
+    rows: Measurements, places: Callable[[Commands, int], tuple[Floats, Floats]]
+) -> tuple[Floats, Floats]:
+    """Return targets at the rows of distances, shape (n, 3), and how parameters move them, shape (n, 3, p)."""
+    distances = rows.distances
+    found: list[tuple[Ints, Floats, Floats]] = []
+    for number in np.unique(distances.target).tolist():
+        of_it = np.flatnonzero(distances.target == number)
+        found.append((of_it, *places(rows.commands.some(distances.pose[of_it]), number)))
+    order = np.argsort(np.concatenate([of_it for of_it, _, _ in found]))
+    return (
+        np.concatenate([place for _, place, _ in found])[order],
+        np.concatenate([moved for _, _, moved in found])[order],
     )
-    return Report(
-        f"Validation with {name}",
-        origin_now(simulated=False, unverified=()),
-        (section("validation", "Validation", [*said, table], brief=True),),
-    )
+
+
+def _length_errors(
+    dead_paths: Mapping[str, float], places: Floats, rows: Measurements
+) -> tuple[Floats, Floats]:
+    """Return predicted minus measured distances, mm, shape (n,), and their directions, shape (n, 3)."""
+    distances = rows.distances
+    missed, towards = np.zeros(len(places)), np.zeros((len(places), 3))
+    for number in np.unique(distances.anchor).tolist():
+        of_it = distances.anchor == number
+        anchor = distances.anchors[number]
+        place = np.array(anchor.place_mm)
+        paths: dict[int, float] = {}
+        known = {k: dead_paths[name] for k, name in enumerate(distances.segments) if name in dead_paths}
+        lacking = set(distances.segment[of_it].tolist()) - {-1, *known}
+        if anchor.u_mm is None or lacking:
+            place, paths = refined_anchor(places, rows, number)
+        beam = places[of_it] - place
+        length = np.linalg.norm(beam, axis=1)
+        own = {**known, **paths, -1: 0.0}
+        dead = np.array([own[k] for k in distances.segment[of_it].tolist()])
+        missed[of_it] = length - dead - distances.distance_mm[of_it]
+        towards[of_it] = beam / length[:, None]
+    return missed, towards
+
+
+def _figures(values: Floats) -> dict[str, float]:
+    return {"mean_mm": float(values.mean()), "std_mm": float(values.std()), "max_mm": float(values.max())}

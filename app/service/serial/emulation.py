@@ -5,18 +5,20 @@ from pathlib import Path
 
 from catseye.app.cell.arm import ArmDescription, Joint, arm_description
 from catseye.app.cell.model import Cell
-from catseye.app.cell.serial_arm import loads_of
-from catseye.app.cell.tool import ToolDescription, read_tool
+from catseye.app.cell.serial_arm import chain_of, loads_of, point_of
+from catseye.app.cell.tool import ToolDescription
 from catseye.app.files.documents import read_document
-from catseye.app.service.emulation import emulated_devices
+from catseye.app.service.emulation import control_endpoint, emulated_devices
 from catseye.simulators.config import (
     ArmOptics,
     EmulationConfig,
     SerialArm,
+    SerialBody,
     SerialJoint,
     SerialLoad,
     TruthText,
 )
+from catseye.simulators.survey import Mark, SurveyConfig
 
 
 def serial_emulation_config(cell: Cell, speed: float, seed: int, truth: Path | None) -> EmulationConfig:
@@ -31,17 +33,18 @@ def serial_emulation_config(cell: Cell, speed: float, seed: int, truth: Path | N
     Raises:
         ConfigError: an endpoint cannot be emulated, or the file with the tool or the true arm cannot be read.
     """
-    tool = None if cell.robot.tool is None else read_tool(Path(cell.robot.tool))
+    tool = cell.robot.carried
     arm = serial_arm_of(arm_description(cell.robot.arm), tool)
     return EmulationConfig(
         serial=arm,
         limits=tuple((joint.low, joint.high) for joint in arm.joints),
         start_joints=tuple(0.5 * (joint.low + joint.high) for joint in arm.joints),
         devices=emulated_devices(cell),
-        control="tcp://127.0.0.1:0" if cell.tracker is None else cell.tracker.endpoint,
+        control=control_endpoint(cell),
         speed=speed,
         seed=seed,
         arm_optics=_optics(cell, tool),
+        survey=_survey(cell, tool),
         truth=None if truth is None else TruthText(read_document(truth), str(truth)),
     )
 
@@ -51,7 +54,33 @@ def serial_arm_of(description: ArmDescription, tool: ToolDescription | None = No
     loads = tuple(
         SerialLoad(load.frame, load.mass_kg, load.centre_mm) for load in loads_of(description, tool)
     )
-    return SerialArm(description.name, tuple(map(_joint, description.joint)), loads)
+    chain = chain_of(description)
+    bodies = tuple(
+        SerialBody(chain.frame_of(body.joint), point_of(body.from_mm), point_of(body.to_mm), body.radius_mm)
+        for body in description.body
+    )
+    return SerialArm(description.name, tuple(map(_joint, description.joint)), loads, bodies)
+
+
+def _survey(cell: Cell, tool: ToolDescription | None) -> SurveyConfig:
+    """Return what instruments see: they and their nests stand about where the cell file says."""
+    survey, tracker = SurveyConfig(targets=_targets(tool)), cell.tracker
+    if bar := cell.ballbar:
+        centre = point_of(bar.centre_mm)
+        survey = replace(survey, cup=centre, ballbar_mm=bar.length_mm, ballbar_range_mm=bar.range_mm)
+    if tracker is None or tracker.base_mm is None or tracker.base_deg is None:
+        return survey
+    nests = tuple(Mark(nest.name, (nest.x_mm, nest.y_mm, nest.z_mm)) for nest in tracker.nest)
+    base = point_of(tracker.base_mm), point_of(tracker.base_deg)
+    return replace(survey, nests=nests, base_seen=base, cone_deg=tracker.cone_deg)
+
+
+def _targets(tool: ToolDescription | None) -> tuple[Mark, ...]:
+    """Return the nests of a tool as the emulation takes them."""
+    return tuple(
+        Mark(one.name, (one.x_mm, one.y_mm, one.z_mm), None if one.normal is None else point_of(one.normal))
+        for one in (() if tool is None else tool.target)
+    )
 
 
 def _optics(cell: Cell, tool: ToolDescription | None) -> ArmOptics:

@@ -1,22 +1,12 @@
-"""A result of motion resolution on the screen Results: the sections of its report, one at a time."""
+"""A result of motion resolution on the screen Results."""
 
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import ClassVar, Final
 
-from textual.app import ComposeResult
-from textual.binding import Binding, BindingType
-from textual.containers import Vertical, VerticalScroll
-from textual.content import Content
+from textual.binding import BindingType
 
-from catseye.app.results.figures import Figure
-from catseye.app.tui.widgets.figure_view import Figures
-from catseye.app.tui.widgets.report_content import section_content
-from catseye.app.tui.widgets.static_text import StaticText
+from catseye.app.tui.widgets.section_view import Sections, SectionView, section_bindings
 
-if TYPE_CHECKING:
-    # The first screen is painted before files and mathematics are imported.
-    from catseye.app.results.model import Report, Section
-
-SECTIONS: Final = (
+SECTIONS: Final[Sections] = (
     ("verdict", "Verdict"),
     ("errors", "Errors"),
     ("least-steps", "Steps"),
@@ -26,8 +16,6 @@ SECTIONS: Final = (
     ("flags", "Flags"),
     ("models", "Models"),
 )
-"""Keys of the report's sections, and their titles in one line; the files stand before them, under 1."""
-
 _NOTHING: Final = {
     "errors": "no test of decreasing steps: run resolution (F3)",
     "least-steps": "no least step",
@@ -39,95 +27,9 @@ _NOTHING: Final = {
 }
 
 
-class ResolutionView(Vertical, can_focus=True):
-    """The section that is shown: what it says above, its figures below."""
+class ResolutionView(SectionView):
+    """The sections of motion resolution's report."""
 
-    DEFAULT_CSS = """
-    ResolutionView #said { height: auto; max-height: 50%; padding: 0 1; scrollbar-size: 1 1; overflow-x: auto; }
-    ResolutionView #said.alone { height: 1fr; max-height: 100%; }
-    ResolutionView #said StaticText { width: auto; }
-    ResolutionView #said.sentences StaticText { width: 1fr; }
-    """
-
-    BINDINGS: ClassVar[list[BindingType]] = [
-        *(
-            Binding(
-                str(place + 2),
-                f"screen.part({place + 1})",
-                title,
-                show=False,
-                id=f"resolution.show-{key}",
-                tooltip="show this part",
-            )
-            for place, (key, title) in enumerate(SECTIONS)
-        ),
-        Binding("up", "scroll(-1)", "up", show=False, id="resolution.up"),
-        Binding("down", "scroll(1)", "down", show=False, id="resolution.down"),
-        Binding("pageup", "scroll(-10)", "page up", show=False, id="resolution.page-up"),
-        Binding(
-            "left", "scroll_text(-8)", "left", show=False, id="resolution.left", tooltip="along a wide table"
-        ),
-        Binding(
-            "right",
-            "scroll_text(8)",
-            "right",
-            show=False,
-            id="resolution.right",
-            tooltip="along a wide table",
-        ),
-        Binding("pagedown", "scroll(10)", "page down", show=False, id="resolution.page-down"),
-    ]
-
-    def __init__(self, *, id: str, classes: str) -> None:
-        super().__init__(id=id, classes=classes)
-        self._report: Report | None = None
-        self._place = 0
-
-    def compose(self) -> ComposeResult:
-        """Text above, figures below."""
-        with VerticalScroll(id="said", can_focus=False):
-            yield StaticText(id="said-text")
-        figures = Figures(id="section-figures")
-        figures.can_focus = False
-        yield figures
-
-    def show(self, report: "Report") -> None:
-        """Show a result by its report; the section that was shown stays."""
-        self._report = report
-        self._show()
-
-    def show_section(self, place: int) -> None:
-        """Show a section by its place."""
-        self._place = place
-        self._show()
-
-    def action_scroll(self, rows: int) -> None:
-        """Scroll the figures, or the text where there are none."""
-        figures = self.query_one("#section-figures", Figures)
-        scrolled = figures if figures.display else self.query_one("#said", VerticalScroll)
-        scrolled.scroll_relative(y=rows, animate=False)
-
-    def action_scroll_text(self, columns: int) -> None:
-        """Scroll the text sideways: a table may be wider than the screen."""
-        self.query_one("#said", VerticalScroll).scroll_relative(x=columns, animate=False)
-
-    def _show(self) -> None:
-        key, _ = SECTIONS[self._place]
-        found = self._section(key)
-        figures = [] if found is None else [block for block in found.blocks if isinstance(block, Figure)]
-        said = Content(_NOTHING.get(key, "")) if found is None else section_content(found)
-        text = self.query_one("#said", VerticalScroll)
-        text.display = bool(said.plain)
-        text.set_class(not figures, "alone")
-        # Sentences are wrapped; rows of a table are not, they are scrolled.
-        text.set_class(key in {"verdict", "flags"}, "sentences")
-        text.scroll_home(animate=False)
-        self.query_one("#said-text", StaticText).set_text(said)
-        shown = self.query_one("#section-figures", Figures)
-        shown.display = bool(figures)
-        shown.show(*figures)
-
-    def _section(self, key: str) -> "Section | None":
-        """Return a section; None where it says nothing."""
-        found = None if self._report is None else self._report.section(key)
-        return found if found is not None and found.blocks else None
+    SECTIONS = SECTIONS
+    NOTHING = _NOTHING
+    BINDINGS: ClassVar[list[BindingType]] = section_bindings("resolution", SECTIONS)

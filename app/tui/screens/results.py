@@ -21,13 +21,15 @@ from catseye.app.tui import result_shelf as shelf
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
 from catseye.app.tui.dialogs.text_dialog import TextDialog
 from catseye.app.tui.path_questions import newest_path_run, path_fault, reference_of
-from catseye.app.tui.resolution.result_view import SECTIONS, ResolutionView
+from catseye.app.tui.resolution.result_view import ResolutionView
 from catseye.app.tui.screens.working import WorkScreen, free_name, is_file, typed_path, why_not_written
+from catseye.app.tui.serial.result_view import SerialArmView
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.bars import TabLine
 from catseye.app.tui.widgets.report_content import statement_content
 from catseye.app.tui.widgets.result_parts import ComparePart, LayoutPart, MapsPart, PathPart, ResidualsPart
 from catseye.app.tui.widgets.row_table import RowTable
+from catseye.app.tui.widgets.section_view import SectionView
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.task_line import TaskLine
 from catseye.app.tui.work import Done
@@ -37,7 +39,8 @@ if TYPE_CHECKING:
     from catseye.app.results.scara.comparison import ResultComparison
     from catseye.app.results.scara.diagnosis_document import DiagnosisDocument
     from catseye.app.results.scara.validation_document import ValidationDocument
-    from catseye.app.tui.result_shelf import AnyFile, AnyFiles, ResolutionFile, ScaraFile
+    from catseye.app.tui.report_kind import ReportKind
+    from catseye.app.tui.result_shelf import AnyFile, AnyFiles, ScaraFile
 
 _FOCUS: Final = {
     "files": "#file-table",
@@ -53,7 +56,6 @@ _FOCUS: Final = {
 _PARTS: Final = tuple(_FOCUS)
 
 _TITLES: Final = tuple(name.capitalize() for name in _PARTS)
-_RESOLUTION_TITLES: Final = ("Files", *(title for _, title in SECTIONS))
 
 _LOOK_S: Final = 3.0
 _VALUE_COLUMNS: Final = (("quantity", 22), ("value", 14), ("u (k=1)", 10), ("U (k=2)", 10), (" unit", 6))
@@ -120,7 +122,9 @@ class ResultsScreen(WorkScreen):
         self._timer: Timer | None = None
         self._looking = False
         self._file: ScaraFile | None = None
-        self._resolution: ResolutionFile | None = None
+        # A result that is shown by the sections of its report, and how.
+        self._paged: AnyFile | None = None
+        self._kind: ReportKind | None = None
         self._reported: list[Path] = []
         self._other: AnyFile | None = None
         self._in_u = False
@@ -146,6 +150,7 @@ class ResultsScreen(WorkScreen):
             yield PathPart(id="path", classes="part")
             yield ComparePart(id="compare", classes="part")
             yield ResolutionView(id="resolution", classes="part")
+            yield SerialArmView(id="serial-arm", classes="part")
         yield TaskLine(self.session.now_s)
 
     def commands(self) -> Iterable[SystemCommand]:
@@ -166,7 +171,7 @@ class ResultsScreen(WorkScreen):
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Return whether there is such a thing to do with the result that is shown."""
         del parameters
-        return self._resolution is None or action not in _OF_SCARAS
+        return self._paged is None or action not in _OF_SCARAS
 
     def on_mount(self) -> None:
         """Make the columns; files are read in a thread."""
@@ -200,14 +205,17 @@ class ResultsScreen(WorkScreen):
 
     def action_part(self, place: int) -> None:
         """Show a part."""
-        if self._resolution is not None and place > 0:
-            name, focus = "resolution", "#resolution"
-            self.query_one(ResolutionView).show_section(place - 1)
+        view = self._section_view()
+        if view is not None and place > len(view.SECTIONS):
+            return
+        if view is not None and place > 0:
+            name, focus = view.id, f"#{view.id}"
+            view.show_section(place - 1)
         else:
             name = _PARTS[place]
             focus = _FOCUS[name]
         self.query_one(ContentSwitcher).current = name
-        self.query_one(TabLine).show(place, _TITLES if self._resolution is None else _RESOLUTION_TITLES)
+        self.query_one(TabLine).show(place, _TITLES if view is None else view.titles)
         self.set_focus(self.query_one(focus))
 
     def action_back(self) -> None:
@@ -262,9 +270,9 @@ class ResultsScreen(WorkScreen):
 
     def action_report(self) -> None:
         """Write the report."""
-        if (file := self._resolution or self._shown_file()) is not None:
+        if (file := self._paged or self._shown_file()) is not None:
             page = file.path.with_suffix(".html")
-            sources = [file.path] if self._resolution is None else self._reported
+            sources = [file.path] if self._paged is None else self._reported
             self.let_work(
                 "report",
                 "The report was not written",
@@ -285,12 +293,11 @@ class ResultsScreen(WorkScreen):
 
     def action_type(self) -> None:
         """Show commands that go on from the result."""
-        if (file := self._resolution or self._shown_file()) is not None:
-            from catseye.app.tui.resolution.result_texts import resolution_commands
+        if (file := self._paged or self._shown_file()) is not None:
             from catseye.app.tui.result_texts import lines_to_type
 
-            path = file.path
-            text = resolution_commands(path) if self._resolution else lines_to_type(path, self.session.cell)
+            path, kind = file.path, self._kind
+            text = lines_to_type(path, self.session.cell) if kind is None else kind.commands(path)
             self.app.push_screen(TextDialog(f"Go on from {path.name}", text))
 
     def _shown_file(self) -> "ScaraFile | None":
@@ -310,23 +317,29 @@ class ResultsScreen(WorkScreen):
         if file.result is None:
             self.catseye.show_error(f"{file.path.name} cannot be read", file.fault)
             return
-        if (resolution := shelf.as_resolution(file)) is not None:
-            self.spawn(partial(self._open_resolution, resolution), "resolution", exclusive=True)
+        if (kind := shelf.report_kind(file)) is not None:
+            self.spawn(partial(self._open_paged, file, kind), "report-of", exclusive=True)
         elif (scaras := shelf.as_scaras(file)) is not None and scaras.result is not None:
-            self._file, self._resolution, self._comparison, self._other = scaras, None, None, None
+            self._file, self._comparison, self._other = scaras, None, None
+            self._paged, self._kind = None, None
             self._show_chosen()
             if go:
                 self.action_part(1 if scaras.result.has_maps else 2)
 
-    async def _open_resolution(self, file: "ResolutionFile", *, go: bool = True) -> None:
-        """Show a result of motion resolution; its report is made in a thread."""
-        self._reported = await asyncio.to_thread(shelf.resolution_files_of, file)
-        report = await asyncio.to_thread(shelf.resolution_report_of, self._reported)
-        self._resolution, self._file, self._comparison, self._other = file, None, None, None
-        self.query_one(ResolutionView).show(report)
+    async def _open_paged(self, file: "AnyFile", kind: "ReportKind", *, go: bool = True) -> None:
+        """Show a result by the sections of its report, which is made in a thread."""
+        self._reported = await asyncio.to_thread(kind.files, file.path, file.result)
+        report = await asyncio.to_thread(kind.report, self._reported)
+        self._paged, self._kind = file, kind
+        self._file, self._comparison, self._other = None, None, None
+        self.query_one(f"#{kind.view}", SectionView).show(report)
         self._show_chosen()
         if go:
             self.action_part(1)
+
+    def _section_view(self) -> SectionView | None:
+        """Return what shows the chosen result by its sections; None for a SCARA's."""
+        return None if self._kind is None else self.query_one(f"#{self._kind.view}", SectionView)
 
     def _show_chosen(self) -> None:
         self.refresh_bindings()
@@ -431,18 +444,17 @@ class ResultsScreen(WorkScreen):
         again = None if self._file is None else now.get(self._file.path)
         if again is not None and (scaras := shelf.as_scaras(again)) is not None:
             self._file = scaras
-        chosen = self._resolution
+        chosen = self._paged
         later = None if chosen is None else now.get(chosen.path)
-        if later is not None and later is not chosen and (found := shelf.as_resolution(later)) is not None:
-            reopen = partial(self._open_resolution, found, go=False)
-            self.spawn(reopen, "resolution", exclusive=True)
+        if later is not None and later is not chosen and (kind := shelf.report_kind(later)) is not None:
+            self.spawn(partial(self._open_paged, later, kind, go=False), "report-of", exclusive=True)
 
     def _show_files(self) -> None:
         table = self.query_one("#file-table", DataTable)
         present = [str(key.value) for key in table.rows]
         chosen = present[table.cursor_row] if 0 <= table.cursor_row < len(present) else ""
         row = min(table.cursor_row, len(self._files) - 1)
-        shown = self._file or self._resolution
+        shown = self._file or self._paged
         table.clear()
         for place, file in enumerate(self._files):
             row = place if str(file.path) == chosen else row
@@ -455,10 +467,8 @@ class ResultsScreen(WorkScreen):
 
     def _show(self) -> None:
         """Show every part of the chosen result."""
-        from catseye.app.tui.resolution.result_texts import resolution_heading
-
-        if self._resolution is not None:
-            self._show_heading(self._resolution, resolution_heading(self._resolution))
+        if self._paged is not None and self._kind is not None:
+            self._show_heading(self._paged, self._kind.heading_of(self._paged))
             return
         file = self._file
         if file is None or file.result is None:
@@ -485,7 +495,7 @@ class ResultsScreen(WorkScreen):
         self.query_one("#findings", StaticText).set_text(lines(*findings))
         self._show_comparison()
 
-    def _show_heading(self, file: "ScaraFile | ResolutionFile", text: str) -> None:
+    def _show_heading(self, file: "AnyFile", text: str) -> None:
         gone = "" if any(each is file for each in self._files) else "THE FILE IS GONE OR CANNOT BE READ · "
         self.query_one("#heading", StaticText).set_text(Content(f"{gone}{text}"))
 

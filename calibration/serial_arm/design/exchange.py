@@ -158,7 +158,7 @@ class _Determinant:
         own = self.scaled[self.chosen[place]]
         without = np.eye(len(own)) - self.seen[self.chosen[place]]
         crossed = self.scaled @ (self.inverse @ own.T)
-        back = crossed @ np.linalg.solve(without, np.swapaxes(crossed, 1, 2))
+        back = (crossed @ np.linalg.inv(without)) @ np.swapaxes(crossed, 1, 2)
         grown = np.linalg.det(np.eye(len(own)) + self.seen + back)
         grown[self.chosen] = 0.0
         best = int(np.argmax(grown))
@@ -175,9 +175,10 @@ class _Determinant:
         # Woodbury for A − LᵀL + CᵀC.
         middle = np.diag(signs) + both @ self.inverse @ both.T
         half = self.inverse @ both.T
-        inverse = self.inverse - half @ np.linalg.solve(middle, half.T)
+        bend = np.linalg.inv(middle)
+        inverse = self.inverse - half @ bend @ half.T
         crossed = self.scaled @ half
-        seen = self.seen - crossed @ np.linalg.solve(middle, np.swapaxes(crossed, 1, 2))
+        seen = self.seen - (crossed @ bend) @ np.swapaxes(crossed, 1, 2)
         return _Determinant(self.scaled, inverse, seen, chosen)
 
 

@@ -9,6 +9,7 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from catseye.calibration.kinematics.bodies import Box, Gaps, Scene, Table
 from catseye.calibration.kinematics.sweep import Contact, first_contact
@@ -95,6 +96,17 @@ def refused_target(way: Sequence[Pose], bench: Bench) -> tuple[int, str] | None:
     if (contact := _contact(way, bench)) is not None:
         return _target(contact, way), _obstacle(contact, bench)
     return None
+
+
+def clear_poses(poses: NDArray[np.float64], bench: Bench) -> NDArray[np.bool_]:
+    """Return at which poses the arm stands clear of everything; of the ways between them nothing is said.
+
+    Args:
+        poses: joints, deg or mm, shape (n, joints).
+    """
+    gaps: NDArray[np.float64] = _known(bench).gaps.at(poses)
+    clear: NDArray[np.bool_] = gaps.min(axis=0, initial=np.inf) >= bench.workspace.clearance_mm
+    return clear
 
 
 def clear_part(here: Pose, target: Pose, bench: Bench) -> tuple[Pose, str | None]:

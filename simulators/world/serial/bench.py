@@ -6,7 +6,11 @@ from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.errors import BenchError
 from catseye.simulators.world.motion import SHORTEST
 from catseye.simulators.world.serial.arm_beam import ArmBeam
+from catseye.simulators.world.serial.ballbar import Ballbar
+from catseye.simulators.world.serial.cmm import OpticalCmm
 from catseye.simulators.world.serial.driven_arm import DrivenArm
+from catseye.simulators.world.serial.room import Room
+from catseye.simulators.world.serial.tracker import LaserTracker
 from catseye.simulators.world.timed_bench import OnEvent, TimedBench, listed
 from catseye.simulators.world.types import Floats
 
@@ -22,6 +26,12 @@ class SerialBench(TimedBench):
 
     Attributes:
         beam: of the interferometer beside the arm.
+        room: what stands around the arm, and the nests that trackers see.
+        tracker: the laser tracker in the room.
+        cmm: the optical CMM in the room.
+        ballbar: that hands put between arm and table.
+        readback_deg: standard deviation of what the controller reads back wrongly: half of its variance is the
+            joint's own, half is drawn at each motion.
     """
 
     beam: ArmBeam
@@ -30,6 +40,13 @@ class SerialBench(TimedBench):
         super().__init__(config)
         self.plant = plant
         self.beam = ArmBeam(plant, config, self._air.index_at, lambda: self.time_s)
+        bodies = () if config.serial is None else config.serial.bodies
+        self.room = Room(plant, bodies, config, lambda: self.time_s)
+        self.tracker = LaserTracker(self.room, config, lambda: self.time_s)
+        self.cmm = OpticalCmm(self.room, config, lambda: self.time_s)
+        self.ballbar = Ballbar(self.room, config, lambda: self.time_s)
+        self.readback_deg = 0.0
+        self._seed = config.seed
         self._on_event = on_event or (lambda _text: None)
         self._arrived = True
 
@@ -67,7 +84,12 @@ class SerialBench(TimedBench):
     @property
     def measured(self) -> Joints:
         """Joints as the encoders show them at this moment, deg or mm."""
-        return self.plant.measured(self.time_s)
+        shown = self.plant.measured(self.time_s)
+        if not self.readback_deg:
+            return shown
+        draws = [np.random.default_rng([self._seed, 44, n]) for n in (0, 1 + self.plant.motions_begun)]
+        off = sum(rng.standard_normal(len(shown)) for rng in draws) * np.sqrt(0.5) * self.readback_deg
+        return tuple((np.array(shown) + off).tolist())
 
     @property
     def torques_nm(self) -> tuple[float, ...]:
@@ -133,9 +155,21 @@ class SerialBench(TimedBench):
         self.plant.brake(self.time_s)
         self._begun(f"stop towards {listed(self.plant.motion.end)}")
 
+    def block_beam(self, duration_s: float | None) -> None:
+        """Stand before all instruments, for a time in s or until somebody goes away."""
+        for seeing in (self.beam, self.tracker, self.cmm):
+            seeing.block(duration_s)
+
+    def clear_beam(self) -> None:
+        """Go out of the way of all instruments."""
+        for seeing in (self.beam, self.tracker, self.cmm):
+            seeing.unblock()
+
     def clear_faults(self) -> None:
-        """Take away what stands in the beam, dims it or unlocks the laser."""
-        self.beam.unblock()
+        """Take away what stands in the beams, dims them or unlocks the laser, and put retroreflectors back."""
+        self.clear_beam()
+        self.room.put_back()
+        self.readback_deg = 0.0
         self.beam.weaken(1.0)
         self.beam.set_laser(ready=True)
 

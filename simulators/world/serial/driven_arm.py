@@ -22,6 +22,7 @@ from catseye.simulators.world.motion import (
     plan_way,
 )
 from catseye.simulators.world.serial.drivetrain import Drive, Drivetrains
+from catseye.simulators.world.serial.gears import Gears
 from catseye.simulators.world.serial.screws import ScrewArm
 from catseye.simulators.world.serial.servo import Encoders, Servos
 from catseye.simulators.world.serial.truth import JointTruth, column
@@ -71,19 +72,29 @@ class DrivenArm:
     """State of the arm.
 
     Args:
-        arm: as its description has it.
+        arm: with its true geometry.
         truths: its true drivetrains, a joint each.
         start: joints at bench time 0, deg.
         seed: of everything random.
+        base: where it really stands, from where it should, shape (4, 4); by default it stands there.
 
     Attributes:
         names: of the joints.
+        base: its true base in the room.
         motions_begun: number of motions so far.
         screws: geometry of the arm.
     """
 
-    def __init__(self, arm: SerialArm, truths: Sequence[JointTruth], start: Joints, seed: int) -> None:
+    def __init__(
+        self,
+        arm: SerialArm,
+        truths: Sequence[JointTruth],
+        start: Joints,
+        seed: int,
+        base: Floats | None = None,
+    ) -> None:
         self.names = tuple(joint.name for joint in arm.joints)
+        self.base: Floats = np.eye(4) if base is None else base
         self.screws = ScrewArm(arm.joints, arm.loads)
         self.motions_begun = 0
         self._motor_friction_nm = column(truths, "motor_friction_nm")
@@ -95,6 +106,7 @@ class DrivenArm:
         self._balancer_zero_deg = column(truths, "counterbalance_zero_deg")
         self._ringing_s = column(truths, "ringing_s")
         self._ringing_rad_s = 2.0 * np.pi * column(truths, "ringing_hz")
+        self._gears = Gears(truths)
         self._dynamics = dynamics_of(arm)
         self._drivetrains = Drivetrains(truths)
         self._encoders = Encoders(arm.joints, truths, seed)
@@ -239,7 +251,8 @@ class DrivenArm:
         return self._drivetrains.driven(start, motor, hold)
 
     def _links(self, stretch: _Stretch, times_s: Floats) -> Floats:
-        links = self._at(stretch, times_s).link_deg
+        drive = self._at(stretch, times_s)
+        links = drive.link_deg + self._gears.errors_deg(drive, times_s)
         if times_s[0] > stretch.motion.end_s + _CALM_S:
             return links
         after_s = np.maximum(times_s - stretch.motion.end_s, 0.0)[:, None]

@@ -107,9 +107,10 @@ class ScrewArm:
 
 def _at_zero(joint: SerialJoint) -> Floats:
     """Return the frame of a joint at 0 in that of the joint before."""
-    crosses = np.array([_cross(axis) for axis in np.eye(3)[[0, 2]]])
-    angles = np.deg2rad([[joint.alpha_deg, joint.theta_offset_deg]])
-    twisted, turned = _turns(crosses, np.zeros((2, 3)), angles)[0]
+    crosses = np.array([_cross(axis) for axis in np.eye(3)])
+    angles = np.deg2rad([[joint.alpha_deg, joint.beta_deg, joint.theta_offset_deg]])
+    twisted, tilted, turned = _turns(crosses, np.zeros((3, 3)), angles)[0]
+    twisted = twisted @ tilted
     twisted[:3, 3] = twisted[:3, 0] * joint.a_mm
     turned[2, 3] = joint.d_mm
     placed: Floats = twisted @ turned

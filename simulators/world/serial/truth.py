@@ -21,6 +21,18 @@ class _Document(BaseModel):
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
 
+class Wave(_Document):
+    """A periodic error of a transmission: cos_deg · cos(order · link) + sin_deg · sin(order · link).
+
+    Attributes:
+        order: periods in a turn of the joint.
+    """
+
+    order: Positive
+    cos_deg: float = 0.0
+    sin_deg: float = 0.0
+
+
 class JointTruth(_Document):
     """One drivetrain; torques and angles are those at the joint. Of one that slides, deg and N m stand for mm and N.
 
@@ -49,6 +61,11 @@ class JointTruth(_Document):
         ringing_hz: its frequency.
         counterbalance_nm: largest torque of a balancer, which takes weight off the drive; 0 for none.
         counterbalance_zero_deg: angle at which it has no lever.
+        waves: periodic errors, as harmonic drives have them.
+        reversal_deg: what the link has more after a way from below than after one from above, beside what play and
+            friction make.
+        warming_deg: what hours of work add to the link.
+        warming_s: time constant of that.
     """
 
     name: str
@@ -74,6 +91,10 @@ class JointTruth(_Document):
     ringing_hz: Positive = 9.0
     counterbalance_nm: NotNegative = 0.0
     counterbalance_zero_deg: float = -90.0
+    waves: tuple[Wave, ...] = Field(default=(), strict=False)
+    reversal_deg: float = 0.0
+    warming_deg: float = 0.0
+    warming_s: Positive = 1200.0
 
     @property
     def overtravel_deg(self) -> float:
@@ -148,6 +169,48 @@ _SCARA: tuple[dict[str, float], ...] = (
 They are chosen so that a reversal loses what it loses on the bench whose SCARA carries the beam: about 21 mdeg within
 0.05° at the first two joints, 3 mdeg at the last one."""
 
+_HARMONIC_DRIVE = {"engagement_nm": 0.15, "presliding_deg": 0.01, "stop_window_deg": 1e-4, "ringing_hz": 14.0}
+
+_SMALL: tuple[dict[str, float], ...] = (
+    _HARMONIC_DRIVE
+    | {"stiffness_nm_per_deg": 545.0, "play_deg": 0.002, "link_friction_nm": 0.5, "motor_friction_nm": 5.0}
+    | {"static_friction_nm": 0.5, "servo_nm_per_deg": 4e3, "stop_scatter_deg": 4e-4},
+    _HARMONIC_DRIVE
+    | {"stiffness_nm_per_deg": 545.0, "play_deg": 0.002, "link_friction_nm": 0.5, "motor_friction_nm": 5.0}
+    | {"static_friction_nm": 0.5, "servo_nm_per_deg": 4e3, "stop_scatter_deg": 4e-4},
+    _HARMONIC_DRIVE
+    | {"stiffness_nm_per_deg": 134.0, "play_deg": 0.002, "link_friction_nm": 0.15, "motor_friction_nm": 3.0}
+    | {"static_friction_nm": 0.3, "servo_nm_per_deg": 2e3, "stop_scatter_deg": 4e-4},
+    _HARMONIC_DRIVE
+    | {"stiffness_nm_per_deg": 28.8, "play_deg": 0.006, "link_friction_nm": 0.5, "motor_friction_nm": 1.0}
+    | {"static_friction_nm": 0.1, "servo_nm_per_deg": 400.0, "stop_scatter_deg": 1e-3},
+    _HARMONIC_DRIVE
+    | {"stiffness_nm_per_deg": 41.7, "play_deg": 0.004, "link_friction_nm": 0.33, "motor_friction_nm": 1.0}
+    | {"static_friction_nm": 0.1, "servo_nm_per_deg": 400.0, "stop_scatter_deg": 1e-3},
+    _HARMONIC_DRIVE
+    | {"stiffness_nm_per_deg": 27.0, "play_deg": 0.006, "link_friction_nm": 0.45, "motor_friction_nm": 0.7}
+    | {"static_friction_nm": 0.1, "servo_nm_per_deg": 300.0, "stop_scatter_deg": 1e-3},
+)
+"""An arm of 3 kg payload with harmonic drives. Stiffness is that of the six-axis paper's Table VII, of J1 that of J2;
+play and friction give the backlash of its Table III; all else is an assumption: no maker states any of it."""
+
+_WAVES_DEG = (
+    ((1.0, 0.002), (2.0, 0.003), (200.0, 0.001)),
+    ((1.0, 0.003), (2.0, 0.003), (200.0, 0.001)),
+    ((1.0, 0.003), (2.0, 0.004), (200.0, 0.001)),
+    ((1.0, 0.05), (2.0, 0.012), (200.0, 0.002)),
+    ((1.0, 0.008), (2.0, 0.006), (200.0, 0.002)),
+    ((1.0, 0.002), (2.0, 0.002), (200.0, 0.002)),
+)
+"""Orders and amplitudes of the errors of these harmonic drives: what weight and backlash leave of the angular ranges
+of Table III; the fastest is that of the wave generator at a ratio of 100. Orders and shares are assumptions."""
+
+_WARMING_DEG = 0.004
+"""Standard deviation of what a warm joint of such an arm is off; an assumption."""
+
+_SMALL_REACH_MM = 1500.0
+"""Lengths of all links of an arm with harmonic drives; an assumption."""
+
 _TYPICAL = {(False,) * 6: _LARGE, (False, False, True, False): _SCARA}
 """Drivetrains by whether the joints of an arm slide, from the base outwards."""
 
@@ -164,7 +227,7 @@ def draw_joint_truth(arm: SerialArm, seed: int) -> ArmTruth:
     """Draw plausible drivetrains: the same seed gives the same ones.
 
     Args:
-        arm: six joints that turn, each as large as on an arm of 210 kg payload, or a SCARA of 3 kg payload.
+        arm: six joints that turn, as on an arm of 210 kg payload or, if it is short, of 3 kg; or a SCARA of 3 kg.
 
     Raises:
         TruthFileError: the arm has other joints, and nobody knows what its drivetrains are like.
@@ -176,16 +239,32 @@ def draw_joint_truth(arm: SerialArm, seed: int) -> ArmTruth:
             f"{arm.name}: drivetrains are drawn for six joints that turn and for a SCARA, it has {names}: "
             f"state them in a document of the format {FORMAT}"
         )
+    small = not any(kinds) and sum(abs(one.a_mm) + abs(one.d_mm) for one in arm.joints) < _SMALL_REACH_MM
     rng = np.random.default_rng([seed, 20])
     truths = []
-    for joint, typical in zip(arm.joints, _TYPICAL[kinds], strict=True):
+    for joint, typical in zip(arm.joints, _SMALL if small else _TYPICAL[kinds], strict=True):
         factors = np.exp(rng.normal(0.0, _SPREAD, len(_DRAWN)))
         drawn = {key: typical[key] * float(factor) for key, factor in zip(_DRAWN, factors, strict=True)}
         phases = rng.uniform(-180.0, 180.0, 2).tolist()
         truths.append(
             JointTruth.model_validate(typical | drawn | {"name": joint.name, "friction_phases_deg": phases})
         )
-    return ArmTruth(format=FORMAT, joints=tuple(truths))
+    return ArmTruth(format=FORMAT, joints=_with_harmonic_drives(truths, seed) if small else tuple(truths))
+
+
+def _with_harmonic_drives(truths: Sequence[JointTruth], seed: int) -> tuple[JointTruth, ...]:
+    """Return drivetrains with the errors of their gears, in phases of the seed, and what warmth adds."""
+    rng = np.random.default_rng([seed, 24])
+    found = []
+    for truth, waves in zip(truths, _WAVES_DEG, strict=True):
+        phases = rng.uniform(-np.pi, np.pi, len(waves))
+        drawn = tuple(
+            Wave(order=order, cos_deg=float(size * np.cos(phase)), sin_deg=float(size * np.sin(phase)))
+            for (order, size), phase in zip(waves, phases, strict=True)
+        )
+        warming_deg = _WARMING_DEG * float(rng.standard_normal())
+        found.append(truth.model_copy(update={"waves": drawn, "warming_deg": warming_deg}))
+    return tuple(found)
 
 
 def read_joint_truth(text: TruthText, arm: SerialArm) -> ArmTruth:

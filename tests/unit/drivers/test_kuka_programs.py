@@ -72,6 +72,20 @@ def test_every_interrupt_is_on_before_anything_moves() -> None:
     assert max(armed) < move.index("IF CATS_STOP==TRUE") < move.index("SWITCH CATS_CMD")
 
 
+def test_a_sign_of_life_that_came_early_is_taken_back() -> None:
+    # An interrupt sees a change only: one that came before it was on would hide all that follow.
+    move = routine("CATS_MOVE")
+    heard = [found.start() for found in re.finditer(r"CATS_HEAR\( \)", move)]
+    assert move.index("INTERRUPT ON 13") < heard[-1] < move.index("SWITCH CATS_CMD")
+    assert "CATS_BEAT=FALSE" in routine("CATS_HEAR")
+
+
+def test_the_timer_is_set_before_its_interrupt_is_on() -> None:
+    # What the timer of an earlier motion has left would brake this one.
+    move = routine("CATS_MOVE")
+    assert move.index("CATS_HEAR( )") < move.index("$TIMER_STOP[20]=FALSE") < move.index("INTERRUPT ON 12")
+
+
 def test_steps_add_to_the_measured_place() -> None:
     step, line = routine("CATS_STEP"), routine("CATS_LINE")
     assert "MEASURED=$AXIS_ACT_MEAS" in step

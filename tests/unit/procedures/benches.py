@@ -14,7 +14,7 @@ from catseye.calibration.kinematics.chain import Chain, Joint
 from catseye.drivers.roles.air import AirSample
 from catseye.drivers.roles.interferometer import BeamStatus
 from catseye.drivers.roles.pose import Axes, Axis, Pose
-from catseye.drivers.roles.tracker import Position
+from catseye.drivers.roles.tracker import Face, Place, Position, TargetPoint, TargetPose
 from catseye.procedures.kit.bench import Arm, Timing, Workspace
 from catseye.procedures.kit.columns import Columns, TableRule
 from catseye.procedures.kit.context import Measurement, Prompt, Stepped
@@ -178,6 +178,7 @@ class IdealContext:
         pauses: pose and time of each pause.
         files: measured files by name; a text is the complaint about one that cannot be used.
         resumed: the run goes on after an interruption.
+        set_up_lost: somebody has moved what had been set up, before it was resumed.
     """
 
     places: dict[str, tuple[float, float]] = field(default_factory=lambda: dict(PLACES))
@@ -203,6 +204,7 @@ class IdealContext:
     mountings: list[float] = field(default_factory=list)
     suspensions: list[str] = field(default_factory=list)
     resumed: bool = False
+    set_up_lost: bool = False
     ran: list[str] = field(default_factory=list)
     waits: list[tuple[float, float, int]] = field(default_factory=list)
     zeros: int = 0
@@ -318,6 +320,16 @@ class IdealContext:
         self.waits.append((settle_time_s, 0.0, 0))
         x, y = arm_xy(self.pose[0], self.pose[1])
         return Position(x + 1000.0, y - 500.0, 0.004)
+
+    async def measure_target(
+        self, target: str, settle_time_s: float, dwell_s: float, near_mm: Place | None = None, face: Face = 1
+    ) -> TargetPoint:
+        """Refuse: a SCARA carries no targets."""
+        raise AssertionError(f"{target} is measured: {settle_time_s}, {dwell_s}, {near_mm}, {face}")
+
+    async def measure_frame(self, target: str, settle_time_s: float, dwell_s: float) -> TargetPose:
+        """Refuse: a SCARA carries no targets."""
+        raise AssertionError(f"{target} is measured: {settle_time_s}, {dwell_s}")
 
     async def remounted(self, turned_deg: float) -> None:
         """Keep how the interferometer is mounted."""

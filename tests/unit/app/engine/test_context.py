@@ -241,6 +241,8 @@ async def test_a_path_otherwise_becomes_one_motion_per_target(parts: Parts) -> N
 async def test_a_cell_without_a_tracker_says_so(parts: Parts) -> None:
     with pytest.raises(ConfigError, match="tracker"):
         await parts.ctx.locate(0.5)
+    with pytest.raises(ConfigError, match="tracker"):
+        await parts.ctx.measure_target("N1", 0.5, 4.0)
 
 
 async def test_how_the_instrument_is_mounted_is_stored_and_passed_on(parts: Parts) -> None:

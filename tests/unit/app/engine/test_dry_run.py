@@ -260,6 +260,9 @@ async def test_the_rest_of_the_context_is_kept(dry: DryRunContext) -> None:
     dry.progress(1.0, 2.0)
     assert await dry.joints() == HOME
     assert (await dry.locate(0.5)).u_mm == 0.0
+    assert (await dry.measure_target("N1", 0.5, 4.0, (1.0, 2.0, 3.0))).place_mm == (1.0, 2.0, 3.0)
+    assert (await dry.measure_frame("N1", 0.5, 4.0)).place_mm == (0.0, 0.0, 0.0)
+    assert dry.total_s == 0.5 + 2 * 4.5
     assert dry.notes == [("zero", {"number": 1}), ("warning", {"text": "look", "where": "here"})]
 
 

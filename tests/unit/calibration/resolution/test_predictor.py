@@ -227,6 +227,14 @@ def test_a_singular_wrist_gives_the_reason() -> None:
     assert found["+X"].steps.size == 109
 
 
+@pytest.mark.parametrize("pose", [(0.0, -90.0, 90.0, 0.0, 1e-4, 0.0), (0.0, -45.0, -2.0, 0.0, 45.0, 0.0)])
+def test_near_a_singular_pose_no_invented_joint_is_named(pose: tuple[float, ...]) -> None:
+    found = named(flat(ARM), np.array(pose))
+    reasons = {one.least.reason for one in found.values() if "cannot make" in one.least.reason}
+    assert any("near a singular pose" in reason for reason in reasons)
+    assert not any(re.search(r"would be at|6 of 6", one.least.reason) for one in found.values())
+
+
 def test_an_arm_of_four_joints_tilts_nothing() -> None:
     arm = chain("rh-3frh5515")
     found = predict_pose(arm, np.array([20.0, 60.0, 100.0, 0.0]), flat(arm))

@@ -10,7 +10,12 @@ from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.errors import RecordingError
 from catseye.calibration.resolution.frozen_signal import frozen_stretch, require_unsaturated
 from catseye.calibration.resolution.recording import recording_of
-from catseye.calibration.resolution.sampling import require_stated_rate, require_steady_rate
+from catseye.calibration.resolution.sampling import (
+    LEAST_RATE_HZ,
+    NEARLY,
+    require_stated_rate,
+    require_steady_rate,
+)
 
 TIME_S = np.arange(0.0, 10.0, 0.001)
 
@@ -60,6 +65,13 @@ def test_damaged_recordings_are_refused_at_their_row(
 def test_rates_that_no_recording_has_are_refused(factor: float, rate: str) -> None:
     with pytest.raises(RecordingError, match=rf"{rate}.*unit of the time column"):
         recording_of(TIME_S * factor, noisy(TIME_S), "rad")
+
+
+@pytest.mark.parametrize("rate_hz", [20.0 / 1.0001, 19.5])
+def test_what_a_run_takes_for_fast_enough_is_evaluated(rate_hz: float) -> None:
+    assert rate_hz > NEARLY * LEAST_RATE_HZ
+    time_s = np.arange(0.0, 60.0, 1.0 / rate_hz)
+    assert recording_of(time_s, noisy(time_s), "rad").rate_hz == pytest.approx(rate_hz)
 
 
 def test_a_rate_that_changes_is_refused() -> None:

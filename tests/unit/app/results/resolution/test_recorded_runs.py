@@ -12,7 +12,8 @@ import pytest
 from catseye.app.cell.load import load_cell
 from catseye.app.cli.report import report
 from catseye.app.cli.resolution.resolution import resolution
-from catseye.app.errors import UsageError
+from catseye.app.errors import MeasurementRejectedError, UsageError
+from catseye.app.results.resolution.naming import named_positions
 from catseye.app.results.resolution.recorded_runs import holds_tests, result_of_runs
 from catseye.app.results.resolution.result import read_resolution
 from catseye.app.store.chunks import Chunk, pack
@@ -33,12 +34,12 @@ _SCALE = 1.0002
 """Of a reading, corrected for the air."""
 
 
-def _chunk(command: Floats, moved: Floats, *, linear: bool) -> tuple[Chunk, Floats]:
+def _chunk(command: Floats, moved: Floats, *, linear: bool, grows: int = 1) -> tuple[Chunk, Floats]:
     times_s: Floats = STILL_S + DWELL_S * np.arange(command.size, dtype=np.float64)
     t_s = np.arange(0.0, float(times_s[-1]) + DWELL_S + 1.0, 1.0 / _RATE_HZ)
     position = angles(t_s, times_s, moved)
     length_mm = position if linear else _SPACING_MM * np.sin(np.radians(position))
-    length_mm = length_mm + np.random.default_rng(2).normal(0.0, 1e-7, t_s.size)
+    length_mm = grows * length_mm + np.random.default_rng(2).normal(0.0, 1e-7, t_s.size)
     return Chunk(array("d", t_s.tolist()), array("d", (length_mm / _SCALE).tolist())), times_s
 
 
@@ -47,7 +48,7 @@ def _rows(
 ) -> tuple[Chunk, list[Record]]:
     """Return readings and rows of one series."""
     linear = test == "cartesian"
-    chunk, times_s = _chunk(command, moved, linear=linear)
+    chunk, times_s = _chunk(command, moved, linear=linear, grows=place.get("grows", 1))
     recorded = Recorded(
         name="series-1", method="streamed", origin_utc="2026-01-02T03:04:05+00:00", origin_clock_s=0.0,
         readings=len(chunk.values), chunks=1, crc32=zlib.crc32(pack(chunk)), duration_s=100.0, rate_hz=_RATE_HZ,
@@ -153,9 +154,54 @@ async def test_a_faulty_series_is_named_with_its_run(tmp_path: Path) -> None:
     command = decaying_commands(30)
     reader = await _stored(tmp_path, _rows("decaying", command, 0.1 * command))
     with pytest.raises(
-        MovesError, match=f"{reader.path.name}, decaying test of A1 at K3: the 10 largest moves"
+        MovesError, match=f"{reader.path.name}, decaying test of A1 at K3, direction .1: the 10 largest moves"
     ):
         result_of_runs([reader], 10.0)
+
+
+@pytest.mark.parametrize("test", ["decaying", "cartesian"])
+async def test_optics_may_be_mounted_either_way_round(tmp_path: Path, test: str) -> None:
+    command = decaying_commands(60, direction=-1)
+    reader = await _stored(
+        tmp_path, _rows(test, command, 1.02 * command, joint="X" if test == "cartesian" else "A1", grows=-1)
+    )
+    (found,) = result_of_runs([reader], 10.0).tests
+    assert [move.error_percent for move in found.moves] == pytest.approx([2.0] * 60, abs=0.2)
+    assert any("the other way round" in text for text in found.flags)
+
+
+async def test_lost_motion_stays_positive_however_optics_are_mounted(tmp_path: Path) -> None:
+    command = np.tile(np.repeat([0.1, -0.1], 10), 5)
+    moved = command.copy()
+    moved[10::10] -= np.sign(command[10::10]) * 0.004
+    reader = await _stored(tmp_path, _rows("backlash", command, moved, grows=-1))
+    (found,) = result_of_runs([reader], 10.0).tests
+    assert found.reversal is not None
+    assert found.reversal.value == pytest.approx(0.004, abs=1e-4)
+
+
+async def test_large_steps_show_how_optics_stand_for_small_ones(tmp_path: Path) -> None:
+    signs = np.repeat([1.0, -1.0, 1.0], 10)
+    small, large = 1e-5 * signs, 0.01 * signs
+    reader = await _stored(
+        tmp_path,
+        _rows("iso", small, 0.0 * small, amplitude=1e-5, grows=-1),
+        _rows("iso", large, large, amplitude=0.01, grows=-1),
+    )
+    (found,) = result_of_runs([reader], 10.0).tests
+    assert found.amplitudes is not None
+    assert [one.distinguishable for one in found.amplitudes] == [False, True]
+
+
+async def test_a_position_keeps_the_name_of_its_run(tmp_path: Path) -> None:
+    command = decaying_commands(40)
+    reader = await _stored(tmp_path, _rows("decaying", command, command))
+    tests = result_of_runs([reader], 10.0).tests
+    assert named_positions(tests, "A1") == [("K3 = 0°", 0.0)]
+    unnamed = tests[0].model_copy(update={"position": -20.0, "position_name": None})
+    assert named_positions([*tests, unnamed], "A1") == [("−20°", -20.0), ("K3 = 0°", 0.0)]
+    lower = unnamed.model_copy(update={"position": -40.0})
+    assert named_positions([*tests, unnamed, lower], "A1")[0] == ("K1 = −40°", -40.0)
 
 
 async def test_a_run_without_tests_is_refused(tmp_path: Path) -> None:
@@ -163,6 +209,22 @@ async def test_a_run_without_tests_is_refused(tmp_path: Path) -> None:
     assert not holds_tests(reader)
     with pytest.raises(UsageError, match="has recorded no test of motion resolution"):
         result_of_runs([reader], 10.0)
+
+
+async def test_a_faulty_series_leaves_the_others_usable(tmp_path: Path) -> None:
+    command = decaying_commands(40)
+    reader = await _stored(
+        tmp_path,
+        _rows("decaying", command, 0.1 * command),
+        _rows("decaying", command, command, joint="A2"),
+    )
+    output = tmp_path / "result.json"
+    with pytest.raises(MeasurementRejectedError, match="1 of 2 tests cannot be evaluated"):
+        resolution(output, [str(reader.path)], threshold=10.0)
+    found = read_resolution(output)
+    assert [test.joint for test in found.tests] == ["A2"]
+    (refused,) = found.refused
+    assert "decaying test of A1 at K3, direction +1: the 10 largest moves" in refused
 
 
 async def test_commands_take_a_run_by_its_path(tmp_path: Path) -> None:

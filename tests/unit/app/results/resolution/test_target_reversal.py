@@ -56,6 +56,18 @@ def test_lost_motion_is_positive_and_between_the_ends(tmp_path: Path) -> None:
     assert reversal.valid is None
 
 
+def test_runs_downwards_first_lose_motion_positively_too(tmp_path: Path) -> None:
+    # Odd runs approach 0.5 … 0 downwards: there a joint with play is above, backwards (upwards) below.
+    path = _file(tmp_path)
+    lines = path.read_text("latin-1").splitlines()
+    at = lines.index("Targets :") + 1
+    lines[at : at + len(_TARGETS)] = reversed(lines[at : at + len(_TARGETS)])
+    path.write_text("\n".join(lines), "latin-1")
+    _, reversal, targets = reversal_of_targets(path, None)
+    assert reversal.value == pytest.approx(-5e-3)
+    assert [target["reversal"] for target in targets] == pytest.approx([-5e-3] * 4)
+
+
 def test_u_comes_from_the_repeats(tmp_path: Path) -> None:
     """Each side: s = 0.1·√2 µm of two runs, so s²/2 = 0.01 µm²; the mean of four targets of both sides."""
     _, reversal, _ = reversal_of_targets(_file(tmp_path), None)
@@ -91,6 +103,11 @@ def test_runs_in_one_direction_are_refused(tmp_path: Path) -> None:
         ("  1   2   ", "  1   9   ", "'1   9   1.100000' is no run .* target .* and deviation"),
         ("Run Target Data:", "Data:", "has no line Run target data"),
         ("  1   1   0.600000\r\n", "  1   1   many\r\n", "'1   1   many' is no run"),
+        ("  1   1   0.600000\r\n", "  1   1   inf\r\n", "'1   1   inf' is no run"),
+        ("  1   1   0.600000\r\n", "  1.5   1   0.1\r\n", "'1.5   1   0.1' is no run"),
+        ("Run-count: 4", "Run-count: 2", "numbers go on behind 2 runs of 6 targets"),
+        ("  0.1000", "  nan", "'nan' holds no targets"),
+        ("  0.1000", "  0.3000", "the targets neither grow nor fall"),
     ],
 )
 def test_damaged_files_name_the_place(tmp_path: Path, old: str, new: str, complaint: str) -> None:

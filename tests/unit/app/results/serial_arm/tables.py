@@ -39,10 +39,16 @@ def tool_file(folder: Path, names: Sequence[str] = ("nest1", "nest2", "nest3")) 
     return path
 
 
-def poses_file(folder: Path, poses_deg: Floats, seed: int | None = 1, u_mm: str = f"{NOISE_MM}") -> Path:
+def poses_file(
+    folder: Path,
+    poses_deg: Floats,
+    seed: int | None = 1,
+    u_mm: str = f"{NOISE_MM}",
+    true: TrueArm | None = None,
+) -> Path:
     """Write places of one nest a pose, in turn."""
     nest = np.arange(len(poses_deg)) % 3
-    places = TrueArm().nests(poses_deg, nest)
+    places = (true or TrueArm()).nests(poses_deg, nest)
     if seed is not None:
         places = places + NOISE_MM * np.random.default_rng(seed).standard_normal(places.shape)
     lines = [f"pose,{_JOINTS},target,x_mm,y_mm,z_mm" + (",u_mm" if u_mm else "")]

@@ -50,7 +50,7 @@ async def test_the_screen_shows_the_figures_of_the_page(bench: Path) -> None:
         await press(app, pilot, "enter")
         for number in range(2, 2 + len(SECTIONS)):
             await press(app, pilot, str(number))
-            view = app.screen.query_one("#section-figures FigureView", FigureView)
+            view = app.screen.query_one("#resolution #section-figures FigureView", FigureView)
             seen += view.figures
     page = resolution_files_report([bench / "kuka.json"])
     paged = [block for block in page.blocks() if isinstance(block, Figure)]

@@ -1,0 +1,60 @@
+"""[tracker] and [ballbar] of the cell file: instruments that say where the targets of an arm's tool are."""
+
+from typing import Annotated, Any, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from catseye.app.cell.arm import Triple
+from catseye.app.cell.endpoints import checked_endpoint
+from catseye.app.cell.section import Finite, Name, NotNegative, Positive, Section
+
+Degrees = Annotated[float, Field(gt=0.0, le=90.0, allow_inf_nan=False)]
+
+
+class Nest(Section):
+    """[[tracker.nest]]: a nest that stays where it is; three of them make the world frame."""
+
+    name: Name
+    # In the instrument's frame, roughly: it turns there and searches.
+    x_mm: Finite
+    y_mm: Finite
+    z_mm: Finite
+
+
+class Tracker(Section):
+    """[tracker]: a laser tracker or an optical CMM; by default the one of the emulated bench."""
+
+    driver: str = "bench-tracker"
+    endpoint: str
+    settings: dict[str, Any] = Field(default_factory=dict)
+    # The arm's base in the instrument's frame, R = Rz Ry Rx, roughly: what is seen from where follows from it.
+    base_mm: Triple | None = None
+    base_deg: Triple | None = None
+    # A nest returns the beam of a tracker that comes within this of its normal; a face that of an optical CMM.
+    cone_deg: Degrees = 30.0
+    face_deg: Degrees = 15.0
+    nest: list[Nest] = Field(default_factory=list)
+
+    @field_validator("endpoint")
+    @classmethod
+    def _endpoint_or_file(cls, text: str) -> str:
+        """A tracker is the only device that may be a file: its own program writes it."""
+        return text if text.startswith("file:") else checked_endpoint(text)
+
+    @model_validator(mode="after")
+    def _unique_nests(self) -> Self:
+        names = [nest.name for nest in self.nest]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"two [[tracker.nest]] are called {name}; give each a name of its own")
+        return self
+
+
+class Ballbar(Section):
+    """[ballbar]: a telescopic ballbar between a nest of the tool and a fixed cup."""
+
+    length_mm: Positive = 300.0
+    range_mm: Positive = 1.0
+    u_length_mm: NotNegative = 0.001
+    # The fixed cup in the frame of the arm's base; a calibrated arm finds out more exactly.
+    centre_mm: Triple

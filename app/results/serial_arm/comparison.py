@@ -1,0 +1,245 @@
+"""Two calibrations of one arm against one another: parameters in combined uncertainties, and where they put the tool.
+
+The base belongs to the instrument's frame, so that two instruments see it elsewhere: it is shown, and judged apart.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from catseye.app.errors import UsageError
+from catseye.app.results.figures import Axis, Bars, Figure, Level, Panel, Points, Role
+from catseye.app.results.model import Block, Cell, Column, Quantity, Report, Sign, Statement, Table, section
+from catseye.app.results.numbers import EXPANDED, SHARE_EXPECTED, THREE_DIGITS, fixed, number
+from catseye.app.results.origin import origin_now
+from catseye.app.results.serial_arm.identified_arm import identified_arm
+from catseye.app.results.serial_arm.result import SerialArmResult
+from catseye.calibration.core.types import Floats
+from catseye.calibration.kinematics.joint_ranges import ranges_of
+from catseye.calibration.serial_arm.closed_form import rigid_motion
+from catseye.calibration.serial_arm.geometry import Commands
+
+_POSES = 1000
+_SEED = 1
+_SIGNED = fixed(1, signed=True)
+
+
+@dataclass(frozen=True)
+class ParameterDifference:
+    """A parameter that both results identified.
+
+    Attributes:
+        u: combined standard uncertainty of the difference; both results count as independent.
+        of_base: it says where the arm stands, not what it is.
+    """
+
+    name: str
+    unit: str
+    first: float
+    second: float
+    u: float
+    of_base: bool
+
+    @property
+    def difference(self) -> float:
+        """Second minus first."""
+        return self.second - self.first
+
+    @property
+    def normalised(self) -> float | None:
+        """Difference in combined standard uncertainties; None where none is stated."""
+        return self.difference / self.u if self.u > 0.0 else None
+
+
+@dataclass(frozen=True)
+class ArmComparison:
+    """Two results.
+
+    Attributes:
+        parameters: of both.
+        only: names of parameters that one of them identified.
+        target: name of the target whose places are compared.
+        apart_mm: distances of its places at random poses, the frames brought together, shape (poses,).
+    """
+
+    parameters: tuple[ParameterDifference, ...]
+    only: tuple[str, ...]
+    target: str
+    apart_mm: Floats
+
+    @property
+    def judged(self) -> list[tuple[str, float]]:
+        """Names and normalised differences of the arm's own parameters."""
+        return [
+            (one.name, one.normalised)
+            for one in self.parameters
+            if one.normalised is not None and not one.of_base
+        ]
+
+    @property
+    def largest(self) -> tuple[str, float] | None:
+        """The parameter that differs most, in combined standard uncertainties."""
+        return max(self.judged, key=lambda item: abs(item[1]), default=None)
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON output."""
+        judged = [abs(size) for _, size in self.judged]
+        return {
+            "parameters": [
+                {
+                    "name": one.name,
+                    "unit": one.unit,
+                    "first": one.first,
+                    "second": one.second,
+                    "difference": one.difference,
+                    "u": one.u,
+                    "normalised": one.normalised,
+                }
+                for one in self.parameters
+            ],
+            "only_in_one": list(self.only),
+            "within": sum(size <= EXPANDED for size in judged),
+            "judged": len(judged),
+            "target": self.target,
+            "places_apart": {
+                "poses": len(self.apart_mm),
+                "mean_mm": float(self.apart_mm.mean()),
+                "max_mm": float(self.apart_mm.max()),
+            },
+        }
+
+
+def compare_arms(first: SerialArmResult, second: SerialArmResult) -> ArmComparison:
+    """Compare two results.
+
+    Raises:
+        UsageError: they are of arms with other joints.
+    """
+    known = [{one.name: one for one in each.parameters if one.identified} for each in (first, second)]
+    both = [name for name in known[0] if name in known[1]]
+    differences = tuple(
+        ParameterDifference(
+            name,
+            known[0][name].unit,
+            known[0][name].value,
+            known[1][name].value,
+            math.hypot(known[0][name].u, known[1][name].u),
+            name.startswith("base."),
+        )
+        for name in both
+    )
+    only = sorted(set(known[0]).symmetric_difference(known[1]))
+    return ArmComparison(differences, tuple(only), *_apart(first, second))
+
+
+def _apart(first: SerialArmResult, second: SerialArmResult) -> tuple[str, Floats]:
+    """Return a target that both have, and how far apart they put it at random poses."""
+    arms = [identified_arm(one) for one in (first, second)]
+    names = [[target.name for target in one.arm.targets] for one in arms]
+    if arms[0].arm.joint_names != arms[1].arm.joint_names:
+        raise UsageError("the results are of arms with other joints: compare two of one arm")
+    shared = [name for name in names[0] if name in names[1]]
+    if not shared:
+        raise UsageError("the results have no target in common: calibrate both with one tool")
+    poses = np.random.default_rng(_SEED).uniform(
+        *ranges_of(arms[0].arm.chain), (_POSES, len(arms[0].arm.joint_names))
+    )
+    one, other = (
+        arm.places_mm(Commands.of(arm.arm, poses), own.index(shared[0]))[0]
+        for arm, own in zip(arms, names, strict=True)
+    )
+    onto = rigid_motion(other, one)
+    return shared[0], np.linalg.norm(other @ onto[:3, :3].T + onto[:3, 3] - one, axis=1)
+
+
+def comparison_report(found: ArmComparison, names: tuple[str, str]) -> Report:
+    """Return what a comparison says."""
+    blocks: list[Block] = [*_statements(found), _table(found)]
+    figures = [_figure(found)] if found.judged else []
+    return Report(
+        f"{names[1]} minus {names[0]}",
+        origin_now(),
+        (
+            section("verdict", "Verdict", blocks, brief=True),
+            section("figures", "Differences", figures),
+        ),
+    )
+
+
+def _statements(found: ArmComparison) -> list[Statement]:
+    mean, most = (number(float(value), fixed(3)) for value in (found.apart_mm.mean(), found.apart_mm.max()))
+    apart = (
+        f"With their frames brought together the two arms put {found.target} {mean} mm apart on the average, {most} "
+        f"mm at most, at {_POSES} random poses."
+    )
+    said = [Statement(Sign.NEUTRAL, apart)]
+    if found.only:
+        said.append(Statement(Sign.NEUTRAL, f"Only one of them identified {', '.join(found.only[:8])}."))
+    largest = found.largest
+    if largest is None:
+        return [Statement(Sign.NEUTRAL, "No parameter of the arm has an uncertainty in both results."), *said]
+    within = sum(abs(size) <= EXPANDED for _, size in found.judged)
+    share = within / len(found.judged)
+    verdict = (
+        f"{within} of {len(found.judged)} parameters of the arm differ by less than {EXPANDED:g} combined standard "
+        f"uncertainties ({100.0 * share:.0f} %, 95 % expected); the largest difference is "
+        f"{number(largest[1], _SIGNED)} u, {largest[0]}."
+    )
+    return [Statement(Sign.GOOD if share >= SHARE_EXPECTED else Sign.BAD, verdict), *said]
+
+
+def _table(found: ArmComparison) -> Table:
+    columns = (
+        Column("name", "parameter"),
+        Column("unit", "unit"),
+        Column("first", "first"),
+        Column("second", "second"),
+        Column("difference", "difference"),
+        Column("u", "u (k=1)"),
+        Column("normalised", "in u", format=_SIGNED),
+    )
+    return Table("differences", "Second minus first result", columns, tuple(map(_row, found.parameters)))
+
+
+def _row(one: ParameterDifference) -> tuple[Cell, ...]:
+    form = {"mm": fixed(4), "deg": fixed(5)}.get(one.unit, THREE_DIGITS)
+    return (
+        one.name,
+        one.unit,
+        Quantity(one.first, form),
+        Quantity(one.second, form),
+        Quantity(one.difference, form),
+        Quantity(one.u, THREE_DIGITS),
+        one.normalised,
+    )
+
+
+def _figure(found: ArmComparison) -> Figure:
+    names, sizes = zip(*found.judged, strict=True)
+    places = np.arange(len(sizes), dtype=np.float64)
+    levels = tuple(Level(end, Role.EXPECTED, dash="dashed") for end in (-EXPANDED, EXPANDED))
+    heights, edges = np.histogram(found.apart_mm, 30)
+    panels = (
+        Panel(
+            "Parameters",
+            Axis("", names=tuple(names)),
+            Axis("difference / combined u"),
+            (Points(places, np.array(sizes), Role.CHANGE), *levels),
+        ),
+        Panel(
+            "Places at random poses",
+            Axis("distance / mm", low=0.0),
+            Axis("poses"),
+            (Bars(edges, heights.astype(np.float64), Role.SCATTER),),
+        ),
+    )
+    caption = "Differences of the arm's own parameters, with ±2 dashed, and of the places of a target."
+    return Figure(
+        "differences",
+        "Differences of two calibrations",
+        caption,
+        tuple((panel,) for panel in panels),
+        aspect=0.8,
+    )

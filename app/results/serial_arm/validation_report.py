@@ -1,0 +1,91 @@
+"""What is said of a calibrated arm on measurements that it has not seen: figures by target, histograms, lengths."""
+
+import numpy as np
+
+from catseye.app.results.figures import Figure
+from catseye.app.results.model import Block, Cell, Column, Report, Sign, Statement, Table, section
+from catseye.app.results.numbers import COUNT, counted, fixed
+from catseye.app.results.origin import origin_now
+from catseye.app.results.serial_arm.figures import histograms, length_errors
+from catseye.app.results.serial_arm.validation import ArmValidation
+
+_MM = fixed(3)
+_SIGNED = fixed(3, signed=True)
+
+
+def arm_validation_report(found: ArmValidation, name: str) -> Report:
+    """Return the report of a validation."""
+    blocks: list[Block] = [*_statements(found), _table(found), _by_target(found)]
+    return Report(
+        f"Validation with {name}",
+        origin_now(simulated=False, unverified=()),
+        (
+            section("validation", "Validation", blocks, brief=True),
+            section("figures", "Errors", _figures(found)),
+        ),
+    )
+
+
+def _statements(found: ArmValidation) -> list[Statement]:
+    after = found.calibrated.figures()
+    what = "measured length" if found.of_distances else "measured target"
+    said = [
+        Statement(
+            Sign.GOOD,
+            f"{counted(len(found.targets), what)}: the calibrated arm misses them by {after['mean_mm']:.3f} mm on "
+            f"the average, {after['max_mm']:.3f} mm at most.",
+        ),
+        Statement(
+            Sign.NEUTRAL if found.inside_95_percent >= 90.0 else Sign.ATTENTION,
+            f"{found.inside_95_percent:.0f} % of the errors lie within the 95 % region of the stated uncertainties.",
+        ),
+    ]
+    if found.fitted:
+        said.append(
+            Statement(
+                Sign.ATTENTION,
+                f"Nobody said where {', '.join(found.fitted)} stands: each state of the arm has its own best place, "
+                "which takes a part of the errors. State it by --anchors.",
+            )
+        )
+    return said
+
+
+def _columns(first: tuple[Column, ...], *, signed: bool) -> tuple[Column, ...]:
+    return (
+        *first,
+        Column("mean_mm", "mean error", "mm", _SIGNED if signed else _MM),
+        Column("std_mm", "standard deviation", "mm", _MM),
+        Column("max_mm", "largest", "mm", _MM),
+    )
+
+
+def _table(found: ArmValidation) -> Table:
+    caption = "Sizes of the errors on poses that the calibration has not seen"
+    rows: list[tuple[Cell, ...]] = [(state, *errors.figures().values()) for state, errors in found.states]
+    return Table("validation", caption, _columns((Column("state", "state"),), signed=False), tuple(rows))
+
+
+def _by_target(found: ArmValidation) -> Table:
+    caption = (
+        "By target, predicted minus measured length"
+        if found.of_distances
+        else "By target, lengths of the errors"
+    )
+    names = np.array(found.targets)
+    first = (Column("target", "target"), Column("state", "state"), Column("n", "rows", "", COUNT))
+    rows: list[tuple[Cell, ...]] = [
+        (target, state, int(np.sum(names == target)), *figures.values())
+        for target, state, figures in found.by_target()
+    ]
+    return Table("by-target", caption, _columns(first, signed=found.of_distances), tuple(rows))
+
+
+def _figures(found: ArmValidation) -> list[Figure]:
+    sizes = [(state, errors.error_mm) for state, errors in found.states]
+    figures = [histograms("validation-errors", "Errors on poses that were not used", sizes)]
+    if found.of_distances:
+        figures.append(
+            length_errors([(state, errors.signed_mm) for state, errors in found.states], found.targets)
+        )
+    return figures

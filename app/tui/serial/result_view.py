@@ -1,0 +1,28 @@
+"""A result of a calibrated serial arm on the screen Results."""
+
+from typing import ClassVar, Final
+
+from textual.binding import BindingType
+
+from catseye.app.tui.widgets.section_view import Sections, SectionView, section_bindings
+
+SECTIONS: Final[Sections] = (
+    ("verdict", "Verdict"),
+    ("accuracy", "Accuracy"),
+    ("parameters", "Parameters"),
+    ("models", "Models"),
+    ("rejected", "Left out"),
+    ("redundant", "Redundant"),
+)
+
+
+class SerialArmView(SectionView):
+    """The sections of a calibration's report."""
+
+    SECTIONS = SECTIONS
+    NOTHING: ClassVar = {
+        "models": "one model was asked for: no other was tried",
+        "rejected": "no pose was left out",
+        "redundant": "the measurements tell all parameters of the model apart",
+    }
+    BINDINGS: ClassVar[list[BindingType]] = section_bindings("serial-arm", SECTIONS)

@@ -1,0 +1,133 @@
+"""A result on the screen Results by the sections of its report, one at a time."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, ClassVar
+
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Vertical, VerticalScroll
+from textual.content import Content
+
+from catseye.app.results.figures import Figure
+from catseye.app.tui.widgets.figure_view import Figures
+from catseye.app.tui.widgets.report_content import section_content
+from catseye.app.tui.widgets.static_text import StaticText
+
+if TYPE_CHECKING:
+    # The first screen is painted before files and mathematics are imported.
+    from catseye.app.results.model import Report, Section
+
+Sections = tuple[tuple[str, str], ...]
+"""Keys of a report's sections, and their titles in one line; the files stand before them, under 1."""
+
+
+def section_bindings(kind: str, sections: Sections) -> list[BindingType]:
+    """Return the keys that show the sections of a kind of results."""
+    return [
+        Binding(
+            str(place + 2),
+            f"screen.part({place + 1})",
+            title,
+            show=False,
+            id=f"{kind}.show-{key}",
+            tooltip="show this part",
+        )
+        for place, (key, title) in enumerate(sections)
+    ]
+
+
+class SectionView(Vertical, can_focus=True):
+    """The section that is shown: what it says above, its figures below.
+
+    Attributes:
+        SECTIONS: of the kind of results.
+        NOTHING: what to say of a section that says nothing, by its key.
+        SENTENCES: keys of sections whose text is wrapped; rows of tables are scrolled.
+    """
+
+    SECTIONS: ClassVar[Sections] = ()
+    NOTHING: ClassVar[Mapping[str, str]] = {}
+    SENTENCES: ClassVar[frozenset[str]] = frozenset({"verdict", "flags"})
+
+    DEFAULT_CSS = """
+    SectionView #said { height: auto; max-height: 50%; padding: 0 1; scrollbar-size: 1 1; overflow-x: auto; }
+    SectionView #said.alone { height: 1fr; max-height: 100%; }
+    SectionView #said StaticText { width: auto; }
+    SectionView #said.sentences StaticText { width: 1fr; }
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("up", "scroll(-1)", "up", show=False, id="section.up"),
+        Binding("down", "scroll(1)", "down", show=False, id="section.down"),
+        Binding("pageup", "scroll(-10)", "page up", show=False, id="section.page-up"),
+        Binding(
+            "left", "scroll_text(-8)", "left", show=False, id="section.left", tooltip="along a wide table"
+        ),
+        Binding(
+            "right",
+            "scroll_text(8)",
+            "right",
+            show=False,
+            id="section.right",
+            tooltip="along a wide table",
+        ),
+        Binding("pagedown", "scroll(10)", "page down", show=False, id="section.page-down"),
+    ]
+
+    def __init__(self, *, id: str, classes: str) -> None:
+        super().__init__(id=id, classes=classes)
+        self._report: Report | None = None
+        self._place = 0
+
+    @property
+    def titles(self) -> tuple[str, ...]:
+        """Titles in one line, of the files and of the sections."""
+        return ("Files", *(title for _, title in self.SECTIONS))
+
+    def compose(self) -> ComposeResult:
+        """Text above, figures below."""
+        with VerticalScroll(id="said", can_focus=False):
+            yield StaticText(id="said-text")
+        figures = Figures(id="section-figures")
+        figures.can_focus = False
+        yield figures
+
+    def show(self, report: "Report") -> None:
+        """Show a result by its report; the section that was shown stays."""
+        self._report = report
+        self._show()
+
+    def show_section(self, place: int) -> None:
+        """Show a section by its place."""
+        self._place = place
+        self._show()
+
+    def action_scroll(self, rows: int) -> None:
+        """Scroll the figures, or the text where there are none."""
+        figures = self.query_one("#section-figures", Figures)
+        scrolled = figures if figures.display else self.query_one("#said", VerticalScroll)
+        scrolled.scroll_relative(y=rows, animate=False)
+
+    def action_scroll_text(self, columns: int) -> None:
+        """Scroll the text sideways: a table may be wider than the screen."""
+        self.query_one("#said", VerticalScroll).scroll_relative(x=columns, animate=False)
+
+    def _show(self) -> None:
+        key, _ = self.SECTIONS[self._place]
+        found = self._section(key)
+        figures = [] if found is None else [block for block in found.blocks if isinstance(block, Figure)]
+        said = Content(self.NOTHING.get(key, "")) if found is None else section_content(found)
+        text = self.query_one("#said", VerticalScroll)
+        text.display = bool(said.plain)
+        text.set_class(not figures, "alone")
+        text.set_class(key in self.SENTENCES, "sentences")
+        text.scroll_home(animate=False)
+        self.query_one("#said-text", StaticText).set_text(said)
+        shown = self.query_one("#section-figures", Figures)
+        shown.display = bool(figures)
+        shown.show(*figures)
+
+    def _section(self, key: str) -> "Section | None":
+        """Return a section; None where it says nothing."""
+        found = None if self._report is None else self._report.section(key)
+        return found if found is not None and found.blocks else None

@@ -1,0 +1,1 @@
+"""Procedures of serial arms with a laser tracker, an optical CMM or a ballbar."""

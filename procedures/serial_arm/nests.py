@@ -1,0 +1,84 @@
+"""The world frame of three fixed nests, measured again through the day, and how far the instrument has drifted."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catseye.calibration.serial_arm.closed_form import rigid_motion
+from catseye.drivers.roles.errors import HiddenTargetError
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.records import Json, Row
+from catseye.procedures.serial_arm.bench import FixedNest
+from catseye.procedures.serial_arm.records import MeasuredNest, coordinates
+
+Floats = NDArray[np.float64]
+
+FEWEST = 3
+"""Nests that make a frame."""
+
+
+async def measure_nests(
+    ctx: Context, nests: Sequence[FixedNest], number: int, settle_s: float, dwell_s: float
+) -> Row:
+    """Measure every nest once; the row holds their places by name, None of a hidden one."""
+    places: dict[str, Json] = {}
+    for nest in nests:
+        try:
+            found = await ctx.measure_target(nest.name, settle_s, dwell_s, nest.place_mm)
+        except HiddenTargetError as error:
+            places[nest.name] = None
+            await ctx.warn(
+                f"the nest {nest.name} is hidden, so this measurement of the world frame lacks it: {error}"
+            )
+            continue
+        values = coordinates(found.place_mm, found.u_mm)
+        ctx.record(
+            MeasuredNest(
+                nest=nest.name,
+                nests_round=number,
+                **values,  # type: ignore[arg-type]  # the keys are those of coordinates
+            )
+        )
+        places[nest.name] = list(found.place_mm)
+    return {"round": number, "places": places}
+
+
+def drift_mm(first: Row, later: Row) -> dict[str, float]:
+    """Return how far each nest has moved between two measurements, as far as both have it, mm."""
+    one, other = _places(first), _places(later)
+    return {
+        name: float(np.linalg.norm(np.subtract(other[name], one[name]))) for name in one.keys() & other.keys()
+    }
+
+
+def motion_between(first: Mapping[str, Floats], later: Mapping[str, Floats]) -> Floats | None:
+    """Return what brings places of a later measurement back into the frame of the first, shape (4, 4).
+
+    Returns:
+        None where the two have fewer than three nests in common.
+    """
+    names = sorted(first.keys() & later.keys())
+    if len(names) < FEWEST:
+        return None
+    return rigid_motion(np.array([later[name] for name in names]), np.array([first[name] for name in names]))
+
+
+def world_frame(places: Mapping[str, Floats]) -> Floats:
+    """Return what turns places in the instrument's frame into the world's, shape (4, 4).
+
+    The first nest is the origin, the second lies on x, the third in the plane of x and y, y towards it.
+    """
+    origin, along, aside = (places[name] for name in list(places)[:FEWEST])
+    x = (along - origin) / np.linalg.norm(along - origin)
+    z = np.cross(x, aside - origin)
+    z = z / np.linalg.norm(z)
+    made = np.eye(4)
+    made[:3, :3] = np.array([x, np.cross(z, x), z])
+    made[:3, 3] = -made[:3, :3] @ origin
+    return made
+
+
+def _places(row: Row) -> dict[str, list[float]]:
+    places = row["places"]
+    return {} if not isinstance(places, dict) else {k: v for k, v in places.items() if isinstance(v, list)}  # type: ignore[misc]  # stored as three numbers

@@ -1,0 +1,151 @@
+"""What may be chosen for measuring targets at poses, and the plan that follows from it."""
+
+from typing import Annotated, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field
+
+from catseye.drivers.roles.pose import Pose, pose_of
+from catseye.procedures.kit.columns import ColumnRule, TableRule
+from catseye.procedures.kit.errors import PlanError
+from catseye.procedures.kit.system import System
+from catseye.procedures.serial_arm.axis_turns import plan_frames
+from catseye.procedures.serial_arm.bench import SerialBench
+from catseye.procedures.serial_arm.pose_plan import Measured, PoseFinder, PosePlan
+
+Floats = NDArray[np.float64]
+
+Degrees = Annotated[float, Field(ge=-720.0, le=720.0)]
+
+JointRow = Annotated[list[float], Field(min_length=1)]
+"""A value for each axis, deg or mm."""
+
+POSE_ROWS: Final = TableRule(
+    "poses",
+    "the joints of a pose",
+    (tuple(ColumnRule(f"q{number}_deg", unit="deg") for number in range(1, 7)),),
+    source="the CSV that catseye select-poses writes, of an arm with six axes",
+)
+
+_TRIED_FOR_FRAMES: Final = 60
+
+
+class PoseParams(BaseModel):
+    """What may be chosen for measuring targets at poses."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    targets: list[str] = Field([], description="names of the tool's targets; all when empty")
+    targets_per_pose: int = Field(
+        1, ge=1, le=20, description="targets measured at a pose, those first that look at the instrument"
+    )
+    measured: Measured | None = Field(
+        None, description="points of a tracker or poses of an optical CMM; by default what the driver can do"
+    )
+    approach_deg: float = Field(
+        5.0, ge=0.0, le=20.0, description="every axis comes from below by so much, deg"
+    )
+    rest_deg: list[Degrees] = Field(
+        [], description="pose from which all others are reached, a value for each axis; zeros when empty"
+    )
+    settle_s: float = Field(0.5, ge=0.0, le=60.0, description="standstill before a measurement, s")
+    dwell_s: float = Field(4.0, ge=0.1, le=120.0, description="time that the instrument averages over, s")
+    nests_every: int = Field(
+        10, ge=0, le=10_000, description="the fixed nests are measured again after so many poses; 0 never"
+    )
+    drift_limit_mm: float = Field(0.05, gt=0.0, le=10.0, description="drift of a nest that is warned of, mm")
+    frames: bool = Field(False, description="find base and tool by turning axes beforehand")
+    marks_of_tool: int = Field(
+        9, ge=0, le=1000, description="fewest marks that an optical CMM sees of the tool"
+    )
+    seed: int = Field(0, ge=0, le=2**31, description="of everything random")
+
+
+def rest_of(bench: SerialBench, given: list[float]) -> Pose:
+    """Return the pose from which others are reached.
+
+    Raises:
+        PlanError: a value is missing, or there is one too many.
+    """
+    if not given:
+        return System(bench).rest
+    try:
+        return pose_of(bench.arm.axes, given)
+    except ValueError as error:
+        raise PlanError(f"rest_deg: {error}; give one value for each axis") from error
+
+
+def finder_of(bench: SerialBench, params: PoseParams) -> PoseFinder:
+    """Return what finds poses with these parameters.
+
+    Raises:
+        PlanError: the tool has no such target.
+    """
+    return PoseFinder(
+        bench,
+        bench.chosen(params.targets),
+        measured_of(bench, params),
+        params.approach_deg,
+        rest_of(bench, params.rest_deg),
+    )
+
+
+def measured_of(bench: SerialBench, params: PoseParams) -> Measured:
+    """Return what is measured: as asked for, else what the instrument can do.
+
+    Raises:
+        PlanError: the instrument cannot do what is asked for.
+    """
+    able = bench.instrument.abilities
+    wanted: Measured = params.measured or ("points" if able.points else "poses")
+    if not (able.points if wanted == "points" else able.poses):
+        raise PlanError(
+            f"measured = {wanted}: the tracker's driver does not measure that: choose the other, or another driver"
+        )
+    return wanted
+
+
+def pose_plan(bench: SerialBench, params: PoseParams, named: list[tuple[str, Pose]]) -> PosePlan:
+    """Return the plan of poses that can all be measured.
+
+    Raises:
+        PlanError: frames are asked for and cannot be found by turning axes.
+    """
+    finder, measured = finder_of(bench, params), measured_of(bench, params)
+    rest = rest_of(bench, params.rest_deg)
+    frames = None
+    if params.frames:
+        if measured == "poses":
+            raise PlanError("frames = true takes points, and the instrument measures poses: leave it out")
+        tried = finder.drawn(_TRIED_FOR_FRAMES, params.seed + 1)
+        frames = plan_frames(bench, tried, bench.chosen(params.targets), rest, params.approach_deg)
+    return PosePlan(
+        bench=bench,
+        measured=measured,
+        rest=rest,
+        poses=finder.linked(named, params.targets_per_pose),
+        frames=frames,
+        settle_s=params.settle_s,
+        dwell_s=params.dwell_s,
+        nests_every=params.nests_every,
+        drift_limit_mm=params.drift_limit_mm,
+        marks=params.marks_of_tool,
+    )
+
+
+def given_poses(bench: SerialBench, rows: list[list[float]]) -> list[tuple[str, Pose]]:
+    """Return poses that were given, with names.
+
+    Raises:
+        PlanError: a row has another number of values than the arm has axes.
+    """
+    try:
+        return [(name_of(number), pose_of(bench.arm.axes, row)) for number, row in enumerate(rows, 1)]
+    except ValueError as error:
+        raise PlanError(f"poses: {error}; give one value for each axis") from error
+
+
+def name_of(number: int) -> str:
+    """Return the name of a pose by its number, from 1."""
+    return f"P{number:04d}"

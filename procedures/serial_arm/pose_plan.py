@@ -1,0 +1,240 @@
+"""Poses at which targets are measured: seen, within limits, approached from below, with free ways between them."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catseye.drivers.roles.pose import Pose, out_of_range
+from catseye.procedures.kit.errors import PlanError, PlanLimitError
+from catseye.procedures.kit.motion.clear_way import clear_poses, way_refusal
+from catseye.procedures.kit.motion.motion_time import way_time_s
+from catseye.procedures.serial_arm.axis_turns import FramesPlan
+from catseye.procedures.serial_arm.bench import SerialBench, ToolTarget
+from catseye.procedures.serial_arm.sight import best_seen, off_normal_deg, seen
+
+Floats = NDArray[np.float64]
+
+Measured = Literal["points", "poses"]
+"""Targets one by one by a tracker, or whole frames by an optical CMM."""
+
+_MOST_DRAWS = 200
+"""Blocks of poses that are drawn until there are enough."""
+
+_BLOCK = 500
+
+_MOST_BLOCKS = 5
+
+
+@dataclass(frozen=True)
+class PlannedPose:
+    """A pose and how it is reached.
+
+    Attributes:
+        name: as results call it.
+        pose: of the arm.
+        approach: where every axis comes from, at a lower value.
+        from_before: the way from the pose before to the approach is free; else it leads over the rest pose.
+        targets: names of the targets that are measured there.
+    """
+
+    name: str
+    pose: Pose
+    approach: Pose
+    from_before: bool
+    targets: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class PosePlan:
+    """Everything that is measured, in order.
+
+    Attributes:
+        bench: what it was made from.
+        measured: points or frames.
+        rest: from where every pose can be reached over its approach.
+        poses: in order.
+        frames: base and tool by turning axes beforehand; None for the cell's values.
+        settle_s: wait after each motion.
+        dwell_s: time over which the instrument averages.
+        nests_every: the fixed nests are measured again after so many poses; 0 for never.
+        drift_limit_mm: motion of a nest that is warned of.
+        marks: fewest marks that an optical CMM has to see of a frame.
+    """
+
+    bench: SerialBench
+    measured: Measured
+    rest: Pose
+    poses: tuple[PlannedPose, ...]
+    frames: FramesPlan | None
+    settle_s: float
+    dwell_s: float
+    nests_every: int
+    drift_limit_mm: float
+    marks: int
+
+    @property
+    def pose_s(self) -> float:
+        """Expected bench time of one pose with its share of the ways, s."""
+        arm = self.bench.arm
+        before = self.rest
+        moving_s = 0.0
+        for one in self.poses:
+            moving_s += way_time_s(arm, np.array([before, *self.way_to(one, before), one.pose]))
+            before = one.pose
+        targets = sum(len(one.targets) for one in self.poses)
+        return (moving_s + targets * (self.settle_s + self.dwell_s)) / max(len(self.poses), 1)
+
+    @property
+    def nests_s(self) -> float:
+        """Expected bench time of one measurement of the nests, s."""
+        return len(self.bench.instrument.nests) * (self.settle_s + self.dwell_s)
+
+    def measures_nests_after(self, number: int) -> bool:
+        """Return whether the nests are measured between a pose and the next, by its number from 0."""
+        done = number + 1
+        return bool(self.nests_every) and done % self.nests_every == 0 and done < len(self.poses)
+
+    def way_to(self, planned: PlannedPose, before: Pose | None) -> tuple[Pose, ...]:
+        """Return the poses on the way to a pose, its approach the last.
+
+        Args:
+            before: the pose before, where the arm stands; None where it stands nobody knows where.
+        """
+        if planned.from_before and before is not None:
+            return (planned.approach,)
+        back = next((one.approach for one in self.poses if one.pose == before), None)
+        return (*(() if back is None else (back,)), self.rest, planned.approach)
+
+
+def approach_of(pose: Pose, approach_deg: float) -> Pose:
+    """Return where a pose is approached from: every axis at a lower value."""
+    return tuple(value - approach_deg for value in pose)
+
+
+class PoseFinder:
+    """Finds poses that can be measured.
+
+    Args:
+        targets: of which at least one is seen.
+        approach_deg: from below, on every axis; mm of an axis that slides.
+        rest: from where poses are reached.
+    """
+
+    def __init__(
+        self,
+        bench: SerialBench,
+        targets: tuple[ToolTarget, ...],
+        measured: Measured,
+        approach_deg: float,
+        rest: Pose,
+    ) -> None:
+        self._bench = bench
+        self._targets = targets
+        self._as_frame = measured == "poses"
+        self._approach_deg = approach_deg
+        self._rest = rest
+
+    def drawn(self, number: int, seed: int) -> Floats:
+        """Return random poses at which a target is seen and the arm stands clear, shape (number, axes).
+
+        Raises:
+            PlanError: hardly any pose is.
+        """
+        rng = np.random.default_rng(seed)
+        low, high = np.array([axis.range for axis in self._bench.arm.axes]).T
+        if not (low + self._approach_deg < high).all():
+            raise PlanError(
+                f"an axis has a range below {self._approach_deg:g} deg: no pose can be approached "
+                "from below; choose a "
+                "smaller approach_deg, or widen limits_deg in the cell file"
+            )
+        found: list[Floats] = []
+        for _ in range(_MOST_DRAWS):
+            poses = rng.uniform(low + self._approach_deg, high, (_BLOCK, len(low)))
+            poses = poses[self.which_seen(poses) >= 0]
+            found.append(poses[self._stands_clear(poses)])
+            if sum(map(len, found)) >= number:
+                return np.concatenate(found)[:number]
+        share = sum(map(len, found)) / (_MOST_DRAWS * _BLOCK)
+        raise PlanError(
+            f"of {_MOST_DRAWS * _BLOCK} random poses {share:.2%} can be measured, too few for {number}: see whether "
+            "base_mm and base_deg in [tracker] say where the arm stands for the instrument, and the normals of the "
+            "tool's targets where they look; or ask for fewer poses"
+        )
+
+    def require_some(self, found: Sequence[Pose], blocks: int) -> None:
+        """Refuse to go on drawing poses of which none can be reached.
+
+        Raises:
+            PlanError: none was found in several blocks.
+        """
+        if blocks >= _MOST_BLOCKS * (1 + len(found)):
+            raise PlanError(
+                "no pose that the instrument sees can be reached from the rest pose: choose another "
+                "one (rest_deg), or "
+                "correct [[body]] and [workspace] of the cell file"
+            )
+
+    def which_seen(self, poses: Floats) -> NDArray[np.int64]:
+        """Return the number of the target that is seen best at each pose, −1 for none, shape (n,)."""
+        return best_seen(self._bench, poses, self._targets, as_frame=self._as_frame)
+
+    def seen_at(self, pose: Pose, most: int) -> tuple[str, ...]:
+        """Return the targets that are seen at a pose, the one that looks most directly at the instrument first."""
+        at = np.array([pose])
+        there = [one for one in self._targets if seen(self._bench, at, one, as_frame=self._as_frame)[0]]
+        ordered = sorted(there, key=lambda one: float(off_normal_deg(self._bench, at, one)[0]))
+        return tuple(one.name for one in ordered[:most])
+
+    def refusal(self, pose: Pose) -> str | None:
+        """Return why a pose cannot be reached from the rest pose over its approach, None when it can."""
+        approach = approach_of(pose, self._approach_deg)
+        wrong = [*out_of_range(self._bench.arm.axes, pose), *out_of_range(self._bench.arm.axes, approach)]
+        if wrong:
+            return "; ".join(dict.fromkeys(wrong))
+        return way_refusal((self._rest, approach, pose), self._bench)
+
+    def linked(self, named: Iterable[tuple[str, Pose]], most: int) -> tuple[PlannedPose, ...]:
+        """Return poses with their ways; all of them can be reached from the rest pose.
+
+        Args:
+            most: targets that are measured at one pose.
+        """
+        found: list[PlannedPose] = []
+        before = self._rest
+        for name, pose in named:
+            approach = approach_of(pose, self._approach_deg)
+            free = way_refusal((before, approach), self._bench) is None
+            found.append(PlannedPose(name, pose, approach, free, self.seen_at(pose, most)))
+            before = pose
+        return tuple(found)
+
+    def require(self, named: Sequence[tuple[str, Pose]]) -> None:
+        """Refuse poses that were given and cannot be measured.
+
+        Raises:
+            PlanLimitError: a pose or its approach lies outside the limits; it is named.
+            PlanError: no target is seen there, or its way is not free.
+        """
+        for name, pose in named:
+            if (refusal := self.refusal(pose)) is not None:
+                kind = PlanLimitError if "outside" in refusal else PlanError
+                raise kind(
+                    f"pose {name}: {refusal}: leave it out, or choose the poses again (catseye select-poses)"
+                )
+            if not self.seen_at(pose, 1):
+                instrument = self._bench.instrument
+                limit = instrument.face_deg if self._as_frame else instrument.cone_deg
+                raise PlanError(
+                    f"pose {name}: the instrument sees no target there: each looks more than "
+                    f"{limit:g} deg past it, or "
+                    "the arm stands in between; leave the pose out, turn the nests, or correct "
+                    "base_mm and base_deg in "
+                    "[tracker]"
+                )
+
+    def _stands_clear(self, poses: Floats) -> NDArray[np.bool_]:
+        return clear_poses(poses, self._bench) & clear_poses(poses - self._approach_deg, self._bench)

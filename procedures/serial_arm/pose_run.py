@@ -1,0 +1,252 @@
+"""Measuring targets at poses: frames first, the fixed nests again and again, hidden targets once more at the end."""
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from catseye.calibration.kinematics.rotations import angles_of
+from catseye.drivers.roles.errors import HiddenTargetError
+from catseye.drivers.roles.pose import Pose, is_at
+from catseye.drivers.roles.tracker import TargetPoint, TargetPose
+from catseye.procedures.kit.context import Context, Prompt
+from catseye.procedures.kit.errors import ArmMovedError, HiddenTargetsError
+from catseye.procedures.kit.motion.bench_time import BenchTime
+from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.stored import numbers_of
+from catseye.procedures.serial_arm.axis_turns import Turn
+from catseye.procedures.serial_arm.nests import drift_mm, measure_nests
+from catseye.procedures.serial_arm.pose_plan import PlannedPose, PosePlan
+from catseye.procedures.serial_arm.records import target_record
+from catseye.procedures.serial_arm.turning import Turned, frame_seen, near_mm, target_seen_mm, turned
+
+Floats = NDArray[np.float64]
+
+_ATTEMPTS: Final = 3
+"""So often a target is measured anew when the arm was moved meanwhile."""
+
+_LEFT_OUT: Final = 0.5
+"""Share of the poses that may stay without a target."""
+
+
+class PoseRun:
+    """Carries a plan of poses out.
+
+    Args:
+        ctx: the bench.
+        plan: what is measured.
+    """
+
+    def __init__(self, ctx: Context, plan: PosePlan) -> None:
+        self._ctx = ctx
+        self._plan = plan
+        self._base = plan.bench.instrument.base
+        self._left: Pose | None = None
+        self._rounds: list[Row] = []
+        self._time = BenchTime(ctx, len(plan.poses) * plan.pose_s)
+
+    async def run(self) -> None:
+        """Measure.
+
+        Raises:
+            ArmMovedError: the arm was moved again and again while a target was measured.
+            HiddenTargetsError: most targets were hidden, or those that frames come from.
+        """
+        await self._frames()
+        await self._nests()
+        hidden: list[PlannedPose] = []
+        for number, planned in enumerate(self._plan.poses):
+            row = await self._visit(f"pose/{number:04d}", planned, planned.targets)
+            hidden += [planned] if row["hidden"] else []
+            self._time.passed(self._plan.pose_s, 0.0, f"pose {number + 1}/{len(self._plan.poses)}")
+            if self._plan.measures_nests_after(number):
+                await self._nests()
+        left_out = await self._again(hidden)
+        await self._nests()
+        await self._ctx.step(
+            "summary", "hidden targets, and drift of the nests", partial(self._summary, left_out)
+        )
+
+    async def _frames(self) -> None:
+        frames = self._plan.frames
+        if frames is None:
+            return
+        row = await self._ctx.step(
+            "frames/base", "base by turning axes", partial(self._find_base, frames.base)
+        )
+        self._base = np.reshape(numbers_of(row, "base"), (4, 4))
+        await self._ctx.step("frames/tool", "tool by turning axes", partial(self._find_tool, frames.flange))
+
+    async def _find_base(self, turns: tuple[Turn, Turn]) -> Row:
+        seen = await self._turned(turns)
+        base = frame_seen(self._plan.bench, turns, seen)
+        shift = base[:3, 3] - self._plan.bench.instrument.base[:3, 3]
+        turn_deg = angles_of(base[:3, :3] @ self._plan.bench.instrument.base[:3, :3].T)
+        await self._ctx.event(
+            "frame-found",
+            frame="base",
+            shift_mm=float(np.linalg.norm(shift)),
+            turn_deg=float(np.linalg.norm(turn_deg)),
+            x_mm=float(base[0, 3]),
+            y_mm=float(base[1, 3]),
+            z_mm=float(base[2, 3]),
+        )
+        return {"base": list(base.reshape(-1).tolist()), "hidden": [*seen[0].hidden, *seen[1].hidden]}
+
+    async def _find_tool(self, turns: tuple[Turn, Turn]) -> Row:
+        seen = await self._turned(turns)
+        place = target_seen_mm(self._plan.bench, turns, seen)
+        stated = self._plan.bench.target(turns[0].target).place_mm
+        await self._ctx.event(
+            "frame-found",
+            frame=turns[0].target,
+            shift_mm=float(np.linalg.norm(np.subtract(place, stated))),
+            x_mm=place[0],
+            y_mm=place[1],
+            z_mm=place[2],
+        )
+        return {
+            "target": turns[0].target,
+            "place_mm": list(place),
+            "hidden": [*seen[0].hidden, *seen[1].hidden],
+        }
+
+    async def _turned(self, turns: tuple[Turn, Turn]) -> tuple[Turned, Turned]:
+        """Ask, then turn both joints."""
+        plan = self._plan
+        if await self._ctx.ask(_turn_prompt(turns)) != "yes":
+            raise HiddenTargetsError(
+                f"the operator did not let {turns[0].name} and {turns[1].name} turn; go on with catseye resume, or "
+                "begin anew with --param frames=false, which trusts base_mm and base_deg of the cell file"
+            )
+        found = []
+        for turn in turns:
+            await self._ctx.move(plan.rest)
+            found.append(await turned(self._ctx, plan.bench, turn, plan.settle_s, plan.dwell_s))
+        await self._ctx.move(plan.rest)
+        self._left = plan.rest
+        return found[0], found[1]
+
+    async def _nests(self) -> None:
+        nests = self._plan.bench.instrument.nests
+        if not nests or self._plan.measured == "poses":
+            return
+        number = len(self._rounds)
+        action = partial(measure_nests, self._ctx, nests, number, self._plan.settle_s, self._plan.dwell_s)
+        self._rounds.append(await self._ctx.step(f"nests/{number:02d}", "world frame", action))
+        moved = drift_mm(self._rounds[0], self._rounds[-1])
+        if not number or not moved:
+            return
+        name, largest = max(moved.items(), key=lambda each: each[1])
+        await self._ctx.event("nests-drift", nest=name, drift_mm=largest, round=number)
+        if largest > self._plan.drift_limit_mm:
+            await self._ctx.warn(
+                f"the nest {name} has moved by {largest:.3f} mm since the beginning, more than "
+                f"{self._plan.drift_limit_mm:g} mm: look whether the instrument or the table was "
+                "touched, and let it "
+                "warm up; the evaluation refers every pose to the nests measured last"
+            )
+
+    async def _again(self, hidden: Sequence[PlannedPose]) -> int:
+        """Measure hidden targets once more; return how many poses stay without any."""
+        left_out = 0
+        places = {one.name: number for number, one in enumerate(self._plan.poses)}
+        for planned in hidden:
+            number = places[planned.name]
+            first = await self._visit(f"pose/{number:04d}", planned, planned.targets)
+            names = tuple(str(name) for name in _listed(first["hidden"]))
+            row = await self._visit(f"again/{number:04d}", planned, names)
+            left_out += not _listed(first["measured"]) and not _listed(row["measured"])
+        return left_out
+
+    async def _visit(self, step_id: str, planned: PlannedPose, targets: Sequence[str]) -> Row:
+        return await self._ctx.step(
+            step_id, f"pose {planned.name}", partial(self._measured, planned, targets)
+        )
+
+    async def _measured(self, planned: PlannedPose, targets: Sequence[str]) -> Row:
+        """Drive to a pose from below and measure its targets; the row names the hidden ones."""
+        self._time.begin()
+        for attempt in range(_ATTEMPTS):
+            await self._drive(planned)
+            found = [(name, await self._target(planned, name)) for name in targets]
+            here = await self._ctx.joints()
+            if is_at(here, planned.pose):
+                return self._kept(planned, found, here)
+            self._left = None
+            await self._ctx.warn(
+                f"the arm no longer stands at pose {planned.name}, where it was sent: somebody has "
+                "moved it; the pose "
+                f"is measured again ({attempt + 1} of {_ATTEMPTS}), leave the arm alone"
+            )
+        raise ArmMovedError(
+            f"the arm was moved {_ATTEMPTS} times while pose {planned.name} was measured: find out "
+            "who or what moves "
+            "it, then go on with catseye resume"
+        )
+
+    async def _drive(self, planned: PlannedPose) -> None:
+        for pose in (*self._plan.way_to(planned, self._left), planned.pose):
+            await self._ctx.move(pose)
+        self._left = planned.pose
+
+    async def _target(self, planned: PlannedPose, name: str) -> TargetPoint | TargetPose | None:
+        """Measure a target; None when it is hidden, or too few of its marks are seen."""
+        plan = self._plan
+        try:
+            if plan.measured == "poses":
+                frame = await self._ctx.measure_frame(name, plan.settle_s, plan.dwell_s)
+                return None if frame.visible is not None and frame.visible < plan.marks else frame
+            near = near_mm(plan.bench, self._base, planned.pose, name)
+            return await self._ctx.measure_target(name, plan.settle_s, plan.dwell_s, near)
+        except HiddenTargetError:
+            return None
+
+    def _kept(
+        self, planned: PlannedPose, found: list[tuple[str, TargetPoint | TargetPose | None]], here: Pose
+    ) -> Row:
+        measured = [(name, one) for name, one in found if one is not None]
+        number = len(self._rounds) - 1 if self._rounds else None
+        for name, one in measured:
+            self._ctx.record(target_record(planned.name, name, one, (planned.pose, here), number))
+        return {
+            "measured": [name for name, _ in measured],
+            "hidden": [name for name, one in found if one is None],
+        }
+
+    async def _summary(self, left_out: int) -> Row:
+        poses = len(self._plan.poses)
+        if left_out:
+            await self._ctx.warn(
+                f"{left_out} of {poses} poses stay without a target: each was hidden twice; see what stands between "
+                "arm and instrument"
+            )
+        drifts = [max(drift_mm(self._rounds[0], one).values(), default=0.0) for one in self._rounds[1:]]
+        if left_out > _LEFT_OUT * poses:
+            raise HiddenTargetsError(
+                f"{left_out} of {poses} poses stay without a target: see whether base_mm and base_deg "
+                "in [tracker] and "
+                "the normals of the tool's targets are right, then begin anew"
+            )
+        return {"poses": poses, "left_out": left_out, "nests_drift_mm": max(drifts, default=None)}
+
+
+def _listed(value: object) -> list[object]:
+    return value if isinstance(value, list) else []
+
+
+def _turn_prompt(turns: tuple[Turn, Turn]) -> Prompt:
+    ranges = " and ".join(
+        f"{turn.name} over {turn.values_deg[0]:.0f} … {turn.values_deg[-1]:.0f}°" for turn in turns
+    )
+    return Prompt(
+        f"turn/{turns[0].name}-{turns[1].name}",
+        "confirm",
+        f"Look that {turns[0].target} sits in its nest and looks to the instrument: the arm drives to "
+        "where it is seen "
+        f"and turns {ranges}. Does it?",
+        motion=True,
+        target=turns[0].pose(turns[0].values_deg[0]),
+    )

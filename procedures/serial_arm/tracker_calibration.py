@@ -1,0 +1,118 @@
+"""Targets at poses that identify an arm best, measured by a tracker or an optical CMM (six-axis paper, section 5)."""
+
+from typing import Annotated, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from catseye.drivers.roles.pose import Pose
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.errors import PlanError
+from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.procedure import Procedure
+from catseye.procedures.serial_arm.before import (
+    CALIBRATE,
+    MEASURING,
+    NESTS,
+    POSE_TEXTS,
+    TARGETS,
+    TRACKER,
+)
+from catseye.procedures.serial_arm.bench import SerialBench
+from catseye.procedures.serial_arm.pose_params import (
+    POSE_ROWS,
+    JointRow,
+    PoseParams,
+    finder_of,
+    given_poses,
+    name_of,
+    pose_plan,
+)
+from catseye.procedures.serial_arm.pose_plan import PoseFinder, PosePlan
+from catseye.procedures.serial_arm.pose_run import PoseRun
+from catseye.procedures.serial_arm.records import MeasuredNest, MeasuredTarget
+
+Floats = NDArray[np.float64]
+
+_ROUNDS: Final = 20
+"""Choices that are made anew since a chosen pose cannot be reached."""
+
+
+class CalibrationParams(PoseParams):
+    """What may be chosen for the measurement of a calibration."""
+
+    count: int = Field(38, ge=3, le=2000, description="poses that are chosen")
+    candidates: int = Field(5000, ge=20, le=100_000, description="random poses among which they are chosen")
+    model: Literal["frames", "geometric", "geometric+compliance"] = Field(
+        "geometric+compliance", description="what the poses are to identify"
+    )
+    poses: Annotated[list[JointRow], POSE_ROWS] = Field(
+        [], description="CSV of catseye select-poses instead of a choice", json_schema_extra={"file": "CSV"}
+    )
+
+
+class TrackerCalibration(Procedure):
+    """Measures targets at chosen poses, each approached from below."""
+
+    name = "tracker-calibration"
+    title = "Calibration of a serial arm"
+    needs = Needs(SerialBench, TRACKER, tracker=("points", "poses"), equipment=(TARGETS, NESTS))
+    stage = MEASURING
+    analyses = (CALIBRATE,)
+    records = (MeasuredTarget, MeasuredNest)
+    event_texts = POSE_TEXTS
+    params_type = CalibrationParams
+
+    def plan(self, bench: SerialBench, params: CalibrationParams) -> PosePlan:
+        """Choose the poses, or take those that are given.
+
+        Raises:
+            PlanLimitError: a given pose lies outside the limits.
+            PlanError: no or too few poses can be measured; the text says why.
+        """
+        finder = finder_of(bench, params)
+        if params.poses:
+            named = given_poses(bench, params.poses)
+            finder.require(named)
+        else:
+            chosen = chosen_poses(bench, params, finder)
+            named = [(name_of(number), pose) for number, pose in enumerate(chosen, 1)]
+        return pose_plan(bench, params, named)
+
+    async def run(self, ctx: Context, plan: PosePlan) -> None:
+        """Measure; see `PoseRun`."""
+        await PoseRun(ctx, plan).run()
+
+
+def chosen_poses(bench: SerialBench, params: CalibrationParams, finder: PoseFinder) -> list[Pose]:
+    """Return the poses of random ones that identify the arm best and can be reached.
+
+    Raises:
+        PlanError: too few poses can be measured or reached, or they are too few for the model.
+    """
+    # The solver takes its time to import: whoever lists procedures does without.
+    from catseye.calibration.core.errors import CalibrationError
+    from catseye.calibration.serial_arm.arm import SerialArm, Target
+    from catseye.calibration.serial_arm.design.exchange import select
+    from catseye.calibration.serial_arm.design.pose_rows import candidate_rows
+
+    targets = tuple(Target(one.name, one.place_mm) for one in bench.chosen(params.targets))
+    arm = SerialArm(bench.workspace.chain, bench.loads, targets)
+    poses = finder.drawn(params.candidates, params.seed)
+    reachable = np.ones(len(poses), dtype=np.bool_)
+    try:
+        rows = candidate_rows(arm, poses, finder.which_seen(poses), params.model)
+        for _ in range(_ROUNDS):
+            left = np.flatnonzero(reachable)
+            chosen = left[select(rows[left], params.count, starts=1, seed=params.seed).chosen]
+            refused = [k for k in chosen.tolist() if finder.refusal(tuple(poses[k].tolist())) is not None]
+            if not refused:
+                return [tuple(poses[k].tolist()) for k in chosen]
+            reachable[refused] = False
+    except CalibrationError as error:
+        raise PlanError(str(error)) from error
+    raise PlanError(
+        f"after {_ROUNDS} choices some poses still cannot be reached from the rest pose: choose another one "
+        "(rest_deg), or correct [[body]] and [workspace] of the cell file"
+    )

@@ -1,0 +1,112 @@
+"""Predicted distances of a result that was identified from distances."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+from catseye.app.cli import cli
+from catseye.app.errors import UsageError
+from catseye.calibration.core.types import Floats
+from tests.unit.app.results.serial_arm.tables import arm_file, some_poses, tool_file
+from tests.unit.calibration.serial_arm.true_arm import TrueArm
+
+ANCHORS = {"P1": (900.0, 300.0, 100.0), "P2": (-200.0, 1000.0, 300.0), "P3": (700.0, -800.0, 900.0)}
+U_MM = 0.01
+JOINTS = ",".join(f"q{k}_deg" for k in range(1, 7))
+
+
+def lengths(poses: Floats) -> Floats:
+    """Return what interferometers show of nest 2 with dead paths of 0, 100 and 200 mm."""
+    places = TrueArm(base=np.zeros(6)).nests(poses, np.ones(len(poses), dtype=np.int64))
+    apart = [np.linalg.norm(place - ANCHORS[f"P{k % 3 + 1}"]) for k, place in enumerate(places)]
+    return np.asarray(np.array(apart) - 100.0 * (np.arange(len(poses)) % 3))
+
+
+def table(file: Path, poses: Floats, measured: Floats) -> Path:
+    lines = [f"pose,{JOINTS},target,anchor,segment,distance_mm,u_mm"]
+    for k, (q, length) in enumerate(zip(poses.tolist(), measured.tolist(), strict=True)):
+        cells = [str(k), *map(repr, q), "nest2", f"P{k % 3 + 1}", f"s{k % 3}", repr(length), str(U_MM)]
+        lines.append(",".join(cells))
+    file.write_text("\n".join(lines), "utf-8")
+    return file
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("distances")
+    poses, noise = some_poses(240, 3), np.random.default_rng(3).standard_normal(240)
+    file = table(made / "distances.csv", poses, lengths(poses) + U_MM * noise)
+    (made / "anchors.csv").write_text(
+        "anchor,x_mm,y_mm,z_mm\n" + "".join(f"{name},{x},{y},{z}\n" for name, (x, y, z) in ANCHORS.items()),
+        "utf-8",
+    )
+    words = ["--poses", str(file), "--arm", str(arm_file(made)), "--tool", str(tool_file(made))]
+    words += ["--anchors", str(made / "anchors.csv"), "--model", "geometric+compliance"]
+    done = CliRunner().invoke(cli, ["calibrate", *words, "-o", str(made / "arm.json")])
+    assert done.exit_code == 0, done.output
+    return made
+
+
+def predicted(folder: Path, file: Path) -> Result:
+    words = [str(folder / "arm.json"), "--poses", str(file), "-o", str(folder / "predicted.csv")]
+    return CliRunner().invoke(cli, ["predict", *words])
+
+
+def test_predicted_distances_hold_within_their_uncertainty(folder: Path) -> None:
+    poses = some_poses(120, 44)
+    wanted = lengths(poses)
+    done = predicted(folder, table(folder / "asked.csv", poses, wanted))
+    assert done.exit_code == 0, done.output
+    rows = list(csv.DictReader((folder / "predicted.csv").read_text("utf-8").splitlines()))
+    missed = np.array([float(row["distance_pred_mm"]) for row in rows]) - wanted
+    u = np.array([float(row["u_pred_mm"]) for row in rows])
+    assert np.abs(missed).mean() < 0.02
+    assert 0.4 < np.sqrt(np.mean((missed / u) ** 2)) < 1.7
+
+
+def test_dead_path_that_nobody_knows_is_refused(folder: Path) -> None:
+    file = table(folder / "other.csv", some_poses(3, 45), np.zeros(3))
+    file.write_text(file.read_text("utf-8").replace(",s1,", ",s9,"), "utf-8")
+    done = predicted(folder, file)
+    assert isinstance(done.exception, UsageError)
+    assert "other.csv:3: the result does not know the dead path of P2#s9" in str(done.exception)
+
+
+def validated(folder: Path, file: Path, *words: str) -> Result:
+    return CliRunner().invoke(cli, ["validate", str(folder / "arm.json"), "--measured", str(file), *words])
+
+
+def ballbar(folder: Path, seed: int) -> Path:
+    """Write lengths from nests 1 and 2 to a sphere of which nobody says where it is."""
+    poses = some_poses(160, seed)
+    nests = np.arange(160) % 2
+    centre = np.array([450.0, 100.0, 150.0])
+    apart = np.linalg.norm(TrueArm(base=np.zeros(6)).nests(poses, nests) - centre, axis=1)
+    lines = [f"pose,{JOINTS},target,anchor,segment,distance_mm"]
+    for k, (q, length) in enumerate(zip(poses.tolist(), apart.tolist(), strict=True)):
+        lines.append(",".join([f"B{k}", *map(repr, q), f"nest{nests[k] + 1}", "sphere", "", repr(length)]))
+    (folder / "ballbar.csv").write_text("\n".join(lines), "utf-8")
+    return folder / "ballbar.csv"
+
+
+def test_lengths_of_a_ballbar_validate_by_target(folder: Path) -> None:
+    done = validated(folder, ballbar(folder, 71), "--json", "-o", str(folder / "ballbar.html"))
+    said = json.loads(done.stdout)
+    rows = {(one["target"], one["state"]): one for one in said["by_target"]}
+    assert (said["measured"], said["n"], said["fitted_anchors"]) == ("distances", 160, ["sphere"])
+    assert said["calibrated"]["max_mm"] < 0.15
+    assert said["frames_only"]["mean_mm"] > 5.0 * said["calibrated"]["mean_mm"]
+    assert abs(rows["nest2", "calibrated"]["mean_mm"]) < 0.05
+    assert "Length errors by measurement" in (folder / "ballbar.html").read_text("utf-8")
+
+
+def test_stated_place_of_the_sphere_is_taken(folder: Path) -> None:
+    (folder / "sphere.csv").write_text("anchor,x_mm,y_mm,z_mm\nsphere,450,100,150\n", "utf-8")
+    done = validated(folder, ballbar(folder, 72), "--json", "--anchors", str(folder / "sphere.csv"))
+    said = json.loads(done.stdout)
+    assert said["fitted_anchors"] == []
+    assert said["calibrated"]["mean_mm"] < 0.1

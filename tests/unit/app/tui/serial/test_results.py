@@ -1,0 +1,66 @@
+"""The screen Results with a calibrated serial arm: its parts, its keys, another kind of result after it."""
+
+import os
+from pathlib import Path
+
+import pytest
+from textual.widgets import ContentSwitcher
+
+from catseye.app.results.serial_arm.result import write_serial_arm
+from catseye.app.tui.dialogs.text_dialog import TextDialog
+from tests.unit.app.results.serial_arm.sample import sample_calibration
+from tests.unit.app.tui.screens.test_results import open_app, press
+from tests.unit.app.tui.scripted import work_of
+from tests.unit.app.tui.stored_results import WRITTEN_S, write_results
+
+
+@pytest.fixture
+def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A working folder with a calibration, the newest result."""
+    path = tmp_path / "irb.json"
+    write_serial_arm(sample_calibration(), path)
+    os.utime(path, (WRITTEN_S + 1e4, WRITTEN_S + 1e4))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+async def test_a_calibration_is_shown_by_the_sections_of_its_report(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        text = await press(app, pilot, "enter")
+        assert "irb.json · irb120 · geometric+compliance" in text
+        assert "missed by 0.146 mm on the average, 0.437 mm at most" in " ".join(text.split())
+        assert "3.168" in await press(app, pilot, "3")
+        text = await press(app, pilot, "4")
+        assert "J2.a_mm" in text
+        assert "0.1250" in text
+        assert "too few poses" in await press(app, pilot, "5")
+        assert "pose 17" in await press(app, pilot, "6")
+
+
+async def test_a_key_without_a_part_changes_nothing(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(80, 24)) as pilot:
+        before = await press(app, pilot, "enter", "7")
+        assert await press(app, pilot, "8", "9") == before
+        assert app.screen.query_one(ContentSwitcher).current == "serial-arm"
+
+
+async def test_report_and_commands_of_a_calibration(bench: Path) -> None:
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        await press(app, pilot, "enter", "p")
+        assert work_of(app).done == [("report", str(bench / "irb.json"), "-o", str(bench / "irb.html"))]
+        text = await press(app, pilot, "y")
+        assert isinstance(app.screen, TextDialog)
+        assert "catseye compensate" in text
+
+
+async def test_a_scaras_result_is_shown_after_a_calibration(bench: Path) -> None:
+    write_results(bench)
+    app = open_app(bench)
+    async with app.run_test(size=(120, 40)) as pilot:
+        assert "4 Parameters" in await press(app, pilot, "enter")
+        text = await press(app, pilot, "1", "down", "enter")
+        assert "error-map.json · " in text
+        assert "4 Layout" in text

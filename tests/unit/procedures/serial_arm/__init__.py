@@ -1,0 +1,1 @@
+"""Procedures of serial arms with a tracker."""

@@ -1,0 +1,181 @@
+"""Plans of poses: seen, within limits, approached from below, clear; against geometry by hand."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from catseye.app.engine.dry_run import DryRunContext
+from catseye.calibration.kinematics.bodies import Box
+from catseye.procedures.kit.errors import PlanError, PlanLimitError
+from catseye.procedures.kit.system import System
+from catseye.procedures.serial_arm.bench import SerialBench, ToolTarget
+from catseye.procedures.serial_arm.pose_params import PoseParams
+from catseye.procedures.serial_arm.sight import in_line_of_sight, off_normal_deg, seen
+from catseye.procedures.serial_arm.tracker_calibration import CalibrationParams, TrackerCalibration
+from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
+from tests.unit.procedures.serial_arm.benches import CMM, SIX, STATION_MM
+from tests.unit.procedures.six_axes import CHAIN, HEIGHT_MM, REACH_MM
+
+FORWARD = np.zeros((1, 6))
+"""Forearm level, flange looking along x: its z is the base's x."""
+
+SMALL = ValidationParams(count=12, nests_every=5)
+
+
+def test_a_target_looks_past_by_the_angle_of_its_sight() -> None:
+    place = np.array([REACH_MM + 125.0, 0.0, HEIGHT_MM])
+    sight = STATION_MM - place
+    expected = math.degrees(math.acos(sight[0] / np.linalg.norm(sight)))
+    assert off_normal_deg(SIX, FORWARD, SIX.target("N1")) == pytest.approx([expected])
+    assert seen(SIX, FORWARD, SIX.target("N1")).tolist() == [expected <= 30.0]
+    # Turned by 90° about the vertical axis it looks sideways.
+    aside = FORWARD.copy()
+    aside[0, 0] = -90.0
+    assert off_normal_deg(SIX, aside, SIX.target("N1"))[0] > 60.0
+    assert not seen(SIX, aside, SIX.target("N1"))[0]
+
+
+def test_a_plate_is_seen_from_behind_as_a_frame() -> None:
+    behind = FORWARD.copy()
+    behind[0, 0] = 172.0
+    plate = ToolTarget("plate", (0.0, 0.0, 100.0), (0.0, 0.0, 1.0))
+    bench = replace(CMM, workspace=replace(CMM.workspace, bodies=()))
+    assert not seen(bench, behind, plate)[0]
+    assert seen(bench, behind, plate, as_frame=True)[0] == (
+        180.0 - off_normal_deg(bench, behind, plate)[0] <= 15.0
+    )
+
+
+def test_the_forearm_hides_what_is_behind_it() -> None:
+    away = FORWARD.copy()
+    away[0, 0] = 172.6
+    # The tracker, the arm's axis and the target lie in one plane then: forearm and wrist stand in between.
+    assert not in_line_of_sight(SIX, away, SIX.target("N1"))[0]
+    assert in_line_of_sight(SIX, FORWARD, SIX.target("N1"))[0]
+
+
+def test_a_box_in_the_line_of_sight_hides_a_target() -> None:
+    middle = 0.5 * (STATION_MM + np.array([REACH_MM + 125.0, 0.0, HEIGHT_MM]))
+    low, high = (tuple((middle + by).tolist()) for by in (-30.0, 30.0))
+    boxed = replace(SIX, workspace=replace(SIX.workspace, keep_out=(Box("cabinet", low, high),)))
+    assert not in_line_of_sight(boxed, FORWARD, SIX.target("N1"))[0]
+
+
+def test_random_poses_are_seen_and_come_from_below() -> None:
+    plan = TrackerValidation().plan(SIX, SMALL)
+    assert len(plan.poses) == 12
+    for one in plan.poses:
+        assert np.array(one.pose) - np.array(one.approach) == pytest.approx([5.0] * 6)
+        for axis, value in zip(SIX.arm.axes, one.approach, strict=True):
+            assert axis.low <= value
+        (name,) = one.targets
+        at = np.array([one.pose])
+        flange = CHAIN.flange(at)[0]
+        target = SIX.target(name)
+        place = (flange @ [*target.place_mm, 1.0])[:3]
+        looks = flange[:3, :3] @ np.array(target.normal)
+        sight = STATION_MM - place
+        assert looks @ sight / np.linalg.norm(sight) >= math.cos(math.radians(30.0)) - 1e-9
+
+
+def test_the_seed_decides_the_poses() -> None:
+    one, again = (TrackerValidation().plan(SIX, SMALL).poses for _ in range(2))
+    other = TrackerValidation().plan(SIX, SMALL.model_copy(update={"seed": 1})).poses
+    assert one == again
+    assert one != other
+
+
+def test_chosen_poses_identify_better_than_random_ones() -> None:
+    from catseye.calibration.serial_arm.arm import SerialArm, Target
+    from catseye.calibration.serial_arm.design.pose_rows import candidate_rows
+
+    params = CalibrationParams(count=14, candidates=400, model="geometric")
+    chosen = TrackerCalibration().plan(SIX, params).poses
+    random = TrackerValidation().plan(SIX, ValidationParams(count=14)).poses
+    arm = SerialArm(CHAIN, (), tuple(Target(one.name, one.place_mm) for one in SIX.targets))
+    names = [one.name for one in SIX.targets]
+
+    def index(poses: object) -> float:
+        joints = np.array([one.pose for one in poses])  # type: ignore[attr-defined]  # planned poses
+        target = np.array([names.index(one.targets[0]) for one in poses])  # type: ignore[attr-defined]  # as above
+        rows = candidate_rows(arm, joints, target, "geometric")
+        flat = rows.reshape(-1, rows.shape[-1])
+        return float(np.linalg.slogdet(flat.T @ flat)[1])
+
+    assert index(chosen) > index(random) + 5.0
+
+
+def test_given_poses_are_taken_in_their_order() -> None:
+    drawn = [list(one.pose) for one in TrackerValidation().plan(SIX, SMALL).poses][::-1]
+    plan = TrackerCalibration().plan(SIX, CalibrationParams(poses=drawn))
+    assert [list(one.pose) for one in plan.poses] == drawn
+
+
+def test_a_pose_whose_approach_leaves_the_range_is_named() -> None:
+    with pytest.raises(PlanLimitError, match=r"pose P0001: A1 = -169 deg is outside -165"):
+        TrackerCalibration().plan(SIX, CalibrationParams(poses=[[-164.0, 0.0, 0.0, 0.0, 0.0, 0.0]]))
+
+
+def test_a_pose_without_a_seen_target_is_named() -> None:
+    with pytest.raises(PlanError, match=r"P0001: the instrument sees no target there.*30 deg"):
+        TrackerCalibration().plan(SIX, CalibrationParams(poses=[[-90.0, 0.0, 0.0, 0.0, 0.0, 45.0]]))
+
+
+def test_a_pose_behind_a_post_is_named() -> None:
+    def placed(bench: SerialBench, angle_deg: float) -> SerialBench:
+        x, y = (REACH_MM * turn(math.radians(angle_deg)) for turn in (math.cos, math.sin))
+        post = Box("post", (x - 20.0, y - 20.0, 0.0), (x + 20.0, y + 20.0, 900.0))
+        return replace(bench, workspace=replace(bench.workspace, keep_out=(post,)))
+
+    with pytest.raises(PlanError, match=r"P0001.*post stands in the arm's way"):
+        TrackerCalibration().plan(placed(SIX, 45.0), CalibrationParams(poses=[[90.0, 0, 0, 0, 0, 0]]))
+
+
+def test_what_the_driver_cannot_measure_is_refused() -> None:
+    with pytest.raises(PlanError, match="measured = poses"):
+        TrackerValidation().plan(SIX, SMALL.model_copy(update={"measured": "poses"}))
+    assert TrackerValidation().plan(CMM, ValidationParams(count=3)).measured == "poses"
+
+
+def test_unknown_targets_are_refused_with_the_known_ones() -> None:
+    with pytest.raises(PlanError, match="no target N9: choose among N1, N2, N3"):
+        TrackerValidation().plan(SIX, SMALL.model_copy(update={"targets": ["N9"]}))
+
+
+def test_an_instrument_that_stands_elsewhere_sees_too_little() -> None:
+    blind = replace(SIX, instrument=replace(SIX.instrument, cone_deg=0.01))
+    with pytest.raises(PlanError, match=r"random poses .* can be measured, too few"):
+        TrackerValidation().plan(blind, SMALL)
+
+
+@pytest.mark.parametrize("frames", [False, True])
+async def test_a_rehearsal_drives_the_whole_plan(frames: bool) -> None:
+    plan = TrackerValidation().plan(SIX, ValidationParams(count=6, nests_every=4, frames=frames))
+    dry = DryRunContext(System(SIX), pose=(0.0,) * 6, declared=TrackerValidation.records)
+    await TrackerValidation().run(dry, plan)
+    dry.require_clear_ways()
+    ids = [step.step_id for step in dry.steps]
+    assert [one for one in ids if one.startswith("frames")] == (
+        ["frames/base", "frames/tool"] if frames else []
+    )
+    assert [one for one in ids if not one.startswith("frames")] == [
+        "nests/00",
+        *(f"pose/{number:04d}" for number in range(4)),
+        "nests/01",
+        *(f"pose/{number:04d}" for number in range(4, 6)),
+        "nests/02",
+        "summary",
+    ]
+    assert not [data for kind, data in dry.notes if kind == "warning"]
+    if frames:
+        # An ideal arm stands where the cell file says.
+        found = [data for kind, data in dry.notes if kind == "frame-found"]
+        assert [round(float(str(data["shift_mm"])), 6) for data in found] == [0.0, 0.0]
+
+
+def test_parameters_have_the_figures_of_the_paper() -> None:
+    shared, chosen, random = PoseParams(), CalibrationParams(), ValidationParams()
+    assert (shared.approach_deg, shared.dwell_s) == (5.0, 4.0)
+    assert (chosen.count, chosen.candidates, random.count) == (38, 5000, 1000)
