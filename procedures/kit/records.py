@@ -169,9 +169,10 @@ def row_of(record: Record) -> Row:
     return {**own, **record.extra}
 
 
+# Each record that is handed over asks for it, and annotations are slow to read. Type checkers take a class of
+# records for its instances, which have no hash.
 @cache
-def _own_table(record: type[Record]) -> Table:
-    # Each record that is handed over asks for it, and annotations are slow to read.
+def _own_table(record: type[Any]) -> Table:
     hints = get_type_hints(record)
     own = [each.name for each in fields(record) if each.name != EXTRA]
     return Table(record.table, tuple(_column(name, hints[name]) for name in own))
