@@ -13,17 +13,23 @@ from catseye.app.cli.output import note
 if TYPE_CHECKING:
     from catseye.app.engine.announcer import Publish
 
-_SPEED = {"scara": 400.0, "resolution": 30.0}
-_SEED = {"scara": 2, "resolution": 1}
-_FOLDER = {"scara": "catseye-demo", "resolution": "catseye-demo-resolution"}
+_SPEED = {"scara": 400.0, "resolution": 30.0, "six-axis": 30.0}
+_SEED = {"scara": 2, "resolution": 1, "six-axis": 0}
+_FOLDER = {
+    "scara": "catseye-demo",
+    "resolution": "catseye-demo-resolution",
+    "six-axis": "catseye-demo-six-axis",
+}
 
 
 def demo(
-    system: Annotated[Literal["scara", "resolution"], typer.Argument(help="what is measured")] = "scara",
+    system: Annotated[
+        Literal["scara", "resolution", "six-axis"], typer.Argument(help="what is measured")
+    ] = "scara",
     out: Annotated[
         Path | None,
         typer.Option(
-            help="folder for everything that the demo writes [catseye-demo, catseye-demo-resolution]"
+            help="folder for everything that the demo writes [catseye-demo, or that with the name of the system]"
         ),
     ] = None,
     speed: Annotated[
@@ -31,14 +37,14 @@ def demo(
         typer.Option(
             min=0.001,
             max=1e6,
-            help="bench seconds in one real second [400 for scara, 30 for resolution]",
+            help="bench seconds in one real second [400 for scara, 30 for the others]",
         ),
     ] = None,
     seed: Annotated[
         int | None,
         typer.Option(
             min=0,
-            help="of everything random in the emulated bench [2 for scara, 1 for resolution]",
+            help="of everything random in the emulated bench [2 for scara, 1 for resolution, 0 for six-axis]",
         ),
     ] = None,
     truth: Truth = None,
@@ -51,8 +57,13 @@ def demo(
     from catseye.app.cli.demonstration import DemoInterruptedError, Demonstration
     from catseye.app.cli.resolution.demo import demonstrate_resolution
     from catseye.app.cli.scara.demo import demonstrate_scara
+    from catseye.app.cli.serial_arm.demo import demonstrate_six_axis
 
-    demonstrate = {"scara": demonstrate_scara, "resolution": demonstrate_resolution}[system]
+    demonstrate = {
+        "scara": demonstrate_scara,
+        "resolution": demonstrate_resolution,
+        "six-axis": demonstrate_six_axis,
+    }[system]
     given = Demonstration(
         out or Path(_FOLDER[system]),
         speed or _SPEED[system],

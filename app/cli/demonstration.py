@@ -218,4 +218,4 @@ def live_cell(path: Path, cell: str, endpoints: Sequence[str]) -> LoadedCell:
 
 def _with_ports(text: str, ports: Iterable[str]) -> str:
     left = iter(ports)
-    return re.sub(r'(?<=^endpoint = "tcp://127\.0\.0\.1:)\d+', lambda _: next(left), text, flags=re.MULTILINE)
+    return re.sub(r'(?<= = "tcp://127\.0\.0\.1:)\d+', lambda _: next(left), text, flags=re.MULTILINE)

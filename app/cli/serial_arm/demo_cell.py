@@ -93,12 +93,5 @@ CELL: Final = f"""{_ROBOT}
 [tracker]
 driver = "leica-emscon"
 endpoint = "tcp://127.0.0.1:10700"
+control = "tcp://127.0.0.1:10099"       # where hands reach the emulated bench
 {_ROOM}"""
-"""With the tracker."""
-
-BAR_CELL: Final = f"""{_ROBOT}
-[tracker]
-driver = "bench-tracker"
-endpoint = "tcp://127.0.0.1:10099"
-{_ROOM}"""
-"""The same bench while the ballbar is on it: hands mount it and read it."""

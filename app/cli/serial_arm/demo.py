@@ -1,0 +1,152 @@
+"""The demonstration of six-axis calibration: an IRB 120 before a laser tracker, validated, checked by a ballbar."""
+
+import asyncio
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
+
+from catseye.app.cell.arm import shipped_arm
+from catseye.app.cell.load import LoadedCell
+from catseye.app.cell.tool import read_tool
+from catseye.app.cli.demonstration import (
+    Demonstration,
+    emulators,
+    interruptible,
+    live_cell,
+    make_folder,
+    run_each,
+)
+from catseye.app.cli.output import note, write_json, write_line
+from catseye.app.cli.report_output import note_statements, write_tables
+from catseye.app.cli.serial_arm.demo_cell import ARM, CELL, TOOL, TOOL_FILE
+from catseye.app.engine.signals import SignalInstaller
+from catseye.app.files.atomic import write_atomically
+from catseye.app.protocol.procedures import load_procedure
+from catseye.app.render.page import write_page
+from catseye.app.results.model import Report, Section
+from catseye.app.results.serial_arm.calibrate import Method, Sources, Subject, calibrate_tables
+from catseye.app.results.serial_arm.calibration_report import calibration_report
+from catseye.app.results.serial_arm.result import SerialArmResult, serial_arm_summary, write_serial_arm
+from catseye.app.results.serial_arm.run_poses import as_tables
+from catseye.app.results.serial_arm.validation import ArmValidation, validate_arm
+from catseye.app.results.serial_arm.validation_report import arm_validation_report
+from catseye.app.store.reader import RunReader
+
+DemoRun = tuple[str, Sequence[str]]
+"""Name of a procedure, and its parameters as on the command line."""
+
+CALIBRATION: Final[DemoRun] = ("tracker-calibration", ("count=38", "dwell_s=2", "nests_every=20"))
+VALIDATION: Final[DemoRun] = (
+    "tracker-validation",
+    ("count=60", "dwell_s=1", "settle_s=0.3", "nests_every=30", "seed=1"),
+)
+BALLBAR: Final[DemoRun] = (
+    "ballbar",
+    ("azimuth_deg=[-90, -40]", "elevation_deg=[40, 70]"),
+)
+"""Less than the paper asks for, so that it takes a minute: shorter dwells, fewer poses to validate with."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What the demonstration has measured.
+
+    Attributes:
+        calibration: run of the chosen poses.
+        validation: run of the random ones.
+        ballbar: run of the spheres.
+        result: of the calibration.
+    """
+
+    calibration: Path
+    validation: Path
+    ballbar: Path
+    result: SerialArmResult
+
+
+def demonstrate_six_axis(given: Demonstration, *, as_json: bool) -> None:
+    """Calibrate, validate and check an emulated arm; sum it up.
+
+    Raises:
+        DemoInterruptedError: a run did not complete.
+    """
+    make_folder(given.folder)
+    measured = asyncio.run(interruptible(partial(_measure, given)))
+    found = validated(measured)
+    report, page = report_of(measured, found), given.folder / "report.html"
+    write_page(report, page)
+    if as_json:
+        write_json(_document(given, measured, found, page))
+        return
+    write_tables(report)
+    note_statements(report)
+    write_line(f"result           {result_file(given)}")
+    write_line(f"report           {page}")
+
+
+async def _measure(given: Demonstration, install_signals: SignalInstaller) -> Measured:
+    write_atomically(given.folder / TOOL_FILE, TOOL)
+    async with emulators(given, CELL) as endpoints:
+        ports = [endpoints[device] for device in ("robot", "tracker", "control")]
+        cell = live_cell(given.cell_file, CELL, ports)
+        run = partial(_run, given, cell, install_signals=install_signals)
+        calibration = await run(CALIBRATION)
+        note("identifying the arm")
+        result = await asyncio.to_thread(calibrated, given, calibration)
+        validation = await run(VALIDATION)
+        name, texts = BALLBAR
+        ballbar = await run((name, (*texts, f"result={result_file(given)}")))
+        return Measured(calibration, validation, ballbar, result)
+
+
+async def _run(
+    given: Demonstration, cell: LoadedCell, chosen: DemoRun, *, install_signals: SignalInstaller
+) -> Path:
+    name, texts = chosen
+    (path,) = await run_each(given, cell, [(load_procedure(name), texts)], install_signals)
+    return path
+
+
+def calibrated(given: Demonstration, run: Path) -> SerialArmResult:
+    """Return what a run identifies; write it to the result file."""
+    subject = Subject(ARM, shipped_arm(ARM), read_tool(given.folder / TOOL_FILE))
+    with as_tables([RunReader(run)]) as tables:
+        found = calibrate_tables(subject, Sources(tables), Method())
+    if found.provenance is None:
+        raise TypeError("a calibration says what it was made from")
+    origin = found.provenance.model_copy(update={"runs": [run.name], "simulated": True})
+    result = found.model_copy(update={"provenance": origin})
+    write_serial_arm(result, result_file(given))
+    return result
+
+
+def validated(measured: Measured) -> ArmValidation:
+    """Return the calibration against the random poses."""
+    with as_tables([RunReader(measured.validation)]) as (table,):
+        return validate_arm(measured.result, table)
+
+
+def report_of(measured: Measured, found: ArmValidation) -> Report:
+    """Return the report of the calibration, with the validation behind its verdict."""
+    report = calibration_report("catseye demo: calibration of an emulated IRB 120", measured.result)
+    checks: list[Section] = list(arm_validation_report(found, measured.validation.name).sections)
+    at = next(number for number, part in enumerate(report.sections, 1) if part.key == "verdict")
+    return replace(report, sections=(*report.sections[:at], *checks, *report.sections[at:]))
+
+
+def result_file(given: Demonstration) -> Path:
+    """Return where the result is written."""
+    return given.folder / "result.json"
+
+
+def _document(given: Demonstration, measured: Measured, found: ArmValidation, page: Path) -> dict[str, Any]:
+    return {
+        "runs": [str(run) for run in (measured.calibration, measured.validation, measured.ballbar)],
+        "result_file": str(result_file(given)),
+        "report": str(page),
+        "truth": str(given.truth_file),
+        "validation": found.document(),
+        "result": serial_arm_summary(measured.result),
+    }
