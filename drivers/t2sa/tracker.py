@@ -54,6 +54,9 @@ class T2saSettings(DeviceSettings):
     plane_target: str = Field(default="P1", description="name of the target for places in the plane.")
     working_frame: str = Field(default="", description="that is set at the start; empty: it is left alone.")
     simulates: bool = Field(default=False, description="SpatialAnalyzer simulates its instrument.")
+    has_laser: bool = Field(
+        default=True, description="the instrument has a laser that has to be on; an optical CMM has none."
+    )
     switches_laser_on: bool = Field(
         default=False, description="whether a laser that is off is switched on for the first point."
     )
@@ -192,16 +195,18 @@ class T2sa(LinkDriver, Tracker):
 
     async def examine(self) -> Examination:
         """Ask for the state of SpatialAnalyzer and of the laser."""
-        status, laser = await self._ask("?STAT"), await self._ask("?LSTA")
-        facts = (f"SpatialAnalyzer: {status.text or status.code}", f"laser: {laser.text or laser.code}")
-        advice = []
+        status = await self._ask("?STAT")
+        facts, advice = [f"SpatialAnalyzer: {status.text or status.code}"], list[str]()
         if not status.ok and status.code != codec.BUSY:
             advice.append(
                 f"SpatialAnalyzer is not ready (ERR-{status.code} {status.text}): start its instrument"
             )
-        if laser.text != _LIT:
-            advice.append(f"the laser is not ready ({laser.text}): switch it on and let it warm up")
-        return Examination(facts, tuple(advice))
+        if self._settings.has_laser:
+            state = (await self._ask("?LSTA")).text
+            facts.append(f"laser: {state}")
+            if state != _LIT:
+                advice.append(f"the laser is not ready ({state}): switch it on and let it warm up")
+        return Examination(tuple(facts), tuple(advice))
 
     async def _require_laser(self) -> None:
         """Check that the laser is on and warm, or switch it on where the settings say so.
@@ -209,6 +214,8 @@ class T2sa(LinkDriver, Tracker):
         Raises:
             RefusedError: it is not.
         """
+        if not self._settings.has_laser:
+            return
         state = (await self._accepted("?LSTA", "the laser", repeat=Repeat.HARMLESS)).text
         if state == _DARK and self._settings.switches_laser_on:
             await self._accepted("!LST:1", "the laser")

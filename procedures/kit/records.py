@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from functools import cache
 from types import NoneType, UnionType
 from typing import Any, ClassVar, Final, Literal, get_args, get_origin, get_type_hints
 
@@ -144,11 +145,7 @@ def table_of(record: type[Record]) -> Table:
         TypeError: a field is no column.
         ValueError: a name cannot be used.
     """
-    if issubclass(record, Observation):
-        return OBSERVATIONS
-    hints = get_type_hints(record)
-    own = [each.name for each in fields(record) if each.name != EXTRA]
-    return Table(record.table, tuple(_column(name, hints[name]) for name in own))
+    return OBSERVATIONS if issubclass(record, Observation) else _own_table(record)
 
 
 def tables_of(records: Iterable[type[Record]]) -> tuple[Table, ...]:
@@ -170,6 +167,15 @@ def row_of(record: Record) -> Row:
             f"{type(record).__name__}: extra has {', '.join(sorted(hidden))}, which columns are called"
         )
     return {**own, **record.extra}
+
+
+# Each record that is handed over asks for it, and annotations are slow to read. Type checkers take a class of
+# records for its instances, which have no hash.
+@cache
+def _own_table(record: type[Any]) -> Table:
+    hints = get_type_hints(record)
+    own = [each.name for each in fields(record) if each.name != EXTRA]
+    return Table(record.table, tuple(_column(name, hints[name]) for name in own))
 
 
 def _column(name: str, hint: Any) -> Column:

@@ -147,6 +147,13 @@ async def test_a_dark_laser_is_reported_or_switched_on() -> None:
         assert one.bench.bench.time_s > 60.0
 
 
+async def test_an_instrument_without_a_laser_is_asked_for_none() -> None:
+    async with rig(start=FACING, has_laser=False) as one:
+        await one.tracker.pose("tool", 0.0)
+        assert (await one.tracker.examine()).facts == ("SpatialAnalyzer: Instrument is connected",)
+        assert not one.asked("?LSTA")
+
+
 async def test_a_busy_spatialanalyzer_is_waited_for() -> None:
     async with rig(speed=10.0) as one:
         other = T2sa.at(one.bench.endpoints[0].endpoint, SystemClock(10.0))
