@@ -145,7 +145,9 @@ def table_of(record: type[Record]) -> Table:
         TypeError: a field is no column.
         ValueError: a name cannot be used.
     """
-    return OBSERVATIONS if issubclass(record, Observation) else _own_table(record)
+    if issubclass(record, Observation):
+        return OBSERVATIONS
+    return _own_table(record)  # type: ignore[arg-type]  # mypy judges the class by its instances, which have no hash
 
 
 def tables_of(records: Iterable[type[Record]]) -> tuple[Table, ...]:
@@ -169,10 +171,9 @@ def row_of(record: Record) -> Row:
     return {**own, **record.extra}
 
 
-# Each record that is handed over asks for it, and annotations are slow to read. Type checkers take a class of
-# records for its instances, which have no hash.
+# Each record that is handed over asks for it, and annotations are slow to read.
 @cache
-def _own_table(record: type[Any]) -> Table:
+def _own_table(record: type[Record]) -> Table:
     hints = get_type_hints(record)
     own = [each.name for each in fields(record) if each.name != EXTRA]
     return Table(record.table, tuple(_column(name, hints[name]) for name in own))
