@@ -26,6 +26,7 @@ from catseye.app.files.atomic import write_atomically
 from catseye.app.protocol.procedures import load_procedure
 from catseye.app.render.page import write_page
 from catseye.app.results.model import Report, Section
+from catseye.app.results.serial_arm.ballbar_report import ballbar_section
 from catseye.app.results.serial_arm.calibrate import Method, Sources, Subject, calibrate_tables
 from catseye.app.results.serial_arm.calibration_report import calibration_report
 from catseye.app.results.serial_arm.result import SerialArmResult, serial_arm_summary, write_serial_arm
@@ -129,9 +130,10 @@ def validated(measured: Measured) -> ArmValidation:
 
 
 def report_of(measured: Measured, found: ArmValidation) -> Report:
-    """Return the report of the calibration, with the validation behind its verdict."""
+    """Return the report of the calibration, with validation and ballbar behind its verdict."""
     report = calibration_report("catseye demo: calibration of an emulated IRB 120", measured.result)
-    checks: list[Section] = list(arm_validation_report(found, measured.validation.name).sections)
+    validation = arm_validation_report(found, measured.validation.name).sections
+    checks: list[Section] = [*validation, ballbar_section(RunReader(measured.ballbar))]
     at = next(number for number, part in enumerate(report.sections, 1) if part.key == "verdict")
     return replace(report, sections=(*report.sections[:at], *checks, *report.sections[at:]))
 

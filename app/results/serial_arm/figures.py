@@ -105,20 +105,32 @@ def places(place_mm: Floats, error_mm: Floats) -> Figure:
 
 def length_errors(states: Sequence[tuple[str, Floats]], targets: Sequence[str]) -> Figure:
     """Return errors of measured lengths in measuring order, a panel for each target and both states in it."""
-    names, roles = np.array(targets), (Role.CONVENTIONAL, Role.POSITIVE)
+    return signed_by_target(
+        "length-errors", "Length errors by measurement", states, targets, "predicted − measured / mm"
+    )
+
+
+def signed_by_target(
+    key: str, title: str, states: Sequence[tuple[str, Floats]], targets: Sequence[str], label: str
+) -> Figure:
+    """Return signed errors in measuring order, a panel for each target and all states in it.
+
+    Args:
+        states: name and errors, mm, of each, the reference first where there are two.
+        targets: of the errors.
+        label: of the errors' axis.
+    """
+    names = np.array(targets)
+    roles = (Role.CONVENTIONAL, Role.POSITIVE) if len(states) > 1 else (Role.POSITIVE,)
     panels = []
     for target in dict.fromkeys(targets):
         of_it = np.flatnonzero(names == target)
         order = np.arange(1, len(of_it) + 1, dtype=np.float64)
         marks = tuple(
             Points(order, signed_mm[of_it], role, state, joined=True, size=3.0)
-            for (state, signed_mm), role in zip(states, roles, strict=False)
+            for (state, signed_mm), role in zip(states, roles, strict=True)
         )
         zero = Level(0.0, Role.AXIS)
-        panels.append(
-            (Panel(target, Axis("measurement"), Axis("predicted − measured / mm"), (*marks, zero)),)
-        )
-    caption = "Error of each measured length, predicted minus measured."
-    return Figure(
-        "length-errors", "Length errors by measurement", caption, tuple(panels), aspect=0.4 * len(panels)
-    )
+        panels.append((Panel(target, Axis("measurement"), Axis(label), (*marks, zero)),))
+    caption = f"{title}: {label.removesuffix(' / mm')} of each, in measuring order."
+    return Figure(key, title, caption, tuple(panels), aspect=0.4 * len(panels))
