@@ -84,7 +84,7 @@ class Operator:
         if self._hands is None:
             raise ConfigError(
                 f"nobody can do on the emulated bench what {prompt.id!r} asks for: {prompt.text} Add a [tracker] "
-                "with the endpoint of the bench's control port to the cell file"
+                "with the endpoint of the bench's control port, or its control, to the cell file"
             )
         return replace(found, done=await self._hands.do(prompt.task))
 

@@ -60,13 +60,24 @@ def emulated_devices(cell: Cell) -> tuple[EmulatedDevice, ...]:
 
 
 def control_endpoint(cell: Cell) -> str:
-    """Return where the control port of a cell's emulated bench listens: where its tracker is, or anywhere.
+    """Return where the control port of a cell's emulated bench listens: where the cell says, or anywhere.
+
+    Raises:
+        ConfigError: the tracker's driver is not installed.
+    """
+    return hands_endpoint(cell) or "tcp://127.0.0.1:0"
+
+
+def hands_endpoint(cell: Cell) -> str | None:
+    """Return where the hands of an emulated operator reach the bench; None where the cell does not say.
 
     Raises:
         ConfigError: the tracker's driver is not installed.
     """
     tracker = cell.tracker
-    return tracker.endpoint if tracker and _tracker_driver(tracker.driver).has_hands else "tcp://127.0.0.1:0"
+    if tracker is None:
+        return None
+    return tracker.endpoint if _tracker_driver(tracker.driver).has_hands else tracker.control
 
 
 def _tracker(tracker: Tracker) -> list[EmulatedDevice]:

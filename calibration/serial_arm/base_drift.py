@@ -20,7 +20,7 @@ _TRIED_MM = (0.01, 0.02, 0.035, 0.05, 0.07, 0.1, 0.14, 0.2, 0.35, 0.5, 1.0)
 _INTERVALS = 12
 """The drift is linear in so many intervals of the measuring order."""
 
-_SIGNIFICANT = 2.71
+SIGNIFICANT_GAIN = 2.71
 """Gain of the logarithm of the likelihood that chance exceeds once in a hundred times: half of the 0.98 quantile of
 χ² with one degree of freedom, since a size cannot be negative."""
 
@@ -54,7 +54,7 @@ def find_drift(calibration: Calibration) -> Drift | None:
     )
     best = int(np.argmax(likelihoods))
     gain = float(likelihoods[best] - likelihoods[0])
-    return Drift(sizes[best], gain) if gain > _SIGNIFICANT else None
+    return Drift(sizes[best], gain) if gain > SIGNIFICANT_GAIN else None
 
 
 def drift_errors(model: ArmModel, values: Floats, drift: Drift) -> Shared:

@@ -26,6 +26,7 @@ from catseye.calibration.serial_arm.identification import (
     refined,
 )
 from catseye.calibration.serial_arm.measurements import Measurements
+from catseye.calibration.serial_arm.pose_scatter import find_scatter, scatter_errors
 
 JointSource = Literal["commanded", "read back"]
 
@@ -63,6 +64,7 @@ class Chosen:
         rejected: poses that contradict all others.
         joints: what the poses are taken to be.
         drift: of the base; None where none is seen.
+        scatter_mm: by which each pose is off as a whole, a coordinate; None where it is not seen.
         candidates: models that were tried.
         held_out: errors of the best model on poses left out.
     """
@@ -72,6 +74,7 @@ class Chosen:
     rejected: tuple[RejectedPose, ...]
     joints: JointSource
     drift: Drift | None
+    scatter_mm: float | None
     candidates: tuple[Candidate, ...]
     held_out: HeldOut
 
@@ -107,9 +110,11 @@ def choose(
     frames = identify_arm(arm, cleaned, "frames")
     candidates = tuple(candidate for _, candidate in tried)
     if loss is None:
-        return Chosen(best.calibration, frames, rejected, joints, best.drift, candidates, best.errors)
+        return Chosen(
+            best.calibration, frames, rejected, joints, best.drift, best.scatter_mm, candidates, best.errors
+        )
     every = _robust(arm, _with_joints(arm, measurements, read_back, joints), best.calibration, loss)
-    return Chosen(every, frames, (), joints, best.drift, candidates, best.errors)
+    return Chosen(every, frames, (), joints, best.drift, best.scatter_mm, candidates, best.errors)
 
 
 def _robust(arm: SerialArm, rows: Measurements, clean: Calibration, loss: Loss) -> Calibration:
@@ -130,10 +135,11 @@ def _with_joints(
 
 @dataclass(frozen=True)
 class _Fitted:
-    """A model with the drift that it sees, and what it predicts of poses left out."""
+    """A model with the drift and the scatter that it sees, and what it predicts of poses left out."""
 
     calibration: Calibration
     drift: Drift | None
+    scatter_mm: float | None
     errors: HeldOut
 
 
@@ -183,4 +189,7 @@ def _fitted(found: Calibration) -> _Fitted:
     drift = find_drift(found)
     if drift is not None:
         found = refined(found, (drift_errors(found.model, found.estimate.values, drift),))
-    return _Fitted(found, drift, held_out(found))
+    scatter_mm = find_scatter(found)
+    if scatter_mm is not None:
+        found = refined(found, (*found.model.common, scatter_errors(found.model, scatter_mm)))
+    return _Fitted(found, drift, scatter_mm, held_out(found))

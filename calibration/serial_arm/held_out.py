@@ -1,16 +1,22 @@
 """What all other poses predict of a pose: how good a model is on what it has not seen, and which poses are wrong."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import stats
 
 from catseye.calibration.core.cross_validation import Fold, Folds, cross_validation, predicted_residuals
 from catseye.calibration.core.errors import RejectionError
 from catseye.calibration.core.projection import Projection, project
+from catseye.calibration.core.significance import SIGNIFICANCE, adjusted
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.serial_arm.arm import SerialArm
 from catseye.calibration.serial_arm.identification import Calibration, ModelName, identify_arm
 from catseye.calibration.serial_arm.measurements import Measurements
+
+_DIRECTIONS = 2
+"""Degrees of freedom of what an arm misses a pose by: errors of a few joints move it along few directions."""
 
 MOST_REJECTED = 0.2
 """Share of wrong poses beyond which the model is in doubt, not the measurement."""
@@ -105,12 +111,41 @@ def _worst(calibration: Calibration) -> RejectedPose | None:
     """Return the pose that the others miss most, where chance does not explain it."""
     judged = cross_validation(_projection(calibration), _folds(calibration)).folds
     numbers = np.unique(calibration.model.measurements.poses)
-    failing = [(fold.probability, -fold.predicted_um, k) for k, fold in enumerate(judged) if fold.fails]
+    beside = _among_poses(judged)
+    failing = [
+        (max(fold.probability, among), -fold.predicted_um, k)
+        for k, (fold, among) in enumerate(zip(judged, beside, strict=True))
+        if fold.fails and among < SIGNIFICANCE
+    ]
     if not failing:
         return None
-    k = min(failing)[2]
+    probability, _, k = min(failing)
     fold: Fold = judged[k]
-    return RejectedPose(int(numbers[k]), fold.name, 1e-3 * fold.predicted_um, fold.probability)
+    return RejectedPose(int(numbers[k]), fold.name, 1e-3 * fold.predicted_um, probability)
+
+
+def _among_poses(folds: Sequence[Fold]) -> list[float]:
+    """Return how likely each pose is among the others, whose scatter the median shows, corrected for their number.
+
+    What an arm misses a pose by, all targets of the pose have in common: their rows are no independent witnesses.
+    Wrong poses hardly move the median.
+    """
+    sizes = np.array(
+        [(fold.predicted_um / fold.expected_um) ** 2 if _told(fold) else np.nan for fold in folds]
+    )
+    known = np.isfinite(sizes)
+    typical = float(np.median(sizes[known])) if known.any() else 0.0
+    if typical <= 0.0:
+        return [fold.probability for fold in folds]
+    dof = np.array([min(fold.rows, _DIRECTIONS) for fold in folds])
+    single = np.asarray(stats.chi2.sf(sizes / typical * stats.chi2.median(dof), dof))
+    return [
+        adjusted(float(one), int(known.sum())) if ok else 1.0 for one, ok in zip(single, known, strict=True)
+    ]
+
+
+def _told(fold: Fold) -> bool:
+    return fold.identified and fold.expected_um > 0.0
 
 
 def _projection(calibration: Calibration) -> Projection:

@@ -47,6 +47,11 @@ class Orders(NumberedOrders):
         self._stop = stop
         self._settings = settings
         self._beats = 0
+        self._known = False
+
+    def forget(self) -> None:
+        """Look at the module anew before the next order."""
+        self._known = False
 
     async def prepare(self, target: Pose, permit: Callable[[], None]) -> int:
         """Write all of an order but what begins it; return its number. Nothing moves yet.
@@ -60,7 +65,8 @@ class Orders(NumberedOrders):
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        await self._require_module()
+        if not self._known:
+            await self._require_module()
         if not await self.is_running():
             await self._started(permit)
         number = await self._free_number()
@@ -126,6 +132,7 @@ class Orders(NumberedOrders):
                 "CATSABB.mod again",
                 0,
             )
+        self._known = True
 
     async def _started(self, permit: Callable[[], None]) -> None:
         """Start the program from main, which moves nothing: an order from before is not carried out.
@@ -176,12 +183,12 @@ class Orders(NumberedOrders):
         Raises:
             NotReadyError: an order is still under way.
         """
-        seen, sequence = await self.look(), await self._number(names.SEQUENCE)
-        if seen.taken != seen.done:
-            raise NotReadyError(
-                f"{self._where}: order {seen.taken} is still under way; if it stands, {START}", 0
-            )
-        return (self._unused(sequence, seen.taken) - 1) % names.LARGEST_NUMBER + 1
+        sequence, taken, done = [
+            await self._number(name) for name in (names.SEQUENCE, names.TAKEN, names.DONE)
+        ]
+        if taken != done:
+            raise NotReadyError(f"{self._where}: order {taken} is still under way; if it stands, {START}", 0)
+        return (self._unused(sequence, taken) - 1) % names.LARGEST_NUMBER + 1
 
     async def _write_number(self, number: int, permit: Callable[[], None]) -> None:
         await self._write(names.SEQUENCE, str(number), repeat=Repeat.NEVER, permit=permit)

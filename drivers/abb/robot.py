@@ -138,6 +138,7 @@ class AbbRws(Robot):
             RefusedError: user or password is wrong, or all sessions are in use.
             LinkError: unreachable or silent.
         """
+        self._orders.forget()
         try:
             for service in self._services:
                 await service.link.open()

@@ -105,6 +105,14 @@ def _verdict(result: SerialArmResult) -> list[Block]:
                 "through the day.",
             )
         )
+    if result.pose_scatter_mm is not None:
+        said.append(
+            Statement(
+                Sign.NEUTRAL,
+                f"The targets of a pose are off together, by {result.pose_scatter_mm:.3g} mm in each coordinate from "
+                "pose to pose: the arm's repeatability, and what the model lacks. The uncertainties know it.",
+            )
+        )
     if result.implausible is not None:
         said.append(
             Statement(

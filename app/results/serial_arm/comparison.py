@@ -14,6 +14,7 @@ from catseye.app.results.figures import Axis, Bars, Figure, Level, Panel, Points
 from catseye.app.results.model import Block, Cell, Column, Quantity, Report, Sign, Statement, Table, section
 from catseye.app.results.numbers import EXPANDED, SHARE_EXPECTED, THREE_DIGITS, fixed, number
 from catseye.app.results.origin import origin_now
+from catseye.app.results.serial_arm.figures import by_name
 from catseye.app.results.serial_arm.identified_arm import identified_arm
 from catseye.app.results.serial_arm.result import SerialArmResult
 from catseye.calibration.core.types import Floats
@@ -218,16 +219,11 @@ def _row(one: ParameterDifference) -> tuple[Cell, ...]:
 
 def _figure(found: ArmComparison) -> Figure:
     names, sizes = zip(*found.judged, strict=True)
-    places = np.arange(len(sizes), dtype=np.float64)
     levels = tuple(Level(end, Role.EXPECTED, dash="dashed") for end in (-EXPANDED, EXPANDED))
     heights, edges = np.histogram(found.apart_mm, 30)
+    points = Points(np.arange(len(names), dtype=np.float64), np.array(sizes), Role.CHANGE)
     panels = (
-        Panel(
-            "Parameters",
-            Axis("", names=tuple(names)),
-            Axis("difference / combined u"),
-            (Points(places, np.array(sizes), Role.CHANGE), *levels),
-        ),
+        *(panel for (panel,) in by_name(names, points, "difference / combined u", levels)),
         Panel(
             "Places at random poses",
             Axis("distance / mm", low=0.0),
@@ -241,5 +237,5 @@ def _figure(found: ArmComparison) -> Figure:
         "Differences of two calibrations",
         caption,
         tuple((panel,) for panel in panels),
-        aspect=0.8,
+        aspect=0.35 * len(panels),
     )

@@ -1,6 +1,7 @@
 """Figures of calibrated serial arms: histograms of errors, lengths along a path, parameters, poses in space."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,6 +9,18 @@ from catseye.app.results.figures import Axis, Bars, Figure, Level, Panel, Points
 from catseye.calibration.core.types import Floats
 
 _BARS = 40
+_NAMES = 12
+"""Parameters in a panel."""
+_ROW_ASPECT = 0.35
+
+_SYMBOLS = {
+    "alpha_deg": "α",
+    "beta_deg": "β",
+    "a_mm": "a",
+    "theta_offset_deg": "θ",
+    "d_mm": "d",
+    "compliance_rad_per_nmm": "c",
+}
 
 
 def histograms(key: str, title: str, states: Sequence[tuple[str, Floats]]) -> Figure:
@@ -28,13 +41,42 @@ def _histogram(state: str, error_mm: Floats) -> Panel:
 
 def deviations(names: Sequence[str], values: Floats, u: Floats, unit: str) -> Figure:
     """Return identified minus nominal parameters of one unit with their standard uncertainties."""
-    marks = (
-        Points(np.arange(len(names), dtype=np.float64), values, Role.CHANGE, "identified − nominal", u),
-        Level(0.0, Role.AXIS),
+    panels = by_name(
+        names,
+        Points(np.arange(len(names), dtype=np.float64), values, Role.CHANGE, "", u),
+        f"deviation / {unit}",
     )
-    panel = Panel("", Axis("", names=tuple(names)), Axis(f"deviation / {unit}"), marks)
-    caption = f"Deviations from the drawing in {unit}; bars: standard uncertainty (k = 1)."
-    return Figure(f"deviations-{unit}", f"Deviations in {unit}", caption, ((panel,),))
+    caption = f"Identified minus nominal parameters in {unit}; bars: standard uncertainty (k = 1)."
+    aspect = _ROW_ASPECT * len(panels)
+    return Figure(f"deviations-{unit}", f"Deviations in {unit}", caption, panels, aspect=aspect)
+
+
+def by_name(
+    names: Sequence[str], points: Points, label: str, levels: Sequence[Level] = (Level(0.0, Role.AXIS),)
+) -> tuple[tuple[Panel], ...]:
+    """Return a value a parameter, in as many panels below one another as their names need.
+
+    Args:
+        points: in the order of the names.
+    """
+    panels = []
+    for first in range(0, len(names), _NAMES):
+        part = slice(first, first + _NAMES)
+        shown = replace(
+            points,
+            x=np.arange(len(names[part]), dtype=np.float64),
+            y=points.y[part],
+            u=None if points.u is None else points.u[part],
+        )
+        panels.append(
+            (Panel("", Axis("", names=tuple(map(_short, names[part]))), Axis(label), (shown, *levels)),)
+        )
+    return tuple(panels)
+
+
+def _short(name: str) -> str:
+    owner, _, part = name.rpartition(".")
+    return f"{owner} {_SYMBOLS.get(part, part.removesuffix('_deg').removesuffix('_mm'))}"
 
 
 def places(place_mm: Floats, error_mm: Floats) -> Figure:

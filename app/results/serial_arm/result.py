@@ -155,6 +155,8 @@ class SerialArmResult(ResultPart):
         joints: what the poses were taken to be.
         base_drift_mm: standard deviation of each coordinate between the first and the last pose; None where no drift
             was seen.
+        pose_scatter_mm: standard deviation of each coordinate by which poses are off as a whole, where several
+            targets of a pose show it.
         description: the nominal arm.
         tool: its tool; None where targets had unknown places.
         monte_carlo: None where uncertainties follow from the Jacobian.
@@ -177,6 +179,7 @@ class SerialArmResult(ResultPart):
     provenance: Provenance | None = None
     joints: Literal["commanded", "read back"] = "commanded"
     base_drift_mm: Uncertainty | None = None
+    pose_scatter_mm: Uncertainty | None = None
     candidates: list[CandidatePart] = Field(default_factory=list)
     frames: FramesPart | None = None
     description: ArmDescription | None = None

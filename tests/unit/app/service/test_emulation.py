@@ -7,7 +7,7 @@ import pytest
 from catseye.app.cell.model import Cell
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.errors import ConfigError
-from catseye.app.service.emulation import emulated_devices
+from catseye.app.service.emulation import emulated_devices, hands_endpoint
 from catseye.app.service.scara.emulation import emulation_config
 
 
@@ -63,6 +63,18 @@ def test_other_trackers_are_no_device_of_the_bench(driver: str, endpoint: str, c
     given = with_tracker(driver, endpoint)
     assert all(device.name != "tracker" for device in emulated_devices(given))
     assert emulation_config(given, 1.0, 0, None).control == control
+
+
+def test_hands_reach_the_bench_of_an_emulated_tracker() -> None:
+    given = with_tracker("leica-emscon", "tcp://127.0.0.1:10700")
+    assert hands_endpoint(given) is None
+    reached = given.model_copy(
+        update={
+            "tracker": given.tracker and given.tracker.model_copy(update={"control": "tcp://127.0.0.1:7"})
+        }
+    )
+    assert hands_endpoint(reached) == "tcp://127.0.0.1:7"
+    assert emulation_config(reached, 1.0, 0, None).control == "tcp://127.0.0.1:7"
 
 
 def test_an_unknown_tracker_cannot_be_emulated() -> None:

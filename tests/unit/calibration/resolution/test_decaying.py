@@ -87,6 +87,14 @@ def test_a_joint_beyond_the_threshold_everywhere_has_none() -> None:
     assert "least-step-open" in kinds(found)
 
 
+def test_intervals_hold_the_value_where_moves_are_missing() -> None:
+    there = np.r_[0:20, 45:109]
+    steps = decaying_steps(STEPS_DEG[there] * DEG, overtravel(2e-5, 1e-5, 1)[there], 1e-7 * DEG)
+    least = decaying_test(steps).least_step
+    assert least is not None
+    assert least.low <= least.value <= least.high
+
+
 def test_no_least_step_names_the_steps_that_are_off() -> None:
     errors = overtravel(1e-6, 1e-5, 1)
     errors[[3, 4]] = -100.0

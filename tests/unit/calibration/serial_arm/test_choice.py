@@ -11,6 +11,7 @@ from catseye.calibration.serial_arm.choice import Chosen, choose
 from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.held_out import held_out, without_wrong_poses
 from catseye.calibration.serial_arm.identification import identify_arm
+from catseye.calibration.serial_arm.measurements import MeasuredPoints, Measurements
 from tests.unit.calibration.serial_arm.nominal import NOISE_MM, irb120, measured, validation
 from tests.unit.calibration.serial_arm.true_arm import COMPLIANCE, NOMINAL, TrueArm, random_poses
 
@@ -48,6 +49,34 @@ def test_wrong_poses_are_named_and_no_others() -> None:
         irb120(), measured(random_poses(POSES, 2), 2, moved_mm=moved), "geometric+compliance"
     )
     assert sorted(one.name for one in rejected) == ["pose 4", "pose 41"]
+
+
+def of_all_nests(poses: Floats, real: Floats, seed: int) -> Measurements:
+    """Measure three nests at each pose; the arm stands at other joints than commanded."""
+    pose, nest = np.repeat(np.arange(len(poses)), 3), np.tile(np.arange(3), len(poses))
+    places = TrueArm().nests(real[pose], nest)
+    places = places + NOISE_MM * np.random.default_rng(seed).standard_normal(places.shape)
+    covariance = np.tile(NOISE_MM**2 * np.eye(3), (len(pose), 1, 1))
+    names = tuple(f"pose {k + 1}" for k in range(len(poses)))
+    return Measurements(Commands.of(irb120(), poses), names, MeasuredPoints(pose, nest, places, covariance))
+
+
+def test_poses_that_scatter_as_a_whole_are_kept_and_weighed() -> None:
+    poses = random_poses(100, 1)
+    real = poses + 0.015 * np.random.default_rng(1).standard_normal(poses.shape)
+    found = choose(irb120(), of_all_nests(poses, real, 1), name="geometric+compliance")
+    assert len(found.rejected) <= 1
+    assert found.scatter_mm is not None
+    # What 0.015° of each joint move a nest by, rms of a coordinate.
+    apart = TrueArm().nests(real, np.zeros(100, dtype=np.int64)) - TrueArm().nests(
+        poses, np.zeros(100, dtype=np.int64)
+    )
+    assert found.scatter_mm == pytest.approx(float(np.sqrt(np.mean(apart**2))), rel=0.5)
+
+
+def test_exact_repetition_shows_no_scatter() -> None:
+    poses = random_poses(60, 2)
+    assert choose(irb120(), of_all_nests(poses, poses, 2), name="geometric+compliance").scatter_mm is None
 
 
 def test_too_many_wrong_poses_are_refused() -> None:

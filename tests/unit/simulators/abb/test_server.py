@@ -140,6 +140,19 @@ def test_a_proof_is_for_one_request_only(client: Client) -> None:
     assert answer.reply().startswith(b"HTTP/1.1 401")
 
 
+def test_a_proof_may_leave_the_part_of_a_resource_out(client: Client) -> None:
+    # As `requests` of Python does, and with it rwsuis.
+    target = "/rw/rapid/symbol/data/RAPID/T_ROB1/cats_seq"
+    client.get(target)
+    client.count += 1
+    proof = client._proof("GET", f"{target}?json=1")  # noqa: SLF001  # of this very class
+    client.session.feed(f"GET {target};value?json=1 HTTP/1.1\r\n{proof}\r\n\r\n".encode())
+    answer = client.session.answer()
+    assert isinstance(answer, Pending)
+    client.bench.bench.advance(0.1)
+    assert answer.reply().startswith(b"HTTP/1.1 200")
+
+
 def test_a_count_is_not_taken_twice_where_strict() -> None:
     client = of({"strict_counts": True})
     assert client.get("/rw/panel/opmode").status == 200
