@@ -79,6 +79,7 @@ class LeicaEmscon(LinkDriver, Tracker):
             identify=self._recognise,
             quiet_s=self._settings.quiet_s,
             harmless=b"",
+            without_news=codec.without_unasked,
         )
 
     async def connect(self) -> Identity:
