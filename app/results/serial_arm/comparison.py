@@ -221,7 +221,7 @@ def _figure(found: ArmComparison) -> Figure:
     names, sizes = zip(*found.judged, strict=True)
     levels = tuple(Level(end, Role.EXPECTED, dash="dashed") for end in (-EXPANDED, EXPANDED))
     heights, edges = np.histogram(found.apart_mm, 30)
-    points = Points(np.arange(len(names)), np.array(sizes), Role.CHANGE)
+    points = Points(np.arange(len(names), dtype=np.float64), np.array(sizes), Role.CHANGE)
     panels = (
         *(panel for (panel,) in by_name(names, points, "difference / combined u", levels)),
         Panel(

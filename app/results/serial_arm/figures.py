@@ -41,7 +41,11 @@ def _histogram(state: str, error_mm: Floats) -> Panel:
 
 def deviations(names: Sequence[str], values: Floats, u: Floats, unit: str) -> Figure:
     """Return identified minus nominal parameters of one unit with their standard uncertainties."""
-    panels = by_name(names, Points(np.arange(len(names)), values, Role.CHANGE, "", u), f"deviation / {unit}")
+    panels = by_name(
+        names,
+        Points(np.arange(len(names), dtype=np.float64), values, Role.CHANGE, "", u),
+        f"deviation / {unit}",
+    )
     caption = f"Identified minus nominal parameters in {unit}; bars: standard uncertainty (k = 1)."
     aspect = _ROW_ASPECT * len(panels)
     return Figure(f"deviations-{unit}", f"Deviations in {unit}", caption, panels, aspect=aspect)
