@@ -85,7 +85,7 @@ peers: $(VENV)/installed  ## public clients of the protocols, unmodified, agains
 	  || { echo "mbpoll is missing; call: apt-get install mbpoll"; exit 2; }
 	test -d .venv-peers || "$(PYTHON)" -m venv .venv-peers
 	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check melfapy==0.1.0 numpy matplotlib
-	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --no-deps feather-xrol==0.1.1
+	.venv-peers/bin/python -m pip install --quiet --disable-pip-version-check --no-deps feather-xrol==0.1.1 CESAPI==1.1.3
 	$(BIN)/python -m pytest -c pyproject.toml tests/peers
 
 bench: $(VENV)/installed  ## the figures of the README, side by side with their peers
@@ -100,7 +100,7 @@ soak: $(VENV)/installed  ## ten minutes of a stream with 1000 samples a second
 CAMPAIGN := $(BIN)/python -m pytest -c pyproject.toml -s -q --timeout 7200
 
 campaign-stop: $(VENV)/installed  ## STOP at random moments, each with a fault on a link
-	$(CAMPAIGN) tests/campaigns/test_stop_moments.py tests/campaigns/test_kuka_stop_moments.py
+	$(CAMPAIGN) tests/campaigns/test_stop_moments.py tests/campaigns/test_serial_stop_moments.py
 
 campaign-safety: $(VENV)/installed  ## killed and blocked programs, opened doors, two programs on one arm, bodies in the way
 	$(CAMPAIGN) tests/campaigns/test_guard.py tests/campaigns/test_door.py tests/campaigns/test_two_programs.py \

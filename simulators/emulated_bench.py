@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import Generic, Self, TypeVar
 
+from catseye.simulators.abb.controller import AbbController
+from catseye.simulators.abb.emulators import AbbRws
 from catseye.simulators.config import EmulatedDevice, EmulationConfig, Scara, SerialArm
 from catseye.simulators.context import EmulationContext, RobotController
 from catseye.simulators.control_port.operations import ControlSession, Reach
@@ -168,6 +170,23 @@ class EmulatedSerialBench(_DrivenBench[KukaController]):
         super().__init__(config, arm, lambda bench, keeper: KukaController(bench, arm, keeper))
 
 
+class EmulatedAbbBench(_DrivenBench[AbbController]):
+    """The bench of a serial arm with its ABB controller.
+
+    Args:
+        config: of the bench.
+        arm: that stands on it.
+
+    Raises:
+        EmulatorError: the arm has not six joints, or the truth file, a protocol or an option cannot be used.
+    """
+
+    def __init__(self, config: EmulationConfig, arm: SerialArm) -> None:
+        if len(arm.joints) != 6:
+            raise EmulatorError(f"{arm.name}: the emulated IRC5 drives arms with six joints only")
+        super().__init__(config, arm, lambda bench, keeper: AbbController(bench, arm, keeper))
+
+
 class EmulatedDrivenScara(_DrivenBench[Controller]):
     """The bench of a SCARA with drivetrains, for small steps, and its MELFA controller.
 
@@ -196,8 +215,11 @@ def served_bench(config: EmulationConfig) -> ServedBench:
     if config.serial is None:
         return EmulatedBench(config)
     robots = [load_emulator(device.protocol) for device in config.devices if device.name == "robot"]
-    melfa = any(robot.arm == "scara" for robot in robots)
-    return (EmulatedDrivenScara if melfa else EmulatedSerialBench)(config, config.serial)
+    if any(robot.arm == "scara" for robot in robots):
+        return EmulatedDrivenScara(config, config.serial)
+    if any(issubclass(robot, AbbRws) for robot in robots):
+        return EmulatedAbbBench(config, config.serial)
+    return EmulatedSerialBench(config, config.serial)
 
 
 def _check(config: EmulationConfig) -> None:

@@ -54,10 +54,12 @@ class SurveyConfig:
         instrument_drift_urad: rms of its slow rotation.
         base_drift_um: rms of the slow displacement of the arm's base on its table.
         base_drift_urad: rms of its slow rotation.
-        mark_um: standard deviation of one mark that the CMM sees, each coordinate.
+        mark_um: standard deviation of one mark in one frame of the CMM, each coordinate.
         volume_um: rms of the CMM's error that depends on the place in its volume.
         bar_mm: nominal length of the scale bar.
         u_bar_um: standard deviation of its true length from its certificate.
+        cup: where the cup of the ballbar stands from the beginning; None: hands put it somewhere first.
+        u_cup_mm: how well hands put it there, led by the arm, each coordinate.
         ballbar_mm: nominal length of the ballbar.
         ballbar_range_mm: largest deviation that it reads.
         ballbar_um: standard deviation of one reading.
@@ -98,6 +100,8 @@ class SurveyConfig:
     volume_um: float = 50.0
     bar_mm: float = 1000.0
     u_bar_um: float = 2.0
+    cup: Place | None = None
+    u_cup_mm: float = 0.15
     ballbar_mm: float = 300.0
     ballbar_range_mm: float = 1.0
     ballbar_um: float = 0.5

@@ -20,7 +20,7 @@ from catseye.procedures.resolution.campaign_plan import CampaignPlan, Order, Pla
 from catseye.procedures.resolution.records import Configuration, Move
 from catseye.simulators.config import EmulationConfig, Joints, SerialArm
 from catseye.simulators.kuka.kinematics import Kinematics
-from catseye.simulators.kuka.program import CYCLE_S, LINE_M_S, MOVE_PERCENT, STEP_PERCENT
+from catseye.simulators.kuka.program import CYCLE_S, MOVE_PERCENT, STEP_PERCENT, line_times_s
 from catseye.simulators.kuka.values import single
 from catseye.simulators.world.optics import NOBODY
 from catseye.simulators.world.serial.arm_beam import ArmBeam
@@ -49,7 +49,6 @@ _OVERRIDE = 0.1
 
 _SETTLING_S = 2.0
 _ALIGNMENTS = 3
-_KNOTS = 64
 
 
 def emulation(seed: int) -> EmulationConfig:
@@ -129,6 +128,8 @@ class VirtualBench:
         ended_s = self._arm.motion.end_s
         self._sample(origin_s, ended_s + self._plan.dwell_s)
         axis = None if series.along else self._names.index(self._place.joint)
+        # The next order comes behind the reading, not at the same time.
+        read_s = self._time_s - CYCLE_S
         return asdict(
             Move(
                 recording="series-1",
@@ -140,7 +141,8 @@ class VirtualBench:
                 ended_s=ended_s - origin_s,
                 measured_before=None if axis is None else before[axis],
                 measured_after=None if axis is None else self._arm.measured(self._time_s)[axis],
-                torque_nm=None if axis is None else self._arm.torques_nm(self._time_s)[axis],
+                torque_nm=None if axis is None else self._arm.torques_nm(read_s)[axis],
+                torque_s=None if axis is None else read_s - origin_s,
             )
         )
 
@@ -166,10 +168,9 @@ class VirtualBench:
         start = self._commanded()
         goal = self._kinematics.stepped(self._arm.measured(self._time_s), increment_mm)
         way_mm = float(np.linalg.norm(goal[:3, 3] - self._kinematics.flange(start)[:3, 3]))
-        duration_s = max(way_mm / (1e3 * LINE_M_S * _OVERRIDE), CYCLE_S)
-        count = min(_KNOTS, int(np.ceil(duration_s / CYCLE_S)))
-        knots = self._kinematics.line(start, goal, count)
-        self._arm.follow(duration_s * np.arange(1, count + 1) / count, knots, self._time_s)
+        times_s = line_times_s(way_mm, _OVERRIDE)
+        knots = self._kinematics.line(start, goal, times_s.size)
+        self._arm.follow(times_s, knots, self._time_s)
 
     def _sample(self, origin_s: float, until_s: float) -> None:
         """Read the counter up to a time, at the multiples of its interval from the origin on."""

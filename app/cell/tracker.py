@@ -27,6 +27,8 @@ class Tracker(Section):
     driver: str = "bench-tracker"
     endpoint: str
     settings: dict[str, Any] = Field(default_factory=dict)
+    # Control port of the bench of an emulated instrument, for hands; that of a bench-tracker is its endpoint.
+    control: str | None = None
     # The arm's base in the instrument's frame, R = Rz Ry Rx, roughly: what is seen from where follows from it.
     base_mm: Triple | None = None
     base_deg: Triple | None = None
@@ -35,7 +37,16 @@ class Tracker(Section):
     face_deg: Degrees = 15.0
     nest: list[Nest] = Field(default_factory=list)
 
-    _endpoint = field_validator("endpoint")(checked_endpoint)
+    @field_validator("endpoint")
+    @classmethod
+    def _endpoint_or_file(cls, text: str) -> str:
+        """A tracker is the only device that may be a file: its own program writes it."""
+        return text if text.startswith("file:") else checked_endpoint(text)
+
+    @field_validator("control")
+    @classmethod
+    def _control_is_an_endpoint(cls, text: str | None) -> str | None:
+        return None if text is None else checked_endpoint(text)
 
     @model_validator(mode="after")
     def _unique_nests(self) -> Self:

@@ -7,6 +7,7 @@ import signal
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Iterator, Sequence
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
+from itertools import repeat
 from pathlib import Path
 from typing import TypeVar
 
@@ -19,7 +20,7 @@ from catseye.app.errors import CatseyeError, InterruptedRunError, TerminatedRunE
 from catseye.app.exitcode import ExitCode
 from catseye.app.files.atomic import write_atomically
 from catseye.app.protocol.procedures import parse_params
-from catseye.app.service.emulation import EmulatorProcess, emulator_process, fetch_truth
+from catseye.app.service.emulation import emulator_process, fetch_truth
 from catseye.app.service.running import carry_out, plan_run
 from catseye.procedures.kit.procedure import Procedure
 
@@ -136,12 +137,26 @@ async def emulated_bench(
     Raises:
         LinkFailedError: the emulators did not come up.
     """
+    async with emulators(given, emulated or cell) as endpoints:
+        yield live_cell(given.cell_file, cell, [endpoints[device] for device in _DEVICES])
+
+
+@asynccontextmanager
+async def emulators(given: Demonstration, cell: str) -> AsyncIterator[dict[str, str]]:
+    """Serve the bench of a cell file on free ports; yield the endpoints of its devices, and keep the truth.
+
+    Args:
+        cell: text of the cell file; every endpoint of it is one of the loopback address.
+
+    Raises:
+        LinkFailedError: the emulators did not come up.
+    """
     emulator = given.folder / "emulator.toml"
-    write_atomically(emulator, _with_ports(emulated or cell, ["0"] * len(_DEVICES)))
+    write_atomically(emulator, _with_ports(cell, repeat("0")))
     async with emulator_process(emulator, given.speed, given.seed, given.truth) as process:
         document = await fetch_truth(process.endpoints["control"])
         write_atomically(given.truth_file, json.dumps(document, indent=1) + "\n")
-        yield _live_cell(given.cell_file, cell, process)
+        yield process.endpoints
 
 
 async def run_each(
@@ -190,13 +205,17 @@ def make_folder(folder: Path) -> None:
         ) from error
 
 
-def _live_cell(path: Path, cell: str, process: EmulatorProcess) -> LoadedCell:
-    """Write and load the cell file with the ports that the emulators really use."""
-    ports = [process.endpoints[device].rpartition(":")[2] for device in _DEVICES]
-    write_atomically(path, _with_ports(cell, ports))
+def live_cell(path: Path, cell: str, endpoints: Sequence[str]) -> LoadedCell:
+    """Write and load a cell file with the ports that emulators really use.
+
+    Args:
+        cell: text of the file.
+        endpoints: in the order in which the text has them.
+    """
+    write_atomically(path, _with_ports(cell, (endpoint.rpartition(":")[2] for endpoint in endpoints)))
     return load_cell(path)
 
 
-def _with_ports(text: str, ports: Sequence[str]) -> str:
+def _with_ports(text: str, ports: Iterable[str]) -> str:
     left = iter(ports)
     return re.sub(r'(?<=^endpoint = "tcp://127\.0\.0\.1:)\d+', lambda _: next(left), text, flags=re.MULTILINE)

@@ -67,6 +67,7 @@ class RunContext:
 
     Attributes:
         on_remounted: called with the angle by which what the arm carries is turned, deg, when that changes.
+        set_up_lost: somebody has moved what the run had set up, before it was resumed.
     """
 
     def __init__(
@@ -85,6 +86,7 @@ class RunContext:
         records: Collection[type[Record]] = (),
     ) -> None:
         self.on_remounted: Callable[[float], None] = lambda _turned_deg: None
+        self.set_up_lost = False
         self._devices = devices
         self._store = store
         self._control = control

@@ -173,6 +173,11 @@ class DryRunContext:
         return bool(self.done)
 
     @property
+    def set_up_lost(self) -> bool:
+        """Nobody moves anything before a rehearsal."""
+        return False
+
+    @property
     def total_s(self) -> float:
         """Expected time of everything so far, s."""
         return self._account.time_s

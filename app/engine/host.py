@@ -260,7 +260,10 @@ class _Run:
         if reentry.abort_cause is not None:
             await reentry.clear(context.ask, self._state_changed)
             self._control.starting()
-        await reentry.ask_for_reflectors(context.ask, self._store.event)
+        stands = await reentry.ask_for_reflectors(
+            context.ask, self._store.event, sets_up_anew=self._request.procedure.sets_up_anew
+        )
+        context.set_up_lost = not stands
 
     def _conditions(self, devices: Devices) -> list[Condition]:
         conditions: list[Condition] = []

@@ -9,6 +9,7 @@ from catseye.app.errors import ConfigError, PromptUnansweredError
 from catseye.drivers.roles.clock import Clock
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.records import Json
+from catseye.procedures.kit.tasks import ReadBallbar
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ class Operator:
         if self._hands is None:
             raise ConfigError(
                 f"nobody can do on the emulated bench what {prompt.id!r} asks for: {prompt.text} Add a [tracker] "
-                "with the endpoint of the bench's control port to the cell file"
+                "with the endpoint of the bench's control port, or its control, to the cell file"
             )
         return replace(found, done=await self._hands.do(prompt.task))
 
@@ -97,7 +98,7 @@ class Operator:
             if found is None:
                 raise PromptUnansweredError(f"no answer to {prompt.id!r} in {prompt.timeout_s} s") from error
             return found
-        found = found or self._by_itself(prompt) or self._safe(prompt, "safe answer, nobody was there")
+        found = found or await self._by_itself(prompt) or self._safe(prompt, "safe answer, nobody was there")
         if found is None:
             raise PromptUnansweredError(
                 f"nobody is there to answer {prompt.id!r}: {prompt.text} {self._remedy(prompt)}"
@@ -127,10 +128,13 @@ class Operator:
             raise ValueError(f"the front end answered {prompt.id} with {found.text!r}: {fault}")
         return found
 
-    def _by_itself(self, prompt: Prompt) -> Answer | None:
+    async def _by_itself(self, prompt: Prompt) -> Answer | None:
         if not self._simulated or prompt.by_person:
             return None
         text = _best_answer(prompt)
+        if isinstance(prompt.task, ReadBallbar) and self._hands is not None:
+            read = await self._hands.read(prompt.task)
+            text = text if prompt.fault_of(read) else read
         return None if text is None else Answer(text, "emulated operator")
 
     def _safe(self, prompt: Prompt, who: str) -> Answer | None:

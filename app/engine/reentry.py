@@ -7,7 +7,7 @@ from catseye.app.engine.states import Trigger, transition
 from catseye.app.errors import MeasurementRejectedError, SafetyError, UsageError
 from catseye.app.protocol.state import ControlState
 from catseye.app.store.reader import RunReader, StoredEvent
-from catseye.app.store.resumable import MOVED
+from catseye.app.store.resumable import MOVED, SET_UP_LOST
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.records import Json
 
@@ -90,26 +90,33 @@ class Reentry:
         publish(clearing, "the operator has found and removed the cause of the abort")
         publish(transition(clearing, Trigger.CLEARED).state, "cleared; the run goes on")
 
-    async def ask_for_reflectors(self, ask: Ask, note: Note) -> None:
-        """Ask whether the bench is still the one of the points.
+    async def ask_for_reflectors(self, ask: Ask, note: Note, *, sets_up_anew: bool = False) -> bool:
+        """Ask whether the bench is still the one of the points; return whether it is.
+
+        Args:
+            sets_up_anew: the run can go on without, since its procedure sets up anew what was moved.
 
         Raises:
-            MeasurementRejectedError: it is not; the run never goes on.
+            MeasurementRejectedError: it is not, and the run never goes on.
         """
+        anew = "; the run has what was moved set up anew" if sets_up_anew else ""
         prompt = Prompt(
             id=REFLECTORS_PROMPT,
             kind="choice",
             text=(
                 "Has a reflector or the interferometer been moved or touched, beyond what the run asked for, since "
-                f"{_time_text(self.since_utc)}?"
+                f"{_time_text(self.since_utc)} (untouched, or moved{anew})?"
             ),
             choices=("untouched", "moved"),
-            # After "untouched" the run drives on at once, after "moved" never.
+            # After "untouched" the run drives on at once, after "moved" never, or not without another question.
             motion=True,
             rests_after=("moved",),
         )
         if await ask(prompt) == "untouched":
-            return
+            return True
+        if sets_up_anew:
+            await note(SET_UP_LOST, {"since_utc": self.since_utc})
+            return False
         await note(MOVED, {"since_utc": self.since_utc})
         raise MeasurementRejectedError(
             f"{self._name} cannot go on: its points belong to reflectors that stood elsewhere; search again and "

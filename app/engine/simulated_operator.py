@@ -10,9 +10,14 @@ from catseye.procedures.kit.records import Json
 from catseye.procedures.kit.tasks import (
     AlignOptics,
     ClearBeam,
+    MountBallbar,
     MountInterferometer,
     MountOptics,
     PlaceReflector,
+    PlaceTarget,
+    ReadBallbar,
+    SetUpScaleBar,
+    TakeBallbarOff,
     Task,
     TurnScrew,
 )
@@ -25,8 +30,12 @@ _TRIAL_TURNS = 0.8
 
 _LONGEST_ANSWER_BYTES = 1 << 16
 
+NO_READING = "none"
+"""What is typed where an instrument shows no number."""
 
-_SingleGrip = TurnScrew | PlaceReflector | MountInterferometer | MountOptics | ClearBeam
+
+_InTheRoom = SetUpScaleBar | PlaceTarget | MountBallbar | TakeBallbarOff | ReadBallbar
+_SingleGrip = TurnScrew | PlaceReflector | MountInterferometer | MountOptics | ClearBeam | _InTheRoom
 
 
 class SimulatedOperator:
@@ -55,6 +64,15 @@ class SimulatedOperator:
         request = self._request(task)
         await self._done(request)
         return request
+
+    async def read(self, task: ReadBallbar) -> str:
+        """Return what somebody reads from an instrument and types: mm, or "none" where it shows no number.
+
+        Raises:
+            LinkFailedError: the bench does not answer.
+        """
+        shown = (await self._done(_in_the_room(task))).get("deviation_mm")
+        return f"{shown:.4f}" if isinstance(shown, int | float) else NO_READING
 
     async def _aligned(self, screw: str) -> float:
         """Turn a screw of the optics' stage to where the signal is at its largest; return by how much.
@@ -103,6 +121,8 @@ class SimulatedOperator:
                 return {"op": "mount_linear_optics", "axis": task.on}
             case ClearBeam():
                 return {"op": "clear_beam"}
+            case _:
+                return _in_the_room(task)
 
     async def _ask(self, request: Mapping[str, Json]) -> dict[str, Json]:
         try:
@@ -125,3 +145,25 @@ class SimulatedOperator:
         if not isinstance(answer, dict):
             raise LinkFailedError(f"{self._endpoint} is no control port of an emulated bench: {answer!r}")
         return answer
+
+
+def _in_the_room(task: _InTheRoom) -> dict[str, Json]:
+    match task:
+        case SetUpScaleBar():
+            x_mm, y_mm, z_mm = task.place_mm
+            return {
+                "op": "set_up_scale_bar",
+                "x_mm": x_mm,
+                "y_mm": y_mm,
+                "z_mm": z_mm,
+                "turn_deg": task.turn_deg,
+            }
+        case PlaceTarget():
+            return {"op": "place_target", "target": task.target}
+        case MountBallbar():
+            centre: Json = None if task.centre_mm is None else list(task.centre_mm)
+            return {"op": "mount_ballbar", "target": task.target, "centre_mm": centre}
+        case TakeBallbarOff():
+            return {"op": "take_ballbar_off"}
+        case ReadBallbar():
+            return {"op": "ballbar"}

@@ -180,7 +180,9 @@ def _headers(path: Path) -> Iterator[_Header]:
     with named_faults(path):
         lines = read_regular(path).decode("latin-1").splitlines()
     if not lines or not lines[0].startswith("DIAEXTENDED"):
-        raise UsageError(f"{path}: does not begin with DIAEXTENDED: this is no header of a KUKA trace")
+        raise UsageError(
+            f"{path}: does not begin with DIAEXTENDED: this is no header of a KUKA trace; {_AGAIN}"
+        )
     begin, values = 0, dict[int, str]()
     for number, line in enumerate(lines[1:], 2):
         text = line.strip()

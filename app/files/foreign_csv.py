@@ -1,24 +1,18 @@
 """Numbers from CSV files of other programs: any separator, decimal comma, lines above the first row."""
 
-import csv
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import Final, Literal, TypeAlias
+from typing import Final
 
 import numpy as np
 
 from catseye.app.errors import UsageError
 from catseye.app.files.csv_lines import chunks, is_comment, lines_of
 from catseye.calibration.core.types import Floats, Ints
+from catseye.drivers.roles.text_table import SIGNS, Decimal, Dialect, Encoding, Separator, codec_of
 
-Separator: TypeAlias = Literal[",", ";", "tab", "blank"]
-Decimal: TypeAlias = Literal[".", ","]
-Encoding: TypeAlias = Literal["utf-8", "cp1252"]
-
-_SIGNS: Final[dict[Separator, str | None]] = {",": ",", ";": ";", "tab": "\t", "blank": None}
 _CANDIDATES: Final[tuple[tuple[Separator, Decimal], ...]] = (
     ("tab", "."),
     ("tab", ","),
@@ -35,60 +29,16 @@ _ROWS_IN_TURN: Final = 3
 """So many rows of as many numbers begin the table."""
 
 
-@dataclass(frozen=True)
-class Dialect:
-    """How a file is written.
-
-    Attributes:
-        separator: between the columns; "blank" stands for any number of blanks and tabs.
-        decimal: sign before the decimals.
-        header_lines: lines above the first row.
-        encoding: of its text.
-    """
-
-    separator: Separator
-    decimal: Decimal
-    header_lines: int
-    encoding: Encoding
-
-    def cells(self, line: str) -> list[str]:
-        """Return the cells of a line, without blanks and quotes around them."""
-        sign = _SIGNS[self.separator]
-        cells = line.split() if sign is None else next(csv.reader([line], delimiter=sign), [])
-        return [cell.strip().strip('"') for cell in cells]
-
-    def numbers(self, line: str) -> list[float] | None:
-        """Return the numbers of a line; None when one of its cells is none."""
-        cells = self.cells(line)
-        while cells and not cells[-1]:
-            cells.pop()
-        try:
-            return [self.number(cell) for cell in cells] or None
-        except ValueError:
-            return None
-
-    def number(self, cell: str) -> float:
-        """Return the number of a cell.
-
-        Raises:
-            ValueError: it is none.
-        """
-        if self.decimal == ",":
-            if "." in cell:
-                raise ValueError(cell)
-            cell = cell.replace(",", ".")
-        return float(cell)
-
-
-def first_lines(path: Path, encoding: Encoding, count: int) -> list[str]:
+def first_lines(path: Path, codec: str, count: int) -> list[str]:
     """Return the first lines of a file.
+
+    Args:
+        codec: of its text, as Python calls it.
 
     Raises:
         UsageError: the file cannot be read as such text.
     """
-    return list(
-        islice((line for _, text, _ in chunks(path, _codec(encoding)) for line in lines_of(text)), count)
-    )
+    return list(islice((line for _, text, _ in chunks(path, codec) for line in lines_of(text)), count))
 
 
 def found_dialect(path: Path) -> Dialect:
@@ -98,7 +48,7 @@ def found_dialect(path: Path) -> Dialect:
         UsageError: no table of numbers begins there.
     """
     encoding = _found_encoding(path)
-    lines = first_lines(path, encoding, _PROBED)
+    lines = first_lines(path, codec_of(encoding), _PROBED)
     found: list[tuple[int, int, Dialect]] = []
     for separator, decimal in _CANDIDATES:
         dialect = Dialect(separator, decimal, 0, encoding)
@@ -126,7 +76,7 @@ def read_numbers(path: Path, dialect: Dialect, columns: Sequence[int]) -> tuple[
         UsageError: the file is missing, cannot be read, has no rows, or a cell is no number; names file and line.
     """
     blocks: list[tuple[Floats, Ints]] = []
-    for first, text, _ in chunks(path, _codec(dialect.encoding)):
+    for first, text, _ in chunks(path, dialect.codec):
         lines = lines_of(text)
         above = max(0, dialect.header_lines + 1 - first)
         if lines[above:]:
@@ -159,7 +109,7 @@ def _at_once(dialect: Dialect, columns: Sequence[int], lines: list[str]) -> Floa
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             values = np.loadtxt(
-                lines, comments=None, delimiter=_SIGNS[dialect.separator], usecols=columns, ndmin=2
+                lines, comments=None, delimiter=SIGNS[dialect.separator], usecols=columns, ndmin=2
             )
     except (ValueError, IndexError, Warning):
         return None
@@ -197,12 +147,8 @@ def _start_of_table(counts: list[int]) -> int | None:
 
 def _found_encoding(path: Path) -> Encoding:
     try:
-        first_lines(path, "utf-8", _PROBED)
+        first_lines(path, codec_of("utf-8"), _PROBED)
     except UsageError:
-        first_lines(path, "cp1252", _PROBED)
+        first_lines(path, codec_of("cp1252"), _PROBED)
         return "cp1252"
     return "utf-8"
-
-
-def _codec(encoding: Encoding) -> str:
-    return "utf-8-sig" if encoding == "utf-8" else encoding

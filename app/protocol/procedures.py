@@ -29,6 +29,7 @@ class Executable(Protocol):
         name: as on the command line and in the run's name.
         title: one line for people.
         records: types of what it records.
+        sets_up_anew: what somebody has moved before a run is resumed is set up anew where it is still needed.
     """
 
     @property
@@ -37,6 +38,8 @@ class Executable(Protocol):
     def title(self) -> str: ...  # noqa: D102  # said above
     @property
     def records(self) -> Collection[type[Record]]: ...  # noqa: D102  # said above
+    @property
+    def sets_up_anew(self) -> bool: ...  # noqa: D102  # said above
 
     # Each procedure has parameters and a plan of types of its own, which only it and its planner know.
     async def run(self, ctx: Context, plan: Any) -> None:

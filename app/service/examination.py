@@ -189,6 +189,9 @@ async def _door(io: Io) -> tuple[list[str], list[str]]:
 
 
 async def _tracker(tracker: Tracker) -> tuple[list[str], list[str]]:
+    if tracker.abilities.points or tracker.abilities.poses:
+        # It says itself how it is; a measurement might search a target, and a table is waited for.
+        return [], []
     seen = await tracker.locate()
     return [f"x {seen.x_mm:.4f} mm, y {seen.y_mm:.4f} mm, u {1e3 * seen.u_mm:.1f} µm"], []
 

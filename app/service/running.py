@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
 from pydantic import BaseModel
 
@@ -29,6 +29,7 @@ from catseye.app.engine.walked.tube import Leg
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import read_toml
 from catseye.app.protocol.procedures import Runnable
+from catseye.app.service.emulation import hands_endpoint
 from catseye.app.service.plan_digest import plan_digest
 from catseye.app.service.walk.fed_robot import fed
 from catseye.app.service.walk.walk import Walk
@@ -37,8 +38,6 @@ from catseye.app.store.basis import find_basis
 from catseye.app.store.reader import RunReader
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.pose import Pose
-from catseye.drivers.roles.registry import load_driver
-from catseye.drivers.roles.tracker import Tracker
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.motion.clear_way import way_check
 from catseye.procedures.kit.motion.steps import line_target
@@ -243,10 +242,8 @@ def _meta_of_resumption(planned: PlannedRun, speed: float) -> dict[str, Json]:
 
 def _hands(cell: Cell) -> SimulatedOperator | None:
     """Return the hands of the emulated operator; None on a bench without a control port."""
-    if cell.tracker is None:
-        return None
-    driver = cast("type[Tracker]", load_driver(cell.tracker.driver, "tracker"))
-    return SimulatedOperator(cell.tracker.endpoint) if driver.has_hands else None
+    endpoint = hands_endpoint(cell)
+    return None if endpoint is None else SimulatedOperator(endpoint)
 
 
 def read_answers(path: Path | None) -> dict[str, str]:

@@ -8,6 +8,9 @@ from catseye.app.store.reader import RunReader
 MOVED: Final = "reflectors-moved"
 """Kind of the event that says that the bench is no longer the one of the points: the run never goes on."""
 
+SET_UP_LOST: Final = "set-up-lost"
+"""Kind of the event that says the same of a run that has it set up anew, and goes on."""
+
 _NEEDED = ("configuration", "configuration_file", "params", "aim", "aimed", "clock_speed", "plan_sha256")
 
 

@@ -27,9 +27,16 @@ _QUESTIONS: Final[dict[Role, tuple[str, Callable[[Any], Awaitable[Any]]]]] = {
     "robot": ("joints()", lambda driver: driver.joints()),
     "interferometer": ("read()", lambda driver: driver.read()),
     "environment": ("sample()", lambda driver: driver.sample()),
-    "tracker": ("locate()", lambda driver: driver.locate()),
+    "tracker": ("examine() or locate()", lambda driver: _tracker_question(driver)),
     "io": ("door_closed()", lambda driver: driver.door_closed()),
 }
+
+
+def _tracker_question(driver: Any) -> Awaitable[Any]:
+    """Ask a tracker something that takes no target: on the built-in bench there may be none."""
+    measures = driver.abilities.points or driver.abilities.poses
+    question: Awaitable[Any] = driver.examine() if measures else driver.locate()
+    return question
 
 
 class NotConformingError(AssertionError):
@@ -222,7 +229,7 @@ def _devices(candidate: Candidate) -> list[EmulatedDevice]:
 
 
 def _bench_endpoints(candidate: Candidate, bench: RunningBench) -> dict[str, str]:
-    if candidate.role == "tracker":
+    if candidate.role == "tracker" and candidate.driver.has_hands:
         return {"endpoint": bench.control}
     return {door: bench.endpoint(_device_name(candidate, door)) for door in candidate.doors}
 

@@ -11,7 +11,7 @@ import numpy as np
 from catseye.calibration.core.arguments import require_count, require_positive
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.errors import MovesError
-from catseye.calibration.resolution.flags import Flag, flag_moves
+from catseye.calibration.resolution.flags import Flag, flag_moves, listed
 from catseye.calibration.resolution.least_step import WINDOW, moving_mean, moving_spread, steps_within
 from catseye.calibration.resolution.mean_curve import draw_mean_curves
 from catseye.calibration.resolution.steps import Steps
@@ -25,6 +25,7 @@ _TAIL = 0.025
 """What lies beyond either end of a 95 % interval."""
 
 _HALF = WINDOW // 2
+_FAR_PERCENT = 50.0
 
 
 @dataclass(frozen=True)
@@ -145,17 +146,25 @@ def _least_step(size: Floats, counts: Floats) -> LeastStep | None:
     if np.mean(counts < 0.5) > _TAIL:
         return None
     low, middle, high = np.quantile(counts, [1.0 - _TAIL, 0.5, _TAIL]) - 1.0
-    number = np.arange(size.size, dtype=np.float64)
-    # The series falls by the same factor a step; half a step beyond its ends belongs to them.
-    slope, start = np.polyfit(number, np.log(size), 1)
-    found = np.exp(start + slope * (np.clip(counts, 0.5, size.size + 0.5) - 1.0))
+    found = _size_at(size, np.clip(counts, 0.5, size.size + 0.5) - 1.0)
     open_below = float(np.mean(counts > size.size - 0.5)) > _TAIL
     return LeastStep(
         value=float(size[int(np.clip(round(middle), 0, size.size - 1))]),
         u=float(found.std()),
-        low=0.0 if open_below else float(np.exp(start + slope * low)),
-        high=float(np.exp(start + slope * high)),
+        low=0.0 if open_below else float(_size_at(size, low)),
+        high=float(_size_at(size, high)),
     )
+
+
+def _size_at(size: Floats, number: Floats | float) -> Floats:
+    """Return the size at places between the steps, from 0 on, and up to a step beyond the ends, any shape.
+
+    The series need not fall by the same factor everywhere: moves may be missing.
+    """
+    logs = np.log(size)
+    ends = 2.0 * logs[[0, -1]] - logs[[1, -2]]
+    places = np.arange(-1.0, size.size + 1.0)
+    return np.asarray(np.exp(np.interp(number, places, np.concatenate([ends[:1], logs, ends[1:]]))))
 
 
 def _flags(steps: Steps, judged: int, least: LeastStep | None, size: Floats) -> list[Flag]:
@@ -164,11 +173,25 @@ def _flags(steps: Steps, judged: int, least: LeastStep | None, size: Floats) -> 
     flags = flag_moves("partial-mean", ends, f"the moving mean takes fewer than {WINDOW} steps here")
     unit = steps.moves.unit
     if least is None:
-        largest = shown(float(size[0]), unit)
-        text = f"the mean error of the largest step, {largest}, may exceed the threshold: no least step is stated"
-        return [*flags, Flag("least-step-open", text)]
+        return [*flags, Flag("least-step-open", _why_none(steps, size))]
     if least.low == 0.0:
         smallest = shown(float(size[judged - 1]), unit)
         text = f"the mean error may keep within the threshold beyond the smallest judged step, {smallest}: no low end"
         return [*flags, Flag("least-step-open", text)]
     return flags
+
+
+def _why_none(steps: Steps, size: Floats) -> str:
+    """Return why no least step is stated, with the steps among the largest that hardly are what was commanded."""
+    error = steps.error_percent[:WINDOW]
+    largest, mean = shown(float(size[0]), steps.moves.unit), float(np.nanmean(error))
+    far = [number + steps.moves.first for number in np.flatnonzero(np.abs(error) > _FAR_PERCENT).tolist()]
+    if 0 < len(far) <= _HALF:
+        verb = "is" if len(far) == 1 else "are"
+        likely = f"{listed(far)} {verb} off by more than {_FAR_PERCENT:g} %: look at the recording there"
+    else:
+        likely = "begin with larger steps, or check spacing and unit"
+    return (
+        f"the mean error of the largest steps, {largest} and less, is {mean:+.3g} % and may exceed the threshold: no "
+        f"least step is stated; {likely}"
+    )

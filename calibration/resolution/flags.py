@@ -19,6 +19,7 @@ FlagKind = Literal[
     "reversed",
     "unsettled",
     "late",
+    "unexpected-motion",
     "partial-mean",
     "least-step-open",
     "masked-by-reversal",

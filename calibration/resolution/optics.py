@@ -76,8 +76,8 @@ class AngularOptics:
             row = int(beyond[0])
             raise RecordingError(
                 f"sample {row + 1}: a displacement of {displacement_mm[row]:g} mm exceeds the spacing S = "
-                f"{self.spacing_mm:g} mm of the optics, so it is no sine of an angle: check spacing and unit, and "
-                "whether the column holds angles",
+                f"{self.spacing_mm:g} mm of the optics, so it is no sine of an angle: check spacing and unit, "
+                "whether the column holds angles, and whether the columns are swapped",
                 row + 1,
             )
         return np.asarray(np.arcsin(sine), dtype=np.float64)

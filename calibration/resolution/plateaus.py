@@ -115,7 +115,7 @@ def _require_covered(recording: Recording, moves: Moves, start_s: float, ends_s:
         raise MovesError(
             f"the recording ends at {recording.end_s:g} s, but move {number} of {len(moves) + moves.first - 1}, "
             f"commanded at {moves.time_s[place]:g} s, rests until {ends_s[place + 1]:g} s: the recording is cut off, "
-            "these are moves of another run, or the clocks differ (align them); to judge what was recorded, leave "
-            f"out the moves from {number} on",
+            "its times are not of the rate at which it was made, these are moves of another run, or the clocks "
+            f"differ (align them); to judge what was recorded, leave out the moves from {number} on",
             number,
         )

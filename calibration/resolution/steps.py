@@ -48,6 +48,12 @@ _SHIFTED = 0.04
 """Steps off by less than this, rms, are not those of another move: the series falls by 7 % a move."""
 
 _FEWEST_LEFT = 5
+_LONG = 1.5
+"""A rest of so many dwells is one in which other moves may have been made."""
+
+_OFF = 0.5
+"""A step off by this share of its command behind such a rest is not that of one move."""
+
 _MERGED = 0.3
 
 
@@ -60,7 +66,8 @@ class Steps:
         measured: Δm, a significant drift subtracted, NaN where a plateau is missing, shape (n,).
         u: standard uncertainty of each: noise, drift, optics, NaN likewise, shape (n,).
         peak_s: time of its velocity peak, s; NaN where none stands out of the noise, shape (n,).
-        judged: False where the command lies below what the instrument resolves, or nothing was measured, shape (n,).
+        judged: False where the command lies below what the instrument resolves, nothing was measured, or what was is
+            not the step of one move, shape (n,).
         plateaus: what the steps are differences of.
         noise: of steps, plateaus and velocity.
         u_scale: relative standard uncertainty that all steps share.
@@ -133,6 +140,7 @@ def steps(
     lost = np.sqrt(0.5 * (rests.loss[:-1] + rests.loss[1:]))
     u = np.hypot(noise.step * lost, np.hypot(noise.u_drift_per_s * spans_s, seen_by.u_step(measured)))
     judged = (np.abs(moves.command) >= BELOW_INSTRUMENT * noise.step) & np.isfinite(measured)
+    judged &= ~_with_others(moves, measured, noise.step)
     found = Steps(moves, measured, u, peak_s, judged, rests, noise, seen_by.u_scale, ())
     flags = (*recording.flags, *noise.flags, *_flags(found, hidden))
     return replace(found, flags=flags)
@@ -160,7 +168,7 @@ def require_same_run(found: Steps) -> None:
     if _PLAUSIBLE[0] <= ratio <= _PLAUSIBLE[1]:
         return
     likely = (
-        "the direction is reversed: change the sign of the recording"
+        "the direction is reversed: take the moves of this recording, or change its sign"
         if -_PLAUSIBLE[1] <= ratio <= -_PLAUSIBLE[0]
         else "these are moves of another run or joint, the clocks differ (align them), or spacing or unit are wrong"
     )
@@ -248,6 +256,12 @@ def _flags(found: Steps, hidden: Bools) -> list[Flag]:
             still & _tail(still),
             "no motion from here to the end: the joint stood, or fewer steps were driven than commanded",
         ),
+        (
+            "unexpected-motion",
+            _with_others(moves, measured, noise.step),
+            "more moved in the long rest behind it than this move: not judged; moves are missing from the list, or "
+            "something else moved the joint",
+        ),
         ("reversed", measured * moves.directions < -seen, "went against its direction"),
         ("late", late, "moved while it should have rested: its plateau holds part of the motion"),
         ("unsettled", unsettled & ~late, "still creeping on the plateau behind it"),
@@ -255,6 +269,14 @@ def _flags(found: Steps, hidden: Bools) -> list[Flag]:
     return [
         flag for kind, concerned, text in texts for flag in flag_moves(kind, concerned, text, moves.first)
     ]
+
+
+def _with_others(moves: Moves, measured: Floats, noise: float) -> Bools:
+    """Return which moves have a long rest behind them, and a step that is not theirs alone."""
+    spans_s = np.append(np.diff(moves.time_s), moves.dwell_s)
+    off = np.abs(measured - moves.command)
+    far = off > np.maximum(_OFF * np.abs(moves.command), _SEEN * noise)
+    return np.asarray((spans_s > _LONG * moves.dwell_s) & far)
 
 
 def _gap_texts(found: Steps, hidden: Bools) -> list[tuple[FlagKind, Bools, str]]:

@@ -1,36 +1,23 @@
-"""Orders to the program CATSKUKA: prepared, begun once, watched until it says what became of them.
+"""Orders to the program CATSKUKA: prepared, and carried out as numbered orders are.
 
-An order has a number. It begins when the number is written to CATS_SEQ, and the program answers with it in CATS_TAKEN
-and CATS_DONE. So whatever is lost on the way, the program is asked; no order is given twice. CATSKUKA takes an order
-before it looks whether that was taken back (CATS_FOR): one that is not taken by then never moves anything.
+CATS_SEQ is the number, CATS_TAKEN and CATS_DONE answer with it, and CATS_FOR = 0 takes an order back.
 """
 
-import asyncio
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 from catseye.drivers.kuka import names
-from catseye.drivers.kuka.heartbeat import heartbeat
 from catseye.drivers.kuka.names import Command, Result
 from catseye.drivers.kuka.proxy import Proxy
 from catseye.drivers.kuka.settings import KukaSettings
 from catseye.drivers.kuka.values import symbol_of, whole_of
 from catseye.drivers.links.healing import Repeat
+from catseye.drivers.links.orders import NumberedOrders, OrderLook
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.errors import (
-    LinkError,
-    LinkTimeoutError,
-    NotArrivedError,
-    NotReadyError,
-    ProtocolError,
-    RefusedError,
-)
+from catseye.drivers.roles.errors import NotArrivedError, NotReadyError, ProtocolError, RefusedError
 
 _START: Final = "start CATSKUKA on the controller in AUT or EX, see docs/kuka.md"
-_FEWEST_LOOKS: Final = 10
-"""Answers that say that an order is not taken: on a busy machine time passes in which nobody looks."""
-
 _REVOKED: Final = {names.PREPARED: "0"}
 
 
@@ -47,7 +34,7 @@ class Order:
     values: Mapping[str, str]
 
 
-class Orders:
+class Orders(NumberedOrders):
     """Gives one order after the other.
 
     Args:
@@ -57,10 +44,9 @@ class Orders:
     """
 
     def __init__(self, proxy: Proxy, beat: Proxy, clock: Clock, settings: KukaSettings) -> None:
+        super().__init__(proxy.where, names.PROGRAM, _START, clock, settings)
         self._proxy = proxy
-        self._beat = beat
-        self._clock = clock
-        self._settings = settings
+        self._signs = beat
 
     async def prepare(self, order: Order, permit: Callable[[], None]) -> int:
         """Write all of an order but what begins it; return its number. Nothing moves yet.
@@ -80,7 +66,7 @@ class Orders:
         await self._proxy.write({names.PREPARED: str(number)}, permit=permit)
         return number
 
-    async def carry_out(self, number: int, permit: Callable[[], None]) -> None:
+    async def complete(self, number: int, permit: Callable[[], None]) -> None:
         """Begin an order that is prepared; return when its motion is over.
 
         Raises:
@@ -90,10 +76,28 @@ class Orders:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        async with heartbeat(self._beat, self._settings.heartbeat_s):
-            await self._begin(number, permit)
-            await self._require_taken(number)
-            await self._require_done(number)
+        result = self._known(await self.carry_out(number, permit))
+        if result is not Result.DONE:
+            raise self._failure(result)
+
+    async def look(self) -> OrderLook:
+        """Ask for the program's state and the numbers that it answers with."""
+        asked = (names.PROGRAM_STATE, names.TAKEN, names.DONE, names.RESULT)
+        state, *numbers = await self._proxy.read_all(asked)
+        taken, done, result = map(whole_of, numbers)
+        return OrderLook(symbol_of(state) == names.ACTIVE, state, taken, done, result)
+
+    async def _write_number(self, number: int, permit: Callable[[], None]) -> None:
+        await self._proxy.write({names.SEQUENCE: str(number)}, repeat=Repeat.NEVER, permit=permit)
+
+    async def _written_number(self) -> int:
+        return whole_of(await self._proxy.read(names.SEQUENCE))
+
+    async def _take_back(self) -> None:
+        await self._proxy.write(_REVOKED)
+
+    async def _beat(self) -> None:
+        await self._signs.write({names.BEAT: "TRUE"}, repeat=Repeat.NEVER)
 
     async def _free_number(self) -> int:
         """Return the number of the next order.
@@ -125,75 +129,7 @@ class Orders:
                 f"{self._proxy.where}: order {taken} is still under way; if it stands, reset it and {_START}",
                 0,
             )
-        return max(sequence, taken) + 1
-
-    async def _begin(self, number: int, permit: Callable[[], None]) -> None:
-        """Write the number; where the reply is lost, ask whether it was written."""
-        try:
-            await self._proxy.write({names.SEQUENCE: str(number)}, repeat=Repeat.NEVER, permit=permit)
-        except (LinkError, ProtocolError):
-            written = whole_of(await self._proxy.read(names.SEQUENCE)) == number
-            if not written and await self._revoked(number):
-                raise
-
-    async def _revoked(self, number: int) -> bool:
-        """Take an order back; return whether that came before the program took it."""
-        await self._proxy.write(_REVOKED)
-        return whole_of(await self._proxy.read(names.TAKEN)) != number
-
-    async def _require_taken(self, number: int) -> None:
-        """Wait until the program says that it has taken an order; one that it does not take is taken back.
-
-        Raises:
-            NotReadyError: it does not take it; nothing has moved.
-        """
-        time_s = asyncio.get_running_loop().time
-        end_s, looks = time_s() + self._settings.taken_timeout_s, 0
-        while time_s() < end_s or looks < _FEWEST_LOOKS:
-            state, taken = await self._proxy.read_all((names.PROGRAM_STATE, names.TAKEN))
-            if whole_of(taken) == number:
-                return
-            if symbol_of(state) != names.ACTIVE:
-                break
-            looks += 1
-            await self._clock.sleep(self._settings.poll_s)
-        if await self._revoked(number):
-            raise NotReadyError(
-                f"{self._proxy.where}: CATSKUKA has not taken order {number} ({looks} looks in "
-                f"{self._settings.taken_timeout_s:g} s; {names.PROGRAM_STATE} is {state}); it is taken back and "
-                f"moves nothing: if another program is selected, or a message waits, see to it; {_START}",
-                0,
-            )
-
-    async def _require_done(self, number: int) -> None:
-        try:
-            async with asyncio.timeout(self._settings.move_timeout_s):
-                result = await self._result(number)
-        except TimeoutError:
-            raise LinkTimeoutError(
-                f"{self._proxy.where}: the motion is not over after {self._settings.move_timeout_s:g} s: is the "
-                "override 0, or the distance too long for this speed?"
-            ) from None
-        if result is not Result.DONE:
-            raise self._failure(result)
-
-    async def _result(self, number: int) -> Result:
-        """Wait for the end of an order; return what became of it.
-
-        Raises:
-            NotReadyError: the program stands.
-        """
-        while True:
-            texts = await self._proxy.read_all((names.PROGRAM_STATE, names.DONE, names.RESULT))
-            if whole_of(texts[1]) == number:
-                return self._known(whole_of(texts[2]))
-            if symbol_of(texts[0]) != names.ACTIVE:
-                raise NotReadyError(
-                    f"{self._proxy.where}: the program stands ({texts[0]}) before the motion is over: look at the "
-                    f"messages of the controller; then reset the program and {_START}",
-                    0,
-                )
-            await self._clock.sleep(self._settings.poll_s)
+        return self._unused(sequence, taken)
 
     def _known(self, number: int) -> Result:
         try:

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Final, Self
 
 from catseye.drivers.kuka import names
 from catseye.drivers.kuka.examining import RAISE, examination_of
-from catseye.drivers.kuka.halt import HELD, STOP_BYTES, Halt
+from catseye.drivers.kuka.halt import HELD, STILL_DEG, STOP_BYTES, KukaStopper
 from catseye.drivers.kuka.names import Command
 from catseye.drivers.kuka.orders import Order, Orders
 from catseye.drivers.kuka.proxy import Proxy
@@ -21,6 +21,7 @@ from catseye.drivers.kuka.state import StateReader, rest_text
 from catseye.drivers.kuka.values import AXES, axes_of, real_of, real_text, string_of, structure_text, whole_of
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import UNGUARDED, LinkGuard, guarded
+from catseye.drivers.links.halting import Halt
 from catseye.drivers.links.link import uninterrupted
 from catseye.drivers.links.stops import Stops, StopWatch
 from catseye.drivers.links.transport import Transport
@@ -275,7 +276,8 @@ class KukaVarproxy(Robot):
             LinkError: STOP could not be written or the standstill is not confirmed: use the emergency stop.
         """
         with self._stops.one():
-            halt = Halt((self._stop_side, self._side, self._main), self._clock, self._settings)
+            connections = (self._stop_side, self._side, self._main)
+            halt = Halt(list(map(KukaStopper, connections)), self._clock, self._settings, still=STILL_DEG)
             # Before anything is waited for.
             halt.send()
             self._lowered = True
@@ -306,7 +308,7 @@ class KukaVarproxy(Robot):
     async def _watched(self, number: int, permit: Callable[[], None], watch: StopWatch) -> None:
         """Let the program carry out an order; where it fails, stop the arm, unless a stop is the reason."""
         try:
-            await self._orders.carry_out(number, permit)
+            await self._orders.complete(number, permit)
         except (LinkError, ProtocolError, NotArrivedError, NotReadyError):
             if not watch.seen:
                 await self._stop_after_failure()

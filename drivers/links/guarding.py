@@ -84,7 +84,7 @@ class GuardedTransport(WrappedTransport):
 
     Args:
         name: of the connection, without blanks.
-        stop: bytes that stop the arm on it.
+        stop: bytes that stop the arm on it; empty where only `protect` brings them.
     """
 
     def __init__(self, inner: Transport, guard: LinkGuard, name: str, stop: bytes) -> None:
@@ -100,7 +100,16 @@ class GuardedTransport(WrappedTransport):
             LinkError: unreachable.
         """
         await self._inner.open()
-        self._guard.protect(self._name, self._inner.fileno(), self._stop)
+        if self._stop:
+            self.protect(self._stop)
+
+    def protect(self, stop: bytes) -> None:
+        """Hand over a duplicate with other bytes that stop the arm: those of a protocol whose proofs grow old.
+
+        Raises:
+            LinkError: the link is closed.
+        """
+        self._guard.protect(self._name, self._inner.fileno(), stop)
 
     async def close(self) -> None:
         """Disconnect, and have the guard let its duplicate go; may be called any number of times."""

@@ -75,6 +75,7 @@ class RequestLink:
         harmless: bytes that may stand between two answers, such as a late terminator.
         stays_writable: a link that floods is no longer read but stays open, so that something urgent can be written;
             otherwise it is closed.
+        shown: returns what texts show of bytes that passed; of a protocol whose bytes hold secrets.
 
     Attributes:
         where: device and endpoint, for texts.
@@ -91,6 +92,7 @@ class RequestLink:
         gap_s: float = 0.0,
         harmless: bytes = b"\r\n",
         stays_writable: bool = False,
+        shown: Callable[[bytes], str] = repr,
     ) -> None:
         self._transport = transport
         self.where = f"{name} at {transport.endpoint}"
@@ -101,6 +103,7 @@ class RequestLink:
         self._answered_s = -math.inf
         self._harmless = harmless
         self._stays_writable = stays_writable
+        self._shown = shown
         self._losses = Losses()
         self._lock = asyncio.Lock()
         self._is_open = False
@@ -206,8 +209,8 @@ class RequestLink:
         """
         async with self._lock:
             await self._get_in_step(heal=True)
-            half_sent = self._doubt = f"{data!r} may be half sent"
-            await self._counted(self._transport.write(data), f"{data!r} is not taken", timeout_s)
+            half_sent = self._doubt = f"{self._shown(data)} may be half sent"
+            await self._counted(self._transport.write(data), f"{self._shown(data)} is not taken", timeout_s)
             if self._doubt is half_sent:
                 self._doubt = ""
 
@@ -220,7 +223,7 @@ class RequestLink:
         Raises:
             LinkError: the link is closed or takes no bytes.
         """
-        self._doubt = self._urgent = f"{data!r} was put in past a request in flight"
+        self._doubt = self._urgent = f"{self._shown(data)} was put in past a request in flight"
         self._transport.send_urgent(data, cut=cut)
 
     @property
@@ -271,10 +274,10 @@ class RequestLink:
         raise await self._flooded()
 
     async def _exchanged(self, data: bytes, decoder: Decoder[T], timeout_s: float) -> T:
-        outstanding = f"the answer to {data!r} is outstanding"
+        outstanding = f"the answer to {self._shown(data)} is outstanding"
         self._doubt = outstanding
         self._received = b""
-        reply = await self._counted(self._ask(data, decoder), f"no answer to {data!r}", timeout_s)
+        reply = await self._counted(self._ask(data, decoder), f"no answer to {self._shown(data)}", timeout_s)
         self._losses.answered()
         self._answered_s = asyncio.get_running_loop().time()
         # `send_urgent` puts another text here meanwhile; then the doubt stays.
@@ -309,7 +312,7 @@ class RequestLink:
         try:
             return decoder.feed(chunk)
         except ProtocolError as exc:
-            raise ProtocolError(f"{self.where}: {exc}; last bytes {self._received!r}") from None
+            raise ProtocolError(f"{self.where}: {exc}; last bytes {self._shown(self._received)}") from None
 
     async def _counted(self, work: Awaitable[T], failure: str, timeout_s: float) -> T:
         """Do something within a time; count it as lost when it fails."""
@@ -325,7 +328,7 @@ class RequestLink:
             async with asyncio.timeout(timeout_s):
                 return await work
         except TimeoutError:
-            came = f"last bytes {self._received!r}" if self._received else "no byte came"
+            came = f"last bytes {self._shown(self._received)}" if self._received else "no byte came"
             raise LinkTimeoutError(
                 f"{self.where}: {failure} within {timeout_s:g} s, {came}: check that the device "
                 "is not busy or switched off; the link is opened again before the next request"
@@ -425,8 +428,8 @@ class RequestLink:
         if not self._stays_writable:
             await self._transport.close()
         return UnreachableError(
-            f"{self.where}: bytes keep coming without a request, such as {self._received!r}: the link is no longer "
-            "read; check that the endpoint belongs to this device and that no other program talks to it"
+            f"{self.where}: bytes keep coming without a request, such as {self._shown(self._received)}: the link "
+            "is no longer read; check that the endpoint belongs to this device and that no other program talks to it"
         )
 
     def _unasked(self) -> str:
@@ -448,7 +451,7 @@ class RequestLink:
         """Return the doubt about bytes outside of an answer, and count them."""
         surplus = data.strip(self._harmless)
         self.discarded_bytes += len(surplus)
-        return f"bytes came that nobody asked for: {surplus[:_SHOWN_BYTES]!r}" if surplus else ""
+        return f"bytes came that nobody asked for: {self._shown(surplus[:_SHOWN_BYTES])}" if surplus else ""
 
     async def _shut(self) -> None:
         self._is_open = False

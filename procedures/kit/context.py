@@ -170,6 +170,11 @@ class Context(Protocol):
         """The run goes on after an interruption: arm and beam are not where the last stored step left them."""
         ...
 
+    @property
+    def set_up_lost(self) -> bool:
+        """Somebody has moved what the run had set up, before it was resumed: what is needed is to be set up anew."""
+        ...
+
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step once.
 

@@ -77,6 +77,8 @@ class Procedure(ABC):
         records: types of what it records.
         analyses: commands that work on its runs, the most sensible first.
         event_texts: of its own events.
+        sets_up_anew: what somebody has moved before a run is resumed is set up anew where it is still needed; without
+            it, such a run cannot go on.
         live_plots: what is plotted while it runs: innovations and maps of points, or the staircase and the errors of
             steps.
         demo: parameters of its run in the demonstration, as on the command line; None where it has none.
@@ -90,6 +92,7 @@ class Procedure(ABC):
     records: ClassVar[tuple[type[Record], ...]] = ()
     analyses: ClassVar[tuple[Analysis, ...]] = ()
     event_texts: ClassVar[EventTexts] = {}
+    sets_up_anew: ClassVar[bool] = False
     live_plots: ClassVar[LivePlots] = "points"
     demo: ClassVar[tuple[str, ...] | None] = None
 

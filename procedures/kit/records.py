@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from functools import cache
 from types import NoneType, UnionType
 from typing import Any, ClassVar, Final, Literal, get_args, get_origin, get_type_hints
 
@@ -146,9 +147,7 @@ def table_of(record: type[Record]) -> Table:
     """
     if issubclass(record, Observation):
         return OBSERVATIONS
-    hints = get_type_hints(record)
-    own = [each.name for each in fields(record) if each.name != EXTRA]
-    return Table(record.table, tuple(_column(name, hints[name]) for name in own))
+    return _own_table(record)  # type: ignore[arg-type]  # mypy judges the class by its instances, which have no hash
 
 
 def tables_of(records: Iterable[type[Record]]) -> tuple[Table, ...]:
@@ -170,6 +169,14 @@ def row_of(record: Record) -> Row:
             f"{type(record).__name__}: extra has {', '.join(sorted(hidden))}, which columns are called"
         )
     return {**own, **record.extra}
+
+
+# Each record that is handed over asks for it, and annotations are slow to read.
+@cache
+def _own_table(record: type[Record]) -> Table:
+    hints = get_type_hints(record)
+    own = [each.name for each in fields(record) if each.name != EXTRA]
+    return Table(record.table, tuple(_column(name, hints[name]) for name in own))
 
 
 def _column(name: str, hint: Any) -> Column:

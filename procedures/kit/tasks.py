@@ -70,4 +70,69 @@ class ClearBeam:
     do: Literal["clear-beam"] = "clear-beam"
 
 
-Task = TurnScrew | PlaceReflector | MountInterferometer | MountOptics | AlignOptics | ClearBeam
+@dataclass(frozen=True, kw_only=True)
+class SetUpScaleBar:
+    """Stand the scale bar on its tripod, level, with a retroreflector at either end.
+
+    Attributes:
+        place_mm: of its middle, in the frame of the arm's base.
+        turn_deg: of its direction about z, from x.
+    """
+
+    do: Literal["set-up-scale-bar"] = "set-up-scale-bar"
+    place_mm: tuple[float, float, float]
+    turn_deg: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlaceTarget:
+    """Put the retroreflector of a tracker back into its nest, and see that the nest sits firmly."""
+
+    do: Literal["place-target"] = "place-target"
+    target: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class MountBallbar:
+    """Hang the ballbar between its cup and a nest of the tool.
+
+    Attributes:
+        target: the nest.
+        centre_mm: where the cup is put first, in the frame of the arm's base; None: it stays where it is.
+    """
+
+    do: Literal["mount-ballbar"] = "mount-ballbar"
+    target: str
+    centre_mm: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class TakeBallbarOff:
+    """Take the ballbar off and put the retroreflectors back."""
+
+    do: Literal["take-ballbar-off"] = "take-ballbar-off"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReadBallbar:
+    """Type what the ballbar shows: its deviation from its nominal length, mm; "none" where it shows no number.
+
+    A question with this task is the one kind that hands on an emulated bench answer with a number.
+    """
+
+    do: Literal["read-ballbar"] = "read-ballbar"
+
+
+Task = (
+    TurnScrew
+    | PlaceReflector
+    | MountInterferometer
+    | MountOptics
+    | AlignOptics
+    | ClearBeam
+    | SetUpScaleBar
+    | PlaceTarget
+    | MountBallbar
+    | TakeBallbarOff
+    | ReadBallbar
+)

@@ -36,6 +36,7 @@ class Backlash(Procedure):
     needs = Needs(roles=("interferometer", "environment"), optics=("angular",))
     stage = THERE_AND_BACK
     analyses = (EVALUATE, REPORT)
+    sets_up_anew = True
     live_plots = "steps"
     records = (Configuration, Move, Recorded)
     event_texts = LOSS_TEXTS

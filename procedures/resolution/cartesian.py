@@ -23,6 +23,9 @@ from catseye.procedures.resolution.way import EVALUATE, REPORT, STRAIGHT
 
 Direction = Literal["+X", "-X", "+Y", "-Y", "+Z", "-Z"]
 
+_MOST_CHANGE: Final = 30.0
+"""deg or mm of a joint within the run-in."""
+
 _AXES: Final[dict[str, Vector]] = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
 
@@ -48,6 +51,7 @@ class ResolutionCartesian(Procedure):
     needs = Needs(roles=("interferometer", "environment"), optics=("linear",))
     stage = STRAIGHT
     analyses = (EVALUATE, REPORT)
+    sets_up_anew = True
     live_plots = "steps"
     records = (Configuration, Move, Recorded)
     event_texts = LOSS_TEXTS
@@ -58,17 +62,21 @@ class ResolutionCartesian(Procedure):
 
         Raises:
             PlanLimitError: a pose lies outside the limits.
-            PlanError: the driver takes no straight steps, a way is not clear, or the arm cannot make it.
+            PlanError: the driver takes no straight steps, a way is not clear, the arm cannot make it, or a pose is
+                singular or of another arm.
         """
         if not bench.arm.steps:
             raise PlanError(
                 "the robot's driver takes no straight steps: the Cartesian test needs a controller that adds "
                 "increments itself"
             )
-        poses = [pose_of(bench.arm.axes, values) for values in params.poses_deg]
+        poses = {
+            f"P{number}": _pose(bench, f"P{number}", values)
+            for number, values in enumerate(params.poses_deg, 1)
+        }
         places = [
-            _place(bench, params, pose, f"P{number}", axis, chosen)
-            for number, pose in enumerate(poses, 1)
+            _place(bench, params, pose, name, axis, chosen)
+            for name, pose in poses.items()
             for axis, chosen in _by_axis(params.directions)
         ]
         return campaign(bench, params, places)
@@ -76,6 +84,13 @@ class ResolutionCartesian(Procedure):
     async def run(self, ctx: Context, plan: CampaignPlan) -> None:
         """Set up, record, go on; see `carry_out`."""
         await carry_out(ctx, plan)
+
+
+def _pose(bench: Bench, name: str, values: Sequence[float]) -> Pose:
+    try:
+        return pose_of(bench.arm.axes, values)
+    except ValueError as error:
+        raise PlanError(f"poses_deg, {name}: {error}; give one value for each axis") from error
 
 
 def _by_axis(directions: Sequence[Direction]) -> list[tuple[str, list[Direction]]]:
@@ -89,8 +104,25 @@ def _place(
 ) -> Place:
     reach_mm = params.run_in_mm
     ends = tuple(_shifted(bench, pose, axis, by) for by in (reach_mm, -reach_mm))
+    for end in ends:
+        _require_regular(bench, f"{name}, along {axis}", pose, end)
     series = tuple(_series(bench, params, pose, name, direction) for direction in directions)
     return Place(axis, name, pose, None, "mm", "linear", (*ends, pose), series)
+
+
+def _require_regular(bench: Bench, where: str, pose: Pose, end: Pose) -> None:
+    """Refuse a pose at which a small shift of the tool turns a joint far: a controller stops there, or whirls.
+
+    Raises:
+        PlanError: names pose, direction and joint.
+    """
+    changes = {axis.name: abs(to - at) for axis, at, to in zip(bench.arm.axes, pose, end, strict=True)}
+    most = max(changes, key=changes.__getitem__)
+    if changes[most] > _MOST_CHANGE:
+        raise PlanError(
+            f"{where}: the run-in would turn {most} by {changes[most]:.0f}° for a few mm of the tool: the pose is "
+            "near a singular one; leave the direction out, or choose another pose"
+        )
 
 
 def _series(bench: Bench, params: CartesianParams, pose: Pose, name: str, direction: Direction) -> Series:

@@ -48,6 +48,7 @@ class ResolutionIso(Procedure):
     needs = Needs(roles=("interferometer", "environment"), optics=("angular",))
     stage = EQUAL
     analyses = (EVALUATE, REPORT)
+    sets_up_anew = True
     live_plots = "steps"
     records = (Configuration, Move, Recorded)
     event_texts = LOSS_TEXTS

@@ -21,6 +21,9 @@ from catseye.procedures.resolution.records import Configuration, Move
 POLICY: Final = BeamLossPolicy(attempts=2, patience_s=10.0, may_skip=True)
 """A lost series costs a quarter of an hour: after the second one somebody looks at the optics."""
 
+LEFT_OUT: Final[Row] = {"recording": None, "moves": 0}
+"""What a step says whose series was left out."""
+
 
 class SeriesRecorder:
     """Records the series of one place.
@@ -64,7 +67,7 @@ class SeriesRecorder:
                 return {"recording": name, "moves": len(series.orders)}
             await self._log.note(cause, series.title, where=series.title)
             if await loss.decide(cause, series.title, goal=series.run_in[0]) == "skip":
-                return {"recording": None, "moves": 0}
+                return LEFT_OUT
 
     async def _recorded(self, series: Series, name: str) -> Cause | None:
         """Record a series once; return why it is not whole, None when it is."""

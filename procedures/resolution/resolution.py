@@ -40,6 +40,7 @@ class Resolution(Procedure):
     needs = Needs(roles=("interferometer", "environment"), optics=("angular",))
     stage = DECAYING
     analyses = (EVALUATE, MODEL, PREDICT, REPORT)
+    sets_up_anew = True
     live_plots = "steps"
     records = (Configuration, Move, Recorded)
     event_texts = LOSS_TEXTS

@@ -3,6 +3,8 @@
 Geometry of its own: it looks at a plan from outside and would not see the planner's mistakes with the planner's eyes.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +14,35 @@ from catseye.procedures.scara.bench import Reflector, ScaraBench
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class _Sight:
+    """The ways from the J4 axis to a reflector, shape (n,) each.
+
+    Attributes:
+        x: where the axis is, mm.
+        y: where the axis is, mm.
+        dx: from there to the reflector, mm.
+        dy: from there to the reflector, mm.
+        world: direction of the beam, rad.
+    """
+
+    x: Floats
+    y: Floats
+    dx: Floats
+    dy: Floats
+    world: Floats
+
+    def ahead_mm(self) -> Floats:
+        """Return how far ahead the reflector lies, along the beam, mm."""
+        return self.dx * np.cos(self.world) + self.dy * np.sin(self.world)
+
+    def column_gap_mm(self) -> Floats:
+        """Return how near the line from arm to reflector comes to the J1 axis, mm."""
+        squared = np.maximum(self.dx**2 + self.dy**2, 1e-12)
+        share = np.clip(-(self.x * self.dx + self.y * self.dy) / squared, 0.0, 1.0)
+        return np.hypot(self.x + share * self.dx, self.y + share * self.dy)
 
 
 class ScaraBeam(IdealBeam):
@@ -39,7 +70,7 @@ class ScaraBeam(IdealBeam):
         """Return the nearest reflector that returns the beam at a pose."""
         poses = np.array([pose], dtype=np.float64)
         hits = [
-            Hit(one.name, self._along_mm(poses, one))
+            Hit(one.name, float(self._sight(poses, one).ahead_mm()[0]))
             for one in self._bench.reflectors
             if bool(self.returns(poses, one)[0])
         ]
@@ -60,43 +91,36 @@ class ScaraBeam(IdealBeam):
         The beam begins at the J4 axis: a reflector behind it is as far away as the axis. It is level, and at the
         reflectors' height where J3 stands as the cell file has it.
         """
-        dx, dy, world = self._sight(poses, reflector)
-        ahead = dx * np.cos(world) + dy * np.sin(world)
-        aside = dy * np.cos(world) - dx * np.sin(world)
-        above = poses[:, 2] - self._bench.j3_mm
-        return np.where(ahead > 0.0, np.hypot(aside, above), np.hypot(dx, dy))
+        return self._missed_mm(poses, self._sight(poses, reflector))
 
     def returns(self, poses: Floats, reflector: Reflector) -> Bools:
         """Return at which poses a reflector returns the beam, past the column and inside its field, shape (n,)."""
         optics = self._bench.optics
-        dx, dy, _ = self._sight(poses, reflector)
-        back_deg = np.rad2deg(np.arctan2(-dy, -dx))
+        sight = self._sight(poses, reflector)
+        back_deg = np.rad2deg(np.arctan2(-sight.dy, -sight.dx))
         off_deg = np.abs((back_deg - reflector.facing_deg + 180.0) % 360.0 - 180.0)
-        free = self._column_gap_mm(poses, dx, dy) > optics.column_radius_mm
-        hit = self.miss_mm(poses, reflector) <= optics.acceptance_mm
+        free = sight.column_gap_mm() > optics.column_radius_mm
+        hit = self._missed_mm(poses, sight) <= optics.acceptance_mm
         return np.asarray(hit & free & (off_deg <= optics.field_half_angle_deg), dtype=np.bool_)
 
     def tool_mm(self, poses: Floats) -> Floats:
         """Return where the J4 axis is in the plane, mm, shape (n, 2)."""
+        return np.column_stack(self._tool(poses))
+
+    def _tool(self, poses: Floats) -> tuple[Floats, Floats]:
         one, both = np.deg2rad(poses[:, 0]), np.deg2rad(poses[:, 0] + poses[:, 1])
         link1_mm, link2_mm = self._bench.link1_mm, self._bench.link2_mm
         x = link1_mm * np.cos(one) + link2_mm * np.cos(both)
         y = link1_mm * np.sin(one) + link2_mm * np.sin(both)
-        return np.column_stack([x, y])
+        return x, y
 
-    def _along_mm(self, poses: Floats, reflector: Reflector) -> float:
-        """Return the length of the beam at the first pose, measured along it as a counter does."""
-        dx, dy, world = self._sight(poses, reflector)
-        return float(dx[0] * np.cos(world[0]) + dy[0] * np.sin(world[0]))
+    def _missed_mm(self, poses: Floats, sight: _Sight) -> Floats:
+        aside = sight.dy * np.cos(sight.world) - sight.dx * np.sin(sight.world)
+        above = poses[:, 2] - self._bench.j3_mm
+        apart = np.hypot(sight.dx, sight.dy)
+        return np.where(sight.ahead_mm() > 0.0, np.hypot(aside, above), apart)
 
-    def _sight(self, poses: Floats, reflector: Reflector) -> tuple[Floats, Floats, Floats]:
-        """Return the way to a reflector, mm, and the beam's direction, rad, shape (n,) each."""
-        x, y = self.tool_mm(poses).T
+    def _sight(self, poses: Floats, reflector: Reflector) -> _Sight:
+        x, y = self._tool(poses)
         world = np.deg2rad(poses[:, 0] + poses[:, 1] + poses[:, 3] + self._bench.optics.theta40_deg)
-        return reflector.x_mm - x, reflector.y_mm - y, world
-
-    def _column_gap_mm(self, poses: Floats, dx: Floats, dy: Floats) -> Floats:
-        """Return how near the line from arm to reflector comes to the J1 axis, mm, shape (n,)."""
-        x, y = self.tool_mm(poses).T
-        share = np.clip(-(x * dx + y * dy) / np.maximum(dx**2 + dy**2, 1e-12), 0.0, 1.0)
-        return np.asarray(np.hypot(x + share * dx, y + share * dy), dtype=np.float64)
+        return _Sight(x, y, reflector.x_mm - x, reflector.y_mm - y, world)

@@ -154,6 +154,40 @@ class Slip(Fault):
     deg: float = Field(ge=-30.0, le=30.0)
 
 
+class DropTarget(Fault):
+    """A retroreflector falls out of its nest."""
+
+    name = "drop_target"
+    target: str
+
+
+class LoosenTarget(Fault):
+    """A nest sits loosely: it shifts with each motion, each coordinate by so much in the mean."""
+
+    name = "loosen_target"
+    target: str
+    mm: float = Field(default=0.2, gt=0.0, le=20.0)
+
+
+class Bump(Fault):
+    """Somebody bumps into an instrument in the room of a serial arm."""
+
+    name = "bump"
+    instrument: Literal["tracker", "cmm"] = "tracker"
+    mm: float = Field(default=0.5, ge=0.0, le=500.0)
+    deg: float = Field(default=0.02, ge=0.0, le=45.0)
+
+
+class ReadBack(Fault):
+    """The controller reads joints back that are off by so much: half of it always, half of it anew at each motion."""
+
+    name = "readback"
+    deg: float = Field(ge=0.0, le=5.0)
+
+
+RoomFault = DropTarget | LoosenTarget | Bump | ReadBack
+"""In the room of a serial arm."""
+
 _FAULTS: dict[str, type[Fault]] = {kind.name: kind for kind in Fault.__subclasses__()}
 
 

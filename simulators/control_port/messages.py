@@ -10,10 +10,13 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.simulators.control_port.exchange import Answer, Request, known
 from catseye.simulators.control_port.faults import Fault, fault_named
+from catseye.simulators.control_port.survey_messages import OPERATIONS as SURVEY_OPERATIONS
 from catseye.simulators.errors import EmulatorError
 
-PanelKey = Literal["start", "stop", "confirm", "drives", "T1", "T2", "AUT", "EX"]
-"""What an operator's hand presses on a controller's panel; T1 … EX: where the mode switch is turned to."""
+PanelKey = Literal[
+    "start", "stop", "confirm", "drives", "main", "guard", "T1", "T2", "AUT", "EX", "AUTO", "MANR", "MANF"
+]
+"""What an operator's hand does at a controller's panel; T1 … MANF: where the mode switch is turned to."""
 
 
 class Identity(Answer):
@@ -289,27 +292,27 @@ class PressKey(Request[Answer]):
     key: PanelKey
 
 
-_OPERATIONS: dict[str, type[Request[Any]]] = {
-    kind.op: kind
-    for kind in (
-        Identify,
-        ReadTruth,
-        ReadArm,
-        ReadState,
-        Track,
-        ReadLog,
-        SetSpeed,
-        TurnScrew,
-        MountInterferometer,
-        PlaceReflector,
-        MountAngularOptics,
-        MountLinearOptics,
-        ReadOptics,
-        ClearBeam,
-        PressKey,
-        Fault,
-    )
-}
+_KINDS: tuple[type[Request[Any]], ...] = (
+    Identify,
+    ReadTruth,
+    ReadArm,
+    ReadState,
+    Track,
+    ReadLog,
+    SetSpeed,
+    TurnScrew,
+    MountInterferometer,
+    PlaceReflector,
+    MountAngularOptics,
+    MountLinearOptics,
+    ReadOptics,
+    ClearBeam,
+    PressKey,
+    Fault,
+    *SURVEY_OPERATIONS,
+)
+
+_OPERATIONS = {kind.op: kind for kind in _KINDS}
 
 
 def decode_request(line: bytes) -> Request[Any]:

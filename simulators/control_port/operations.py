@@ -11,6 +11,8 @@ from catseye.simulators.context import EmulationContext
 from catseye.simulators.control_port import faults, messages
 from catseye.simulators.control_port.exchange import Answer, Request, encode_answer, encode_refusal
 from catseye.simulators.control_port.messages import decode_request
+from catseye.simulators.control_port.survey_messages import SurveyRequest
+from catseye.simulators.control_port.survey_operations import spoil_the_room, work_in_the_room
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.ports.lossy import Lossy
 from catseye.simulators.ports.port import Port
@@ -83,11 +85,13 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
         case messages.TurnScrew():
             context.bench.beam.turn_screw(request.screw, request.turns)
         case messages.ClearBeam():
-            context.bench.beam.unblock()
+            context.bench.clear_beam()
         case faults.Fault():
             _happen(request, reach)
         case messages.MountAngularOptics() | messages.MountLinearOptics() | messages.ReadOptics():
             return _work_on_the_optics(request, context.serial_bench)
+        case _ if isinstance(request, SurveyRequest):
+            return work_in_the_room(request, context.serial_bench)
         case _:
             return _work_on_the_beam(request, context.beam_bench.beam)
     return Answer()
@@ -139,7 +143,7 @@ def _happen(fault: faults.Fault, reach: Reach) -> None:
         case faults.ServoOff():
             controller.switch_servo_off()
         case faults.BlockBeam():
-            bench.beam.block(fault.duration_s)
+            bench.block_beam(fault.duration_s)
         case faults.Overspeed():
             bench.beam.outrun_counters()
         case faults.LoseLaser():
@@ -163,6 +167,8 @@ def _happen(fault: faults.Fault, reach: Reach) -> None:
         case faults.SpoilAnswers():
             for number, port in enumerate(reach.ports_of(fault.device)):
                 port.lossy = Lossy(fault.share, fault.seed + number)
+        case _ if isinstance(fault, faults.RoomFault):
+            spoil_the_room(fault, context.serial_bench)
         case _:
             _push_the_arm(fault, context.beam_bench)
 

@@ -9,9 +9,10 @@ from typing import Final
 import numpy as np
 
 from catseye.simulators.config import Joints, SerialArm
-from catseye.simulators.kuka.arm_control import ArmControl, Begin
+from catseye.simulators.kuka.arm_control import ArmControl
 from catseye.simulators.kuka.kinematics import Kinematics, UnsolvableError
 from catseye.simulators.kuka.values import AXES, Structure, Value, e6axis, single
+from catseye.simulators.world.serial.held_arm import Begin
 from catseye.simulators.world.types import Floats
 
 CYCLE_S: Final = 0.012
@@ -26,6 +27,21 @@ LINE_M_S: Final = 0.002
 _MOST_KNOTS = 64
 _KNOT_MM = 0.05
 """Between two knots of a line the axes turn evenly: on so short a chord the flange leaves it by a nanometre."""
+
+
+def line_times_s(way_mm: float, override: float) -> Floats:
+    """Return when a straight step passes its knots, the last one at its end.
+
+    Args:
+        way_mm: length of the step.
+        override: part of the programmed speed, above 0, up to 1.
+
+    Returns:
+        Times since its start, s, shape (k,).
+    """
+    duration_s = max(way_mm / (1e3 * LINE_M_S * override), CYCLE_S)
+    count = min(_MOST_KNOTS, math.ceil(duration_s / CYCLE_S), max(1, math.ceil(way_mm / _KNOT_MM)))
+    return np.asarray(duration_s * np.arange(1, count + 1) / count)
 
 
 class Order(IntEnum):
@@ -200,14 +216,13 @@ class CatsKuka:
     def _lead(self, goal: Floats, override: float) -> None:
         start = self._bench.joints
         way_mm = float(np.linalg.norm(goal[:3, 3] - self._kinematics.flange(start)[:3, 3]))
-        duration_s = max(way_mm / (1e3 * LINE_M_S * override), CYCLE_S)
-        count = min(_MOST_KNOTS, math.ceil(duration_s / CYCLE_S), max(1, math.ceil(way_mm / _KNOT_MM)))
+        times_s = line_times_s(way_mm, override)
         try:
-            knots = self._kinematics.line(start, goal, count)
+            knots = self._kinematics.line(start, goal, times_s.size)
         except UnsolvableError:
             self._control.raise_alarm(_SOFTWARE_LIMIT)
             return
-        self._bench.follow(duration_s * np.arange(1, count + 1) / count, knots)
+        self._bench.follow(times_s, knots)
 
     def _halt(self, result: Result) -> None:
         """BRAKE, and RESUME once the arm stands."""

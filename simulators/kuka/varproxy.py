@@ -3,13 +3,9 @@
 A request takes 5 to 15 ms of bench time (sheet A1). What has come is carried out even where its client is gone.
 """
 
-import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from functools import partial
 from typing import Final
-
-import numpy as np
 
 from catseye.simulators.kuka.frames import (
     LONGEST_BYTES,
@@ -26,7 +22,8 @@ from catseye.simulators.kuka.frames import (
 )
 from catseye.simulators.kuka.values import ValueTextError
 from catseye.simulators.kuka.variables import UnknownVariableError, Variables, WriteProtectedError
-from catseye.simulators.ports.session import Answer, Pending, Session
+from catseye.simulators.ports.session import Answer, Session
+from catseye.simulators.ports.turns import Turns
 from catseye.simulators.world.timed_bench import TimedBench
 
 INTERNAL: Final = {
@@ -41,7 +38,6 @@ INTERNAL: Final = {
 }
 """Names that the proxy answers itself."""
 
-_SHORTEST_S, _LONGEST_S = 0.005, 0.015
 _OVERHEAD_BYTES = 4
 
 
@@ -65,18 +61,10 @@ class Proxy:
         longest_bytes: int = LONGEST_BYTES,
         old: bool = False,
     ) -> None:
-        self.bench = bench
+        self.turns = Turns(bench, seed, 20)
         self.longest_bytes = longest_bytes
         self.old = old
         self._variables = variables
-        self._delays = np.random.default_rng([seed, 20])
-        self._busy_until_s = -math.inf
-
-    def turn_s(self) -> float:
-        """Return the bench time at which a request that comes now is carried out."""
-        took_s = float(self._delays.uniform(_SHORTEST_S, _LONGEST_S))
-        self._busy_until_s = max(self._busy_until_s, self.bench.time_s) + took_s
-        return self._busy_until_s
 
     def read(self, name: str) -> tuple[ErrorCode, str]:
         """Return a variable's value, or why there is none."""
@@ -94,20 +82,6 @@ class Proxy:
             return ErrorCode.ACCESS, ""
         except (UnknownVariableError, ValueTextError):
             return ErrorCode.ARGUMENT, ""
-
-
-@dataclass
-class _Turn:
-    """A request that waits for its turn.
-
-    Attributes:
-        due_s: bench time at which it is carried out.
-        answer: its reply, once it was.
-    """
-
-    due_s: float
-    answer: bytes = b""
-    done: bool = field(default=False)
 
 
 class VarproxySession(Session):
@@ -128,27 +102,15 @@ class VarproxySession(Session):
 
     def answer(self) -> Answer | None:
         """Have the next request carried out in its turn."""
-        turn = self._next()
-        if turn is None:
-            return None
-        return Pending(lambda: None if turn.done else turn.due_s, lambda: turn.answer)
-
-    def close(self) -> None:
-        """Carry out what the client sent before it went."""
-        while self._next() is not None:
-            pass
-
-    def _next(self) -> _Turn | None:
         request = self._buffer.take()
         if request is None:
             return None
-        turn = _Turn(self._proxy.turn_s())
-        self._proxy.bench.call_at(turn.due_s, partial(self._carry_out, request, turn))
-        return turn
+        return self._proxy.turns.take(partial(answer_to, request, self._proxy, self._note))
 
-    def _carry_out(self, request: Frame, turn: _Turn) -> None:
-        turn.answer = answer_to(request, self._proxy, self._note)
-        turn.done = True
+    def close(self) -> None:
+        """Carry out what the client sent before it went."""
+        while self.answer() is not None:
+            pass
 
 
 def answer_to(request: Frame, proxy: Proxy, note: Callable[[str], None]) -> bytes:

@@ -49,6 +49,10 @@ class Wire(Protocol):
         """Go on taking."""
         ...
 
+    def hang_up(self) -> None:
+        """End the connection behind what was sent, where the link has such an end."""
+        ...
+
 
 class Conversation:
     """Hands bytes to a session and answers back, one request after the other."""
@@ -115,6 +119,8 @@ class Conversation:
         lossy = self._faults.lossy
         if arrives := lossy.passed(answer) if lossy else answer:
             self._wire.send(arrives)
+        if self._session.over:
+            self._wire.hang_up()
 
     def _set_timers(self) -> None:
         if self._ended:

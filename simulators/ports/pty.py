@@ -159,6 +159,9 @@ class _Line:
         self._choked = False
         self._listen()
 
+    def hang_up(self) -> None:
+        """A line knows no connection."""
+
     def close(self) -> None:
         """Give the pseudo-terminal back; whoever has it open sees the end."""
         self._loop.remove_reader(self._master)

@@ -41,6 +41,11 @@ class Session:
         """Nothing more is read while an earlier request waits for its answer."""
         return False
 
+    @property
+    def over(self) -> bool:
+        """The connection ends behind the last answer."""
+        return False
+
     def overtake(self) -> None:
         """Look at what was fed last while an earlier request still waits for its answer."""
 

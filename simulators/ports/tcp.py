@@ -119,6 +119,11 @@ class Connection(asyncio.Protocol):
         else:
             self._transport.write(data)
 
+    def hang_up(self) -> None:
+        """End the connection behind what was sent."""
+        if self._transport is not None:
+            self._transport.close()
+
     def pause(self) -> None:
         """Leave what the client sends in the socket."""
         if self._transport is not None:

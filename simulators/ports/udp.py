@@ -110,3 +110,6 @@ class _Client:
     def resume(self) -> None:
         """Go on taking."""
         self._paused = False
+
+    def hang_up(self) -> None:
+        """Datagrams know no connection."""

@@ -109,6 +109,14 @@ class TimedBench(ABC):
     def clear_faults(self) -> None:
         """End what goes wrong on the bench."""
 
+    def block_beam(self, duration_s: float | None) -> None:
+        """Hold something into the beam, for a time in s or until it is taken away."""
+        self.beam.block(duration_s)
+
+    def clear_beam(self) -> None:
+        """Take away what stands in the beam."""
+        self.beam.unblock()
+
     def advance(self, step_s: float) -> None:
         """Let bench time pass, s."""
         self.advance_to(self.time_s + step_s)

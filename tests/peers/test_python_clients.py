@@ -13,6 +13,7 @@ from catseye.simulators.config import EmulatedDevice, TruthText
 from catseye.simulators.emulated_bench import EmulatedBench
 from tests.system.test_ways_of_following import TRUTH
 from tests.unit.simulators.benches import QUIET
+from tests.unit.simulators.trackers import near, tracker_bench
 
 HERE = Path(__file__).parent
 PYTHON = HERE.parents[1] / ".venv-peers" / "bin" / "python"
@@ -54,3 +55,21 @@ async def test_the_makers_api_reads_displacements() -> None:
     assert warning == 0
     # The arm rests and the measurement has just begun.
     assert abs(displacement_pm) < 1_000_000
+
+
+async def test_the_public_emscon_client_measures_points() -> None:
+    async with tracker_bench("leica-emscon", speed=10.0) as bench:
+        port = bench.endpoints[0].endpoint.rpartition(":")[2]
+        place_m = [1e-3 * value for value in near(bench, "nest1")]
+        said = await output_of("tracker_point.py", "127.0.0.1", port, *map(str, place_m))
+    assert said["place_m"] == pytest.approx(place_m, abs=2e-6)
+    assert said["again_m"] == pytest.approx(place_m, abs=2e-6)
+    assert (said["face"], said["other_face"], said["faces"]) == (1, 2, 2)
+    assert said["processor"] == 5
+    assert said["units"] == [0, 0]
+    assert said["temperature_c"] == pytest.approx(20.0, abs=1.0)
+    assert said["index"] == pytest.approx(1.00027, abs=1e-5)
+    assert max(map(abs, said["home_m"])) < 0.2
+    assert said["refused"] == "Command 55 failed with status 37"
+    assert said["reflectors"] == 3
+    assert said["name"] == "AT901-MR EMULATOR"

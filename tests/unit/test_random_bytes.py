@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from catseye.drivers.abb.http import AnswerDecoder as HttpDecoder
 from catseye.drivers.air.ptu300_codec import TextDecoder
 from catseye.drivers.attocube.codec import AnswerDecoder as IdsDecoder
 from catseye.drivers.counter.codec import LineDecoder, StreamDecoder
@@ -20,19 +21,24 @@ from catseye.drivers.heidenhain.codec import ReplyDecoder
 from catseye.drivers.kuka.codec import Kind
 from catseye.drivers.kuka.codec import ReplyDecoder as VarproxyDecoder
 from catseye.drivers.lasertex.codec import FrameDecoder as HpiDecoder
+from catseye.drivers.leica.codec import RepliesDecoder, encode
+from catseye.drivers.leica.codec import ReplyDecoder as EmsconDecoder
+from catseye.drivers.leica.measurement import ResultDecoder
 from catseye.drivers.links.link import Decoder
 from catseye.drivers.links.stream import FrameDecoder
 from catseye.drivers.melfa import codec as melfa
 from catseye.drivers.melfa.datalink.codec import RecordDecoder
 from catseye.drivers.melfa.mxt.codec import decode as decode_mxt
 from catseye.drivers.roles.errors import ProtocolError
+from catseye.drivers.t2sa.codec import ReplyDecoder as T2saDecoder
 from catseye.drivers.tracker.bench_tracker import ObjectDecoder
 from catseye.drivers.umd.codec import SampleDecoder
 from catseye.simulators.config import EmulatedDevice
-from catseye.simulators.emulated_bench import EmulatedBench
+from catseye.simulators.emulated_bench import EmulatedBench, ServedBench
 from catseye.simulators.emulator import emulator_names, sessions_of
 from catseye.simulators.ports.session import Pending, Session
 from catseye.simulators.world.timed_bench import TimedBench
+from tests.unit.simulators.abb.benches import abb_bench
 from tests.unit.simulators.benches import QUIET
 from tests.unit.simulators.kuka.benches import kuka_bench
 
@@ -103,6 +109,14 @@ VARPROXY_SAYS = (
     b"\x00\x01\x01",
 )
 
+EMSCON_SAYS = (
+    b"\x10\x00\x00\x00\x00\x00\x00\x00\x01\x00\x00\x00\x00\x00\x00\x00",
+    b"\x10\x00\x00\x00\x00\x00\x00\x00\x31\x00\x00\x00\x00\x00\x00\x00",
+    b"\x0c\x00\x00\x00\x08\x00\x00\x00\x1b\x00\x00\x00",
+    b"\x9c\x00\x00\x00\x02\x00\x00\x00",
+    bytes(36),
+)
+
 DECODERS: dict[str, tuple[Callable[[], Feed], tuple[bytes, ...]]] = {
     "melfa-r3 bare": (lambda: melfa_answers(melfa.bare), MELFA_SAYS),
     "melfa-r3 open": (lambda: melfa_answers(melfa.open_text), MELFA_SAYS),
@@ -123,6 +137,17 @@ DECODERS: dict[str, tuple[Callable[[], Feed], tuple[bytes, ...]]] = {
     ),
     "kuka-varproxy": (lambda: answers(lambda: VarproxyDecoder(1, Kind.READ)), VARPROXY_SAYS),
     "kuka-varproxy many": (lambda: answers(lambda: VarproxyDecoder(1, Kind.READ_MANY)), VARPROXY_SAYS),
+    "abb-rws": (
+        lambda: answers(HttpDecoder),
+        (
+            b"HTTP/1.1 200 OK\r\n",
+            b"Content-Length: 9\r\n",
+            b"\r\n",
+            b"Transfer-Encoding: chunked\r\n",
+            b"a\r\n",
+            b"0",
+        ),
+    ),
     "lasertex-hpi": (lambda: stream(HpiDecoder()), (b"\xaa", b"\xaa\xb0\x15", b"\xb0\x0a", bytes(12))),
     "attocube-ids": (lambda: answers(lambda: IdsDecoder(1)), JSON_SAYS),
     "umd": (
@@ -130,6 +155,10 @@ DECODERS: dict[str, tuple[Callable[[], Feed], tuple[bytes, ...]]] = {
         (b"1 ", b"-32768 ", b"4294967296 ", b"\r\n", b"1 2 3 4 5 6 7 8\n"),
     ),
     "vaisala-ascii": (lambda: answers(TextDecoder), (b"P= 1013.2 hPa", b"T= ***", b">", b"\r\n", b"SEND")),
+    "leica-emscon": (lambda: answers(lambda: EmsconDecoder(1)), EMSCON_SAYS),
+    "leica-emscon many": (lambda: answers(lambda: RepliesDecoder(1)), EMSCON_SAYS),
+    "leica-emscon result": (lambda: answers(ResultDecoder), EMSCON_SAYS),
+    "t2sa": (lambda: answers(T2saDecoder), (b"ACK-300 ", b"ERR-201", b" result 1,2,3 True", b"\r\n", b";")),
     "bench-tracker": (
         lambda: answers(ObjectDecoder),
         (b'{"ok": true', b', "x_mm": 1.0', b"}\n", b"[", b"\n"),
@@ -211,6 +240,13 @@ SAID_TO_EMULATORS: dict[str, tuple[bytes, ...]] = {
         b"\x00\x04\x00\x00",
         b"$",
     ),
+    "abb-rws": (
+        b"GET /rw/panel/opmode HTTP/1.1\r\n",
+        b"POST / HTTP/1.1\r\n",
+        b"Content-Length: 9\r\n",
+        b"\r\n",
+        b"x",
+    ),
     "lasertex-hpi": (b"\xaa", b"\xaa\xb0\x32", b"\xb0\x48", bytes(4)),
     "attocube-ids": (
         *JSON_SAYS,
@@ -218,6 +254,17 @@ SAID_TO_EMULATORS: dict[str, tuple[bytes, ...]] = {
         b'"params":[0],',
     ),
     "modbus-air": (b"\x00\x01\x00\x00\x00\x06\x01", b"\x03\x00\x00\x00\x02", b"\x10", b"\x2b\x0e\x01\x00"),
+    "leica-emscon": (
+        encode(1),
+        encode(7),
+        encode(26, "i", 0),
+        encode(30, "4i", 10, 3, 0, 0),
+        encode(24, "i", 1),
+        encode(47, "9i", 2, 0, 0, 1, 1, 1, 0, 1, 0),
+        encode(49),
+        encode(55, "3di", 1.0, 2.0, 3.0, 1),
+    ),
+    "t2sa": (b"?POS ", b"!MEAS_SINGLE_POINT:A;b;world1", b"!CMDEXE:base", b"?STAT", b"\r\n", b";", b":1"),
     "vaisala-ascii": (b"SEND", b"R", b"S", b"INTV 1 s", b"\r", b"\r\n", b" "),
 }
 
@@ -261,6 +308,14 @@ def test_no_bytes_break_a_driver(protocol: str) -> None:
     survive(make(), pieces)
 
 
+OF_SERIAL_ARMS: dict[str, Callable[[], ServedBench]] = {
+    "kuka-varproxy": kuka_bench,
+    "abb-rws": abb_bench,
+    "leica-emscon": kuka_bench,
+    "t2sa": kuka_bench,
+}
+"""Benches of robots that move another arm, and of trackers that look at one."""
+
 SOCKET, LINE = "tcp://127.0.0.1:0", "serial:///dev/ptmx"
 OTHER_ON_A_LINE = ("melfa-r3", "modbus-air")
 """Protocols that frame their requests in another way on a serial line."""
@@ -270,12 +325,12 @@ OTHER_ON_A_LINE = ("melfa-r3", "modbus-air")
     ("protocol", "endpoint"), [(p, SOCKET) for p in emulator_names()] + [(p, LINE) for p in OTHER_ON_A_LINE]
 )
 def test_no_bytes_break_an_emulator(protocol: str, endpoint: str) -> None:
-    emulation = kuka_bench() if protocol == "kuka-varproxy" else EmulatedBench(QUIET)
+    emulation = OF_SERIAL_ARMS.get(protocol, lambda: EmulatedBench(QUIET))()
     device = EmulatedDevice("device", protocol, endpoint)
     session = sessions_of(emulation.context, device, lambda _text: None)()
     if isinstance(emulation, EmulatedBench):
         # Programs of the controller serve their clients with the servo on.
         emulation.controller.switch_servo_on()
-    emulation.bench.advance(2.0)
-    survive(Conversation(session, emulation.bench).feed, SAID_TO_EMULATORS.get(protocol, ()))
+    emulation.context.bench.advance(2.0)
+    survive(Conversation(session, emulation.context.bench).feed, SAID_TO_EMULATORS.get(protocol, ()))
     session.close()

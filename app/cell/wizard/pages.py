@@ -73,8 +73,9 @@ def _any_robot(answer: Answer) -> list[Question]:
         Question(
             "robot.endpoint",
             "Endpoint",
-            "of what answers on the controller: tcp://192.168.1.2:7000 for KUKAVARPROXY and C3 Bridge",
-            find_out="the controller's address, and the port of the program there; see docs/kuka.md",
+            "of what answers on the controller: tcp://192.168.1.2:7000 for KUKAVARPROXY and C3 Bridge, "
+            "tcp://192.168.125.1:80 for an ABB IRC5",
+            find_out="the controller's address, and the port of what answers there; see docs/kuka.md, docs/abb.md",
         ),
         *_override_cap(answer),
         *resolution.arm(answer),
@@ -214,13 +215,17 @@ def _more(answer: Answer) -> list[Question]:
             Question("io.endpoint", "  Endpoint", "tcp://192.168.0.40:502", find_out="the block's address"),
             *setting_questions("io", answer("io.driver"), frozenset()),
         ]
-    asked.append(
-        Question("tracker", "Tracker?", "so far only the emulated bench has one: [tracker]", "choice", YES_NO)
-    )
+    asked.append(Question("tracker", "Tracker?", "laser tracker or optical CMM: [tracker]", "choice", YES_NO))
     if tracker:
         asked += [
             Question("tracker.driver", "  Driver", "of the tracker", "choice", drivers_of("tracker")),
-            Question("tracker.endpoint", "  Endpoint", "the emulator's control port"),
+            Question(
+                "tracker.endpoint",
+                "  Endpoint",
+                "tcp://192.168.0.1:700, file:///folder/readings.csv, or an emulated bench's control port",
+                find_out="the tracker's address, or the file into which its own program writes",
+            ),
+            *setting_questions("tracker", answer("tracker.driver"), frozenset()),
         ]
     asked.append(
         Question("material", "Temperature of links?", "a sensor on the arm: [material]", "choice", YES_NO)

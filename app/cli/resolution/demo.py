@@ -21,6 +21,7 @@ from catseye.app.cli.resolution.demo_cell import ARM, CELL, emulator_cell
 from catseye.app.cli.resolution.demo_prediction import predict_tool
 from catseye.app.cli.resolution.demo_truth import TrueLeastStep, compare_with_truth, truth_section
 from catseye.app.engine.signals import SignalInstaller
+from catseye.app.errors import UsageError
 from catseye.app.protocol.procedures import load_procedure
 from catseye.app.render.page import write_page
 from catseye.app.results.model import Report
@@ -37,6 +38,7 @@ from catseye.app.results.resolution.shipped import shipped_results
 from catseye.app.service.emulated_arm import emulation_config
 from catseye.app.store.reader import RunReader
 from catseye.calibration.resolution.decaying import THRESHOLD_PERCENT
+from catseye.calibration.resolution.errors import MovesError
 
 _TIMES: Final = ("standstill_s=15", "dwell_s=1.5")
 
@@ -104,8 +106,18 @@ async def _measure(
 
 
 def evaluate(given: Demonstration, runs: Sequence[Path]) -> ResolutionResult:
-    """Return what the runs come to; write it to the result file."""
-    result = result_of_runs([RunReader(run) for run in runs], THRESHOLD_PERCENT)
+    """Return what the runs come to; write it to the result file.
+
+    Raises:
+        UsageError: a recording does not fit its moves, as when the emulators cannot keep up.
+    """
+    try:
+        result = result_of_runs([RunReader(run) for run in runs], THRESHOLD_PERCENT)
+    except MovesError as error:
+        raise UsageError(
+            f"{error}. A busy computer cannot keep emulators at {given.speed:g} times real speed, and their time "
+            f"then falls behind that of the moves: call again with --speed {max(1.0, given.speed / 3.0):.2g}"
+        ) from error
     write_resolution(result, result_file(given))
     write_resolution(other_cells(result), shipped_file(given))
     return result

@@ -12,15 +12,8 @@ from pydantic import Field, model_validator
 from catseye.app.cell.described import read_described
 from catseye.app.cell.section import Positive, Section
 from catseye.app.errors import ConfigError
-from catseye.app.files.foreign_csv import (
-    Decimal,
-    Dialect,
-    Encoding,
-    Separator,
-    first_lines,
-    found_dialect,
-    read_numbers,
-)
+from catseye.app.files.foreign_csv import first_lines, found_dialect, read_numbers
+from catseye.drivers.roles.text_table import Decimal, Dialect, Encoding, Separator
 from catseye.procedures.kit.columns import Columns
 
 _DEG: Final = math.degrees(1.0)
@@ -161,7 +154,7 @@ def found_mapping(path: Path, rate_hz: float | None = None) -> CsvMapping:
         ConfigError: a file of one column, and no rate.
     """
     dialect = found_dialect(path)
-    lines = first_lines(path, dialect.encoding, dialect.header_lines + 1)
+    lines = first_lines(path, dialect.codec, dialect.header_lines + 1)
     row = dialect.numbers(lines[-1]) or []
     headings = _headings(dialect, lines[:-1], len(row))
     if len(row) < 2 and rate_hz is None:

@@ -52,6 +52,7 @@ class Asked:
         position: of the joint, deg or mm; None where nobody says.
         pose: name of the pose of a Cartesian test.
         threshold_percent: largest step error of a step that counts.
+        position_name: what the run called the position; None where nobody named it.
     """
 
     test: Test
@@ -59,6 +60,7 @@ class Asked:
     position: float | None = None
     pose: str | None = None
     threshold_percent: float = 10.0
+    position_name: str | None = None
 
 
 @dataclass(frozen=True)
@@ -206,6 +208,7 @@ def _test(asked: Asked, found: Steps, **parts: Any) -> AnyTest:
             "test": asked.test,
             "joint": asked.joint,
             "position": asked.position,
+            "position_name": asked.position_name,
             "pose": asked.pose,
             "threshold_percent": asked.threshold_percent,
             **parts,

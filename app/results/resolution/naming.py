@@ -80,11 +80,17 @@ def joints_of(tests: Sequence[AnyTest]) -> list[str]:
 
 
 def named_positions(tests: Sequence[AnyTest], joint: str) -> list[tuple[str, float | None]]:
-    """Return where a joint was tested, upwards, with names: `K1 = −175°`; without a name where nothing is stated."""
+    """Return where a joint was tested, upwards, with names: `K1 = −175°`; without a name where nothing is stated.
+
+    Names are those of the runs. Where they do not contradict it, positions are counted upwards.
+    """
     own = [test for test in tests if test.joint == joint]
     stated = sorted({test.position for test in own if test.position is not None})
-    named: list[tuple[str, float | None]] = [
-        (f"K{place} = {with_unit(position, own[0].unit, POSITION)}", position)
-        for place, position in enumerate(stated, 1)
-    ]
+    given = {test.position: test.position_name for test in own if test.position_name is not None}
+    counted = {position: f"K{place}" for place, position in enumerate(stated, 1)}
+    names = counted if given.items() <= counted.items() else given
+    named: list[tuple[str, float | None]] = []
+    for position in stated:
+        value = with_unit(position, own[0].unit, POSITION)
+        named.append((f"{names[position]} = {value}" if position in names else value, position))
     return [*named, ("", None)] if any(test.position is None for test in own) else named

@@ -178,8 +178,8 @@ def _test_of(row: Mapping[str, Any]) -> tuple[object, ...]:
 
 
 def _asked(row: Mapping[str, Any], threshold_percent: float) -> Asked:
-    pose = row["position"] if row["test"] == "cartesian" else None
-    return Asked(row["test"], row["joint"], row["position_value"], pose, threshold_percent)
+    pose, position = (row["position"], None) if row["test"] == "cartesian" else (None, row["position"])
+    return Asked(row["test"], row["joint"], row["position_value"], pose, threshold_percent, position)
 
 
 def _series(recorded: RecordedSeries, sign: Literal[1, -1] = 1) -> Series:

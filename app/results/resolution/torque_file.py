@@ -13,6 +13,7 @@ from catseye.app.files.diadem import Channel, read_trace
 from catseye.app.files.foreign_csv import first_lines, found_dialect, read_numbers
 from catseye.app.results.resolution.tables import TORQUE
 from catseye.calibration.core.types import Floats
+from catseye.drivers.roles.text_table import codec_of
 from catseye.procedures.kit.columns import Columns
 
 _TORQUE_UNITS: Final = frozenset({"nm", "n m", "n·m", "n*m"})
@@ -34,6 +35,11 @@ def read_torque(path: Path, channel: str | None = None) -> Columns:
     Raises:
         UsageError: the file cannot be used, or which channel is meant is not clear; names what there is.
     """
+    if path.suffix.lower() == ".r64":
+        raise UsageError(
+            f"{path}: holds the values of a KUKA trace and not what they are: state the .dat of the same name, with "
+            "this file beside it"
+        )
     if path.suffix.lower() == ".dat":
         return _of_channels(path, read_trace(path), channel)
     if channel is None and (path.suffix == ".parquet" or _has_own_header(path)):
@@ -42,14 +48,14 @@ def read_torque(path: Path, channel: str | None = None) -> Columns:
 
 
 def _has_own_header(path: Path) -> bool:
-    lines = first_lines(path, "utf-8", 100)
+    lines = first_lines(path, codec_of("utf-8"), 100)
     return any("torque_nm" in line for line in lines if not line.startswith("#"))
 
 
 def _csv_channels(path: Path) -> list[Channel]:
     """Return the channels of a trace as CSV, whose headings are `name(unit)`."""
     dialect = found_dialect(path)
-    above = first_lines(path, dialect.encoding, dialect.header_lines)
+    above = first_lines(path, dialect.codec, dialect.header_lines)
     headings = next((dialect.cells(line) for line in reversed(above) if line.strip()), [])
     if not headings:
         raise UsageError(f"{path}: no line above the numbers names the columns; t_s,torque_nm is wanted")

@@ -105,6 +105,10 @@ def _moved(data: Data) -> str:
     )
 
 
+def _set_up_lost(data: Data) -> str:
+    return f"what was set up was MOVED since {str(data.get('since_utc'))[:19]}: it is set up anew where it is needed"
+
+
 def _hands(data: Data) -> str:
     did = {
         "turn_screw": f"turned the {data.get('screw')} screw by {data.get('turns')} turns",
@@ -134,6 +138,7 @@ _ENGINES: Final[EventTexts] = {
         "client-lost": _client_lost,
         "run-ended": _ended,
         "reflectors-moved": _moved,
+        "set-up-lost": _set_up_lost,
         "hands": _hands,
         "close-failed": lambda data: plain_text("NOT CLOSED", data),
         # These are shown with what belongs to them.

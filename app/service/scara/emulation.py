@@ -7,7 +7,7 @@ from catseye.app.cell.bench import scara_bench_of
 from catseye.app.cell.model import Cell
 from catseye.app.cell.scara.sections import Alignment
 from catseye.app.files.documents import read_document
-from catseye.app.service.emulation import emulated_devices
+from catseye.app.service.emulation import control_endpoint, emulated_devices
 from catseye.simulators.config import EmulationConfig, ReflectorPlace, Scara, Screws, TruthText
 
 
@@ -37,7 +37,7 @@ def emulation_config(cell: Cell, speed: float, seed: int, truth: Path | None) ->
         screws=_screws(cell.alignment),
         one_reflector=cell.optics.one_reflector,
         devices=emulated_devices(cell),
-        control="tcp://127.0.0.1:0" if cell.tracker is None else cell.tracker.endpoint,
+        control=control_endpoint(cell),
         speed=speed,
         seed=seed,
         truth=None if truth is None else TruthText(read_document(truth), str(truth)),

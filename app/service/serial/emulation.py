@@ -8,7 +8,7 @@ from catseye.app.cell.model import Cell
 from catseye.app.cell.serial_arm import chain_of, loads_of, point_of
 from catseye.app.cell.tool import ToolDescription
 from catseye.app.files.documents import read_document
-from catseye.app.service.emulation import emulated_devices
+from catseye.app.service.emulation import control_endpoint, emulated_devices
 from catseye.simulators.config import (
     ArmOptics,
     EmulationConfig,
@@ -40,7 +40,7 @@ def serial_emulation_config(cell: Cell, speed: float, seed: int, truth: Path | N
         limits=tuple((joint.low, joint.high) for joint in arm.joints),
         start_joints=tuple(0.5 * (joint.low + joint.high) for joint in arm.joints),
         devices=emulated_devices(cell),
-        control="tcp://127.0.0.1:0" if cell.tracker is None else cell.tracker.endpoint,
+        control=control_endpoint(cell),
         speed=speed,
         seed=seed,
         arm_optics=_optics(cell, tool),
@@ -65,6 +65,9 @@ def serial_arm_of(description: ArmDescription, tool: ToolDescription | None = No
 def _survey(cell: Cell, tool: ToolDescription | None) -> SurveyConfig:
     """Return what instruments see: they and their nests stand about where the cell file says."""
     survey, tracker = SurveyConfig(targets=_targets(tool)), cell.tracker
+    if bar := cell.ballbar:
+        centre = point_of(bar.centre_mm)
+        survey = replace(survey, cup=centre, ballbar_mm=bar.length_mm, ballbar_range_mm=bar.range_mm)
     if tracker is None or tracker.base_mm is None or tracker.base_deg is None:
         return survey
     nests = tuple(Mark(nest.name, (nest.x_mm, nest.y_mm, nest.z_mm)) for nest in tracker.nest)

@@ -101,6 +101,11 @@ class Walk:
         return ()
 
     @property
+    def sets_up_anew(self) -> bool:
+        """A walk sets nothing up."""
+        return False
+
+    @property
     def params_type(self) -> type[BaseModel]:
         """What may be chosen for the procedure."""
         return self.procedure.params_type

@@ -71,7 +71,7 @@ def round_for(device: ObservedDevice) -> Round:
             return Round(AIR_S, (device.sample,))
         case ObservedIo():
             return Round(DOOR_S, (device.door_closed,))
-        case ObservedTracker():
+        case ObservedTracker() if not (device.abilities.points or device.abilities.poses):
             return Round(TRACKER_S, (device.locate,))
     return Round(AIR_S)
 

@@ -6,9 +6,14 @@ from typing import TYPE_CHECKING
 from catseye.procedures.kit.tasks import (
     AlignOptics,
     ClearBeam,
+    MountBallbar,
     MountInterferometer,
     MountOptics,
     PlaceReflector,
+    PlaceTarget,
+    ReadBallbar,
+    SetUpScaleBar,
+    TakeBallbarOff,
     Task,
     TurnScrew,
 )
@@ -35,6 +40,16 @@ def task_picture(task: Task | None, reflectors: "Sequence[ReflectorPlace]" = ())
             return ["▣━━━━━━━┫▞┣━━━━━━━◖◗   turn and shift until the signal is at its largest"]
         case ClearBeam():
             return ["▣━━━━━━━ ╳ ━━━━━━━◗   nothing may stand in the beam"]
+        case MountBallbar():
+            return [f"◡●━━━━━━━━━●◡   from the cup to {task.target}"]
+        case TakeBallbarOff():
+            return ["◡   ●━━━━━━━━━●   ◡   balls out of cup and nest"]
+        case ReadBallbar():
+            return ["●━━━━▐ ±0.0000 ▌━━━━●   type what it shows, mm"]
+        case PlaceTarget():
+            return [f"◉ → ◡   into {task.target}"]
+        case SetUpScaleBar():
+            return ["◉━━━━━━━━━━━┳━━━━━━━━━━━◉   the bar lies level"]
         case None:
             return []
 

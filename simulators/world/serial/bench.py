@@ -30,6 +30,8 @@ class SerialBench(TimedBench):
         tracker: the laser tracker in the room.
         cmm: the optical CMM in the room.
         ballbar: that hands put between arm and table.
+        readback_deg: standard deviation of what the controller reads back wrongly: half of its variance is the
+            joint's own, half is drawn at each motion.
     """
 
     beam: ArmBeam
@@ -43,6 +45,8 @@ class SerialBench(TimedBench):
         self.tracker = LaserTracker(self.room, config, lambda: self.time_s)
         self.cmm = OpticalCmm(self.room, config, lambda: self.time_s)
         self.ballbar = Ballbar(self.room, config, lambda: self.time_s)
+        self.readback_deg = 0.0
+        self._seed = config.seed
         self._on_event = on_event or (lambda _text: None)
         self._arrived = True
 
@@ -80,7 +84,12 @@ class SerialBench(TimedBench):
     @property
     def measured(self) -> Joints:
         """Joints as the encoders show them at this moment, deg or mm."""
-        return self.plant.measured(self.time_s)
+        shown = self.plant.measured(self.time_s)
+        if not self.readback_deg:
+            return shown
+        draws = [np.random.default_rng([self._seed, 44, n]) for n in (0, 1 + self.plant.motions_begun)]
+        off = sum(rng.standard_normal(len(shown)) for rng in draws) * np.sqrt(0.5) * self.readback_deg
+        return tuple((np.array(shown) + off).tolist())
 
     @property
     def torques_nm(self) -> tuple[float, ...]:
@@ -146,12 +155,21 @@ class SerialBench(TimedBench):
         self.plant.brake(self.time_s)
         self._begun(f"stop towards {listed(self.plant.motion.end)}")
 
+    def block_beam(self, duration_s: float | None) -> None:
+        """Stand before all instruments, for a time in s or until somebody goes away."""
+        for seeing in (self.beam, self.tracker, self.cmm):
+            seeing.block(duration_s)
+
+    def clear_beam(self) -> None:
+        """Go out of the way of all instruments."""
+        for seeing in (self.beam, self.tracker, self.cmm):
+            seeing.unblock()
+
     def clear_faults(self) -> None:
         """Take away what stands in the beams, dims them or unlocks the laser, and put retroreflectors back."""
-        self.beam.unblock()
-        self.tracker.unblock()
-        self.cmm.unblock()
+        self.clear_beam()
         self.room.put_back()
+        self.readback_deg = 0.0
         self.beam.weaken(1.0)
         self.beam.set_laser(ready=True)
 

@@ -84,6 +84,9 @@ class Room:
                 f"tool and {', '.join(n.name for n in survey.nests)} on the table"
             )
 
+        if survey.cup is not None:
+            self.set_up_cup(survey.cup)
+
     def named(self, name: str) -> Nest:
         """Return a nest.
 
@@ -142,8 +145,8 @@ class Room:
             self.nests[name] = Nest(middle + sense * along + seat, None, on_tool=False)
 
     def set_up_cup(self, place_mm: Place) -> None:
-        """Put the cup of the ballbar on its post, with a retroreflector in it; hands are off by millimetres."""
-        off_mm = self._hands.normal(0.0, 1.0, 3)
+        """Put the cup of the ballbar on its post, with a retroreflector in it; hands are a little off."""
+        off_mm = self._hands.normal(0.0, self.config.survey.u_cup_mm, 3)
         self.nests[CENTRE] = Nest(np.array(place_mm) + off_mm, None, on_tool=False)
 
     def put_back(self) -> None:

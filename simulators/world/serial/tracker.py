@@ -81,6 +81,11 @@ class LaserTracker:
         self._looked_s = now()
 
     @property
+    def target(self) -> str | None:
+        """Nest of the retroreflector that the beam follows; no wire carries that."""
+        return self._follow()
+
+    @property
     def locked(self) -> bool:
         """The beam returns from a retroreflector that it follows."""
         return self._follow() is not None
@@ -204,7 +209,8 @@ class LaserTracker:
         now_s = self._now()
         if self._locked is not None:
             times_s = self._since_last_look(now_s)
-            if self._locked in self._room.nests and self._steady(self._locked, times_s):
+            broken = self._path.met(self._looked_s, now_s)
+            if not broken and self._locked in self._room.nests and self._steady(self._locked, times_s):
                 self._beam_mm = self._in_frame(self._locked, times_s[-1:])[0]
             else:
                 self._locked = None

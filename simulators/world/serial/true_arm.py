@@ -258,7 +258,9 @@ class _Reading:
         return drive.model_copy(update=changes)
 
     def target(self, target: Mark) -> Mark:
-        """Return a nest with what is named of it."""
+        """Return a nest with what is named of it; a nest has no orientation, whatever a result says of its frame."""
+        for part in _FRAME_PARTS[3:]:
+            self._take(f"{target.name}.{part}", 0.0)
         x, y, z = (
             self._take(f"{target.name}.{part}", value)
             for part, value in zip(_PLACE_PARTS, target.place_mm, strict=True)

@@ -201,6 +201,18 @@ async def test_an_order_that_is_not_taken_is_taken_back(monkeypatch: pytest.Monk
         assert one.asked("write CATS_SEQ") == ["write CATS_SEQ = 1", "write CATS_SEQ = 2"]
 
 
+async def test_a_number_that_may_still_arrive_is_not_used_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with rig(taken_timeout_s=0.05) as one:
+        variables = one.bench.controller.program.variables
+        # The proxy has acknowledged the number, and keeps it to itself.
+        monkeypatch.setattr(one.bench.controller.program, "written", lambda: variables.update(CATS_SEQ=0))
+        with pytest.raises(NotReadyError, match="not taken order 1"):
+            await one.robot.step_axis("A1", 0.01)
+        monkeypatch.undo()
+        await one.robot.step_axis("A2", 0.01)
+        assert one.asked("write CATS_SEQ") == ["write CATS_SEQ = 1", "write CATS_SEQ = 2"]
+
+
 async def test_an_order_taken_at_the_last_moment_is_followed(monkeypatch: pytest.MonkeyPatch) -> None:
     async with rig(taken_timeout_s=0.001) as one:
         variables = one.bench.controller.program.variables

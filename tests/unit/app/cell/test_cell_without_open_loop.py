@@ -28,6 +28,7 @@ from catseye.app.service.watching.latest_values import LatestValues
 from catseye.drivers.roles.pose import Axis
 from catseye.procedures.kit.bench import Bench
 from catseye.procedures.kit.system import System
+from catseye.procedures.scara.bench import ScaraBench
 from tests.unit.app.engine.fakes import ManualClock
 
 NODES = r"^theta\d_deg = .*?$"
@@ -148,8 +149,10 @@ def test_readiness_names_what_is_missing(tmp_path: Path) -> None:
     for name in procedure_names():
         (need,) = needs_of(load_procedure(name), cell, bench, {}, runs)
         assert (need.what, need.met) == ("cell file", "missing")
-        kinds = load_procedure(name).needs.optics
-        missing = f"[{kinds[0]}_optics]" if kinds else "[[reflector]]"
+        needs = load_procedure(name).needs
+        missing = f"[{needs.optics[0]}_optics]" if needs.optics else "[[reflector]]"
+        if not (needs.optics or issubclass(needs.bench, ScaraBench)):
+            missing = "base_mm in [tracker]"
         assert need.text.startswith(f"{name} needs {missing}")
 
 

@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from typer.testing import CliRunner, Result
 from catseye.app.cli import cli
 from catseye.app.errors import MeasurementRejectedError, UsageError
 from catseye.app.results.serial_arm.identified_arm import identified_arm
-from catseye.app.results.serial_arm.result import SerialArmResult, read_serial_arm
+from catseye.app.results.serial_arm.result import read_serial_arm
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.plausibility import ImplausibleError
@@ -25,14 +26,23 @@ def called(folder: Path, poses: Path, *words: str) -> Result:
     return CliRunner().invoke(cli, ["calibrate", "--poses", str(poses), *arm, *words])
 
 
-def calibrated(folder: Path, *words: str) -> SerialArmResult:
-    done = called(folder, poses_file(folder, some_poses()), "--tool", str(tool_file(folder)), *words)
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Calibrate once for all tests that begin with a result; return the folder of its files."""
+    folder = tmp_path_factory.mktemp("calibrated")
+    done = called(folder, poses_file(folder, some_poses()), "--tool", str(tool_file(folder)))
     assert done.exit_code == 0, done.output
-    return read_serial_arm(folder / "arm.json")
+    return folder
 
 
-def test_table_gives_the_arm_with_honest_uncertainties(tmp_path: Path) -> None:
-    result = calibrated(tmp_path)
+@pytest.fixture
+def calibrated(made: Path, tmp_path: Path) -> Path:
+    """Return a folder of its own with the result, its table, arm and tool."""
+    return shutil.copytree(made, tmp_path / "calibrated")
+
+
+def test_table_gives_the_arm_with_honest_uncertainties(calibrated: Path) -> None:
+    result = read_serial_arm(calibrated / "arm.json")
     parts = {one.name: one for one in result.parameters}
     wanted = {
         "base.x_mm": BASE[0],
@@ -46,8 +56,8 @@ def test_table_gives_the_arm_with_honest_uncertainties(tmp_path: Path) -> None:
         assert parts[name].u < 0.1
 
 
-def test_result_predicts_like_the_arm_that_it_came_from(tmp_path: Path) -> None:
-    arm = identified_arm(calibrated(tmp_path))
+def test_result_predicts_like_the_arm_that_it_came_from(calibrated: Path) -> None:
+    arm = identified_arm(read_serial_arm(calibrated / "arm.json"))
     poses = some_poses(200, 50)
     places, covariance = arm.places_mm(Commands.of(arm.arm, poses), 1)
     missed = places - TrueArm().nests(poses, np.ones(200, dtype=np.int64))
@@ -134,13 +144,12 @@ def test_distances_to_anchors_are_identified(tmp_path: Path) -> None:
 
 
 def validated(folder: Path, *words: str) -> Result:
-    calibrated(folder)
     poses = poses_file(folder, some_poses(100, 60), seed=9)
     return CliRunner().invoke(cli, ["validate", str(folder / "arm.json"), "--measured", str(poses), *words])
 
 
-def test_validation_states_errors_of_drawn_and_calibrated_arm(tmp_path: Path) -> None:
-    done = validated(tmp_path, "--json")
+def test_validation_states_errors_of_drawn_and_calibrated_arm(calibrated: Path) -> None:
+    done = validated(calibrated, "--json")
     said = json.loads(done.stdout)
     assert said["n"] == 100
     assert 1.0 < said["frames_only"]["mean_mm"] < 3.0
@@ -150,19 +159,18 @@ def test_validation_states_errors_of_drawn_and_calibrated_arm(tmp_path: Path) ->
     assert said["inside_95_percent"] >= 85.0
 
 
-def test_validation_beyond_the_limit_is_rejected(tmp_path: Path) -> None:
-    done = validated(tmp_path, "--limit-mm", "0.03")
+def test_validation_beyond_the_limit_is_rejected(calibrated: Path) -> None:
+    done = validated(calibrated, "--limit-mm", "0.03")
     assert isinstance(done.exception, MeasurementRejectedError)
     assert "more than the limit of 0.03 mm" in str(done.exception)
 
 
-def test_predicted_rows_keep_their_columns(tmp_path: Path) -> None:
-    calibrated(tmp_path)
-    poses = poses_file(tmp_path, some_poses(30, 70), seed=None)
-    words = ["--poses", str(poses), "-o", str(tmp_path / "predicted.csv")]
-    done = CliRunner().invoke(cli, ["predict", str(tmp_path / "arm.json"), *words])
+def test_predicted_rows_keep_their_columns(calibrated: Path) -> None:
+    poses = poses_file(calibrated, some_poses(30, 70), seed=None)
+    words = ["--poses", str(poses), "-o", str(calibrated / "predicted.csv")]
+    done = CliRunner().invoke(cli, ["predict", str(calibrated / "arm.json"), *words])
     assert done.exit_code == 0, done.output
-    with (tmp_path / "predicted.csv").open(encoding="utf-8") as lines:
+    with (calibrated / "predicted.csv").open(encoding="utf-8") as lines:
         rows = list(csv.DictReader(lines))
     missed = [[float(row[f"{axis}_pred_mm"]) - float(row[f"{axis}_mm"]) for axis in "xyz"] for row in rows]
     assert len(rows) == 30
@@ -170,25 +178,24 @@ def test_predicted_rows_keep_their_columns(tmp_path: Path) -> None:
     assert all(0.0 < float(row["u_pred_mm"]) < 0.1 for row in rows)
 
 
-def test_path_of_a_scara_is_refused_for_a_serial_arm(tmp_path: Path) -> None:
-    calibrated(tmp_path)
-    words = ["--path", str(tmp_path / "poses45.csv"), "-o", str(tmp_path / "predicted.csv")]
-    done = CliRunner().invoke(cli, ["predict", str(tmp_path / "arm.json"), *words])
+def test_path_of_a_scara_is_refused_for_a_serial_arm(calibrated: Path) -> None:
+    words = ["--path", str(calibrated / "poses45.csv"), "-o", str(calibrated / "predicted.csv")]
+    done = CliRunner().invoke(cli, ["predict", str(calibrated / "arm.json"), *words])
     assert isinstance(done.exception, UsageError)
     assert "is of a serial arm: give --poses FILE" in str(done.exception)
 
 
-def test_report_of_the_result_shows_its_parameters(tmp_path: Path) -> None:
-    calibrated(tmp_path)
-    done = CliRunner().invoke(cli, ["report", str(tmp_path / "arm.json"), "-o", str(tmp_path / "arm.html")])
+def test_report_of_the_result_shows_its_parameters(calibrated: Path) -> None:
+    done = CliRunner().invoke(
+        cli, ["report", str(calibrated / "arm.json"), "-o", str(calibrated / "arm.html")]
+    )
     assert done.exit_code == 0, done.output
-    page = (tmp_path / "arm.html").read_text("utf-8")
+    page = (calibrated / "arm.html").read_text("utf-8")
     assert "J4.compliance_rad_per_nmm" in page
     assert "geometric+compliance, poses left out" in page
 
 
 def compensated(folder: Path, form: str) -> str:
-    calibrated(folder)
     poses = poses_file(folder, some_poses(12, 80), seed=None)
     words = ["--poses", str(poses), "--format", form, "--target", "nest2", "-o", str(folder / "out.txt")]
     done = CliRunner().invoke(cli, ["compensate", str(folder / "arm.json"), *words])
@@ -196,8 +203,8 @@ def compensated(folder: Path, form: str) -> str:
     return (folder / "out.txt").read_text("utf-8")
 
 
-def test_compensated_commands_bring_the_true_arm_near(tmp_path: Path) -> None:
-    rows = list(csv.DictReader(compensated(tmp_path, "csv").splitlines()))
+def test_compensated_commands_bring_the_true_arm_near(calibrated: Path) -> None:
+    rows = list(csv.DictReader(compensated(calibrated, "csv").splitlines()))
     kept = [k for k, row in enumerate(rows) if not row["reason"]]
     commands = np.array([[float(rows[k][f"q{j}_deg"]) for j in range(1, 7)] for k in kept])
     nest = np.ones(len(kept), dtype=np.int64)
@@ -208,8 +215,8 @@ def test_compensated_commands_bring_the_true_arm_near(tmp_path: Path) -> None:
     assert float(rows[kept[0]]["uncorrected_mm"]) > 0.5
 
 
-def test_rapid_module_drives_to_the_compensated_joints(tmp_path: Path) -> None:
-    lines = compensated(tmp_path, "rapid").splitlines()
+def test_rapid_module_drives_to_the_compensated_joints(calibrated: Path) -> None:
+    lines = compensated(calibrated, "rapid").splitlines()
     declared = [line for line in lines if "CONST jointtarget" in line]
     assert (lines[0], lines[-1]) == ("MODULE CATSCOMP", "ENDMODULE")
     assert len(declared) == sum("MoveAbsJ" in line for line in lines)
@@ -220,7 +227,7 @@ def test_rapid_module_drives_to_the_compensated_joints(tmp_path: Path) -> None:
         assert np.abs(np.array([float(q) for q in found[2].split(",")]) - meant).max() < 2.0
 
 
-def test_krl_module_names_the_axes(tmp_path: Path) -> None:
-    text = compensated(tmp_path, "krl")
+def test_krl_module_names_the_axes(calibrated: Path) -> None:
+    text = compensated(calibrated, "krl")
     assert text.startswith("DEF CATSCOMP( )")
     assert re.search(r"PTP \{A1 -?\d+\.\d{6}, A2 .*, A6 -?\d+\.\d{6}\}", text)

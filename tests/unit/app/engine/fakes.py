@@ -217,6 +217,7 @@ class Script:
     name = "script"
     title = "Scripted procedure"
     records: ClassVar[tuple[type[Record], ...]] = (Distance,)
+    sets_up_anew = False
 
     def __init__(
         self,

@@ -4,17 +4,30 @@ import asyncio
 from collections.abc import AsyncIterator
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from catseye.app.engine.operator import Answer, Operator, says_done
 from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.errors import ConfigError, LinkFailedError
 from catseye.procedures.kit.context import Prompt
-from catseye.procedures.kit.tasks import ClearBeam, MountInterferometer, PlaceReflector, TurnScrew
-from catseye.simulators.config import Remounting, Screws
-from catseye.simulators.emulated_bench import EmulatedBench
+from catseye.procedures.kit.tasks import (
+    ClearBeam,
+    MountBallbar,
+    MountInterferometer,
+    PlaceReflector,
+    PlaceTarget,
+    ReadBallbar,
+    SetUpScaleBar,
+    TakeBallbarOff,
+    TurnScrew,
+)
+from catseye.simulators.config import EmulationConfig, Remounting, Screws
+from catseye.simulators.emulated_bench import EmulatedBench, EmulatedSerialBench
+from catseye.simulators.survey import Mark, SurveyConfig
 from tests.unit.app.engine.fakes import ManualClock
 from tests.unit.simulators.benches import QUIET
+from tests.unit.simulators.world.serial.arms import serial_arm
 
 # Reflectors are drawn some millimetres off: the straight arm meets P2 with a wide acceptance.
 WIDE = replace(QUIET, one_reflector=True, acceptance_mm=50.0, devices=())
@@ -143,3 +156,65 @@ async def test_without_a_way_to_the_bench_the_remedy_is_reported() -> None:
     operator = Operator(ManualClock(), {}, None, simulated=True)
     with pytest.raises(ConfigError, match=r"'stage/1' asks for: Turn\. Add a \[tracker\]"):
         await operator.answer(STAGE)
+
+
+TOOL = (Mark("nest1", (0.0, 0.0, 125.0)), Mark("nest2", (71.0, 90.0, 215.0)))
+
+
+@pytest.fixture
+async def room() -> AsyncIterator[EmulatedSerialBench]:
+    arm = serial_arm("irb120")
+    start = (0.0, 10.0, -10.0, 0.0, 5.0, 0.0)
+    config = EmulationConfig(
+        serial=arm, start_joints=start, devices=(), survey=SurveyConfig(targets=TOOL), seed=4
+    )
+    async with EmulatedSerialBench(config, arm) as running:
+        yield running
+
+
+READ = Prompt("ballbar/1", "text", "Type the deviation.", task=ReadBallbar())
+
+
+async def hang(room: EmulatedSerialBench) -> SimulatedOperator:
+    hands = SimulatedOperator(room.endpoints[-1].endpoint)
+    x_mm, y_mm, z_mm = room.bench.room.places_mm(["nest1"], np.zeros(1))[0, 0].tolist()
+    await hands.do(MountBallbar(target="nest1", centre_mm=(x_mm, y_mm, z_mm - 300.0)))
+    return hands
+
+
+async def test_the_emulated_operator_types_what_the_ballbar_shows(room: EmulatedSerialBench) -> None:
+    hands = await hang(room)
+    places = room.bench.room.places_mm(["nest1", "centre"], np.array([room.bench.time_s]))[:, 0]
+    true_mm = float(np.linalg.norm(places[0] - places[1])) - 300.0
+    answer = await Operator(ManualClock(), {}, None, simulated=True, hands=hands).answer(READ)
+    assert answer.who == "emulated operator"
+    assert float(answer.text) == pytest.approx(true_mm, abs=0.006)
+
+
+async def test_a_person_types_the_reading_themselves(room: EmulatedSerialBench) -> None:
+    async def person(_prompt: Prompt) -> Answer:
+        return Answer("0.125", "Ada")
+
+    hands = await hang(room)
+    answer = await Operator(ManualClock(), {}, person, simulated=True, hands=hands).answer(READ)
+    assert answer.text == "0.125"
+
+
+async def test_a_reading_over_range_is_no_number(room: EmulatedSerialBench) -> None:
+    hands = await hang(room)
+    await hands.do(TakeBallbarOff())
+    operator = Operator(ManualClock(), {}, None, simulated=True, hands=hands)
+    assert (await operator.answer(READ)).text == "none"
+    number = replace(READ, kind="number", safe_answer="9")
+    assert (await operator.answer(number)).text == "9"
+
+
+async def test_hands_put_targets_back_and_stand_the_bar_up(room: EmulatedSerialBench) -> None:
+    hands = SimulatedOperator(room.endpoints[-1].endpoint)
+    room.bench.room.named("nest2").occupied = False
+    await hands.do(PlaceTarget(target="nest2"))
+    assert room.bench.room.named("nest2").occupied
+    await hands.do(SetUpScaleBar(place_mm=(700.0, 0.0, 300.0), turn_deg=90.0))
+    one, other = room.bench.room.places_mm(["bar1", "bar2"], np.array([room.bench.time_s]))[:, 0]
+    assert np.linalg.norm(one - other) == pytest.approx(1000.0, abs=0.02)
+    assert abs((other - one)[0]) < 100.0

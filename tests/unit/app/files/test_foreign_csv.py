@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from catseye.app.errors import UsageError
-from catseye.app.files.foreign_csv import Dialect, found_dialect, read_numbers
+from catseye.app.files.foreign_csv import found_dialect, read_numbers
+from catseye.drivers.roles.text_table import Dialect
 
 _POINTS = Dialect(",", ".", 1, "utf-8")
 

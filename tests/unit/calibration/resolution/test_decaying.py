@@ -87,6 +87,21 @@ def test_a_joint_beyond_the_threshold_everywhere_has_none() -> None:
     assert "least-step-open" in kinds(found)
 
 
+def test_intervals_hold_the_value_where_moves_are_missing() -> None:
+    there = np.r_[0:20, 45:109]
+    steps = decaying_steps(STEPS_DEG[there] * DEG, overtravel(2e-5, 1e-5, 1)[there], 1e-7 * DEG)
+    least = decaying_test(steps).least_step
+    assert least is not None
+    assert least.low <= least.value <= least.high
+
+
+def test_no_least_step_names_the_steps_that_are_off() -> None:
+    errors = overtravel(1e-6, 1e-5, 1)
+    errors[[3, 4]] = -100.0
+    (flag,) = [one for one in evaluated(errors).flags if one.kind == "least-step-open"]
+    assert "moves 4, 5 are off by more than 50 %" in flag.text
+
+
 def test_scale_of_the_optics_widens_the_interval() -> None:
     steps = decaying_steps(COMMAND, overtravel(1e-4, 1e-6, 1))
     sure, unsure = decaying_test(steps).least_step, decaying_test(replace(steps, u_scale=0.03)).least_step

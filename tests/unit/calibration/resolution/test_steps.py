@@ -297,3 +297,21 @@ def test_moves_too_close_for_a_plateau_are_refused() -> None:
     moves = hasty.moves(np.full(5, 1e-3))
     with pytest.raises(MovesError, match="dwell longer"):
         steps(hasty.recorded(moves, moves.command), moves)
+
+
+def test_steps_that_hold_unlisted_moves_are_not_judged() -> None:
+    command = STEPS_DEG[:30] * DEG
+    recording = BENCH.recorded(BENCH.moves(command), command)
+    listed = [number for number in range(30) if not 10 <= number < 13]
+    moves = moves_of(BENCH.moves(command).time_s[listed], command[listed], "rad")
+    found = steps(recording, moves)
+    assert flagged(found, "unexpected-motion") == (10,)
+    assert not found.judged[9]
+    assert found.judged.sum() == len(listed) - 1
+
+
+def test_a_hold_between_two_moves_is_no_motion_of_others() -> None:
+    command = STEPS_DEG[:30] * DEG
+    moves = BENCH.moves(command)
+    later = moves_of(moves.time_s + np.where(np.arange(30) > 12, 20.0, 0.0), command, "rad")
+    assert flagged(steps(BENCH.recorded(later, command), later), "unexpected-motion") == ()

@@ -44,6 +44,18 @@ def test_steps_decay_as_the_paper_has_them() -> None:
     assert sizes[-1] == pytest.approx(5.3e-5, abs=0.05e-5)
 
 
+def test_a_pose_of_another_arm_is_named() -> None:
+    poses = [list(POSE), [0.0, -20.0]]
+    with pytest.raises(PlanError, match="poses_deg, P2: 2 values where the arm has 6 axes"):
+        ResolutionCartesian().plan(SIX, CartesianParams(poses_deg=poses))
+
+
+def test_a_singular_pose_is_refused_before_its_wrist_whirls() -> None:
+    stretched = [*POSE[:4], 0.0, 0.0]
+    with pytest.raises(PlanError, match=r"along Y.*A[46] by .*° .*choose another pose"):
+        ResolutionCartesian().plan(SIX, CartesianParams(poses_deg=[stretched]))
+
+
 def test_a_series_ends_at_what_the_controller_can_command() -> None:
     sizes = decaying(0.1, 109, 0.001)
     assert sizes[-1] >= 0.001 > sizes[-1] / 1.072267

@@ -224,7 +224,8 @@ async def test_a_weak_signal_is_aligned_again(tmp_path: Path) -> None:
     assert row == {"skipped": False, "alignments": 2, "signal": 0.9}
 
 
-async def test_a_broken_campaign_goes_on_with_its_series(tmp_path: Path) -> None:
+async def broken_in_its_second_series(tmp_path: Path) -> tuple[Room, CampaignPlan, Path]:
+    """Return a bench on which a campaign of two series was broken off in the second one, its plan and its run."""
     room, plan = Room(tmp_path), Resolution().plan(SIX, SHORT)
     step_axis = room.arm.step_axis
 
@@ -238,7 +239,12 @@ async def test_a_broken_campaign_goes_on_with_its_series(tmp_path: Path) -> None
     assert first.status == "failed"
     again = Room(tmp_path)
     again.arm.pose = room.arm.pose
-    outcome = await carried_out(again, Resolution(), plan, resume=first.path)
+    return again, plan, first.path
+
+
+async def test_a_broken_campaign_goes_on_with_its_series(tmp_path: Path) -> None:
+    again, plan, path = await broken_in_its_second_series(tmp_path)
+    outcome = await carried_out(again, Resolution(), plan, resume=path)
     assert (outcome.status, outcome.text) == ("complete", "")
     reader = RunReader(outcome.path)
     assert [(step.step_id, step.attempt) for step in reader.steps()] == [
@@ -250,6 +256,27 @@ async def test_a_broken_campaign_goes_on_with_its_series(tmp_path: Path) -> None
     assert [prompt.id for prompt in again.asked if prompt.task] == []
     assert len(again.arm.steps) == 6
     assert verify(outcome.path).problems == ()
+
+
+async def test_moved_optics_are_set_up_anew_for_what_is_left(tmp_path: Path) -> None:
+    room, plan, path = await broken_in_its_second_series(tmp_path)
+    room.answers["resume/reflectors"] = "moved"
+    outcome = await carried_out(room, Resolution(), plan, resume=path)
+    assert outcome.status == "complete", outcome.text
+    asked = [prompt.id for prompt in room.asked]
+    assert asked[:4] == ["resume/reflectors", "drive/A1/K3", "mount/A1/K3", "align/A1/K3/1"]
+    reader = RunReader(path)
+    assert [step.step_id for step in reader.steps()] == ["A1/K3/optics", "A1/K3/+", "A1/K3/-"]
+    assert "set-up-lost" in [event.kind for event in reader.events()]
+    assert reader.count("configurations") == 2
+
+
+async def test_a_place_may_be_left_out_when_optics_were_moved(tmp_path: Path) -> None:
+    room, plan, path = await broken_in_its_second_series(tmp_path)
+    room.answers |= {"resume/reflectors": "moved", "mount/A1/K3": "skip"}
+    outcome = await carried_out(room, Resolution(), plan, resume=path)
+    assert outcome.status == "complete", outcome.text
+    assert RunReader(path).count("configurations") == 1
 
 
 async def test_backlash_drives_poses_and_reads_torques(tmp_path: Path) -> None:

@@ -42,6 +42,7 @@ class Tour:
     name = "tour"
     title = "A tour"
     needs = Needs()
+    sets_up_anew: ClassVar[bool] = False
     records: ClassVar[tuple[type[Record], ...]] = ()
     params_type = NoParams
 

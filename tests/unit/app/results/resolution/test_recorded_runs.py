@@ -13,6 +13,7 @@ from catseye.app.cell.load import load_cell
 from catseye.app.cli.report import report
 from catseye.app.cli.resolution.resolution import resolution
 from catseye.app.errors import MeasurementRejectedError, UsageError
+from catseye.app.results.resolution.naming import named_positions
 from catseye.app.results.resolution.recorded_runs import holds_tests, result_of_runs
 from catseye.app.results.resolution.result import read_resolution
 from catseye.app.store.chunks import Chunk, pack
@@ -190,6 +191,17 @@ async def test_large_steps_show_how_optics_stand_for_small_ones(tmp_path: Path) 
     (found,) = result_of_runs([reader], 10.0).tests
     assert found.amplitudes is not None
     assert [one.distinguishable for one in found.amplitudes] == [False, True]
+
+
+async def test_a_position_keeps_the_name_of_its_run(tmp_path: Path) -> None:
+    command = decaying_commands(40)
+    reader = await _stored(tmp_path, _rows("decaying", command, command))
+    tests = result_of_runs([reader], 10.0).tests
+    assert named_positions(tests, "A1") == [("K3 = 0°", 0.0)]
+    unnamed = tests[0].model_copy(update={"position": -20.0, "position_name": None})
+    assert named_positions([*tests, unnamed], "A1") == [("−20°", -20.0), ("K3 = 0°", 0.0)]
+    lower = unnamed.model_copy(update={"position": -40.0})
+    assert named_positions([*tests, unnamed, lower], "A1")[0] == ("K1 = −40°", -40.0)
 
 
 async def test_a_run_without_tests_is_refused(tmp_path: Path) -> None:

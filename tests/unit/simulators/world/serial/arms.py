@@ -18,6 +18,12 @@ def serial_arm(name: str, *more: SerialLoad) -> SerialArm:
     return replace(arm, loads=(*arm.loads, *more))
 
 
+def exact_arm(name: str) -> SerialArm:
+    """Return a shipped arm with encoders of no coarser step than floating point."""
+    arm = serial_arm(name)
+    return replace(arm, joints=tuple(replace(joint, encoder_bits=48) for joint in arm.joints))
+
+
 def exact_truth(arm: SerialArm) -> TruthText:
     """Return the document of drivetrains without friction, play, torsion, scatter and noise."""
     joints = tuple(

@@ -1,12 +1,14 @@
 """The ballbar of the bench: what it reads, and when its magnets let go."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from catseye.simulators.errors import BenchError
 from catseye.simulators.survey import Place
 from catseye.simulators.world.serial.bench import SerialBench
-from tests.unit.simulators.world.serial.surveyed import FORWARD, exact_but, surveyed
+from tests.unit.simulators.world.serial.surveyed import EXACT, FORWARD, exact_but, surveyed
 
 
 def centre_for(bench: SerialBench, length_mm: float = 300.0) -> Place:
@@ -75,6 +77,16 @@ def test_its_balls_take_the_places_of_retroreflectors() -> None:
 def test_without_a_cup_it_hangs_nowhere() -> None:
     with pytest.raises(BenchError, match="no nest 'centre'"):
         surveyed().ballbar.mount("nest1")
+
+
+def test_the_cup_stands_about_where_the_cell_says() -> None:
+    cup = (500.0, 100.0, 200.0)
+    off = [
+        np.subtract(surveyed(replace(EXACT, cup=cup), seed).room.nests["centre"].place_mm, cup)
+        for seed in range(30)
+    ]
+    # 90 draws know a standard deviation to 7 %.
+    assert np.std(off) == pytest.approx(EXACT.u_cup_mm, rel=0.3)
 
 
 def test_it_hangs_on_the_tool_only() -> None:

@@ -177,6 +177,7 @@ def test_a_result_of_a_calibration_is_a_truth() -> None:
             J4__sin2_deg=0.02,
             J6__reversal_deg=-0.03,
             nest1__x_mm=1.5,
+            nest1__rz_deg=30.0,
             base__z_mm=0.4,
         )
     )

@@ -1,6 +1,6 @@
-"""A KUKA stops: on request whatever its links do, and by itself when the program that moves it is gone.
+"""Robots of two makes stop: on request whatever their links do, and by themselves when their program is gone.
 
-The campaign of the same is `tests/campaigns/test_kuka_stop_moments.py`.
+The campaign of the same is `tests/campaigns/test_serial_stop_moments.py`.
 """
 
 import random
@@ -15,26 +15,28 @@ from pathlib import Path
 import pytest
 
 from catseye.app.testing.proxy import ProxyThread
-from catseye.simulators.kuka.program import HEARTBEAT_S
 from tests.patience import HANG_S
+from tests.system.arm_stops import Figures, one_stop
 from tests.system.command import Emulated, catseye, emulated, environment, own_runtime
 from tests.system.guarded import until
 from tests.system.kuka_kills import EXAMPLE, REST_WITHIN_S, SLOW, killed, measuring, newest
-from tests.system.kuka_stops import Figures, one_stop
-from tests.unit.simulators.kuka.benches import kuka_bench
+from tests.system.makes import MAKES, Make
 
 SEED = 20261124
 STOPS = 6
 KILLS = 2
-MOVER = "tests.system.kuka_mover"
+MOVER = "tests.system.arm_mover"
 GUARD_S = 0.25
-"""A guard says STOP when its engine's end of a pipe closes, which takes a moment; proxy and program follow."""
+"""A guard says STOP when its engine's end of a pipe closes, which takes a moment; controller and program follow."""
+
+HEARTBEAT_S = 0.5
+"""After the last sign of life a program on a controller stops the arm at the latest (docs/kuka.md, docs/abb.md)."""
 
 
 @contextmanager
-def kuka(folder: Path) -> Iterator[tuple[Emulated, str]]:
-    """Emulate the example in real time; yield it with the proxy's endpoint."""
-    with own_runtime(), emulated(folder, text=EXAMPLE.read_text(encoding="utf-8")) as bench:
+def served(make: Make, folder: Path) -> Iterator[tuple[Emulated, str]]:
+    """Emulate the example in real time; yield it with the controller's endpoint."""
+    with own_runtime(), emulated(folder, text=make.example.read_text(encoding="utf-8")) as bench:
         bench.ask(op="speed", value=1.0)
         found = re.search(r'^endpoint = "(.+?)"', bench.cell.read_text(encoding="utf-8"), re.MULTILINE)
         assert found is not None
@@ -45,10 +47,10 @@ def is_moving(bench: Emulated) -> bool:
     return bool(bench.ask(op="arm")["moving"])
 
 
-def rest_after_kill_s(bench: Emulated, endpoint: str, how: str) -> float:
+def rest_after_kill_s(bench: Emulated, *words: str) -> float:
     """Kill a program while it moves the arm; return the bench time from then to the standstill, s."""
     process = subprocess.Popen(
-        [sys.executable, "-m", MOVER, endpoint, how],
+        [sys.executable, "-m", MOVER, *words],
         cwd=bench.cell.parent,
         env=environment(),
         stderr=subprocess.PIPE,
@@ -74,22 +76,25 @@ def rest_after_kill_s(bench: Emulated, endpoint: str, how: str) -> float:
         process.communicate(timeout=HANG_S)
 
 
-async def test_stop_is_heard_whatever_a_link_does() -> None:
+@pytest.mark.parametrize("make", MAKES.values(), ids=MAKES)
+async def test_stop_is_heard_whatever_a_link_does(make: Make) -> None:
     source, found = random.Random(SEED), Figures()
     with ProxyThread("proxies") as threads:
-        async with kuka_bench() as bench:
+        async with make.bench() as bench:
             for _ in range(STOPS):
-                await one_stop(bench, source, threads, found)
+                await one_stop(make, bench, source, threads, found)
     assert (found.unconfirmed, found.moving, found.deaf, found.twice) == (0, 0, 0, 0)
     assert max(found.brakes_s) < 0.5
 
 
 @pytest.mark.parametrize("how", ["guarded", "alone"])
-def test_the_arm_stops_when_its_program_is_killed(tmp_path: Path, how: str) -> None:
-    with kuka(tmp_path) as (bench, endpoint):
-        rest_s = rest_after_kill_s(bench, endpoint, how)
+@pytest.mark.parametrize("name", MAKES)
+def test_the_arm_stops_when_its_program_is_killed(tmp_path: Path, name: str, how: str) -> None:
+    make = MAKES[name]
+    with served(make, tmp_path) as (bench, endpoint):
+        rest_s = rest_after_kill_s(bench, name, endpoint, how)
         written = [e["text"] for e in bench.ask(op="log", device="robot")["entries"]]
-        assert ("write CATS_STOP = TRUE" in written) == (how == "guarded")
+        assert (make.stop in written) == (how == "guarded")
     # The last heartbeat may have come a period before the end; a cycle and the deceleration follow.
     assert rest_s < (GUARD_S if how == "guarded" else HEARTBEAT_S) + 0.25
 

@@ -1,4 +1,4 @@
-"""STOP at random moments of a KUKA's motion, each with a random fault on one of its four connections."""
+"""STOP at random moments of a robot's motion, each with a random fault on one of its four connections."""
 
 import asyncio
 import contextlib
@@ -7,21 +7,18 @@ import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
-from typing import Final, Literal, get_args
+from typing import Any, Final, Literal, get_args
 
 from catseye.app.testing.proxy import Proxy, ProxyThread
-from catseye.drivers.kuka.robot import USES, KukaVarproxy
-from catseye.drivers.kuka.settings import KukaSettings
 from catseye.drivers.links.endpoint import TcpEndpoint, open_transport, parse_endpoint
-from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import DeviceError, LinkError
-from catseye.simulators.emulated_bench import EmulatedSerialBench
+from tests.system.makes import AnyBench, Make
 
 Trouble = Literal["lost", "garbled", "flood", "stalled", "half-closed", "none"]
 
 OVERRIDE_PERCENT: Final = 2
 FAR_DEG: Final = 100.0
-UPRIGHT: Final = (-90.0, 90.0, 0.0, 30.0, 0.0)
+CONNECTIONS: Final = 4
 WAITS_S: Final = (0.0, 0.6)
 
 
@@ -47,11 +44,9 @@ class Figures:
 
 
 @asynccontextmanager
-async def behind(proxies: list[Proxy]) -> AsyncIterator[KukaVarproxy]:
+async def behind(make: Make, proxies: list[Proxy]) -> AsyncIterator[Any]:
     """A robot whose four connections each lead through a proxy of their own."""
-    orders, stop, beat, questions = (open_transport(proxy.endpoint) for proxy in proxies)
-    settings = KukaSettings(answer_timeout_s=0.3, stop_timeout_s=3.0)
-    robot = KukaVarproxy((orders, stop, beat, questions), SystemClock(), settings)
+    robot = make.behind(*(open_transport(proxy.endpoint) for proxy in proxies))
     try:
         await robot.connect()
         await robot.set_override(OVERRIDE_PERCENT)
@@ -60,14 +55,14 @@ async def behind(proxies: list[Proxy]) -> AsyncIterator[KukaVarproxy]:
         await robot.close()
 
 
-def spoil(proxy: Proxy, trouble: Trouble) -> None:
+def spoil(proxy: Proxy, trouble: Trouble, flood: bytes) -> None:
     match trouble:
         case "lost":
             proxy.muted = True
         case "garbled":
             proxy.spoil = lambda data: bytes([data[0] ^ 0x80]) + data[1:]
         case "flood":
-            proxy.flood = b"\0\0"
+            proxy.flood = flood
         case "stalled":
             proxy.stalled = True
         case "half-closed":
@@ -77,7 +72,7 @@ def spoil(proxy: Proxy, trouble: Trouble) -> None:
 
 
 async def one_stop(
-    bench: EmulatedSerialBench, source: random.Random, threads: ProxyThread, found: Figures
+    make: Make, bench: AnyBench, source: random.Random, threads: ProxyThread, found: Figures
 ) -> None:
     """Move, spoil a connection, stop, and look at what the arm did."""
     target = parse_endpoint(bench.endpoints[0].endpoint)
@@ -85,13 +80,13 @@ async def one_stop(
     trouble = source.choice(get_args(Trouble))
     before_s, after_s = source.uniform(*WAITS_S), source.uniform(0.0, 0.3)
     with contextlib.ExitStack() as stack:
-        proxies = [stack.enter_context(threads.proxy((target.host, target.port))) for _ in USES]
+        proxies = [stack.enter_context(threads.proxy((target.host, target.port))) for _ in range(CONNECTIONS)]
         spoiled = source.choice(proxies)
-        async with behind(proxies) as robot:
+        async with behind(make, proxies) as robot:
             goal = FAR_DEG if bench.bench.joints[0] < 0.0 else -FAR_DEG
-            motion = asyncio.create_task(robot.move_joints((goal, *UPRIGHT)))
+            motion = asyncio.create_task(robot.move_joints((goal, *make.pose[1:])))
             await asyncio.sleep(before_s)
-            spoil(spoiled, trouble)
+            spoil(spoiled, trouble, make.flood)
             await asyncio.sleep(after_s)
             await _stopped(bench, robot, found)
             motion.cancel()
@@ -100,11 +95,11 @@ async def one_stop(
             # A stalled way back lets go, so that closing has its answers.
             spoiled.stalled = spoiled.muted = False
             spoiled.flood, spoiled.spoil = b"", None
-    found.twice += _repeated_orders(bench)
+    found.twice += _repeated_orders(make, bench)
     bench.controller.control.brake()
 
 
-async def _stopped(bench: EmulatedSerialBench, robot: KukaVarproxy, found: Figures) -> None:
+async def _stopped(bench: AnyBench, robot: Any, found: Figures) -> None:
     bench.keeper.sync()
     asked_s, asked_at = bench.bench.time_s, time.perf_counter()
     moved = bench.bench.moving
@@ -127,7 +122,7 @@ async def _stopped(bench: EmulatedSerialBench, robot: KukaVarproxy, found: Figur
     found.deaf += bench.bench.moving
 
 
-def _repeated_orders(bench: EmulatedSerialBench) -> int:
+def _repeated_orders(make: Make, bench: AnyBench) -> int:
     """Return how many orders were written more than once so far."""
-    written = [e.text for e in bench.journal.entries("robot") if e.text.startswith("write CATS_SEQ")]
+    written = [e.text for e in bench.journal.entries("robot") if e.text.startswith(make.order)]
     return len(written) - len(set(written))

@@ -1,0 +1,1 @@
+"""Leica laser trackers behind an emScon server."""

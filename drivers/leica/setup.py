@@ -1,0 +1,129 @@
+"""What a connection to an emScon server is brought into before anything is measured, and whether it still is."""
+
+from collections.abc import Callable
+from typing import Protocol, TypeVar
+
+from catseye.drivers.leica import codec
+from catseye.drivers.leica.commands import (
+    OK,
+    RIGHT_HANDED,
+    STATIONARY,
+    UNITS,
+    Command,
+    status_text,
+)
+from catseye.drivers.leica.settings import LeicaSettings
+from catseye.drivers.links.link import Decoder
+from catseye.drivers.roles.errors import RefusedError
+
+T = TypeVar("T")
+
+_APPLY_TRANSFORMATION, _APPLY_ORIENTATION, _UNSOLICITED, _REFLECTOR_POSITIONS, _TRY_MODE = 1, 2, 4, 5, 6
+"""Places within the nine system settings."""
+
+_OFF = (_APPLY_TRANSFORMATION, _APPLY_ORIENTATION, _UNSOLICITED, _REFLECTOR_POSITIONS, _TRY_MODE)
+
+
+class Ask(Protocol):
+    """Sends a request and returns what its decoder makes of the answer."""
+
+    async def __call__(self, data: bytes, decoder: Callable[[], Decoder[T]]) -> T:
+        """Ask; raises what the link raises."""
+        ...
+
+
+async def reply_to(ask: Ask, command: Command, layout: str = "", *values: float) -> codec.Reply:
+    """Return the reply to a command; see `codec.encode`."""
+    return await ask(codec.encode(command, layout, *values), lambda: codec.ReplyDecoder(command))
+
+
+async def require(ask: Ask, where: str, command: Command, layout: str = "", *values: float) -> codec.Reply:
+    """Return the reply to a command that has to be carried out.
+
+    Raises:
+        RefusedError: it is not.
+    """
+    reply = await reply_to(ask, command, layout, *values)
+    if reply.status != OK:
+        raise refused(where, command, reply.status)
+    return reply
+
+
+def refused(where: str, command: Command, status: int) -> RefusedError:
+    """Return the error of a refused command."""
+    return RefusedError(f"{where}: {command.name} was refused: {status_text(status)}", status)
+
+
+async def set_up(ask: Ask, where: str, settings: LeicaSettings) -> None:
+    """Bring the server into the state that the driver reckons with, and check that it is there.
+
+    Raises:
+        RefusedError: the server refuses, does otherwise, or does not know the reflector.
+    """
+    await _system_settings(ask, where)
+    await require(ask, where, Command.SET_UNITS, "5i", *UNITS)
+    await require(ask, where, Command.SET_COORDINATES, "i", RIGHT_HANDED)
+    await require(ask, where, Command.SET_MODE, "i", STATIONARY)
+    timeout_ms = round(1e3 * settings.search_timeout_s)
+    await require(ask, where, Command.SET_SEARCH, "di", settings.search_radius_mm, timeout_ms)
+    if settings.air is not None:
+        await require(ask, where, Command.SET_ENVIRONMENT, "3d", *settings.air)
+    if settings.reflector is not None:
+        await _choose_reflector(ask, where, settings.reflector)
+    await check(ask, where)
+
+
+async def check(ask: Ask, where: str) -> None:
+    """Check that coordinates come in the units and in the frame that the driver reckons with.
+
+    Raises:
+        RefusedError: somebody has changed them.
+    """
+    questions = (
+        (Command.UNITS, "5i", UNITS, "units"),
+        (Command.COORDINATES, "i", (RIGHT_HANDED,), "kind of coordinates"),
+        (Command.MODE, "i", (STATIONARY,), "mode of measuring"),
+    )
+    for command, layout, expected, what in questions:
+        found = (await require(ask, where, command)).values(layout)
+        if found != expected:
+            raise RefusedError(
+                f"{where}: the {what} are {found} and not {expected}: another program uses this tracker; end it, and "
+                "connect again",
+                0,
+            )
+
+
+async def _system_settings(ask: Ask, where: str) -> None:
+    """Have nothing sent unasked, and coordinates in the instrument's own frame; the rest is left alone."""
+    found = (await require(ask, where, Command.SETTINGS)).values("9i")
+    wanted = tuple(0 if place in _OFF else value for place, value in enumerate(found))
+    if wanted != found:
+        await require(ask, where, Command.SET_SETTINGS, "9i", *wanted)
+
+
+async def reflectors(ask: Ask, where: str) -> dict[str, tuple[int, float]]:
+    """Return the reflectors that the tracker knows: number and surface offset, mm, by name.
+
+    Raises:
+        RefusedError: the server does not list them.
+    """
+    replies = await ask(codec.encode(Command.REFLECTORS), lambda: codec.RepliesDecoder(Command.REFLECTORS))
+    found = {}
+    for reply in replies:
+        if reply.status != OK:
+            raise refused(where, Command.REFLECTORS, reply.status)
+        _, number, _, offset_mm = reply.values("iiid")
+        found[codec.name_of(reply.data[20:84])] = (int(number), offset_mm)
+    return found
+
+
+async def _choose_reflector(ask: Ask, where: str, name: str) -> None:
+    known = await reflectors(ask, where)
+    if name not in known:
+        listed = ", ".join(map(repr, known)) or "none"
+        raise RefusedError(
+            f"{where}: the tracker knows no reflector {name!r}, but {listed}: correct `reflector` in the cell file",
+            0,
+        )
+    await require(ask, where, Command.SET_REFLECTOR, "i", known[name][0])

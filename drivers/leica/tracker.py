@@ -1,0 +1,300 @@
+"""A Leica laser tracker behind an emScon server: LT, LTD, AT901, AT401 and AT402."""
+
+import asyncio
+import math
+from collections.abc import Callable
+from typing import ClassVar, TypeVar
+
+from catseye.drivers.leica import codec, setup
+from catseye.drivers.leica.commands import (
+    BUSY,
+    INITIALISED,
+    LASER_READY,
+    NO_TARGET,
+    OK,
+    REFUSED,
+    TRACKER_NOT_READY,
+    TRACKER_READY,
+    Command,
+    laser_text,
+    status_text,
+)
+from catseye.drivers.leica.examining import examine, identify
+from catseye.drivers.leica.measurement import ResultDecoder, StationaryResult
+from catseye.drivers.leica.settings import LeicaSettings
+from catseye.drivers.links.driver import LinkDriver
+from catseye.drivers.links.healing import Repeat
+from catseye.drivers.links.link import Decoder, RequestLink
+from catseye.drivers.links.transport import Transport
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.device import Examination, Identity
+from catseye.drivers.roles.errors import (
+    DeviceError,
+    HiddenTargetError,
+    LinkError,
+    LinkTimeoutError,
+    ProtocolError,
+    RefusedError,
+    WrongDeviceError,
+)
+from catseye.drivers.roles.tracker import Face, Place, Position, TargetPoint, Tracker, TrackerAbilities
+
+T = TypeVar("T")
+
+MODEL = "Leica tracker"
+
+_BUSY_PAUSE_S = 0.2
+_ATTEMPTS = 2
+"""A target that is lost while it is measured is searched for once more."""
+
+
+class LeicaEmscon(LinkDriver, Tracker):
+    """Tracker driver.
+
+    Coordinates are those of the instrument: its station and transformation parameters are not applied.
+
+    Args:
+        transport: the connection, to TCP port 700.
+    """
+
+    Settings: ClassVar[type[LeicaSettings]] = LeicaSettings
+    abilities: ClassVar[TrackerAbilities] = TrackerAbilities(points=True, finds=True, two_faces=True)
+    summary: ClassVar[str] = "Leica LT, LTD, AT901, AT401, AT402 with emScon, TCP"
+
+    def __init__(self, transport: Transport, clock: Clock, settings: LeicaSettings | None = None) -> None:
+        self._settings = settings or LeicaSettings()
+        self._clock = clock
+        self._turn = asyncio.Lock()
+        self._identity: Identity | None = None
+        self._measuring = False
+        self._link = RequestLink(
+            transport,
+            name=MODEL,
+            greet=self._greet,
+            identify=self._recognise,
+            quiet_s=self._settings.quiet_s,
+            harmless=b"",
+        )
+
+    async def connect(self) -> Identity:
+        """Open the link, check who answers, set units and coordinates; the tracker does not move.
+
+        Raises:
+            WrongDeviceError: something else answers.
+            RefusedError: the tracker refuses a setting.
+            LinkError: unreachable or silent.
+        """
+        self._identity = None
+        await self._link.open()
+        return self._known()
+
+    async def close(self) -> None:
+        """Disconnect; may be called any number of times. The tracker keeps its target."""
+        await self._link.close()
+
+    async def locate(self) -> Position:
+        """Return x and y of the target that the tracker is locked on; its frame has to be levelled.
+
+        Raises:
+            HiddenTargetError: it sees none.
+            DeviceError: the instrument failed.
+        """
+        seen = await self.point("the target", self._settings.plane_dwell_s)
+        return Position(seen.place_mm[0], seen.place_mm[1], max(seen.u_mm or (0.0, 0.0, 0.0)))
+
+    async def point(
+        self, target: str, dwell_s: float, near_mm: Place | None = None, face: Face = 1
+    ) -> TargetPoint:
+        """Measure a target that stands still; the tracker is initialised before if need be.
+
+        Raises:
+            HiddenTargetError: no target is seen there.
+            RefusedError: the tracker refuses, or another program has changed its units.
+            LinkError: lost or silent.
+        """
+        async with self._turn:
+            await self._get_ready()
+            await self._turn_to(face)
+            await self._require(Command.SET_STATIONARY, "ii", max(1, round(1e3 * dwell_s)), 1)
+            result = await self._measured(target, dwell_s, near_mm)
+        self._check_place(target, result.place_mm, near_mm)
+        return TargetPoint(result.place_mm, result.u_mm)
+
+    async def examine(self) -> Examination:
+        """Ask for the state of laser, distance meter and target, the face, the reflector and the air."""
+        return await examine(self._ask, self._link.where, self._settings)
+
+    def _known(self) -> Identity:
+        if self._identity is None:
+            raise LinkError(
+                f"{self._link.where}: the link was closed while it was being opened: connect again"
+            )
+        return self._identity
+
+    async def _get_ready(self) -> None:
+        """Check laser and units; initialise the tracker if it is not.
+
+        Raises:
+            RefusedError: the laser is not ready, or the units are others.
+        """
+        _, processor, laser = (await self._require(Command.SYSTEM_STATUS)).values("3i")
+        if laser != LASER_READY:
+            raise RefusedError(
+                f"{self._link.where}: {laser_text(int(laser))}: switch it on and let it warm up before measuring",
+                0,
+            )
+        if processor != INITIALISED:
+            await self._order(Command.INITIALIZE, timeout_s=self._settings.initialise_timeout_s)
+        await setup.check(self._ask, self._link.where)
+
+    async def _turn_to(self, face: Face) -> None:
+        if (await self._require(Command.FACE)).values("i")[0] == face:
+            return
+        await self._order(Command.CHANGE_FACE, timeout_s=self._settings.move_timeout_s)
+        found = (await self._require(Command.FACE)).values("i")[0]
+        if found != face:
+            raise RefusedError(
+                f"{self._link.where}: the tracker is in face {found:g} and not in face {face}", 0
+            )
+
+    async def _measured(self, target: str, dwell_s: float, near_mm: Place | None) -> StationaryResult:
+        """Point at a target and measure it; search once more when it is lost meanwhile."""
+        for _ in range(_ATTEMPTS):
+            await self._aim(target, near_mm)
+            result = await self._measure(target, dwell_s)
+            if result.status == OK:
+                return result
+            failure = await self._failure(target, Command.START_MEASUREMENT, result.status)
+            if not isinstance(failure, HiddenTargetError):
+                break
+        raise failure
+
+    async def _aim(self, target: str, near_mm: Place | None) -> None:
+        """Lock on the target nearest to a place; without one keep that in the beam, or search around the beam."""
+        timeout_s = self._settings.move_timeout_s + self._settings.search_timeout_s
+        if near_mm is not None:
+            await self._seek(target, Command.GO_POSITION, "3di", *near_mm, 1, timeout_s=timeout_s)
+        elif await self._tracker_state() != TRACKER_READY:
+            distance_mm = self._settings.find_distance_mm
+            await self._seek(target, Command.FIND_REFLECTOR, "d", distance_mm, timeout_s=timeout_s)
+        if await self._tracker_state() != TRACKER_READY:
+            raise self._hidden(target, "the tracker is not locked on a target")
+
+    async def _seek(
+        self, target: str, command: Command, layout: str, *values: float, timeout_s: float
+    ) -> None:
+        reply = await self._carried_out(command, layout, *values, timeout_s=timeout_s)
+        if reply.status != OK:
+            raise await self._failure(target, command, reply.status)
+
+    async def _measure(self, target: str, dwell_s: float) -> StationaryResult:
+        """Measure once. A measurement without an end is stopped before anything else is asked, by `_recognise`."""
+        self._measuring = True
+        try:
+            result = await self._link.request(
+                codec.encode(Command.START_MEASUREMENT), ResultDecoder, self._settings.timeout_s + dwell_s
+            )
+        except LinkTimeoutError:
+            if await self._tracker_state() == TRACKER_NOT_READY:
+                raise self._hidden(target, "the beam was broken while it was measured") from None
+            raise
+        self._measuring = False
+        return result
+
+    async def _failure(self, target: str, command: Command, status: int) -> DeviceError:
+        """Return why something failed: a tracker that is not ready for no other known reason sees no target."""
+        unseen = status in NO_TARGET
+        if unseen or (status not in REFUSED and await self._tracker_state() == TRACKER_NOT_READY):
+            return self._hidden(target, status_text(status))
+        return setup.refused(self._link.where, command, status)
+
+    def _hidden(self, target: str, why: str) -> HiddenTargetError:
+        return HiddenTargetError(
+            f"{self._link.where}: {target} is not seen ({why}): turn it towards the tracker, and look for what "
+            "stands in the beam"
+        )
+
+    def _check_place(self, target: str, place_mm: Place, near_mm: Place | None) -> None:
+        """Refuse a target that is none of those within the search radius."""
+        if near_mm is None:
+            return
+        off_mm = math.dist(place_mm, near_mm)
+        if off_mm > self._settings.search_radius_mm:
+            raise HiddenTargetError(
+                f"{self._link.where}: {target} was expected at {_listed(near_mm)} mm and a target {off_mm:.1f} mm "
+                f"away from there is seen, at {_listed(place_mm)} mm: another one, or search_radius_mm is too small"
+            )
+
+    async def _tracker_state(self) -> int:
+        return int((await self._require(Command.TRACKER_STATUS)).values("i")[0])
+
+    async def _order(self, command: Command, layout: str = "", *values: float, timeout_s: float) -> None:
+        """Have something done that is never sent twice.
+
+        Raises:
+            RefusedError: it is not done.
+        """
+        reply = await self._carried_out(command, layout, *values, timeout_s=timeout_s)
+        if reply.status != OK:
+            raise setup.refused(self._link.where, command, reply.status)
+
+    async def _carried_out(
+        self, command: Command, layout: str = "", *values: float, timeout_s: float
+    ) -> codec.Reply:
+        """Return the reply to an order; one that a busy tracker has put off is given again."""
+        data = codec.encode(command, layout, *values)
+        until_s = self._clock.monotonic_s() + self._settings.busy_timeout_s
+        while True:
+            reply = await self._link.request(data, lambda: codec.ReplyDecoder(command), timeout_s)
+            if reply.status != BUSY or self._clock.monotonic_s() >= until_s:
+                return reply
+            await self._clock.sleep(_BUSY_PAUSE_S)
+
+    async def _require(self, command: Command, layout: str = "", *values: float) -> codec.Reply:
+        return await setup.require(self._ask, self._link.where, command, layout, *values)
+
+    async def _ask(self, data: bytes, decoder: Callable[[], Decoder[T]]) -> T:
+        """Ask a question, or set what may be set any number of times."""
+        return await self._link.request(data, decoder, self._settings.timeout_s, repeat=Repeat.HARMLESS)
+
+    async def _exchange(self, data: bytes, decoder: Callable[[], Decoder[T]]) -> T:
+        """Ask while the link is held; what an earlier connection had switched on may still come unasked."""
+        await self._link.discard(0.0)
+        return await self._link.exchange(data, decoder(), self._settings.timeout_s)
+
+    async def _greet(self) -> None:
+        """Ask who is there, stop what an interrupted measurement left behind, set up."""
+        try:
+            await setup.reply_to(self._exchange, Command.SYSTEM_STATUS)
+        except (ProtocolError, LinkTimeoutError) as exc:
+            raise self._stranger(exc) from None
+        await self._stop_measuring()
+        found = await identify(self._exchange)
+        if self._identity is not None and self._identity != found:
+            raise WrongDeviceError(
+                f"{self._link.where}: after the link was opened again {found.model} {found.serial} answers "
+                f"instead of {self._identity.model} {self._identity.serial}: check the network"
+            )
+        await setup.set_up(self._exchange, self._link.where, self._settings)
+        self._identity = found
+
+    async def _recognise(self) -> None:
+        """Check on the open link that the next reply belongs to the next command; no result is owed then either."""
+        await self._stop_measuring()
+        await setup.reply_to(self._exchange, Command.SYSTEM_STATUS)
+
+    async def _stop_measuring(self) -> None:
+        if self._measuring:
+            await setup.reply_to(self._exchange, Command.STOP_MEASUREMENT)
+            self._measuring = False
+
+    def _stranger(self, cause: LinkError | ProtocolError) -> Exception:
+        if self._identity is not None or not self._link.last_bytes:
+            return cause
+        return WrongDeviceError(
+            f"{self._link.where}: what answers here is no emScon server: check host and port 700; {cause}"
+        )
+
+
+def _listed(place_mm: Place) -> str:
+    return ", ".join(f"{value:.2f}" for value in place_mm)

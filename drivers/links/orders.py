@@ -1,0 +1,184 @@
+"""Orders to a program of ours on a controller: begun once, watched until it says what became of them.
+
+An order has a number. It begins when the number is written, and the program answers with it, when it takes the order
+and when it is done. So whatever is lost on the way, the program is asked; no order is given twice. The program takes
+an order before it looks whether that was taken back: one that is not taken by then never moves anything.
+"""
+
+import asyncio
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+from catseye.drivers.links.beating import beating
+from catseye.drivers.roles.clock import Clock
+from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, NotReadyError, ProtocolError
+
+_FEWEST_LOOKS: Final = 10
+"""Answers that say that an order is not taken: on a busy machine time passes in which nobody looks."""
+
+
+@dataclass(frozen=True)
+class OrderLook:
+    """What a controller says of the program and its order.
+
+    Attributes:
+        active: the program runs.
+        state: of the program, as the controller words it.
+        taken: number of the order taken last.
+        done: number of the order done last.
+        result: what became of that.
+    """
+
+    active: bool
+    state: str
+    taken: int
+    done: int
+    result: int
+
+
+class OrderSettings(Protocol):
+    """Times of orders; real seconds, except `poll_s`."""
+
+    @property
+    def taken_timeout_s(self) -> float:
+        """For the program to take an order."""
+        ...
+
+    @property
+    def move_timeout_s(self) -> float:
+        """For a whole motion."""
+        ...
+
+    @property
+    def heartbeat_s(self) -> float:
+        """Between two signs of life."""
+        ...
+
+    @property
+    def poll_s(self) -> float:
+        """Pause between two looks, on the driver's clock."""
+        ...
+
+
+class NumberedOrders(ABC):
+    """Carries out one order after the other.
+
+    Args:
+        where: robot and endpoint, for texts.
+        program: name of the program, for texts.
+        advice: what to do where the program stands.
+        clock: time of the polls.
+    """
+
+    def __init__(self, where: str, program: str, advice: str, clock: Clock, times: OrderSettings) -> None:
+        self._where = where
+        self._program = program
+        self._advice = advice
+        self._clock = clock
+        self._times = times
+        self._latest = 0
+
+    @abstractmethod
+    async def look(self) -> OrderLook:
+        """Ask the controller."""
+
+    @abstractmethod
+    async def _write_number(self, number: int, permit: Callable[[], None]) -> None:
+        """Write the number, once: the order begins."""
+
+    @abstractmethod
+    async def _written_number(self) -> int:
+        """Return the number that was written last."""
+
+    @abstractmethod
+    async def _take_back(self) -> None:
+        """Take an order back: the program refuses it from then on."""
+
+    @abstractmethod
+    async def _beat(self) -> None:
+        """Give a sign of life."""
+
+    def _unused(self, *known: int) -> int:
+        """Return a number above all that are known; one that was lost may arrive yet, and is not used again."""
+        self._latest = max(self._latest, *known) + 1
+        return self._latest
+
+    async def carry_out(self, number: int, permit: Callable[[], None]) -> int:
+        """Begin an order that is prepared; return what became of it when it is over.
+
+        Raises:
+            NotReadyError: the program does not run, or was stopped.
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        async with beating(self._beat, self._times.heartbeat_s):
+            await self._begin(number, permit)
+            await self._require_taken(number)
+            return await self._result_in_time(number)
+
+    async def _begin(self, number: int, permit: Callable[[], None]) -> None:
+        """Write the number; where the reply is lost, ask whether it was written."""
+        try:
+            await self._write_number(number, permit)
+        except (LinkError, ProtocolError):
+            if await self._written_number() != number and await self._revoked(number):
+                raise
+
+    async def _revoked(self, number: int) -> bool:
+        """Take an order back; return whether that came before the program took it."""
+        await self._take_back()
+        return (await self.look()).taken != number
+
+    async def _require_taken(self, number: int) -> None:
+        """Wait until the program says that it has taken an order; one that it does not take is taken back.
+
+        Raises:
+            NotReadyError: it does not take it; nothing has moved.
+        """
+        time_s = asyncio.get_running_loop().time
+        end_s, looks = time_s() + self._times.taken_timeout_s, 0
+        while time_s() < end_s or looks < _FEWEST_LOOKS:
+            seen = await self.look()
+            if seen.taken == number:
+                return
+            if not seen.active:
+                break
+            looks += 1
+            await self._clock.sleep(self._times.poll_s)
+        if await self._revoked(number):
+            raise NotReadyError(
+                f"{self._where}: {self._program} has not taken order {number} ({looks} looks in "
+                f"{self._times.taken_timeout_s:g} s; the program is {seen.state}); it is taken back and moves "
+                f"nothing: if another program is selected, or a message waits, see to it; {self._advice}",
+                0,
+            )
+
+    async def _result_in_time(self, number: int) -> int:
+        try:
+            async with asyncio.timeout(self._times.move_timeout_s):
+                return await self._result(number)
+        except TimeoutError:
+            raise LinkTimeoutError(
+                f"{self._where}: the motion is not over after {self._times.move_timeout_s:g} s: is the override 0, "
+                "or the distance too long for this speed?"
+            ) from None
+
+    async def _result(self, number: int) -> int:
+        """Wait for the end of an order; return what became of it.
+
+        Raises:
+            NotReadyError: the program stands.
+        """
+        while True:
+            seen = await self.look()
+            if seen.done == number:
+                return seen.result
+            if not seen.active:
+                raise NotReadyError(
+                    f"{self._where}: the program stands ({seen.state}) before the motion is over: look at the "
+                    f"messages of the controller; then reset the program and {self._advice}",
+                    0,
+                )
+            await self._clock.sleep(self._times.poll_s)

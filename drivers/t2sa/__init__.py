@@ -1,0 +1,1 @@
+"""Trackers behind the text interface T2SA of SpatialAnalyzer."""

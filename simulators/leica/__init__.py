@@ -1,0 +1,1 @@
+"""Emulated Leica tracker behind an emScon server."""

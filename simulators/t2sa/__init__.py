@@ -1,0 +1,1 @@
+"""Emulated SpatialAnalyzer with its text interface T2SA."""

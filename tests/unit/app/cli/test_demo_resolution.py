@@ -1,0 +1,25 @@
+"""The demonstration of motion resolution on a computer that cannot keep up."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from catseye.app.cli.demonstration import Demonstration
+from catseye.app.cli.resolution import demo
+from catseye.app.errors import UsageError
+from catseye.calibration.resolution.errors import MovesError
+
+
+def test_recordings_that_fell_behind_ask_for_a_lower_speed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def behind(runs: Sequence[object], threshold_percent: float) -> object:
+        raise MovesError(
+            f"{len(runs)} runs, {threshold_percent:g} %: the largest steps are those of other moves"
+        )
+
+    monkeypatch.setattr(demo, "result_of_runs", behind)
+    given = Demonstration(tmp_path, 30.0, 1, None, lambda _procedure: print)
+    with pytest.raises(UsageError, match=r"those of other moves\. A busy computer .* --speed 10$"):
+        demo.evaluate(given, [])

@@ -1,0 +1,213 @@
+"""A tracker whose readings come as rows of a text file."""
+
+import asyncio
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from catseye.drivers.roles.errors import (
+    HiddenTargetError,
+    LinkError,
+    ProtocolError,
+    RefusedError,
+)
+from catseye.drivers.roles.text_table import Dialect
+from catseye.drivers.roles.tracker import TargetPoint
+from catseye.drivers.tracker.mapped_row import Columns, Mirrored, parse_row
+from catseye.drivers.tracker.readings_file import ReadingsFile
+from tests.unit.drivers.peers import StepClock
+
+HEADING = "name;x;y;z\n"
+SETTINGS: dict[str, Any] = {"separator": ";", "target_column": 1, "x_column": 2, "y_column": 3, "z_column": 4}
+COMMA = Dialect(",", ".", 1, "utf-8")
+
+
+def file_at(path: Path, **settings: Any) -> ReadingsFile:
+    return ReadingsFile.at(f"file://{path}", StepClock(), **(SETTINGS | settings))
+
+
+def write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")
+
+
+def append(path: Path, rows: str) -> None:
+    with path.open("a", encoding="utf-8") as file:
+        file.write(rows)
+
+
+async def written(
+    path: Path, tracker: ReadingsFile, rows: str, target: str = "nest1", **near: Any
+) -> TargetPoint:
+    """Ask for a point, and write rows once it is waited for."""
+    asked = asyncio.create_task(tracker.point(target, 1.0, **near))
+    await asyncio.sleep(0.05)
+    with path.open("a", encoding="utf-8") as file:  # a few bytes
+        file.write(rows)
+    return await asked
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    found = tmp_path / "readings.csv"
+    found.write_text(HEADING + "nest1;1.0;2.0;3.0\n", encoding="utf-8")
+    return found
+
+
+async def test_the_row_that_comes_next_is_the_reading(path: Path) -> None:
+    tracker = file_at(path)
+    await tracker.connect()
+    assert (await written(path, tracker, "nest1;10.5;-20.25;30\n")).place_mm == (10.5, -20.25, 30.0)
+    assert (await written(path, tracker, "nest1;11;21;31\n")).place_mm == (11.0, 21.0, 31.0)
+
+
+async def test_rows_that_nobody_waited_for_are_passed_over(path: Path) -> None:
+    tracker = file_at(path)
+    await tracker.connect()
+    append(path, "nest1;7;7;7\n")
+    assert (await written(path, tracker, "nest1;8;8;8\n")).place_mm == (8.0, 8.0, 8.0)
+
+
+async def test_a_list_that_is_exported_anew_is_one_row_longer(path: Path) -> None:
+    tracker = file_at(path)
+    asked = asyncio.create_task(tracker.point("nest1", 1.0))
+    await asyncio.sleep(0.05)
+    write(path, HEADING + "nest1;1.0;2.0;3.0\nnest1;4;5;6\n")
+    assert (await asked).place_mm == (4.0, 5.0, 6.0)
+
+
+async def test_a_file_may_come_into_being_later(tmp_path: Path) -> None:
+    path = tmp_path / "later.csv"
+    tracker = file_at(path)
+    await tracker.connect()
+    assert (await written(path, tracker, HEADING + "nest1;1;2;3\n")).place_mm == (1.0, 2.0, 3.0)
+
+
+async def test_a_row_without_its_end_is_waited_for(path: Path) -> None:
+    tracker = file_at(path)
+    asked = asyncio.create_task(written(path, tracker, "nest1;1;2;3"))
+    await asyncio.sleep(0.1)
+    assert not asked.done()
+    with path.open("a", encoding="utf-8") as file:  # a few bytes
+        file.write("5\n")
+    assert (await asked).place_mm == (1.0, 2.0, 35.0)
+
+
+async def test_no_row_is_a_hidden_target(path: Path) -> None:
+    with pytest.raises(HiddenTargetError, match=r"no row of nest1 came within 3 s: measure it"):
+        await file_at(path, row_timeout_s=2.0).point("nest1", 1.0)
+
+
+@pytest.mark.parametrize(
+    ("rows", "text"),
+    [
+        ("nest2;1;2;3\n", "a row of 'nest2' came while 'nest1' was waited for"),
+        ("nest1;1;2;3\nnest1;4;5;6\n", "2 rows came for nest1"),
+    ],
+)
+async def test_rows_that_belong_to_something_else_are_refused(path: Path, rows: str, text: str) -> None:
+    with pytest.raises(RefusedError, match=text):
+        await written(path, file_at(path), rows)
+
+
+@pytest.mark.parametrize(
+    ("rows", "text"),
+    [
+        ("nest1;1,5;2;3\n", "column 2 holds '1,5', no number with a decimal point"),
+        ("nest1;1;2\n", "3 columns, but column 4 is wanted"),
+        ("nest1;nan;2;3\n", "column 2 holds 'nan'"),
+    ],
+)
+async def test_rows_that_do_not_fit_the_mapping_are_named(path: Path, rows: str, text: str) -> None:
+    with pytest.raises(ProtocolError, match=text):
+        await written(path, file_at(path), rows)
+
+
+@pytest.mark.parametrize(
+    ("row", "text"),
+    [
+        ("nest1;1.5;-0.4;0.25\n", "the file seems to be in m: set length_unit"),
+        ("nest1;59.055;-15.748;9.8425\n", "the file seems to be in inch: set length_unit"),
+        ("nest1;1500;400;250\n", "left-handed frame: set mirrored = 'y'"),
+        ("nest1;700;700;700\n", "look which target was measured"),
+    ],
+)
+async def test_the_likely_mistake_is_named(path: Path, row: str, text: str) -> None:
+    with pytest.raises(RefusedError, match=text):
+        await written(path, file_at(path), row, near_mm=(1500.0, -400.0, 250.0))
+
+
+async def test_units_and_uncertainties_follow_the_mapping(path: Path) -> None:
+    tracker = file_at(path, length_unit="m", decimal=",", u_column=5, mirrored="z")
+    found = await written(path, tracker, "nest1;1,5;-0,4;0,25;0,00002\n")
+    assert found.place_mm == pytest.approx((1500.0, -400.0, -250.0))
+    assert found.u_mm == pytest.approx((0.02, 0.02, 0.02))
+
+
+async def test_a_pose_takes_columns_of_rotations(path: Path) -> None:
+    with pytest.raises(RefusedError, match="state rx_column"):
+        await asyncio.gather(file_at(path).pose("nest1", 0.0), appended(path, "nest1;1;2;3\n"))
+    tracker = file_at(path, rx_column=5, ry_column=6, rz_column=7)
+    pose, _ = await asyncio.gather(tracker.pose("nest1", 0.0), appended(path, "nest1;1;2;3;10;20;30\n"))
+    assert pose.turn_deg == (10.0, 20.0, 30.0)
+
+
+async def appended(path: Path, rows: str) -> None:
+    await asyncio.sleep(0.05)
+    with path.open("a", encoding="utf-8") as file:  # a few bytes
+        file.write(rows)
+
+
+angles = st.floats(-180.0, 180.0)
+
+
+@given(angles, angles, angles, st.sampled_from(["x", "y", "z"]))
+def test_a_mirrored_rotation_is_that_of_the_mirrored_body(
+    rx: float, ry: float, rz: float, axis: Mirrored
+) -> None:
+    columns = Columns((1, 2, 3), (4, 5, 6), mirrored=axis)
+    row = parse_row(f"0,0,0,{rx!r},{ry!r},{rz!r}", COMMA, columns)
+    assert row.turn_deg is not None
+    mirror = [-1.0 if name == axis else 1.0 for name in "xyz"]
+    turned = Rotation.from_euler("xyz", (rx, ry, rz), degrees=True).as_matrix()
+    expected = [[mirror[i] * turned[i][j] * mirror[j] for j in range(3)] for i in range(3)]
+    found = Rotation.from_euler("xyz", row.turn_deg, degrees=True).as_matrix()
+    assert found.ravel() == pytest.approx([value for line in expected for value in line], abs=1e-9)
+
+
+@given(st.text(max_size=60))
+def test_any_line_is_a_row_or_a_protocol_error(line: str) -> None:
+    try:
+        parse_row(line.replace("\n", " "), COMMA, Columns((1, 2, 3)))
+    except ProtocolError:
+        return
+
+
+async def test_the_plane_has_the_place_of_the_next_row(path: Path) -> None:
+    tracker = file_at(path, u_mm=0.02)
+    found, _ = await asyncio.gather(tracker.locate(), appended(path, "nest1;1;2;3\n"))
+    assert (found.x_mm, found.y_mm, found.u_mm) == (1.0, 2.0, 0.02)
+
+
+async def test_the_doctor_hears_of_the_last_row(path: Path) -> None:
+    assert "1 rows, the last nest1 x 1.0000" in (await file_at(path).examine()).facts[0]
+    assert "no number" in (await file_at(path, decimal=",").examine()).advice[0]
+
+
+async def test_a_missing_folder_is_a_link_error(tmp_path: Path) -> None:
+    with pytest.raises(LinkError, match="check the path"):
+        await file_at(tmp_path / "none" / "readings.csv").connect()
+
+
+async def test_a_folder_is_no_file(tmp_path: Path) -> None:
+    with pytest.raises(LinkError, match="is a folder"):
+        await file_at(tmp_path).connect()
+
+
+@pytest.mark.parametrize("endpoint", ["tcp://127.0.0.1:700", "file:", "file://"])
+def test_only_a_file_is_an_endpoint(endpoint: str) -> None:
+    with pytest.raises(LinkError, match=r"write file:///folder/readings\.csv"):
+        ReadingsFile.at(endpoint, StepClock())
