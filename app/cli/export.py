@@ -37,9 +37,9 @@ def export(
 ) -> None:
     """Write what a run has measured or what a result holds for other programs.
 
-    The CSV of distances is a points file, that of located positions a measured file; JSON and Parquet hold all
-    columns. Beside the CSV of a run with recordings stand a recording, its moves and torques for each series. Of a
-    calibrated serial arm there is URDF, too.
+    The CSV of distances is a points file, that of located positions a measured file, that of targets a poses file;
+    JSON and Parquet hold all columns. Beside the CSV of a run with recordings stand a recording, its moves and
+    torques for each series. Of a calibrated serial arm there is URDF, too.
 
     Example: catseye export 1a2b3c -o points.csv
     """
@@ -99,6 +99,7 @@ def _of_result(file: Path) -> "Export":
 
 def _of_run(name: str, runs: Path | None, *, unverified: bool) -> "Export":
     from catseye.app.results.scara.export import run_export
+    from catseye.app.results.serial_arm.run_poses import has_targets, pose_export
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
     from catseye.app.store.unverified import taken_as_it_is
@@ -107,7 +108,7 @@ def _of_run(name: str, runs: Path | None, *, unverified: bool) -> "Export":
         raise UsageError(f"{name}: there is no such file")
     reader = RunReader(resolve_run(runs_folder(runs), name), accept(unverified=unverified))
     with taken_as_it_is(reader):
-        return run_export(reader)
+        return pose_export(reader) if has_targets(reader) else run_export(reader)
 
 
 def _write_series(name: str, runs: Path | None, output: Path, *, unverified: bool) -> None:

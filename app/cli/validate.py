@@ -5,8 +5,9 @@ from typing import Annotated
 
 import typer
 
-from catseye.app.cli.options import AsJson, ResultFile
+from catseye.app.cli.options import AsJson, ResultFile, Runs
 from catseye.app.cli.scara.options import Hand, StartDirection
+from catseye.app.cli.serial_arm.measured_runs import measured_runs
 from catseye.app.errors import UsageError
 
 
@@ -15,7 +16,9 @@ def validate(
     measured: Annotated[
         Path,
         typer.Option(
-            help="measured CSV: commands and independently measured positions; of a serial arm measured poses"
+            metavar="FILE|RUN",
+            help="measured CSV: commands and independently measured positions; of a serial arm measured poses, or a "
+            "run that measured them",
         ),
     ],
     reference: Annotated[
@@ -39,6 +42,7 @@ def validate(
     ] = None,
     hand: Hand = "right",
     start_direction: StartDirection = "1,1",
+    runs: Runs = None,
     as_json: AsJson = False,
 ) -> None:
     """Compare a model with an independent measurement.
@@ -55,7 +59,10 @@ def validate(
                 f"{result} is of a serial arm: its reference is the arm as drawn, its limit --limit-mm; leave "
                 "--reference and --limit-um away"
             )
-        return validate_poses(result, measured, anchors, output, limit_mm, as_json=as_json)
+        names = [] if measured.exists() else [str(measured)]
+        with measured_runs(names, runs) as given:
+            table = given.tables[0] if given.tables else measured
+            return validate_poses(result, table, anchors, output, limit_mm, as_json=as_json)
     from catseye.app.cli.scara.validate import validate as validate_scara
 
     if limit_mm is not None or anchors is not None:

@@ -129,6 +129,11 @@ class RunContext:
         """The run goes on after an interruption."""
         return self._store.resumed
 
+    @property
+    def clock_s(self) -> float:
+        """Bench seconds now."""
+        return self._clock.monotonic_s()
+
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step once; one that is done returns its stored result.
 

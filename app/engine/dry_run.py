@@ -188,6 +188,11 @@ class DryRunContext:
         limit_mm = self.ideal.max_miss_mm
         return [step for step in self.steps if step.miss_mm is not None and step.miss_mm > limit_mm]
 
+    @property
+    def clock_s(self) -> float:
+        """Expected time of everything so far, s."""
+        return self.total_s
+
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step and add its line to the table; one that is done returns its stored result."""
         if self._in_step:

@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import Any, Protocol, cast
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from catseye.app.errors import ConfigError, UsageError
-from catseye.app.files.documents import parse_toml
+from catseye.app.files.documents import parse_json, parse_toml, read_document
 from catseye.app.protocol.parameters import names_in, range_text, takes_names
 from catseye.procedures.kit.bench import Bench
-from catseye.procedures.kit.columns import TableRule
+from catseye.procedures.kit.columns import DocumentRule, TableRule
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.needs import Basis, Needs
 from catseye.procedures.kit.procedure import Procedure
@@ -149,13 +150,24 @@ def _given_value(params_type: type[BaseModel], key: str, text: str) -> Any:
     if takes_names(params_type.model_json_schema()["properties"].get(key, {})) and not text.startswith("["):
         return names_in(value)
     if table is None:
-        return value
+        return _document(field, value) if field else value
     # Most commands read no such file, and start without what reads it.
     from catseye.app.files.columns import read_table
     from catseye.app.files.csv_lines import require_file
 
     require_file(Path(value))
     return read_table(Path(value), table).stacked([column.name for column in table.forms[0]]).tolist()
+
+
+def _document(field: FieldInfo, value: str) -> Any:
+    """Return the document of a file, so that a run holds what it was planned with; other texts as they are."""
+    rule = next((one for one in field.metadata if isinstance(one, DocumentRule)), None)
+    if rule is None:
+        return value
+    found = parse_json(read_document(Path(value)), value)
+    if not isinstance(found, dict) or found.get("format") != rule.format:
+        raise UsageError(f"{value} is not {rule.holds}, {rule.format}: name another file")
+    return found
 
 
 def _toml_value(text: str) -> Any:

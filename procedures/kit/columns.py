@@ -76,6 +76,19 @@ class TableRule:
 
 
 @dataclass(frozen=True)
+class DocumentRule:
+    """A document in JSON that a parameter takes from a file.
+
+    Attributes:
+        holds: what it is: a calibration of a serial arm.
+        format: that stands in it under this name.
+    """
+
+    holds: str
+    format: str
+
+
+@dataclass(frozen=True)
 class Columns:
     """Rows of a table, column by column.
 

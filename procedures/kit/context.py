@@ -171,6 +171,11 @@ class Context(Protocol):
         ...
 
     @property
+    def clock_s(self) -> float:
+        """Bench seconds now; they count from an origin of their own in every process."""
+        ...
+
+    @property
     def set_up_lost(self) -> bool:
         """Somebody has moved what the run had set up, before it was resumed: what is needed is to be set up anew."""
         ...

@@ -4,7 +4,7 @@ from typing import Any, Final
 
 from catseye.drivers.roles.device import Role
 from catseye.procedures.kit.event_text import EventText, EventTexts
-from catseye.procedures.kit.needs import Equipment
+from catseye.procedures.kit.needs import After, Equipment
 from catseye.procedures.kit.procedure import Analysis, Stage
 from catseye.procedures.serial_arm.bench import SerialBench
 
@@ -12,6 +12,16 @@ TRACKER: Final[tuple[Role, ...]] = ("tracker",)
 
 _WAY: Final = "six-axis"
 
+WARM_S: Final = 4 * 3600.0
+"""Gears and links cool down within hours."""
+
+WARM: Final = After("tracker-warmup", "warm arm", fresh_for_s=WARM_S)
+CHECKED: Final = After("instrument-check", "instrument")
+
+
+CHECKING: Final = Stage(210, "what the instrument itself is worth", _WAY)
+WARMING: Final = Stage(220, "the arm at its working temperature", _WAY, fresh_for_s=WARM_S)
+TURNING: Final = Stage(230, "what each joint does beside turning", _WAY)
 MEASURING: Final = Stage(240, "targets at chosen poses", _WAY)
 CALIBRATE: Final = Analysis(
     "calibrate",
@@ -21,6 +31,7 @@ CALIBRATE: Final = Analysis(
     usage="{run} -o result-{run}.json",
 )
 VALIDATING: Final = Stage(260, "targets at random poses, which show what the result is worth", _WAY)
+SPANNING: Final = Stage(280, "lengths that a ballbar reads over compensated poses", _WAY)
 VALIDATE: Final = Analysis(
     "validate",
     gives="",
@@ -55,3 +66,51 @@ POSE_TEXTS: Final[EventTexts] = {
     "frame-found": EventText(_frame_found),
     "nests-drift": EventText(_nests_drift, passing=True),
 }
+
+
+def _axis_turned(data: Any) -> str:
+    play = data.get("backlash_deg")
+    backlash = "" if play is None else f", backlash {play:+.4f}°"
+    return (
+        f"{data.get('joint')} over {data.get('low_deg', 0.0):.0f} … {data.get('high_deg', 0.0):.0f}°: "
+        "tangential error over "
+        f"{data.get('tangential_range_mm', 0.0):.3f} mm, angular over "
+        f"{data.get('angular_range_deg', 0.0):.4f}°{backlash}"
+    )
+
+
+def _nest_checked(data: Any) -> str:
+    apart = data.get("two_face_mm")
+    faces = "" if apart is None else f", both faces {apart:.4f} mm apart"
+    return f"nest {data.get('nest')}: repeats scatter by {data.get('repeatability_mm', 0.0):.4f} mm{faces}"
+
+
+def _length_checked(data: Any) -> str:
+    return f"{data.get('what')}: {data.get('error_mm', 0.0):+.4f} mm"
+
+
+def _warmed(data: Any) -> str:
+    drift = data.get("drift_um_per_10min")
+    known = "unknown" if drift is None else f"{drift:.1f} µm in 10 min"
+    return (
+        f"after {data.get('elapsed_min', 0.0):.0f} min the drift is {known}, the limit "
+        f"{data.get('limit_um_per_10min')}: "
+        f"{'warm' if data.get('warm') else 'not warm'}"
+    )
+
+
+def _ballbar(data: Any) -> str:
+    return (
+        f"ballbar at {data.get('nest')}: {data.get('places')} lengths, mean error "
+        f"{data.get('mean_mm', 0.0):+.3f} mm, "
+        f"standard deviation {data.get('std_mm', 0.0):.3f} mm, largest {data.get('max_mm', 0.0):.3f} mm"
+    )
+
+
+AXIS_TEXTS: Final[EventTexts] = {"axis-turned": EventText(_axis_turned)}
+CHECK_TEXTS: Final[EventTexts] = {
+    "nest-checked": EventText(_nest_checked),
+    "length-checked": EventText(_length_checked),
+}
+WARM_TEXTS: Final[EventTexts] = {"warmed": EventText(_warmed)}
+BAR_TEXTS: Final[EventTexts] = {"ballbar": EventText(_ballbar)}

@@ -13,11 +13,13 @@ from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.serial_arm.before import (
     CALIBRATE,
+    CHECKED,
     MEASURING,
     NESTS,
     POSE_TEXTS,
     TARGETS,
     TRACKER,
+    WARM,
 )
 from catseye.procedures.serial_arm.bench import SerialBench
 from catseye.procedures.serial_arm.pose_params import (
@@ -57,7 +59,9 @@ class TrackerCalibration(Procedure):
 
     name = "tracker-calibration"
     title = "Calibration of a serial arm"
-    needs = Needs(SerialBench, TRACKER, tracker=("points", "poses"), equipment=(TARGETS, NESTS))
+    needs = Needs(
+        SerialBench, TRACKER, tracker=("points", "poses"), equipment=(TARGETS, NESTS), after=(WARM, CHECKED)
+    )
     stage = MEASURING
     analyses = (CALIBRATE,)
     records = (MeasuredTarget, MeasuredNest)

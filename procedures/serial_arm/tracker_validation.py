@@ -15,6 +15,7 @@ from catseye.procedures.serial_arm.before import (
     TRACKER,
     VALIDATE,
     VALIDATING,
+    WARM,
 )
 from catseye.procedures.serial_arm.bench import SerialBench
 from catseye.procedures.serial_arm.pose_params import (
@@ -48,7 +49,9 @@ class TrackerValidation(Procedure):
 
     name = "tracker-validation"
     title = "Validation of a serial arm"
-    needs = Needs(SerialBench, TRACKER, tracker=("points", "poses"), equipment=(TARGETS, NESTS))
+    needs = Needs(
+        SerialBench, TRACKER, tracker=("points", "poses"), equipment=(TARGETS, NESTS), after=(WARM,)
+    )
     stage = VALIDATING
     analyses = (VALIDATE,)
     records = (MeasuredTarget, MeasuredNest)

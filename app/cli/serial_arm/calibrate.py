@@ -6,10 +6,11 @@ from typing import Annotated, Literal
 
 import typer
 
-from catseye.app.cli.arm_option import described
-from catseye.app.cli.options import AcceptImplausible, AsJson, Output
+from catseye.app.cli.options import AcceptImplausible, AsJson, MeasuredRuns, Output, Runs, Unverified
 from catseye.app.cli.output import note, write_json
 from catseye.app.cli.report_output import note_statements, write_tables
+from catseye.app.cli.serial_arm.measured_runs import measured_runs
+from catseye.app.errors import UsageError
 from catseye.app.files.atomic import require_output
 
 
@@ -24,14 +25,18 @@ class Model(StrEnum):
 
 
 def calibrate(
-    arm: Annotated[
-        str, typer.Option(metavar="NAME|FILE", help="arm: a shipped one, irb120 for example, or a TOML")
-    ],
     output: Output,
+    run: MeasuredRuns = None,
+    arm: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|FILE", help="arm: a shipped one, irb120 for example, or a TOML; of a run its own"
+        ),
+    ] = None,
     poses: Annotated[
-        list[Path],
+        list[Path] | None,
         typer.Option(metavar="FILE", help="measured poses CSV; several times for several instruments"),
-    ],
+    ] = None,
     anchors: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="anchors CSV of distances; an empty place is identified"),
@@ -57,9 +62,11 @@ def calibrate(
     draws: Annotated[int, typer.Option(help="Monte Carlo draws, at least 2000")] = 10_000,
     seed: Annotated[int, typer.Option(min=0, help="of the Monte Carlo draws")] = 1,
     accept_implausible: AcceptImplausible = None,
+    runs: Runs = None,
+    unverified: Unverified = False,
     as_json: AsJson = False,
 ) -> None:
-    """Identify the geometry and the compliances of a serial arm from measured poses.
+    """Identify the geometry and the compliances of a serial arm from measured poses: runs, tables, or both.
 
     Example: catseye calibrate --poses poses.csv --arm irb120 --tool plate.toml -o arm.json
     """
@@ -74,17 +81,23 @@ def calibrate(
     from catseye.app.results.serial_arm.calibration_report import calibration_report
     from catseye.app.results.serial_arm.result import serial_arm_summary, write_serial_arm
 
-    require_output(output, *poses, anchors, tool, priors)
-    subject = Subject(arm, described(arm), None if tool is None else read_tool(tool))
+    tables = poses or []
+    if not run and not tables:
+        raise UsageError("nothing to calibrate with: name runs, or tables by --poses FILE")
+    require_output(output, *tables, anchors, tool, priors)
     method = Method(
         model.value,
         None if loss == "squares" else loss,
         MonteCarlo(draws, seed) if uncertainty == "monte-carlo" else None,
         accept_implausible,
     )
-    result = calibrate_tables(subject, Sources(poses, anchors, priors), method)
+    with measured_runs(run or (), runs, unverified=unverified) as given:
+        name, description, carried = given.subject(arm, None if tool is None else read_tool(tool))
+        sources = Sources([*given.tables, *tables], anchors, priors)
+        result = calibrate_tables(Subject(name, description, carried), sources, method)
+        result = given.stated(result, tables)
     write_serial_arm(result, output)
-    report = calibration_report(f"Calibration of {arm}", result)
+    report = calibration_report(f"Calibration of {name}", result)
     note_statements(report)
     if as_json:
         write_json({"output": str(output), **serial_arm_summary(result)})

@@ -1,9 +1,8 @@
 """A result turned back into an arm that says where its targets are, with uncertainties."""
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
@@ -11,27 +10,15 @@ from catseye.app.cell.arm import ArmDescription, arm_description
 from catseye.app.errors import UsageError
 from catseye.app.results.serial_arm.nominal_arm import serial_arm_of, with_flange, with_unknown_targets
 from catseye.app.results.serial_arm.result import ParameterPart, SerialArmResult
+from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.types import Bools, Floats
-from catseye.calibration.kinematics.rotations import pose_of
 from catseye.calibration.serial_arm.absolute import base_rates
 from catseye.calibration.serial_arm.arm import SerialArm
 from catseye.calibration.serial_arm.geometry import Commands, Geometry
-from catseye.calibration.serial_arm.parameters import (
-    FRAME_PARTS,
-    BaseFrame,
-    Harmonic,
-    MapNode,
-    Parameter,
-    Reversal,
-    TargetPlace,
-    base_parameters,
-    compliance_parameters,
-    link_parameters,
-)
+from catseye.calibration.serial_arm.named_values import geometry_of
+from catseye.calibration.serial_arm.parameters import FRAME_PARTS, BaseFrame, TargetPlace
 
-_WAVE: Final = re.compile(r"(cos|sin)([0-9.]+)_deg")
 _DEAD_PATH: Final = ".dead_path_mm"
-_NODE: Final = re.compile(r"(map|reversal)_(-?[0-9.]+)_deg")
 
 
 @dataclass(frozen=True)
@@ -137,13 +124,10 @@ def arm_with_frames(result: SerialArmResult) -> Geometry | None:
 
 
 def _geometry(arm: SerialArm, parts: Sequence[ParameterPart]) -> Geometry:
-    known = {
-        one.name: one for one in (*base_parameters(), *link_parameters(arm), *compliance_parameters(arm))
-    }
-    parameters = [known.get(part.name) or _further(arm, part) for part in parts]
-    values = {part.name: part.value for part in parts}
-    at = [0.0 if isinstance(one.role, BaseFrame) else values[one.name] for one in parameters]
-    return Geometry(arm, _base(values), parameters, np.array(at))
+    try:
+        return geometry_of(arm, {part.name: part.value for part in parts})
+    except ArgumentError as error:
+        raise UsageError(str(error)) from error
 
 
 def _nominal(result: SerialArmResult) -> SerialArm:
@@ -157,37 +141,6 @@ def _nominal(result: SerialArmResult) -> SerialArm:
         if part.name.rpartition(".")[2] in FRAME_PARTS and not part.of_distances
     )
     return with_flange(with_unknown_targets(arm, [name for name in named if name != "base"]))
-
-
-def _further(arm: SerialArm, part: ParameterPart) -> Parameter:
-    """Return a parameter of a target, a reversal or a harmonic by its name."""
-    owner, _, kind = part.name.rpartition(".")
-    targets = [target.name for target in arm.targets]
-    wave = _WAVE.fullmatch(kind)
-    if owner in targets and kind in FRAME_PARTS:
-        frame_part = FRAME_PARTS[FRAME_PARTS.index(kind)]
-        return Parameter(
-            part.name, part.unit, TargetPlace(targets.index(owner), frame_part), part.nominal or 0.0
-        )
-    node = _NODE.fullmatch(kind)
-    if owner in arm.joint_names and node is not None:
-        of_map = MapNode(arm.joint_names.index(owner), float(node[2]), node[1] == "reversal")
-        return Parameter(part.name, part.unit, of_map, 0.0)
-    if owner in arm.joint_names and kind.startswith("reversal_"):
-        return Parameter(part.name, part.unit, Reversal(arm.joint_names.index(owner)), 0.0)
-    if owner in arm.joint_names and wave is not None:
-        phase: Literal["cos", "sin"] = "cos" if wave[1] == "cos" else "sin"
-        role = Harmonic(arm.joint_names.index(owner), float(wave[2]), phase)
-        return Parameter(part.name, part.unit, role, 0.0)
-    raise UsageError(
-        f"the result has a parameter {part.name}, which its arm with the joints {', '.join(arm.joint_names)} and the "
-        f"targets {', '.join(targets) or 'none'} does not have: use the arm that it was identified for"
-    )
-
-
-def _base(values: Mapping[str, float]) -> Floats:
-    place = np.array([values.get(f"base.{part}", 0.0) for part in FRAME_PARTS])
-    return pose_of(place[:3], place[3:])
 
 
 def _covariance(

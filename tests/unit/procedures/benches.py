@@ -226,6 +226,11 @@ class IdealContext:
                 return math.hypot(px - x, py - y)
         return None
 
+    @property
+    def clock_s(self) -> float:
+        """Time stands still."""
+        return 0.0
+
     async def step(self, step_id: str, title: str, action: Callable[[], Awaitable[Row]]) -> Row:
         """Run a step once."""
         assert title

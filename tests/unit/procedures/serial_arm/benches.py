@@ -88,6 +88,10 @@ class ScriptedTracker(Tracker):
     async def close(self) -> None:
         """Nothing is open."""
 
+    def place_mm(self, target: str) -> np.ndarray:
+        """Return where a target is, as the tracker would measure it without any error."""
+        return np.array(NESTS[target]) if target in NESTS else self._on_tool(target)
+
     async def point(
         self, target: str, dwell_s: float, near_mm: Place | None = None, face: Face = 1
     ) -> TargetPoint:
@@ -97,7 +101,7 @@ class ScriptedTracker(Tracker):
         if self.hidden.get(target, 0) > 0:
             self.hidden[target] -= 1
             raise HiddenTargetError(f"{target} is turned away")
-        place = np.array(NESTS[target]) if target in NESTS else self._on_tool(target)
+        place = self.place_mm(target)
         shift = sum(by for after, by in self.drift_mm.items() if len(self.asked) > after)
         place = place + np.array([shift, self.face_mm * (1.0 if face == 1 else -1.0), 0.0])
         return TargetPoint(_triple(place), (0.02, 0.03, 0.04))

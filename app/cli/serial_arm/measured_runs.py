@@ -1,0 +1,90 @@
+"""Runs of procedures that measure targets, as the tables that calibrate and validate take."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from catseye.app.cli.arm_option import described
+from catseye.app.errors import UsageError
+
+if TYPE_CHECKING:
+    from catseye.app.cell.arm import ArmDescription
+    from catseye.app.cell.tool import ToolDescription
+    from catseye.app.results.serial_arm.result import SerialArmResult
+    from catseye.app.store.reader import RunReader
+
+
+@dataclass(frozen=True)
+class MeasuredRuns:
+    """Runs with their poses as tables.
+
+    Attributes:
+        readers: of the runs.
+        tables: CSV of each, which are gone afterwards.
+    """
+
+    readers: list["RunReader"] = field(default_factory=list)
+    tables: list[Path] = field(default_factory=list)
+
+    def subject(
+        self, arm: str | None, tool: "ToolDescription | None"
+    ) -> tuple[str, "ArmDescription", "ToolDescription | None"]:
+        """Return the arm with its name and its tool: those that are given, else those of the first run.
+
+        Args:
+            arm: --arm.
+            tool: of --tool.
+
+        Raises:
+            UsageError: there is neither a run nor an arm.
+        """
+        from catseye.app.cell.arm import arm_description
+        from catseye.app.results.runs.run_source import cell_of_run
+
+        if not self.readers:
+            if arm is None:
+                raise UsageError("a table does not say which arm it is of: state --arm, irb120 for example")
+            return arm, described(arm), tool
+        robot = cell_of_run(self.readers[0]).robot
+        carried = robot.carried if tool is None else tool
+        if arm is not None:
+            return arm, described(arm), carried
+        description = arm_description(robot.arm)
+        return robot.arm if isinstance(robot.arm, str) else description.name, description, carried
+
+    def stated(self, result: "SerialArmResult", poses: Sequence[Path]) -> "SerialArmResult":
+        """Return a result that says which runs it comes from."""
+        from catseye.app.results.runs.run_source import are_simulated
+
+        if not self.readers or result.provenance is None:
+            return result
+        origin = {
+            "runs": [*(reader.name for reader in self.readers), *map(str, poses)],
+            "simulated": are_simulated(self.readers),
+            "unverified": [text for reader in self.readers for text in reader.unverified] or None,
+        }
+        return result.model_copy(update={"provenance": result.provenance.model_copy(update=origin)})
+
+
+@contextmanager
+def measured_runs(
+    names: Sequence[str], folder: Path | None, *, unverified: bool = False
+) -> Iterator[MeasuredRuns]:
+    """Give runs by their names, with their poses as tables.
+
+    Raises:
+        UsageError: there is no such run, or it has measured no targets.
+        StorageError: it is damaged or was changed.
+    """
+    from catseye.app.results.serial_arm.run_poses import as_tables
+    from catseye.app.store.catalog import resolve_run
+    from catseye.app.store.reader import RunReader, accept
+    from catseye.app.store.runs_folder import runs_folder
+
+    readers = [
+        RunReader(resolve_run(runs_folder(folder), name), accept(unverified=unverified)) for name in names
+    ]
+    with as_tables(readers) as tables:
+        yield MeasuredRuns(readers, tables)

@@ -1,0 +1,147 @@
+"""Targets of a run as a poses CSV (docs/files.md), in the world frame of its fixed nests where it has three."""
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Final
+
+import numpy as np
+
+from catseye.app.cell.arm import arm_description
+from catseye.app.errors import UsageError
+from catseye.app.files.tabular import Row, table_csv
+from catseye.app.results.runs.run_source import cell_of_run, origin_of_run
+from catseye.app.results.scara.export import Export
+from catseye.app.store.reader import RunReader
+from catseye.calibration.core.types import Floats
+from catseye.calibration.kinematics.rotations import angles_of, rotation_of
+from catseye.procedures.kit.stored import integer, number_of
+from catseye.procedures.serial_arm.nests import FEWEST, motion_between, world_frame
+from catseye.procedures.serial_arm.records import MeasuredNest, MeasuredTarget
+
+_PLACE: Final = ("x_mm", "y_mm", "z_mm")
+_U: Final = ("u_x_mm", "u_y_mm", "u_z_mm")
+_ANGLES: Final = ("rx_deg", "ry_deg", "rz_deg")
+_COVARIANCES: Final = {"cov_xy_mm2": (0, 1), "cov_xz_mm2": (0, 2), "cov_yz_mm2": (1, 2)}
+
+_U_NEST_MM: Final = 0.03
+"""Of a coordinate where the instrument states none: Table V of the six-axis paper, laser tracker."""
+
+_SIGNIFICANT: Final = 3.0
+"""Drift in standard uncertainties of the mean square, beyond which it is taken out: less would only add noise."""
+
+Places = dict[str, Floats]
+
+
+def has_targets(reader: RunReader) -> bool:
+    """Return whether a run has measured targets of a serial arm."""
+    return bool(reader.count(MeasuredTarget.table))
+
+
+def pose_rows(reader: RunReader) -> list[Row]:
+    """Return the rows of a poses CSV: commanded and read-back joints, targets with their uncertainty.
+
+    Raises:
+        UsageError: the run has measured no targets.
+    """
+    # What frames were found by is not approached from below on every axis.
+    stored = [
+        row for row in reader.rows(MeasuredTarget.table) if not str(row["step_id"]).startswith("frames/")
+    ]
+    if not stored:
+        raise UsageError(
+            f"{reader.path.name} has measured no targets: name a run of a procedure that measures targets at poses"
+        )
+    units = [joint.unit for joint in arm_description(cell_of_run(reader).robot.arm).joint]
+    motions = _motions(reader)
+    stated = all(row[name] is not None for row in stored for name in _U)
+    turned = all(row[name] is not None for row in stored for name in _ANGLES)
+    return [_pose_row(row, units, motions, stated=stated, turned=turned) for row in stored]
+
+
+def pose_export(reader: RunReader) -> Export:
+    """Return the poses of a run with their targets; see `pose_rows`."""
+    rows = pose_rows(reader)
+    about = {"run": reader.path.name, "meta": reader.meta}
+    return Export(reader.path.name, about, "poses", rows, table_csv(rows), origin_of_run(reader))
+
+
+@contextmanager
+def as_tables(readers: Sequence[RunReader]) -> Iterator[list[Path]]:
+    """Give the poses of runs as CSV files of their names, as whoever reads measured poses takes them."""
+    with TemporaryDirectory(prefix="catseye-poses-") as folder:
+        paths = []
+        for reader in readers:
+            path = Path(folder) / f"{reader.path.name}.csv"
+            path.write_text(table_csv(pose_rows(reader)), encoding="utf-8")
+            paths.append(path)
+        yield paths
+
+
+def _pose_row(
+    row: Mapping[str, Any],
+    units: Sequence[str],
+    motions: Mapping[int | None, Floats],
+    *,
+    stated: bool,
+    turned: bool,
+) -> Row:
+    motion = motions.get(row["nests_round"], np.eye(4))
+    place = motion[:3, :3] @ np.array([row[name] for name in _PLACE]) + motion[:3, 3]
+    values: dict[str, Any] = {"pose": row["pose"]}
+    values |= {f"q{k}_{unit}": value for k, (unit, value) in enumerate(zip(units, row["q"], strict=True), 1)}
+    values |= {
+        f"q{k}_read_{unit}": value
+        for k, (unit, value) in enumerate(zip(units, row["q_read"], strict=True), 1)
+    }
+    values |= {"target": row["target"], **dict(zip(_PLACE, place.tolist(), strict=True))}
+    if stated:
+        covariance = motion[:3, :3] @ np.diag([row[name] ** 2 for name in _U]) @ motion[:3, :3].T
+        values |= dict(zip(_U, np.sqrt(np.diag(covariance)).tolist(), strict=True))
+        values |= {name: float(covariance[i, j]) for name, (i, j) in _COVARIANCES.items()}
+    if turned:
+        rotation = motion[:3, :3] @ rotation_of(np.array([row[name] for name in _ANGLES]))
+        values |= dict(zip(_ANGLES, angles_of(rotation).tolist(), strict=True))
+        if row["u_deg"] is not None:
+            values["u_deg"] = row["u_deg"]
+    return values
+
+
+def _motions(reader: RunReader) -> dict[int | None, Floats]:
+    """Return what brings places of each round into the world frame, shape (4, 4); empty without three nests."""
+    rounds, u_mm = _rounds(reader)
+    if not rounds or len(rounds[min(rounds)]) < FEWEST:
+        return {}
+    first = rounds[min(rounds)]
+    drifted = {number for number, places in rounds.items() if _has_moved(first, places, u_mm)}
+    steady = [places for number, places in rounds.items() if number not in drifted]
+    # Nests that have not moved are known better by their mean.
+    mean = {name: np.mean([one[name] for one in steady if name in one], axis=0) for name in first}
+    world = world_frame(mean)
+    found: dict[int | None, Floats] = dict.fromkeys(rounds, world)
+    for number in drifted:
+        back = motion_between(mean, rounds[number])
+        if back is not None:
+            found[number] = world @ back
+    return found
+
+
+def _rounds(reader: RunReader) -> tuple[dict[int, Places], float]:
+    rounds: dict[int, Places] = defaultdict(dict)
+    squares = []
+    for row in reader.rows(MeasuredNest.table):
+        if row["face"] != 1:
+            continue
+        rounds[integer(row["nests_round"])][str(row["nest"])] = np.array([row[name] for name in _PLACE])
+        squares += [(_U_NEST_MM if row[name] is None else number_of(row, name)) ** 2 for name in _U]
+    return dict(rounds), float(np.sqrt(np.mean(squares))) if squares else _U_NEST_MM
+
+
+def _has_moved(first: Places, later: Places, u_mm: float) -> bool:
+    names = first.keys() & later.keys()
+    if not names:
+        return False
+    square = np.mean([np.sum((later[name] - first[name]) ** 2) for name in names])
+    return bool(np.sqrt(square / 3.0) > _SIGNIFICANT * np.sqrt(2.0) * u_mm / np.sqrt(len(names)))

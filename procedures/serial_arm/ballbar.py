@@ -1,0 +1,206 @@
+"""A telescopic ballbar between a fixed cup and nests of the tool (six-axis paper, section 6.3, Table XII)."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field
+
+from catseye.calibration.serial_arm.arm import SerialArm, Target
+from catseye.drivers.roles.pose import Pose, out_of_range
+from catseye.procedures.kit.columns import DocumentRule
+from catseye.procedures.kit.context import Context
+from catseye.procedures.kit.errors import OutOfReachError, PlanError, PlanLimitError
+from catseye.procedures.kit.motion.clear_way import require_clear_way
+from catseye.procedures.kit.motion.motion_time import way_time_s
+from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.procedure import Procedure
+from catseye.procedures.serial_arm.ballbar_run import BallbarReading, BallbarRun
+from catseye.procedures.serial_arm.before import BAR_TEXTS, SPANNING
+from catseye.procedures.serial_arm.bench import Ballbar, SerialBench
+from catseye.procedures.serial_arm.pose_params import rest_of
+
+Floats = NDArray[np.float64]
+
+RESULT = DocumentRule("a calibration of a serial arm", "catseye-serial-arm/1")
+
+_MOST_NESTS = 4
+
+
+class BallbarParams(BaseModel):
+    """What may be chosen for a ballbar."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    result: Annotated[dict[str, Any], RESULT] = Field(
+        description="result of catseye calibrate, whose commands are driven",
+        json_schema_extra={"file": "JSON"},
+    )
+    nests: list[str] = Field(
+        [], max_length=_MOST_NESTS, description="nests of the tool, a path for each; the first two when empty"
+    )
+    azimuth_deg: list[float] = Field(
+        [-90.0, -30.0],
+        min_length=2,
+        max_length=2,
+        description="of the bar about z; 0 points from the cup to the arm's base, deg",
+    )
+    elevation_deg: list[float] = Field(
+        [30.0, 80.0], min_length=2, max_length=2, description="of the bar above the horizontal, deg"
+    )
+    step_deg: float = Field(
+        10.0, ge=1.0, le=60.0, description="between two places of a ring, and two rings, deg"
+    )
+    safe_mm: float = Field(
+        0.8, gt=0.0, le=5.0, description="largest predicted deviation of the bar's length, mm"
+    )
+    dwell_s: float = Field(2.0, ge=0.1, le=60.0, description="standstill before a reading, s")
+    readings: Literal["typed", "file"] = Field(
+        "typed", description="typed at each place, or plateaus of the bar's CSV afterwards"
+    )
+    rest_deg: list[float] = Field([], description="pose from which the paths are reached; zeros when empty")
+
+
+@dataclass(frozen=True)
+class BarPath:
+    """The path of one nest.
+
+    Attributes:
+        nest: its name.
+        commands: of the calibrated arm, in order.
+        measured: numbers of the commands at which the bar is read.
+        deviation_mm: that is predicted at each command.
+    """
+
+    nest: str
+    commands: tuple[Pose, ...]
+    measured: tuple[int, ...]
+    deviation_mm: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class BallbarPlan:
+    """All paths.
+
+    Attributes:
+        bench: what it was made from.
+        ballbar: its lengths.
+        rest: from where the paths are reached.
+        paths: in order.
+        dwell_s: standstill before a reading.
+        readings: typed, or from a file.
+    """
+
+    bench: SerialBench
+    ballbar: Ballbar
+    rest: Pose
+    paths: tuple[BarPath, ...]
+    dwell_s: float
+    readings: Literal["typed", "file"]
+
+    def path_s(self, path: BarPath) -> float:
+        """Return the expected bench time of a path, s."""
+        way = np.array([self.rest, *path.commands, self.rest])
+        return way_time_s(self.bench.arm, way) + len(path.measured) * self.dwell_s
+
+
+class BallbarTest(Procedure):
+    """Leads nests of the tool over a sphere about a fixed cup, by compensated commands only."""
+
+    name = "ballbar"
+    title = "Ballbar"
+    needs = Needs(SerialBench)
+    stage = SPANNING
+    records = (BallbarReading,)
+    event_texts = BAR_TEXTS
+    params_type = BallbarParams
+
+    def plan(self, bench: SerialBench, params: BallbarParams) -> BallbarPlan:
+        """Plan the paths; nothing moves by commands that are not compensated.
+
+        Raises:
+            OutOfReachError: a predicted length is beyond what is safe for the bar.
+            PlanError: the cell has no ballbar, the result is none of this arm, or the arm cannot go along a path.
+        """
+        if bench.ballbar is None:
+            raise PlanError(f"[ballbar] is missing: add it with centre_mm to the cell file {bench.name}")
+        rest = rest_of(bench, params.rest_deg)
+        names = params.nests or [one.name for one in bench.targets[:2]]
+        paths = tuple(_path(bench, bench.ballbar, params, name, rest) for name in names)
+        return BallbarPlan(bench, bench.ballbar, rest, paths, params.dwell_s, params.readings)
+
+    async def run(self, ctx: Context, plan: BallbarPlan) -> None:
+        """Lead every nest over its path; see `BallbarRun`."""
+        await BallbarRun(ctx, plan).run()
+
+
+def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str, rest: Pose) -> BarPath:
+    # The solver takes its time to import: whoever lists procedures does without.
+    from catseye.calibration.core.errors import CalibrationError
+    from catseye.calibration.serial_arm.named_values import geometry_of
+    from catseye.procedures.serial_arm.ballbar_path import compensated_path, nominal_path, sphere_path
+
+    targets = tuple(Target(one.name, one.place_mm) for one in bench.targets)
+    number = bench.targets.index(bench.target(name))
+    centre = np.array(ballbar.centre_mm)
+    towards = math.degrees(math.atan2(-centre[1], -centre[0]))
+    path = sphere_path(
+        _steps(params.azimuth_deg, params.step_deg), _steps(params.elevation_deg, params.step_deg), towards
+    )
+    nominal = nominal_path(bench, bench.target(name), centre, ballbar.length_mm, path, rest)
+    try:
+        arm = SerialArm(bench.workspace.chain, bench.loads, targets)
+        geometry = geometry_of(arm, _values(bench, params.result))
+        found = compensated_path(geometry, number, centre, ballbar.length_mm, nominal)
+    except CalibrationError as error:
+        raise PlanError(f"result: {error}") from error
+    limit_mm = min(params.safe_mm, ballbar.range_mm)
+    if not found.largest_mm <= limit_mm:
+        raise OutOfReachError(
+            f"{name}: on its path the bar would differ from {ballbar.length_mm:g} mm by "
+            f"{found.largest_mm:.2f} mm, more "
+            f"than {limit_mm:g} mm is safe (its range is ±{ballbar.range_mm:g} mm): choose a smaller step_deg, or a "
+            "better calibration"
+        )
+    commands = tuple(tuple(pose) for pose in found.commands.tolist())
+    if wrong := [text for pose in commands for text in out_of_range(bench.arm.axes, pose)]:
+        raise PlanLimitError(f"{name}: {wrong[0]}: choose smaller ranges of azimuth and elevation")
+    require_clear_way((rest, *commands, rest), bench)
+    measured = tuple(number for number, one in enumerate(path) if one.measured)
+    return BarPath(name, commands, measured, tuple(found.deviation_mm.tolist()))
+
+
+def _values(bench: SerialBench, result: Mapping[str, Any]) -> dict[str, float]:
+    """Return the parameters of a result by name, those of distances left out.
+
+    Raises:
+        PlanError: it is none of an arm with these joints.
+    """
+    try:
+        parts = result["parameters"]
+        values = {
+            str(part["name"]): float(part["value"]) for part in parts if not part.get("of_distances", False)
+        }
+    except (KeyError, TypeError, ValueError) as error:
+        raise PlanError(
+            f"result: its parameters cannot be read ({error}); make it anew by catseye calibrate"
+        ) from error
+    joints = [axis.name for axis in bench.arm.axes]
+    identified = {name.rpartition(".")[0] for name in values}
+    if not identified & set(joints):
+        raise PlanError(
+            f"result: it has no parameter of {', '.join(joints)}: a ballbar is led by commands of a "
+            "calibrated arm only; "
+            "calibrate with a geometric model"
+        )
+    return values
+
+
+def _steps(ends_deg: list[float], step_deg: float) -> list[float]:
+    low, high = ends_deg
+    if not low < high:
+        raise PlanError(f"a range of {low:g} … {high:g} deg is empty: give the lower end first")
+    return [float(value) for value in np.linspace(low, high, max(round((high - low) / step_deg), 1) + 1)]

@@ -1,0 +1,227 @@
+"""What the instrument itself is worth: repeats, both faces, a scale bar, and the tool as it was measured before.
+
+Six-axis paper, section 2 (scale bar) and Table V (nests of the tool against a coordinate measuring machine).
+"""
+
+from dataclasses import dataclass
+from functools import partial
+from itertools import combinations
+from typing import ClassVar, Final
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from catseye.drivers.roles.errors import HiddenTargetError
+from catseye.drivers.roles.tracker import Face, Place
+from catseye.procedures.kit.context import Context, Prompt
+from catseye.procedures.kit.errors import PlanError
+from catseye.procedures.kit.needs import Needs
+from catseye.procedures.kit.procedure import Procedure
+from catseye.procedures.kit.records import Record, Row
+from catseye.procedures.serial_arm.before import CHECK_TEXTS, CHECKING, NESTS, TRACKER
+from catseye.procedures.serial_arm.bench import SerialBench
+from catseye.procedures.serial_arm.records import MeasuredNest, coordinates
+from catseye.procedures.serial_arm.turning import near_mm
+
+_FACES: Final[tuple[Face, Face]] = (1, 2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckedLength(Record):
+    """A length between two points, measured and known.
+
+    Attributes:
+        what: a scale bar or the tool.
+        from_point: name of one end.
+        to_point: name of the other.
+        laid: place at which the scale bar lay, from 1; 0 of the tool.
+        measured_mm: mean of the repeats.
+        reference_mm: of the certificate, or of the tool's description.
+        error_mm: measured less known.
+    """
+
+    table: ClassVar[str] = "lengths"
+    is_point: ClassVar[bool] = True
+    target_column: ClassVar[str] = "what"
+    what: str
+    from_point: str
+    to_point: str
+    laid: int
+    measured_mm: float
+    reference_mm: float
+    error_mm: float
+
+
+class CheckParams(BaseModel):
+    """What may be chosen for the check of an instrument."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    repeats: int = Field(5, ge=2, le=100, description="measurements of every point")
+    bar_mm: float = Field(
+        0.0, ge=0.0, le=5000.0, description="calibrated length of the scale bar, mm; 0 without one"
+    )
+    bar_ends: list[str] = Field(
+        ["bar1", "bar2"],
+        min_length=2,
+        max_length=2,
+        description="names of its two nests, as the instrument knows them",
+    )
+    bar_places: int = Field(3, ge=1, le=50, description="places at which it is laid")
+    settle_s: float = Field(0.5, ge=0.0, le=60.0, description="wait before a measurement, s")
+    dwell_s: float = Field(4.0, ge=0.1, le=120.0, description="time that the instrument averages over, s")
+
+
+@dataclass(frozen=True)
+class CheckPlan:
+    """What is checked.
+
+    Attributes:
+        bench: what it was made from.
+        params: as chosen.
+    """
+
+    bench: SerialBench
+    params: CheckParams
+
+
+class InstrumentCheck(Procedure):
+    """Measures nests again and again and in both faces, a scale bar, and the nests of the tool; the arm stands."""
+
+    name = "instrument-check"
+    title = "Check of a laser tracker"
+    needs = Needs(SerialBench, TRACKER, tracker=("points",), equipment=(NESTS,))
+    stage = CHECKING
+    records = (MeasuredNest, CheckedLength)
+    event_texts = CHECK_TEXTS
+    params_type = CheckParams
+
+    def plan(self, bench: SerialBench, params: CheckParams) -> CheckPlan:
+        """Plan the check.
+
+        Raises:
+            PlanError: there is nothing to measure.
+        """
+        if not bench.instrument.nests and not params.bar_mm and len(bench.targets) < 2:
+            raise PlanError(
+                "there is nothing to check the instrument with: add [[tracker.nest]], state bar_mm "
+                "of a scale bar, or "
+                "two targets of the tool"
+            )
+        return CheckPlan(bench, params)
+
+    async def run(self, ctx: Context, plan: CheckPlan) -> None:
+        """Measure; the arm does not move."""
+        check = _Check(ctx, plan)
+        for nest in plan.bench.instrument.nests:
+            await ctx.step(
+                f"nest/{nest.name}", f"nest {nest.name}", partial(check.nest, nest.name, nest.place_mm)
+            )
+        for place in range(1, plan.params.bar_places + 1 if plan.params.bar_mm else 1):
+            await ctx.step(f"bar/{place}", f"scale bar, place {place}", partial(check.bar, place))
+        if len(plan.bench.targets) > 1:
+            await ctx.step("tool", "distances on the tool", check.tool)
+
+
+class _Check:
+    def __init__(self, ctx: Context, plan: CheckPlan) -> None:
+        self._ctx = ctx
+        self._plan = plan
+
+    async def nest(self, name: str, near: Place) -> Row:
+        """Measure a nest again and again, and in both faces where the instrument has them."""
+        faces = _FACES if self._plan.bench.instrument.abilities.two_faces else _FACES[:1]
+        places: dict[Face, np.ndarray] = {}
+        for face in faces:
+            found = await self._repeated(name, near, face)
+            if found is None:
+                return {"hidden": True}
+            places[face] = found
+            for number, place in enumerate(found.tolist()):
+                values = coordinates((place[0], place[1], place[2]), None)
+                self._ctx.record(
+                    MeasuredNest(
+                        nest=name,
+                        nests_round=number,
+                        face=face,
+                        **values,  # type: ignore[arg-type]  # the keys are those of coordinates
+                    )
+                )
+        spread = float(np.sqrt(np.mean([places[face].var(axis=0, ddof=1).sum() for face in faces])))
+        apart = (
+            float(np.linalg.norm(places[2].mean(axis=0) - places[1].mean(axis=0))) if len(faces) > 1 else None
+        )
+        row: Row = {"hidden": False, "nest": name, "repeatability_mm": spread, "two_face_mm": apart}
+        await self._ctx.event("nest-checked", **row)
+        return row
+
+    async def bar(self, place: int) -> Row:
+        """Have the scale bar laid, then measure both ends."""
+        params = self._plan.params
+        answer = await self._ctx.ask(_bar_prompt(place, params))
+        if answer != "laid":
+            return {"hidden": True}
+        ends = [await self._repeated(name, None, 1) for name in params.bar_ends]
+        if ends[0] is None or ends[1] is None:
+            return {"hidden": True}
+        one, other = params.bar_ends
+        length_mm = float(np.linalg.norm(ends[1].mean(axis=0) - ends[0].mean(axis=0)))
+        return await self._kept("scale bar", one, other, place, length_mm, params.bar_mm)
+
+    async def tool(self) -> Row:
+        """Measure the tool's nests where the arm stands, and compare their distances with its description."""
+        bench = self._plan.bench
+        here = await self._ctx.joints()
+        found: dict[str, np.ndarray] = {}
+        for target in bench.targets:
+            places = await self._repeated(
+                target.name, near_mm(bench, bench.instrument.base, here, target.name), 1
+            )
+            if places is not None:
+                found[target.name] = places.mean(axis=0)
+        for one, other in combinations(found, 2):
+            stated = np.subtract(bench.target(other).place_mm, bench.target(one).place_mm)
+            length_mm = float(np.linalg.norm(found[other] - found[one]))
+            await self._kept("tool", one, other, 0, length_mm, float(np.linalg.norm(stated)))
+        return {"hidden": len(found) < 2, "seen": list(found)}
+
+    async def _kept(
+        self, what: str, one: str, other: str, place: int, length_mm: float, known_mm: float
+    ) -> Row:
+        length = CheckedLength(
+            what=what,
+            from_point=one,
+            to_point=other,
+            laid=place,
+            measured_mm=length_mm,
+            reference_mm=known_mm,
+            error_mm=length_mm - known_mm,
+        )
+        self._ctx.record(length)
+        row: Row = {"hidden": False, "what": f"{what} {one}–{other}", "error_mm": length.error_mm}
+        await self._ctx.event("length-checked", **row)
+        return row
+
+    async def _repeated(self, name: str, near: Place | None, face: Face) -> np.ndarray | None:
+        """Return the places of repeats, shape (repeats, 3); None where the point is hidden."""
+        params = self._plan.params
+        try:
+            found = [
+                await self._ctx.measure_target(name, params.settle_s, params.dwell_s, near, face)
+                for _ in range(params.repeats)
+            ]
+        except HiddenTargetError as error:
+            await self._ctx.warn(f"{name} is hidden, so it is left out of the check: {error}")
+            return None
+        return np.array([one.place_mm for one in found])
+
+
+def _bar_prompt(place: int, params: CheckParams) -> Prompt:
+    return Prompt(
+        f"bar/{place}",
+        "choice",
+        f"Lay the scale bar of {params.bar_mm:g} mm at its place {place} of {params.bar_places}, across the line of "
+        "sight and along it in turn, with both nests in sight. Laid (laid), or leave it out (skip)?",
+        choices=("laid", "skip"),
+        safe_answer="skip",
+    )

@@ -1,0 +1,150 @@
+"""Runs as poses: world frame, drift of the nests, calibration and validation from runs alone."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from catseye.app.cell.model import Cell
+from catseye.app.cli import cli
+from catseye.app.results.serial_arm.run_poses import pose_rows
+from catseye.app.store.reader import RunReader
+from catseye.procedures.serial_arm.tracker_calibration import CalibrationParams, TrackerCalibration
+from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
+from tests.unit.procedures.serial_arm.benches import NESTS, SIX, TARGETS, Room, carried_out
+
+TOOL = "\n".join(
+    [
+        'format = "catseye-tool/1"',
+        'name = "plate"',
+        "mass_kg = 2.7",
+        "centre_mm = [50.0, 25.0, 100.0]",
+        *(
+            f'[[target]]\nname = "{one.name}"\nx_mm = {one.place_mm[0]}\ny_mm = {one.place_mm[1]}\n'
+            f"z_mm = {one.place_mm[2]}\nnormal = {list(one.normal or ())}"
+            for one in TARGETS
+        ),
+    ]
+)
+
+
+def configuration(folder: Path) -> Any:
+    tool = folder / "plate.toml"
+    tool.write_text(TOOL, encoding="utf-8")
+    cell = {
+        "format": "catseye-cell/1",
+        "name": "lab-1",
+        "robot": {
+            "driver": "kuka-varproxy",
+            "endpoint": "tcp://127.0.0.1:7000",
+            "arm": "irb120",
+            "tool": str(tool),
+        },
+    }
+    return Cell.model_validate(cell).model_dump(mode="json")
+
+
+async def measured(room: Room, folder: Path, procedure: Any, params: Any) -> Path:
+    plan = procedure.plan(SIX, params)
+    meta = {"configuration": configuration(folder), "procedure": procedure.name}
+    outcome = await carried_out(room, procedure, plan, meta=meta)
+    assert (outcome.status, outcome.text) == ("complete", "")
+    return outcome.path
+
+
+async def validated(tmp_path: Path, room: Room | None = None) -> Path:
+    runs = tmp_path / "runs"
+    runs.mkdir(exist_ok=True)
+    room = room or Room(runs)
+    params = ValidationParams(count=8, nests_every=4, settle_s=0.2)
+    return await measured(room, tmp_path, TrackerValidation(), params)
+
+
+def place_of(row: Any) -> np.ndarray:
+    return np.array([row[name] for name in ("x_mm", "y_mm", "z_mm")], dtype=np.float64)
+
+
+def in_world(place: np.ndarray) -> np.ndarray:
+    """Return a place in the frame of the first nest, by the geometry of the three: two sides at right angles."""
+    w1, w2, w3 = (np.array(NESTS[name]) for name in ("W1", "W2", "W3"))
+    x = (w2 - w1) / np.linalg.norm(w2 - w1)
+    y = (w3 - w2) / np.linalg.norm(w3 - w2)
+    return np.array([(place - w1) @ x, (place - w1) @ y, (place - w1) @ np.cross(x, y)])
+
+
+async def test_places_stand_in_the_world_frame(tmp_path: Path) -> None:
+    reader = RunReader(await validated(tmp_path))
+    rows, raw = pose_rows(reader), reader.rows("targets")
+    for row, stored in zip(rows, raw, strict=True):
+        place = np.array([stored["x_mm"], stored["y_mm"], stored["z_mm"]], dtype=np.float64)
+        assert [row["x_mm"], row["y_mm"], row["z_mm"]] == pytest.approx(in_world(place), abs=1e-9)
+        assert [row[f"q{k}_deg"] for k in range(1, 7)] == stored["q"]
+        assert [row[f"q{k}_read_deg"] for k in range(1, 7)] == stored["q_read"]
+    # Axes of the world are those of the tracker, exchanged: variances go along.
+    assert [rows[0][name] for name in ("u_x_mm", "u_y_mm", "u_z_mm")] == pytest.approx([0.03, 0.02, 0.04])
+
+
+async def test_a_drift_of_the_instrument_is_taken_out(tmp_path: Path) -> None:
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    still = pose_rows(RunReader(await validated(tmp_path, Room(runs))))
+    room = Room(runs)
+    # After the first four poses the instrument is pushed: everything seems to have moved by a millimetre.
+    room.tracker.drift_mm = {7: 1.0}
+    moved = pose_rows(RunReader(await validated(tmp_path, room)))
+    for row, other in zip(still, moved, strict=True):
+        assert [other[name] for name in ("x_mm", "y_mm", "z_mm")] == pytest.approx(
+            [row[name] for name in ("x_mm", "y_mm", "z_mm")], abs=1e-6
+        )
+
+
+async def test_noise_of_the_nests_is_no_drift(tmp_path: Path) -> None:
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    room = Room(runs)
+    # Less than the stated uncertainty of the nests: 0.03 mm a coordinate.
+    room.tracker.drift_mm = {7: 0.02}
+    moved = pose_rows(RunReader(await validated(tmp_path, room)))
+    still = pose_rows(RunReader(await validated(tmp_path, Room(runs))))
+    apart = [np.linalg.norm(place_of(one) - place_of(other)) for one, other in zip(moved, still, strict=True)]
+    # The mean of the nests moves, and later places against it: nothing turns, nothing is amplified.
+    assert max(apart) <= 0.02 + 1e-9
+
+
+async def test_a_run_is_exported_calibrated_and_validated(tmp_path: Path) -> None:
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    params = CalibrationParams(count=14, candidates=300, model="geometric", settle_s=0.2)
+    first = await measured(Room(runs), tmp_path, TrackerCalibration(), params)
+    second = await validated(tmp_path)
+    runner, result, table = CliRunner(), tmp_path / "arm.json", tmp_path / "poses.csv"
+    done = runner.invoke(cli, ["export", first.name, "--runs", str(runs), "-o", str(table)])
+    assert done.exit_code == 0, done.output
+    assert table.read_text(encoding="utf-8").splitlines()[0].startswith("pose,q1_deg,q2_deg")
+    command = ["calibrate", first.name, "--runs", str(runs), "--model", "frames", "-o", str(result)]
+    done = runner.invoke(cli, command)
+    assert done.exit_code == 0, done.output
+    document = json.loads(result.read_text(encoding="utf-8"))
+    assert document["arm"] == "irb120"
+    assert document["provenance"]["runs"] == [first.name]
+    assert document["provenance"]["simulated"] is True
+    command = ["validate", str(result), "--measured", second.name, "--runs", str(runs), "--json"]
+    done = runner.invoke(cli, command)
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout)
+    # The scripted arm is as it is drawn.
+    assert found["n"] == 8
+    assert found["calibrated"]["max_mm"] < 1e-6
+
+
+def test_nothing_to_calibrate_with_is_refused(tmp_path: Path) -> None:
+    done = CliRunner().invoke(cli, ["calibrate", "--arm", "irb120", "-o", str(tmp_path / "arm.json")])
+    assert done.exit_code != 0
+
+
+def test_right_angles_of_the_nests_are_meant() -> None:
+    w1, w2, w3 = (np.array(NESTS[name]) for name in ("W1", "W2", "W3"))
+    assert (w2 - w1) @ (w3 - w2) == 0.0

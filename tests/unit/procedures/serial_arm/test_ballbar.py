@@ -1,0 +1,193 @@
+"""A ballbar over a sphere: lengths by kinematics of a true arm, readings typed and from a file."""
+
+import math
+from dataclasses import replace
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from catseye.app.engine.dry_run import DryRunContext
+from catseye.app.errors import UsageError
+from catseye.app.protocol.procedures import parse_params
+from catseye.app.store.reader import RunReader
+from catseye.calibration.kinematics.chain import Chain
+from catseye.procedures.kit.errors import OutOfReachError, PlanError
+from catseye.procedures.kit.system import System
+from catseye.procedures.serial_arm.ballbar import BallbarParams, BallbarPlan, BallbarTest
+from catseye.procedures.serial_arm.ballbar_path import sphere_path
+from tests.unit.procedures.serial_arm.benches import SIX, Room, carried_out
+from tests.unit.procedures.six_axes import CHAIN
+
+ERRORS = {"A2.theta_offset_deg": -89.9, "A3.a_mm": 270.3, "A5.alpha_deg": 89.95, "A4.d_mm": 302.2}
+"""Parameters of the calibrated arm, in the model's names."""
+
+RESULT: dict[str, Any] = {
+    "format": "catseye-serial-arm/1",
+    "parameters": [{"name": name, "value": value} for name, value in ERRORS.items()],
+}
+CUP = np.array([450.0, 0.0, 60.0])
+BENCH = replace(SIX, ballbar=replace(SIX.ballbar, centre_mm=tuple(CUP.tolist())))  # type: ignore[type-var]  # it has one
+SMALL: dict[str, Any] = {
+    "nests": ["N1"],
+    "azimuth_deg": [-20.0, 20.0],
+    "elevation_deg": [50.0, 70.0],
+    "step_deg": 20.0,
+    "dwell_s": 0.3,
+}
+
+
+def true_chain() -> Chain:
+    joints = list(CHAIN.joints)
+    for name, value in ERRORS.items():
+        joint, part = name.split(".")
+        number = int(joint[1:]) - 1
+        joints[number] = replace(joints[number], **{part: value})  # type: ignore[arg-type]  # numbers of a joint
+    return Chain(tuple(joints))
+
+
+@cache
+def plan_of(**changes: Any) -> BallbarPlan:
+    return BallbarTest().plan(BENCH, BallbarParams(result=RESULT, **{**SMALL, **changes}))
+
+
+def lengths(chain: Chain, commands: object) -> np.ndarray:
+    flange = chain.flange(np.array(commands))
+    nest = flange[:, :3, :3] @ np.array(SIX.target("N1").place_mm) + flange[:, :3, 3]
+    return np.asarray(np.linalg.norm(nest - CUP, axis=1))
+
+
+def test_the_calibrated_arm_holds_the_bar_at_its_length() -> None:
+    (path,) = plan_of().paths
+    assert lengths(true_chain(), path.commands) == pytest.approx(np.full(len(path.commands), 300.0), abs=1e-6)
+    # The nominal arm would not, by far.
+    assert np.abs(lengths(CHAIN, path.commands) - 300.0).max() > 0.2
+    assert len(path.measured) == 6
+
+
+def test_between_commands_the_bar_stays_in_range() -> None:
+    (path,) = plan_of().paths
+    commands = np.array(path.commands)
+    between = np.concatenate(
+        [commands[:-1] + share * np.diff(commands, axis=0) for share in (0.25, 0.5, 0.75)]
+    )
+    assert np.abs(lengths(true_chain(), between) - 300.0).max() < 0.2
+
+
+def test_neighbours_on_the_path_are_near() -> None:
+    path = sphere_path([-20.0, 0.0, 20.0], [50.0, 70.0], 180.0)
+    apart = [
+        math.degrees(math.acos(min(1.0, float(one.direction @ other.direction))))
+        for one, other in pairwise(path)
+    ]
+    assert max(apart) <= 2.5 + 1e-9
+    measured = [one for one in path if one.measured]
+    assert [one.azimuth_deg for one in measured] == pytest.approx([-20.0, 0.0, 20.0, 20.0, 0.0, -20.0])
+    assert [one.elevation_deg for one in measured] == pytest.approx([50.0] * 3 + [70.0] * 3)
+
+
+async def test_a_mistyped_reading_is_asked_for_again(tmp_path: Path) -> None:
+    room = Room(tmp_path)
+    room.answers = {f"reading/N1/{number:04d}": "0.1" for number in range(1, 7)}
+    room.answers |= {"reading/N1/0002": "300.2", "reading/N1/0002/2": "0.2"}
+    outcome = await carried_out(room, BallbarTest(), plan_of())
+    assert outcome.status == "complete"
+    assert [row["error_mm"] for row in RunReader(outcome.path).rows("ballbar")] == [
+        0.1,
+        0.2,
+        0.1,
+        0.1,
+        0.1,
+        0.1,
+    ]
+
+
+def test_a_bar_that_would_leave_its_range_is_refused() -> None:
+    with pytest.raises(OutOfReachError, match=r"more than 0\.01 mm is safe"):
+        plan_of(safe_mm=0.01)
+
+
+def test_commands_of_frames_alone_are_no_compensation() -> None:
+    frames = {**RESULT, "parameters": [{"name": "base.x_mm", "value": 1.0}]}
+    with pytest.raises(PlanError, match="calibrated arm only"):
+        BallbarTest().plan(BENCH, BallbarParams(result=frames, **SMALL))
+
+
+def test_a_cup_out_of_reach_is_named_with_its_place() -> None:
+    far = replace(BENCH, ballbar=replace(BENCH.ballbar, centre_mm=(900.0, 0.0, 60.0)))  # type: ignore[type-var]  # it has one
+    with pytest.raises(PlanError, match=r"azimuth .*centre_mm"):
+        BallbarTest().plan(far, BallbarParams(result=RESULT, **SMALL))
+
+
+def test_a_file_that_is_no_calibration_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "result.json"
+    file.write_text('{"format": "catseye-result/1"}', encoding="utf-8")
+    with pytest.raises(UsageError, match="is not a calibration of a serial arm"):
+        parse_params(BallbarParams, [f'result="{file}"'])
+
+
+@pytest.mark.parametrize("readings", ["typed", "file"])
+async def test_a_rehearsal_leads_the_bar(readings: str) -> None:
+    dry = DryRunContext(System(BENCH), pose=(0.0,) * 6, declared=BallbarTest.records)
+    await BallbarTest().run(dry, plan_of(readings=readings))
+    dry.require_clear_ways()
+    assert len(dry.records) == 6
+
+
+async def test_typed_readings_are_kept_with_their_errors(tmp_path: Path) -> None:
+    room = Room(tmp_path)
+    typed = [0.1, -0.2, 0.05, 0.0, 0.3, -0.1]
+    room.answers = {f"reading/N1/{number:04d}": str(value) for number, value in enumerate(typed, 1)}
+    outcome = await carried_out(room, BallbarTest(), plan_of())
+    assert (outcome.status, outcome.text) == ("complete", "")
+    rows = RunReader(outcome.path).rows("ballbar")
+    assert [row["error_mm"] for row in rows] == typed
+    assert [row["length_mm"] for row in rows] == pytest.approx([300.0 + value for value in typed])
+    (said,) = (one for one in RunReader(outcome.path).events() if one.kind == "ballbar")
+    assert said.data["mean_mm"] == pytest.approx(np.mean(typed))
+    assert said.data["max_mm"] == pytest.approx(0.3)
+    ids = [prompt.id for prompt in room.asked]
+    assert ids[0] == "mount/N1/1"
+    assert ids[-1].startswith("off/N1")
+
+
+async def test_an_impossible_reading_ends_the_run(tmp_path: Path) -> None:
+    room = Room(tmp_path)
+    room.answers = dict.fromkeys(["reading/N1/0001", "reading/N1/0001/2", "reading/N1/0001/3"], "300.1")
+    outcome = await carried_out(room, BallbarTest(), plan_of())
+    assert outcome.status == "failed"
+    assert "beyond the bar's range" in outcome.text
+
+
+async def test_resumption_takes_the_bar_off_first(tmp_path: Path) -> None:
+    room = Room(tmp_path)
+    room.answers = {f"reading/N1/{number:04d}": "0.1" for number in range(1, 7)}
+    room.answers["mount/N1/1"] = "stop"
+    first = await carried_out(room, BallbarTest(), plan_of())
+    assert first.status == "failed"
+    again = Room(tmp_path)
+    again.robot.pose = room.robot.pose
+    again.answers = {f"reading/N1/{number:04d}": "0.1" for number in range(1, 7)}
+    outcome = await carried_out(again, BallbarTest(), plan_of(), resume=first.path)
+    assert outcome.status == "complete"
+    ids = [prompt.id for prompt in again.asked if prompt.id.startswith(("bare", "mount", "reading"))]
+    assert ids[:3] == ["bare/N1/1", "mount/N1/1", "reading/N1/0001"]
+    assert len(RunReader(outcome.path).rows("ballbar")) == 6
+
+
+async def test_lengths_come_from_the_plateaus_of_a_file(tmp_path: Path) -> None:
+    room = Room(tmp_path)
+    levels = [0.1, -0.2, 0.05, 0.0, 0.3, -0.1]
+    values = [value for level in levels for value in ([level] * 11 + [9.0])]
+    rows = [f"{0.1 * number:.1f},{value}" for number, value in enumerate(values)]
+    good, short = tmp_path / "bar.csv", tmp_path / "short.csv"
+    good.write_text("\n".join(["t_s,deviation_mm", *rows]) + "\n", encoding="utf-8")
+    short.write_text("\n".join(["t_s,deviation_mm", *rows[:30]]) + "\n", encoding="utf-8")
+    room.answers = {"lengths/N1": str(short), "lengths/N1/2": str(good)}
+    outcome = await carried_out(room, BallbarTest(), plan_of(readings="file"))
+    assert (outcome.status, outcome.text) == ("complete", "")
+    assert [row["error_mm"] for row in RunReader(outcome.path).rows("ballbar")] == pytest.approx(levels)
+    assert any("plateaus" in str(one["text"]) for one in room.said("warning"))
