@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -15,9 +14,9 @@ from catseye.procedures.kit.columns import DocumentRule
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import OutOfReachError, PlanError, PlanLimitError
 from catseye.procedures.kit.motion.clear_way import require_clear_way
-from catseye.procedures.kit.motion.motion_time import way_time_s
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
+from catseye.procedures.serial_arm.ballbar_plan import BallbarPlan, BarPath
 from catseye.procedures.serial_arm.ballbar_run import BallbarReading, BallbarRun
 from catseye.procedures.serial_arm.before import BAR_TEXTS, SPANNING
 from catseye.procedures.serial_arm.bench import Ballbar, SerialBench
@@ -62,49 +61,6 @@ class BallbarParams(BaseModel):
         "typed", description="typed at each place, or plateaus of the bar's CSV afterwards"
     )
     rest_deg: list[float] = Field([], description="pose from which the paths are reached; zeros when empty")
-
-
-@dataclass(frozen=True)
-class BarPath:
-    """The path of one nest.
-
-    Attributes:
-        nest: its name.
-        commands: of the calibrated arm, in order.
-        measured: numbers of the commands at which the bar is read.
-        deviation_mm: that is predicted at each command.
-    """
-
-    nest: str
-    commands: tuple[Pose, ...]
-    measured: tuple[int, ...]
-    deviation_mm: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class BallbarPlan:
-    """All paths.
-
-    Attributes:
-        bench: what it was made from.
-        ballbar: its lengths.
-        rest: from where the paths are reached.
-        paths: in order.
-        dwell_s: standstill before a reading.
-        readings: typed, or from a file.
-    """
-
-    bench: SerialBench
-    ballbar: Ballbar
-    rest: Pose
-    paths: tuple[BarPath, ...]
-    dwell_s: float
-    readings: Literal["typed", "file"]
-
-    def path_s(self, path: BarPath) -> float:
-        """Return the expected bench time of a path, s."""
-        way = np.array([self.rest, *path.commands, self.rest])
-        return way_time_s(self.bench.arm, way) + len(path.measured) * self.dwell_s
 
 
 class BallbarTest(Procedure):

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import ClassVar, Final
 
 import numpy as np
 
@@ -12,10 +12,9 @@ from catseye.procedures.kit.errors import OutOfReachError, TableFileError
 from catseye.procedures.kit.motion.bench_time import BenchTime
 from catseye.procedures.kit.records import Json, Record, Row
 from catseye.procedures.kit.stored import number_of
+from catseye.procedures.kit.tasks import MountBallbar, TakeBallbarOff, Task
+from catseye.procedures.serial_arm.ballbar_plan import BallbarPlan, BarPath
 from catseye.procedures.serial_arm.plateaus import plateaus
-
-if TYPE_CHECKING:
-    from catseye.procedures.serial_arm.ballbar import BallbarPlan, BarPath
 
 LENGTHS: Final = TableRule(
     "lengths",
@@ -68,7 +67,7 @@ class BallbarRun:
         plan: the paths.
     """
 
-    def __init__(self, ctx: Context, plan: "BallbarPlan") -> None:
+    def __init__(self, ctx: Context, plan: BallbarPlan) -> None:
         self._ctx = ctx
         self._plan = plan
         self._at = -1
@@ -100,7 +99,7 @@ class BallbarRun:
                 deviations = [number_of(row, "deviation_mm") for row in rows]
             await self._summary(path, deviations)
 
-    async def _read(self, path: "BarPath", count: int, number: int) -> Row:
+    async def _read(self, path: BarPath, count: int, number: int) -> Row:
         """Go on to a place and read the bar."""
         self._time.begin()
         if self._at < 0:
@@ -115,13 +114,16 @@ class BallbarRun:
         self._ctx.record(self._reading(path, count, number, deviation_mm))
         return {"deviation_mm": deviation_mm}
 
-    async def _enter(self, path: "BarPath", number: int) -> None:
+    async def _enter(self, path: BarPath, number: int) -> None:
         """Lead the nest to where the path goes on, without the bar, and have the bar mounted there."""
         self._mountings += 1
         where = f"{path.nest}/{self._mountings}"
         if self._ctx.resumed or self._mountings > 1:
             await self._confirmed(
-                f"bare/{where}", f"Take the ballbar off {path.nest}: the arm moves without it.", path
+                f"bare/{where}",
+                f"Take the ballbar off {path.nest}: the arm moves without it.",
+                path,
+                TakeBallbarOff(),
             )
         await self._ctx.move(self._plan.rest)
         for pose in path.commands[: number + 1]:
@@ -133,15 +135,17 @@ class BallbarRun:
             f"{path.deviation_mm[number]:+.2f} mm. The arm then leads it over the sphere, never more than "
             f"{max(map(abs, path.deviation_mm)):.2f} mm from its middle.",
             path,
+            MountBallbar(target=path.nest, centre_mm=self._plan.ballbar.centre_mm),
         )
 
-    async def _confirmed(self, prompt_id: str, text: str, path: "BarPath") -> None:
+    async def _confirmed(self, prompt_id: str, text: str, path: BarPath, task: Task) -> None:
         prompt = Prompt(
             prompt_id,
             "choice",
             f"{text} Done (done), or end the run (stop)?",
             choices=("done", "stop"),
             safe_answer="stop",
+            task=task,
             motion=True,
             target=path.commands[max(self._at, 0)],
         )
@@ -151,15 +155,15 @@ class BallbarRun:
                 "catseye resume"
             )
 
-    async def _off(self, path: "BarPath") -> Row:
+    async def _off(self, path: BarPath) -> Row:
         """Have the bar taken off before the arm leaves the sphere."""
         self._mountings += 1
         text = f"Take the ballbar off {path.nest}: the arm drives away."
-        await self._confirmed(f"off/{path.nest}/{self._mountings}", text, path)
+        await self._confirmed(f"off/{path.nest}/{self._mountings}", text, path, TakeBallbarOff())
         await self._ctx.move(self._plan.rest)
         return {}
 
-    async def _typed(self, path: "BarPath", count: int, number: int) -> float:
+    async def _typed(self, path: BarPath, count: int, number: int) -> float:
         """Have the deviation typed; one that no bar can have is asked for again."""
         complaint = ""
         for attempt in range(1, _MOST_TYPED + 1):
@@ -172,9 +176,7 @@ class BallbarRun:
             "whether the cup sits where centre_mm says, then go on with catseye resume"
         )
 
-    def _reading_prompt(
-        self, path: "BarPath", count: int, number: int, attempt: int, complaint: str
-    ) -> Prompt:
+    def _reading_prompt(self, path: BarPath, count: int, number: int, attempt: int, complaint: str) -> Prompt:
         name = f"reading/{path.nest}/{count:04d}"
         return Prompt(
             name if attempt == 1 else f"{name}/{attempt}",
@@ -186,7 +188,7 @@ class BallbarRun:
             target=path.commands[min(number + 1, len(path.commands) - 1)],
         )
 
-    def _reading(self, path: "BarPath", count: int, number: int, deviation_mm: float) -> BallbarReading:
+    def _reading(self, path: BarPath, count: int, number: int, deviation_mm: float) -> BallbarReading:
         ballbar = self._plan.ballbar
         extra: dict[str, Json] = {"q": list(path.commands[number])}
         return BallbarReading(
@@ -200,7 +202,7 @@ class BallbarRun:
             extra=extra,
         )
 
-    async def _file(self, path: "BarPath") -> Row:
+    async def _file(self, path: BarPath) -> Row:
         """Ask for the file of lengths until its plateaus are those of the path."""
         complaint = ""
         for attempt in range(1, _MOST_FILES + 1):
@@ -217,7 +219,7 @@ class BallbarRun:
             return {"file": file, "deviation_mm": list(found)}
         raise TableFileError(f"{complaint}; {_MOST_FILES} files could not be used: go on with catseye resume")
 
-    def _plateaus(self, path: "BarPath", file: str, table: Columns) -> list[float]:
+    def _plateaus(self, path: BarPath, file: str, table: Columns) -> list[float]:
         found = plateaus(table["t_s"], table["deviation_mm"], 0.5 * self._plan.dwell_s)
         if len(found) != len(path.measured):
             raise TableFileError(
@@ -227,7 +229,7 @@ class BallbarRun:
             )
         return found
 
-    def _rehearsed(self, path: "BarPath") -> Columns:
+    def _rehearsed(self, path: BarPath) -> Columns:
         """Return what an ideal bar records."""
         ideal = [path.deviation_mm[number] for number in path.measured]
         each = int(_RATE_HZ * self._plan.dwell_s) + 1
@@ -239,7 +241,7 @@ class BallbarRun:
             {"t_s": np.arange(len(levels)) / _RATE_HZ, "deviation_mm": levels}, np.arange(len(levels)) + 2
         )
 
-    async def _summary(self, path: "BarPath", deviations: list[float]) -> None:
+    async def _summary(self, path: BarPath, deviations: list[float]) -> None:
         errors = np.array(deviations)
         await self._ctx.event(
             "ballbar",
@@ -255,7 +257,7 @@ def _listed(value: object) -> list[object]:
     return value if isinstance(value, list) else []
 
 
-def _file_prompt(path: "BarPath", attempt: int, complaint: str) -> Prompt:
+def _file_prompt(path: BarPath, attempt: int, complaint: str) -> Prompt:
     return Prompt(
         f"lengths/{path.nest}" if attempt == 1 else f"lengths/{path.nest}/{attempt}",
         "text",

@@ -17,8 +17,9 @@ from catseye.app.store.reader import RunReader
 from catseye.calibration.kinematics.chain import Chain
 from catseye.procedures.kit.errors import OutOfReachError, PlanError
 from catseye.procedures.kit.system import System
-from catseye.procedures.serial_arm.ballbar import BallbarParams, BallbarPlan, BallbarTest
+from catseye.procedures.serial_arm.ballbar import BallbarParams, BallbarTest
 from catseye.procedures.serial_arm.ballbar_path import sphere_path
+from catseye.procedures.serial_arm.ballbar_plan import BallbarPlan
 from tests.unit.procedures.serial_arm.benches import SIX, Room, carried_out
 from tests.unit.procedures.six_axes import CHAIN
 

@@ -65,7 +65,8 @@ class History:
             each.procedure: cell_basis(each, self.bench, self.root, runs).run for each in bases(self.bench)
         }
         found = stages_of(procedures(), runs, needs, made, results_in([self.cell.parent]), self.cell)
-        return {stage.name: stage for stage in found}
+        # Two ways end with the same command: that of this arm comes first.
+        return {stage.name: stage for stage in reversed(found)}
 
     def data_stage(self, name: str) -> CellStage:
         """Return the only stage of that name that is work on stored data."""
