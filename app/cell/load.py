@@ -68,7 +68,7 @@ def _find_descriptions(data: dict[str, Any], path: Path) -> None:
     arm, tool = robot.get("arm"), robot.get("tool")
     if isinstance(arm, str) and is_path(arm):
         robot["arm"] = str((path.parent / arm).absolute())
-    if isinstance(tool, str):
+    if isinstance(tool, str) and is_path(tool):
         robot["tool"] = str((path.parent / tool).absolute())
 
 

@@ -1,6 +1,5 @@
 """Shape of the cell file, version 1. The unit is part of every key; unknown keys are refused."""
 
-from pathlib import Path
 from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
@@ -17,7 +16,7 @@ from catseye.app.cell.scara.sections import (
 )
 from catseye.app.cell.scara.uncertainty import Uncertainty
 from catseye.app.cell.section import RECORD, Name, NotNegative, Positive, Range, Section
-from catseye.app.cell.tool import ToolDescription, read_tool
+from catseye.app.cell.tool import ToolDescription, tool_description
 from catseye.app.cell.tracker import Ballbar, Tracker
 from catseye.app.cell.workspace import Workspace
 from catseye.app.errors import ConfigError
@@ -70,13 +69,13 @@ class Robot(ScaraRobot):
     @property
     def carried(self) -> ToolDescription | None:
         """Description of what the flange carries; None where the cell file names none."""
-        return read_tool(Path(self.tool)) if isinstance(self.tool, str) else self.tool
+        return None if self.tool is None else tool_description(self.tool)
 
     @field_validator("tool")
     @classmethod
     def _read(cls, value: str | ToolDescription | None) -> str | ToolDescription | None:
         try:
-            return read_tool(Path(value)) if isinstance(value, str) else value
+            return None if value is None else tool_description(value)
         except ConfigError as error:
             raise ValueError(str(error)) from error
 

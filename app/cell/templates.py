@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from catseye.app.cell.resolution import template as resolution
 from catseye.app.cell.scara import template as scara
+from catseye.app.cell.six_axis import template as six_axis
 
 
 @dataclass(frozen=True)
@@ -29,11 +30,13 @@ class Template:
 
 SCARA: Final = "scara"
 RESOLUTION: Final = "resolution"
+SIX_AXIS: Final = "six-axis"
 
 TEMPLATES: Final[Mapping[str, Template]] = MappingProxyType(
     {
         SCARA: Template("error maps of a SCARA that tracks reflectors", {"rh-3frh5515": scara.TEMPLATE}),
         RESOLUTION: Template("motion resolution of the joints of an arm", resolution.BY_ARM),
+        SIX_AXIS: Template("calibration of a serial arm with a tracker", six_axis.BY_ARM),
     }
 )
 """By name of the system; the first is the one that is meant where none is named."""
@@ -43,5 +46,8 @@ def system_of(data: Mapping[str, Any]) -> str:
     """Return the system that the values of a cell file are meant for, right or wrong as they are."""
     robot = data.get("robot")
     arm = isinstance(robot, Mapping) and "arm" in robot
+    tracker = data.get("tracker")
+    if "ballbar" in data or (isinstance(tracker, Mapping) and "base_mm" in tracker):
+        return SIX_AXIS
     of_resolution = arm or bool({"angular_optics", "linear_optics"} & data.keys())
     return RESOLUTION if of_resolution and not scara.is_meant(data) else SCARA

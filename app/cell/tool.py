@@ -1,13 +1,16 @@
 """Descriptions of tools, `catseye-tool/1`: mass, and targets that an instrument sees, in the frame of the flange."""
 
+from importlib.resources import files
 from pathlib import Path
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from catseye.app.cell.arm import Triple
+from catseye.app.cell.arm import Triple, is_path
 from catseye.app.cell.described import read_described
 from catseye.app.cell.section import Finite, Name, NotNegative, Section
+
+_SHIPPED = files("catseye.app.cell") / "tools"
 
 
 class Target(Section):
@@ -61,6 +64,32 @@ class ToolDescription(Section):
             names = ", ".join(one.name for one in self.target) or "none"
             raise ValueError(f"the tool {self.name} has no target {target}; it has {names}")
         return found.x_mm, found.y_mm, found.z_mm
+
+
+def shipped_tools() -> list[str]:
+    """Return the names of the tools that are described."""
+    return sorted(
+        entry.name.removesuffix(".toml") for entry in _SHIPPED.iterdir() if entry.name.endswith(".toml")
+    )
+
+
+def tool_description(tool: str | ToolDescription) -> ToolDescription:
+    """Return the description of a tool.
+
+    Args:
+        tool: name of a shipped tool, or path of a file; a description is returned as it is.
+
+    Raises:
+        ConfigError: the file cannot be read or is no description; the fault is named with its key.
+        ValueError: there is no such tool.
+    """
+    if isinstance(tool, ToolDescription):
+        return tool
+    if is_path(tool):
+        return read_tool(Path(tool))
+    if tool not in shipped_tools():
+        raise ValueError(f"there is no description of a tool {tool}; there are {', '.join(shipped_tools())}")
+    return read_tool(Path(str(_SHIPPED / f"{tool}.toml")))
 
 
 def read_tool(path: Path) -> ToolDescription:

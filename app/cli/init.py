@@ -25,7 +25,7 @@ def init(
         typer.Option(metavar="NAME", help="the arm it is for: " + "; ".join(map(_arms, TEMPLATES))),
     ] = None,
 ) -> None:
-    """Write a commented cell file: for an RH-3FRH5515 with the paper's reflectors and commands, or for resolution.
+    """Write a commented cell file: for a SCARA with the paper's reflectors, for resolution, or for a six-axis arm.
 
     Example: catseye init cell.toml
     """

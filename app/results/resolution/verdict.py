@@ -26,7 +26,7 @@ def verdict(tests: Sequence[AnyTest], refused: Sequence[str] = ()) -> list[Block
     if shipped:
         text = (
             f"{counted(len(shipped), 'shipped recording')} of the emulated bench among the tests, which say nothing "
-            f"about this arm: {listed((title(test) for test in shipped), 6)}"
+            f"about this arm: {listed(dict.fromkeys(place(test) for test in shipped), 6)}"
         )
         said.append(Statement(Sign.ATTENTION, text))
     return [*said, *(Statement(Sign.ATTENTION, f"Not evaluated: {text}") for text in refused)]

@@ -1,0 +1,1 @@
+"""What a cell file has for serial arms with a tracker alone."""
