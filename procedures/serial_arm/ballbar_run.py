@@ -12,7 +12,7 @@ from catseye.procedures.kit.errors import OutOfReachError, TableFileError
 from catseye.procedures.kit.motion.bench_time import BenchTime
 from catseye.procedures.kit.records import Json, Record, Row
 from catseye.procedures.kit.stored import number_of
-from catseye.procedures.kit.tasks import MountBallbar, TakeBallbarOff, Task
+from catseye.procedures.kit.tasks import MountBallbar, ReadBallbar, TakeBallbarOff, Task
 from catseye.procedures.serial_arm.ballbar_plan import BallbarPlan, BarPath
 from catseye.procedures.serial_arm.plateaus import plateaus
 
@@ -184,6 +184,7 @@ class BallbarRun:
             f"{complaint}What does the ballbar read at place {count} of {len(path.measured)} of {path.nest}, as "
             f"deviation from {self._plan.ballbar.length_mm:g} mm?",
             unit="mm",
+            task=ReadBallbar(),
             motion=True,
             target=path.commands[min(number + 1, len(path.commands) - 1)],
         )
