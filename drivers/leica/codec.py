@@ -165,7 +165,7 @@ class PacketDecoder(ABC, Generic[T]):
                 return None
             done = self.take(packet)
             if done is not None:
-                self.rest = _without_unasked(self.rest)
+                self.rest = without_unasked(self.rest)
                 return done
 
     def end(self) -> T:
@@ -185,8 +185,8 @@ class PacketDecoder(ABC, Generic[T]):
         """
 
 
-def _without_unasked(rest: bytes) -> bytes:
-    """Return what follows an answer without the whole packets that may come at any time."""
+def without_unasked(rest: bytes) -> bytes:
+    """Return bytes without the whole packets at their beginning that may come at any time."""
     while True:
         try:
             packet, behind = cut(rest)

@@ -37,6 +37,7 @@ class LeicaSettings(DeviceSettings):
     move_timeout_s: float = Field(
         default=20.0, gt=0, description="for pointing at a place, and for the other face."
     )
+    measure_timeout_s: float = Field(default=10.0, gt=0, description="for a result, beyond the dwell.")
     busy_timeout_s: float = Field(
         default=10.0, gt=0, description="for a tracker that is busy with somebody else's command."
     )

@@ -1,6 +1,7 @@
 """A Leica laser tracker behind an emScon server: LT, LTD, AT901, AT401 and AT402."""
 
 import asyncio
+import contextlib
 import math
 from collections.abc import Callable
 from typing import ClassVar, TypeVar
@@ -33,6 +34,7 @@ from catseye.drivers.roles.errors import (
     HiddenTargetError,
     LinkError,
     LinkTimeoutError,
+    NotSentError,
     ProtocolError,
     RefusedError,
     WrongDeviceError,
@@ -44,6 +46,9 @@ T = TypeVar("T")
 MODEL = "Leica tracker"
 
 _BUSY_PAUSE_S = 0.2
+_KEPT_BACK = 5
+"""So often an order may be kept back before that is an error."""
+
 _ATTEMPTS = 2
 """A target that is lost while it is measured is searched for once more."""
 
@@ -74,6 +79,7 @@ class LeicaEmscon(LinkDriver, Tracker):
             identify=self._recognise,
             quiet_s=self._settings.quiet_s,
             harmless=b"",
+            without_news=codec.without_unasked,
         )
 
     async def connect(self) -> Identity:
@@ -191,8 +197,10 @@ class LeicaEmscon(LinkDriver, Tracker):
         """Measure once. A measurement without an end is stopped before anything else is asked, by `_recognise`."""
         self._measuring = True
         try:
-            result = await self._link.request(
-                codec.encode(Command.START_MEASUREMENT), ResultDecoder, self._settings.timeout_s + dwell_s
+            result = await self._sent_once(
+                codec.encode(Command.START_MEASUREMENT),
+                ResultDecoder,
+                self._settings.measure_timeout_s + dwell_s,
             )
         except LinkTimeoutError:
             if await self._tracker_state() == TRACKER_NOT_READY:
@@ -245,10 +253,17 @@ class LeicaEmscon(LinkDriver, Tracker):
         data = codec.encode(command, layout, *values)
         until_s = self._clock.monotonic_s() + self._settings.busy_timeout_s
         while True:
-            reply = await self._link.request(data, lambda: codec.ReplyDecoder(command), timeout_s)
+            reply = await self._sent_once(data, lambda: codec.ReplyDecoder(command), timeout_s)
             if reply.status != BUSY or self._clock.monotonic_s() >= until_s:
                 return reply
             await self._clock.sleep(_BUSY_PAUSE_S)
+
+    async def _sent_once(self, data: bytes, decoder: Callable[[], Decoder[T]], timeout_s: float) -> T:
+        """Send something at most once; what was kept back, since packets came that nobody asked for, was not sent."""
+        for _ in range(_KEPT_BACK - 1):
+            with contextlib.suppress(NotSentError):
+                return await self._link.request(data, decoder, timeout_s)
+        return await self._link.request(data, decoder, timeout_s)
 
     async def _require(self, command: Command, layout: str = "", *values: float) -> codec.Reply:
         return await setup.require(self._ask, self._link.where, command, layout, *values)

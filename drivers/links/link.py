@@ -73,6 +73,8 @@ class RequestLink:
         quiet_s: silence that ends an answer without terminator and a drain, real s.
         gap_s: silence that has to stand between an answer and the next request, real s.
         harmless: bytes that may stand between two answers, such as a late terminator.
+        without_news: returns what is left of bytes outside of an answer when whole messages are left out that the
+            device may send at any time; None where it sends none.
         stays_writable: a link that floods is no longer read but stays open, so that something urgent can be written;
             otherwise it is closed.
         shown: returns what texts show of bytes that passed; of a protocol whose bytes hold secrets.
@@ -91,6 +93,7 @@ class RequestLink:
         quiet_s: float = 0.02,
         gap_s: float = 0.0,
         harmless: bytes = b"\r\n",
+        without_news: Callable[[bytes], bytes] | None = None,
         stays_writable: bool = False,
         shown: Callable[[bytes], str] = repr,
     ) -> None:
@@ -102,6 +105,7 @@ class RequestLink:
         self._gap_s = gap_s
         self._answered_s = -math.inf
         self._harmless = harmless
+        self._without_news = without_news
         self._stays_writable = stays_writable
         self._shown = shown
         self._losses = Losses()
@@ -450,6 +454,8 @@ class RequestLink:
     def _surplus(self, data: bytes) -> str:
         """Return the doubt about bytes outside of an answer, and count them."""
         surplus = data.strip(self._harmless)
+        if self._without_news is not None:
+            surplus = self._without_news(surplus)
         self.discarded_bytes += len(surplus)
         return f"bytes came that nobody asked for: {self._shown(surplus[:_SHOWN_BYTES])}" if surplus else ""
 

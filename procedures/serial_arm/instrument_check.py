@@ -3,6 +3,7 @@
 Six-axis paper, section 2 (scale bar) and Table V (nests of the tool against a coordinate measuring machine).
 """
 
+import math
 from dataclasses import dataclass
 from functools import partial
 from itertools import combinations
@@ -18,12 +19,20 @@ from catseye.procedures.kit.errors import PlanError
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.records import Record, Row
+from catseye.procedures.kit.tasks import SetUpScaleBar
 from catseye.procedures.serial_arm.before import CHECK_TEXTS, CHECKING, NESTS, TRACKER
-from catseye.procedures.serial_arm.bench import SerialBench
+from catseye.procedures.serial_arm.bench import Instrument, SerialBench
 from catseye.procedures.serial_arm.records import MeasuredNest, coordinates
 from catseye.procedures.serial_arm.turning import near_mm
 
 _FACES: Final[tuple[Face, Face]] = (1, 2)
+
+_TURNS_DEG: Final = (90.0, 45.0, 135.0)
+"""Of the scale bar against the line of sight; along it one end would hide the other."""
+
+_LOWEST_MM: Final = 300.0
+_HIGHER_MM: Final = 150.0
+"""Heights above the arm's base at which the bar is laid."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,10 +167,12 @@ class _Check:
     async def bar(self, place: int) -> Row:
         """Have the scale bar laid, then measure both ends."""
         params = self._plan.params
-        answer = await self._ctx.ask(_bar_prompt(place, params))
+        laid = _laid(self._plan.bench.instrument, place)
+        answer = await self._ctx.ask(_bar_prompt(place, params, laid))
         if answer != "laid":
             return {"hidden": True}
-        ends = [await self._repeated(name, None, 1) for name in params.bar_ends]
+        near = _bar_ends(self._plan.bench.instrument, laid, params.bar_mm)
+        ends = [await self._repeated(name, end, 1) for name, end in zip(params.bar_ends, near, strict=True)]
         if ends[0] is None or ends[1] is None:
             return {"hidden": True}
         one, other = params.bar_ends
@@ -216,12 +227,33 @@ class _Check:
         return np.array([one.place_mm for one in found])
 
 
-def _bar_prompt(place: int, params: CheckParams) -> Prompt:
+def _laid(instrument: Instrument, place: int) -> SetUpScaleBar:
+    """Return where the bar is laid: half-way to the instrument, across the line of sight or aslant of it."""
+    x_mm, y_mm, _ = instrument.station_mm.tolist()
+    middle = (0.5 * x_mm, 0.5 * y_mm, _LOWEST_MM + _HIGHER_MM * ((place - 1) // len(_TURNS_DEG)))
+    turn_deg = math.degrees(math.atan2(y_mm, x_mm)) + _TURNS_DEG[(place - 1) % len(_TURNS_DEG)]
+    return SetUpScaleBar(place_mm=middle, turn_deg=turn_deg)
+
+
+def _bar_ends(instrument: Instrument, laid: SetUpScaleBar, bar_mm: float) -> list[Place]:
+    """Return roughly where the ends of the bar are, in the instrument's frame."""
+    turn = math.radians(laid.turn_deg)
+    along = 0.5 * bar_mm * np.array([math.cos(turn), math.sin(turn), 0.0])
+    ends = [np.append(np.array(laid.place_mm) + sense * along, 1.0) for sense in (-1.0, 1.0)]
+    found = [(instrument.base @ end)[:3].tolist() for end in ends]
+    return [(x, y, z) for x, y, z in found]
+
+
+def _bar_prompt(place: int, params: CheckParams, laid: SetUpScaleBar) -> Prompt:
+    x_mm, y_mm, z_mm = laid.place_mm
     return Prompt(
         f"bar/{place}",
         "choice",
-        f"Lay the scale bar of {params.bar_mm:g} mm at its place {place} of {params.bar_places}, across the line of "
-        "sight and along it in turn, with both nests in sight. Laid (laid), or leave it out (skip)?",
+        f"Lay the scale bar of {params.bar_mm:g} mm at its place {place} of {params.bar_places}: level, its middle "
+        f"about at {x_mm:.0f}, {y_mm:.0f}, {z_mm:.0f} mm from the arm's base, from {params.bar_ends[0]} to "
+        f"{params.bar_ends[1]} turned by {laid.turn_deg:.0f}° about z, both nests in sight. Laid (laid), or leave it "
+        "out (skip)?",
         choices=("laid", "skip"),
         safe_answer="skip",
+        task=laid,
     )

@@ -84,6 +84,7 @@ class Room:
                 f"tool and {', '.join(n.name for n in survey.nests)} on the table"
             )
 
+        self._cup_mm: Place | None = None
         if survey.cup is not None:
             self.set_up_cup(survey.cup)
 
@@ -145,7 +146,13 @@ class Room:
             self.nests[name] = Nest(middle + sense * along + seat, None, on_tool=False)
 
     def set_up_cup(self, place_mm: Place) -> None:
-        """Put the cup of the ballbar on its post, with a retroreflector in it; hands are a little off."""
+        """Put the cup of the ballbar on its post, with a retroreflector in it; hands are a little off.
+
+        Where it stands already, nobody touches it.
+        """
+        if place_mm == self._cup_mm:
+            return
+        self._cup_mm = place_mm
         off_mm = self._hands.normal(0.0, self.config.survey.u_cup_mm, 3)
         self.nests[CENTRE] = Nest(np.array(place_mm) + off_mm, None, on_tool=False)
 

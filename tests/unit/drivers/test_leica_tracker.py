@@ -89,9 +89,11 @@ async def other_client(one: Rig) -> AsyncIterator[asyncio.StreamWriter]:
             pass
 
     reading = asyncio.create_task(read())
-    yield writer
-    writer.close()
-    await asyncio.wait({reading})
+    try:
+        yield writer
+    finally:
+        writer.close()
+        await asyncio.wait({reading})
 
 
 def command(number: int, layout: str = "", *values: float) -> bytes:
@@ -205,7 +207,7 @@ async def test_a_cancelled_measurement_leaves_no_result_behind() -> None:
 
 
 async def test_an_unanswered_measurement_is_stopped_and_never_repeated() -> None:
-    async with rig(speed=1.0, timeout_s=0.3) as one:
+    async with rig(speed=1.0, timeout_s=0.3, measure_timeout_s=0.3) as one:
         await one.point("nest1")
         started = one.asked(49)
         measuring = asyncio.create_task(one.tracker.point("nest1", 0.3))
@@ -280,7 +282,7 @@ async def test_a_reflector_is_chosen_by_its_name() -> None:
 
 
 async def test_a_link_that_loses_bytes_is_healed() -> None:
-    async with rig(timeout_s=0.2) as one:
+    async with rig(timeout_s=0.2, measure_timeout_s=0.2) as one:
         seen = 0
         (port,) = one.bench.reach.ports_of("tracker")
         port.lossy = Lossy(0.05, 7)

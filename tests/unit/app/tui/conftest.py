@@ -7,6 +7,8 @@ import pytest
 from textual.css.model import RuleSet
 from textual.css.stylesheet import Stylesheet
 
+from tests.unit.app.tui.idle import loop_says_when_idle
+
 
 @pytest.fixture(scope="session", autouse=True)
 def styles_are_parsed_once() -> Iterator[None]:
@@ -23,4 +25,11 @@ def styles_are_parsed_once() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Stylesheet, "_parse_rules", parse_once)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def keys_take_no_longer_than_their_work() -> Iterator[None]:
+    """Have the event loop say when a key was dealt with."""
+    with loop_says_when_idle():
         yield

@@ -12,6 +12,7 @@ from catseye.app.tui.bench_view import BenchView
 from catseye.app.tui.dialogs.questions import MotionDialog
 from catseye.app.tui.jog_text import STEPS_ONLY
 from catseye.app.tui.screens.jog import JogScreen
+from tests.patience import until
 from tests.unit.app.tui.scripted import ScriptedLink, changed_screen, shown, started
 from tests.unit.app.tui.scripted_bench import publish_strip
 from tests.unit.app.tui.serial.scripted_arm import arm_bench
@@ -127,10 +128,7 @@ async def test_a_key_is_held_where_the_driver_can_jog() -> None:
         assert link.asked == []
         link.now_s += 0.5
         await pilot.press("right")
-        for _ in range(100):
-            await pilot.pause()
-            if link.asked:
-                break
+        await until(lambda: bool(link.asked))
         assert link.asked[0] == JogHold(joint="a1", direction=1)
         await pilot.press("down")
 

@@ -89,6 +89,16 @@ def test_the_cup_stands_about_where_the_cell_says() -> None:
     assert np.std(off) == pytest.approx(EXACT.u_cup_mm, rel=0.3)
 
 
+def test_a_cup_that_stands_there_is_left_alone() -> None:
+    room = surveyed().room
+    room.set_up_cup((500.0, 100.0, 200.0))
+    first = room.nests["centre"].place_mm.copy()
+    room.set_up_cup((500.0, 100.0, 200.0))
+    np.testing.assert_array_equal(room.nests["centre"].place_mm, first)
+    room.set_up_cup((500.0, 100.0, 250.0))
+    assert room.nests["centre"].place_mm[2] - first[2] == pytest.approx(50.0, abs=2.0)
+
+
 def test_it_hangs_on_the_tool_only() -> None:
     with pytest.raises(BenchError, match="world1 is not on the tool"):
         surveyed().ballbar.mount("world1")
