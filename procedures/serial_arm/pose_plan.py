@@ -36,14 +36,15 @@ class PlannedPose:
         name: as results call it.
         pose: of the arm.
         approach: where every axis comes from, at a lower value.
-        from_before: the way from the pose before to the approach is free; else it leads over the rest pose.
+        free_from: pose from which the way to the approach is free, that of the pose before; from everywhere else,
+            or where it is None, the way leads over the rest pose.
         targets: names of the targets that are measured there.
     """
 
     name: str
     pose: Pose
     approach: Pose
-    from_before: bool
+    free_from: Pose | None
     targets: tuple[str, ...]
 
 
@@ -101,9 +102,9 @@ class PosePlan:
         """Return the poses on the way to a pose, its approach the last.
 
         Args:
-            before: the pose before, where the arm stands; None where it stands nobody knows where.
+            before: pose at which the arm stands; None where it stands nobody knows where.
         """
-        if planned.from_before and before is not None:
+        if before is not None and before == planned.free_from:
             return (planned.approach,)
         back = next((one.approach for one in self.poses if one.pose == before), None)
         return (*(() if back is None else (back,)), self.rest, planned.approach)
@@ -208,7 +209,8 @@ class PoseFinder:
         for name, pose in named:
             approach = approach_of(pose, self._approach_deg)
             free = way_refusal((before, approach), self._bench) is None
-            found.append(PlannedPose(name, pose, approach, free, self.seen_at(pose, most)))
+            free_from = before if free else None
+            found.append(PlannedPose(name, pose, approach, free_from, self.seen_at(pose, most)))
             before = pose
         return tuple(found)
 

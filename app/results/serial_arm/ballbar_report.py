@@ -14,8 +14,8 @@ _SIGNED = fixed(3, signed=True)
 _MM = fixed(3)
 
 _ABOUT = (
-    "Error: length that was read less the nominal one, which every command of the calibrated arm is to keep. The place "
-    "of the cup is part of it: it is as well known as the calibrated arm led to it.",
+    "Error: length that was read less the nominal one, which every command of the calibrated arm is to keep. The "
+    "place of the cup is part of it: it is as well known as the calibrated arm led to it.",
 )
 
 

@@ -9,6 +9,7 @@ import pytest
 from catseye.app.engine.dry_run import DryRunContext
 from catseye.calibration.kinematics.bodies import Box
 from catseye.procedures.kit.errors import PlanError, PlanLimitError
+from catseye.procedures.kit.motion.clear_way import way_refusal
 from catseye.procedures.kit.system import System
 from catseye.procedures.serial_arm.bench import SerialBench, ToolTarget
 from catseye.procedures.serial_arm.pose_params import PoseParams
@@ -179,3 +180,12 @@ def test_parameters_have_the_figures_of_the_paper() -> None:
     shared, chosen, random = PoseParams(), CalibrationParams(), ValidationParams()
     assert (shared.approach_deg, shared.dwell_s) == (5.0, 4.0)
     assert (chosen.count, chosen.candidates, random.count) == (38, 5000, 1000)
+
+
+def test_from_any_other_pose_the_way_leads_over_rest() -> None:
+    plan = TrackerValidation().plan(SIX, ValidationParams(count=8))
+    for number, planned in enumerate(plan.poses):
+        for other in (one for one in plan.poses[:number] if one.pose != planned.free_from):
+            way = plan.way_to(planned, other.pose)
+            assert way == (other.approach, plan.rest, planned.approach)
+            assert way_refusal((other.pose, *way, planned.pose), SIX) is None
