@@ -25,7 +25,7 @@ class Command:
 COMMANDS: Final[Mapping[str, Command]] = {
     "demo": Command("Do the whole job on emulated hardware over real sockets: measure, evaluate, report."),
     "init": Command(
-        "Write a commented cell file: for an RH-3FRH5515 with the paper's reflectors and commands, or for resolution."
+        "Write a commented cell file: for a SCARA with the paper's reflectors, for resolution, or for a six-axis arm."
     ),
     "config": Command("Check and show cell files."),
     "emulate": Command("Emulate every device of a cell file on its endpoints until Ctrl-C."),
@@ -76,7 +76,8 @@ COMMANDS: Final[Mapping[str, Command]] = {
     ),
     "select-poses": Command("Choose the poses that identify a serial arm best.", _SERIAL_ARM),
     "calibrate": Command(
-        "Identify the geometry and the compliances of a serial arm from measured poses.", _SERIAL_ARM
+        "Identify the geometry and the compliances of a serial arm from measured poses: runs, tables, or both.",
+        _SERIAL_ARM,
     ),
     "report": Command(
         "Write one self-contained HTML page about a run or a result, or about several results of motion resolution."
