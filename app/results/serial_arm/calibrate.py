@@ -13,6 +13,7 @@ from catseye.app.cell.tool import ToolDescription
 from catseye.app.errors import UsageError
 from catseye.app.results.provenance import Provenance
 from catseye.app.results.serial_arm.anchors import read_anchors
+from catseye.app.results.serial_arm.left_over import missed_beyond_mm
 from catseye.app.results.serial_arm.measured_poses import MeasuredPoses, read_measured_poses
 from catseye.app.results.serial_arm.nominal_arm import serial_arm_of
 from catseye.app.results.serial_arm.priors import read_priors
@@ -175,6 +176,7 @@ def calibrated(
         changed["implausible"] = ImplausiblePart(accepted=accepted, findings=list(findings))
     if method.monte_carlo is not None:
         changed |= _drawn(found.calibration, result, method.monte_carlo)
+    changed["left_mm"] = missed_beyond_mm(result, found)
     return result.model_copy(update=changed)
 
 

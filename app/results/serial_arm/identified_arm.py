@@ -30,12 +30,14 @@ class IdentifiedArm:
         covariance: of the identified parameters, the base's as steps from where it is, shape (p, p).
         identified: numbers of the identified ones among the parameters of the geometry.
         distances: places of anchors and dead paths.
+        left_mm: standard deviation of each coordinate by which the model misses a single pose.
     """
 
     geometry: Geometry
     covariance: Floats
     identified: tuple[int, ...]
     distances: "IdentifiedDistances"
+    left_mm: float = 0.0
 
     @property
     def arm(self) -> SerialArm:
@@ -45,7 +47,8 @@ class IdentifiedArm:
     def places_mm(self, commands: Commands, target: int) -> tuple[Floats, Floats]:
         """Return where a target is at poses, in the frame of the instrument, mm, (n, 3), and the covariance, mm²."""
         places, steps = self.moved_mm(commands, target)
-        return places, np.asarray(steps @ self.covariance @ steps.transpose(0, 2, 1))
+        known = steps @ self.covariance @ steps.transpose(0, 2, 1)
+        return places, np.asarray(known + self.left_mm**2 * np.eye(3))
 
     def moved_mm(self, commands: Commands, target: int) -> tuple[Floats, Floats]:
         """Return where a target is, mm, (n, 3), and how the identified parameters move it, shape (n, 3, p)."""
@@ -107,6 +110,7 @@ def identified_arm(result: SerialArmResult) -> IdentifiedArm:
             every[of_arm][:, ~of_arm],
             every[~of_arm][:, ~of_arm],
         ),
+        result.left_mm or 0.0,
     )
 
 

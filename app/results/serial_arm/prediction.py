@@ -115,7 +115,7 @@ def predict_distances(arm: IdentifiedArm, asked: AskedPlaces) -> Distances:
         own = np.array([_slope(name, anchor, path if segment else "", towards) for name in known.names])
         length[k] = np.linalg.norm(beam) - (known.dead_paths[path] if segment else 0.0)
         variance = slope @ arm.covariance @ slope + 2.0 * slope @ known.cross @ own + own @ known.own @ own
-        u[k] = np.sqrt(max(float(variance), 0.0))
+        u[k] = np.sqrt(max(float(variance), 0.0) + arm.left_mm**2)
     return Distances(length, u)
 
 

@@ -157,6 +157,8 @@ class SerialArmResult(ResultPart):
             was seen.
         pose_scatter_mm: standard deviation of each coordinate by which poses are off as a whole, where several
             targets of a pose show it.
+        left_mm: standard deviation of each coordinate by which the model misses single poses, beyond what the
+            uncertainties of parameters and rows explain; None where the rows do not contradict them.
         description: the nominal arm.
         tool: its tool; None where targets had unknown places.
         monte_carlo: None where uncertainties follow from the Jacobian.
@@ -180,6 +182,7 @@ class SerialArmResult(ResultPart):
     joints: Literal["commanded", "read back"] = "commanded"
     base_drift_mm: Uncertainty | None = None
     pose_scatter_mm: Uncertainty | None = None
+    left_mm: Uncertainty | None = None
     candidates: list[CandidatePart] = Field(default_factory=list)
     frames: FramesPart | None = None
     description: ArmDescription | None = None

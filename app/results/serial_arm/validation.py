@@ -187,7 +187,7 @@ def _distances(arm: IdentifiedArm, frames: Geometry | None, rows: Measurements) 
     places, moved = _ends(rows, lambda at, target: arm.moved_mm(at, target))
     missed, towards = _length_errors(arm.distances.dead_paths, places, rows)
     slopes = np.einsum("ni,nip->np", towards, moved)
-    variance = np.einsum("np,pq,nq->n", slopes, arm.covariance, slopes)
+    variance = np.einsum("np,pq,nq->n", slopes, arm.covariance, slopes) + arm.left_mm**2
     if distances.u_mm is not None:
         variance = variance + distances.u_mm**2
     drawn = None

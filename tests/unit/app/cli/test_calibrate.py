@@ -231,3 +231,15 @@ def test_krl_module_names_the_axes(calibrated: Path) -> None:
     text = compensated(calibrated, "krl")
     assert text.startswith("DEF CATSCOMP( )")
     assert re.search(r"PTP \{A1 -?\d+\.\d{6}, A2 .*, A6 -?\d+\.\d{6}\}", text)
+
+
+def test_what_single_poses_are_missed_by_widens_predictions(tmp_path: Path) -> None:
+    """The tables state 0.01 mm, and scatter by 0.0404 mm."""
+    poses, tool = poses_file(tmp_path, some_poses(60), u_mm="0.01"), tool_file(tmp_path)
+    done = called(tmp_path, poses, "--tool", str(tool), "--model", "geometric+compliance")
+    assert done.exit_code == 0, done.output
+    result = tmp_path / "arm.json"
+    assert read_serial_arm(result).left_mm == pytest.approx((0.0404**2 - 0.01**2) ** 0.5, rel=0.2)
+    fresh = poses_file(tmp_path, some_poses(200, 5), seed=9, u_mm="0.01")
+    said = CliRunner().invoke(cli, ["validate", str(result), "--measured", str(fresh), "--json"])
+    assert 91.0 <= json.loads(said.stdout)["inside_95_percent"] <= 99.0
