@@ -15,7 +15,7 @@ export PYTHONDONTWRITEBYTECODE :=
 # A recipe that fails leaves no half-written file, which would count as made the next time.
 .DELETE_ON_ERROR:
 
-.PHONY: demo demo-resolution test suite tests lint types contracts newest start pythons lowest tests-lowest bench soak campaigns \
+.PHONY: demo demo-resolution demo-six-axis test suite tests lint types contracts newest start pythons lowest tests-lowest bench soak campaigns \
   campaign-stop campaign-safety campaign-links campaign-soak campaign-resolution campaign-six-axis peers seeds shipped-recordings pictures clean help
 
 help:  ## list the targets
@@ -36,6 +36,9 @@ demo: $(VENV)/installed  ## the whole measurement on emulated hardware
 
 demo-resolution: $(VENV)/installed  ## motion resolution of an emulated KUKA
 	$(BIN)/python -m catseye demo resolution
+
+demo-six-axis: $(VENV)/installed  ## calibration of an emulated ABB before a laser tracker
+	$(BIN)/python -m catseye demo six-axis
 
 lint: $(VENV)/installed  ## ruff
 	$(BIN)/python -m ruff check .
