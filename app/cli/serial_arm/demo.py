@@ -56,6 +56,7 @@ VALIDATION: Final[DemoRun] = (
     ("count=60", "dwell_s=1", "settle_s=0.3", "nests_every=30", "seed=1"),
 )
 BALLBAR: Final[DemoRun] = ("ballbar", ("step_deg=15",))
+RUNS: Final = (CALIBRATION, VALIDATION, BALLBAR)
 """Less than the paper asks for, so that it takes a minute: shorter dwells, fewer poses to validate with."""
 
 
@@ -83,7 +84,7 @@ def demonstrate_six_axis(given: Demonstration, *, as_json: bool) -> None:
         DemoInterruptedError: a run did not complete.
     """
     make_folder(given.folder)
-    measured = asyncio.run(interruptible(partial(_measure, given)))
+    measured = asyncio.run(measure(given))
     found = validated(measured)
     report, page = report_of(measured, found), given.folder / "report.html"
     write_page(report, page)
@@ -96,17 +97,33 @@ def demonstrate_six_axis(given: Demonstration, *, as_json: bool) -> None:
     write_line(f"report           {page}")
 
 
-async def _measure(given: Demonstration, install_signals: SignalInstaller) -> Measured:
+async def measure(given: Demonstration, runs: tuple[DemoRun, DemoRun, DemoRun] = RUNS) -> Measured:
+    """Start the emulators, measure, identify and check; keep the truth.
+
+    Args:
+        runs: for the calibration, for its validation, and with the ballbar, which takes the result.
+
+    Raises:
+        DemoInterruptedError: a run did not complete.
+        InterruptedRunError: Ctrl-C between two runs.
+        TerminatedRunError: SIGTERM or SIGHUP between two runs.
+    """
+    return await interruptible(partial(_measure, given, runs))
+
+
+async def _measure(
+    given: Demonstration, runs: tuple[DemoRun, DemoRun, DemoRun], install_signals: SignalInstaller
+) -> Measured:
+    chosen, drawn, (bar, texts) = runs
     async with emulators(given, CELL) as endpoints:
         ports = [endpoints[device] for device in ("robot", "tracker", "control")]
         cell = live_cell(given.cell_file, CELL, ports)
         run = partial(_run, given, cell, install_signals=install_signals)
-        calibration = await run(CALIBRATION)
+        calibration = await run(chosen)
         note("identifying the arm")
         result = await asyncio.to_thread(calibrated, given, cell, calibration)
-        validation = await run(VALIDATION)
-        name, texts = BALLBAR
-        ballbar = await run((name, (*texts, f"result={result_file(given)}")))
+        validation = await run(drawn)
+        ballbar = await run((bar, (*texts, f"result={result_file(given)}")))
         return Measured(calibration, validation, ballbar, result)
 
 

@@ -92,8 +92,9 @@ def _verdict(result: SerialArmResult) -> list[Block]:
         said.append(
             Statement(
                 Sign.NEUTRAL,
-                f"Poses that were left out show that the model misses a single pose by {result.left_mm:.3f} mm in each "
-                "coordinate (standard deviation), beyond what is known of parameters and rows. Predictions carry it.",
+                f"Poses that were left out show that the model misses a single pose by {result.left_mm:.3f} mm in "
+                "each coordinate (standard deviation), beyond what is known of parameters and rows. Predictions "
+                "carry it.",
             )
         )
     if result.joints == "read back":

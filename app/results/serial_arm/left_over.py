@@ -1,7 +1,7 @@
 """By how much a model misses single poses beyond what is known of parameters and rows.
 
-A model that lacks something of the arm, or an arm that does not repeat, misses every pose by an error of its own, which
-no number of poses makes smaller. The poses that were left out show it.
+A model that lacks something of the arm, or an arm that does not repeat, misses every pose by an error of its own,
+which no number of poses makes smaller. The poses that were left out show it.
 """
 
 import numpy as np
