@@ -199,7 +199,8 @@ class Watch:
                 )
             return
         self._hidden = 0
-        if self._series and not 0.0 < clock_s - self._series[-1][0] <= 3.0 * self.plan.visit_s:
+        rest_s = max(3.0 * self.plan.visit_s, 60.0 * self.plan.params.window_min)
+        if self._series and not 0.0 < clock_s - self._series[-1][0] <= rest_s:
             # Another process, or a long rest: the arm has cooled, and times count from another origin.
             self._series, self._below = [], 0
         self.elapsed_s += clock_s - self._series[-1][0] if self._series else self.plan.visit_s
