@@ -206,8 +206,6 @@ class ResultsScreen(WorkScreen):
     def action_part(self, place: int) -> None:
         """Show a part."""
         view = self._section_view()
-        if view is not None and place > len(view.SECTIONS):
-            return
         if view is not None and place > 0:
             name, focus = view.id, f"#{view.id}"
             view.show_section(place - 1)

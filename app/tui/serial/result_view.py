@@ -8,11 +8,13 @@ from catseye.app.tui.widgets.section_view import Sections, SectionView, section_
 
 SECTIONS: Final[Sections] = (
     ("verdict", "Verdict"),
-    ("accuracy", "Accuracy"),
+    ("errors", "Errors"),
     ("parameters", "Parameters"),
+    ("deviations", "Deviations"),
     ("models", "Models"),
     ("rejected", "Left out"),
     ("redundant", "Redundant"),
+    ("masses", "Masses"),
 )
 
 
@@ -21,6 +23,9 @@ class SerialArmView(SectionView):
 
     SECTIONS = SECTIONS
     NOTHING: ClassVar = {
+        "errors": "the result holds no errors of single points: calibrate again",
+        "deviations": "no parameter of the arm itself was identified",
+        "masses": "nothing in this model depends on masses",
         "models": "one model was asked for: no other was tried",
         "rejected": "no pose was left out",
         "redundant": "the measurements tell all parameters of the model apart",
