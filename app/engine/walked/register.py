@@ -31,6 +31,7 @@ _NO_BODIES: Final = (
     "io",
     "material",
     "tracker",
+    "ballbar",
     "angular_optics",
     "linear_optics",
     "device",

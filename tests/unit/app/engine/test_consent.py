@@ -65,6 +65,15 @@ QUESTIONS: dict[tuple[str, str], Asked] = {
     # The alignment is asked for before anything moves.
     ("procedures/resolution/optics.py", "_mount"): Asked("choice", (), ("mounted", "skip", "stop"), "stop"),
     ("procedures/resolution/optics.py", "_align"): Asked("choice", ("aligned",), ("skip", "stop"), "stop"),
+    ("procedures/serial_arm/pose_run.py", "_turn_prompt"): _YES,
+    ("procedures/serial_arm/instrument_check.py", "_bar_prompt"): Asked(
+        "choice", (), ("laid", "skip"), "skip"
+    ),
+    ("procedures/serial_arm/ballbar_run.py", "_confirmed"): Asked("choice", ("done",), ("stop",), "stop"),
+    # What is typed lets the arm go on to the next place.
+    ("procedures/serial_arm/ballbar_run.py", "_reading_prompt"): Asked("number", ("0.12",), ()),
+    # The whole path is driven by then.
+    ("procedures/serial_arm/ballbar_run.py", "_file_prompt"): Asked("text", (), ("lengths.csv",)),
 }
 
 _ANSWERS = [(place, answer) for place, asked in QUESTIONS.items() for answer in asked.moves + asked.rests]
