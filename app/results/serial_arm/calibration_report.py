@@ -122,6 +122,12 @@ def _verdict(result: SerialArmResult) -> list[Block]:
                 "pose to pose: the arm's repeatability, and what the model lacks. The uncertainties know it.",
             )
         )
+    return [*said, *_doubtful(result)]
+
+
+def _doubtful(result: SerialArmResult) -> list[Block]:
+    """Return what was kept although it is implausible, and which poses were left out."""
+    said: list[Block] = []
     if result.implausible is not None:
         said.append(
             Statement(
