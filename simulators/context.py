@@ -12,6 +12,7 @@ from catseye.simulators.world.door import Door
 from catseye.simulators.world.instrument import Instrument
 from catseye.simulators.world.journal import Journal
 from catseye.simulators.world.serial.bench import SerialBench
+from catseye.simulators.world.serial.tracker import LaserTracker
 from catseye.simulators.world.timed_bench import TimedBench
 from catseye.simulators.world.timekeeper import TimeKeeper
 
@@ -69,6 +70,7 @@ class EmulationContext:
         keeper: bench time.
         journal: what happened.
         probe: what the air sensors measure.
+        laser_tracker: that stands beside the arm.
         coils: outputs of remote blocks by the name of the device.
         instruments: length counters by the name of the device.
     """
@@ -80,6 +82,7 @@ class EmulationContext:
     keeper: TimeKeeper
     journal: Journal
     probe: AirProbe
+    laser_tracker: LaserTracker
     door: Door = field(default_factory=Door)
     coils: dict[str, list[bool]] = field(default_factory=dict)
     instruments: dict[str, Instrument] = field(default_factory=dict)

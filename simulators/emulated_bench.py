@@ -18,6 +18,7 @@ from catseye.simulators.ports.port import Port
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.journal import Journal
 from catseye.simulators.world.scara.arm import scara_bench
+from catseye.simulators.world.scara.room import levelled_tracker
 from catseye.simulators.world.scara.truth import draw_truth, true_arm, truth_document
 from catseye.simulators.world.serial.bench import SerialBench
 from catseye.simulators.world.serial.driven_arm import DrivenArm, dynamics_of
@@ -117,8 +118,10 @@ class EmulatedBench(ServedBench):
         self.controller = Controller(self.bench, config, keeper.changed)
         probe = AirProbe(self.bench)
         document = truth_document(truth)
+        tracker = levelled_tracker(self.bench, config)
+        self.bench.beside.append(tracker)
         super().__init__(
-            EmulationContext(config, self.bench, document, self.controller, keeper, journal, probe)
+            EmulationContext(config, self.bench, document, self.controller, keeper, journal, probe, tracker)
         )
 
 
@@ -149,9 +152,9 @@ class _DrivenBench(ServedBench, Generic[AnyController]):
         keeper = TimeKeeper(self.bench, config.speed)
         self.controller = control(self.bench, keeper)
         probe = AirProbe(self.bench)
-        document = truth.document()
+        document, tracker = truth.document(), self.bench.tracker
         super().__init__(
-            EmulationContext(config, self.bench, document, self.controller, keeper, journal, probe)
+            EmulationContext(config, self.bench, document, self.controller, keeper, journal, probe, tracker)
         )
 
 

@@ -41,6 +41,7 @@ class SurveyConfig:
         mark_cone_deg: half angle of the cone in which a mark is.
         tracker_mm: rough place of the laser tracker, where no base_seen is stated.
         cmm_mm: rough place of the optical CMM, likewise.
+        leans_deg: standard deviation of how far an instrument leans, where no base_seen is stated.
         u_seen_mm: standard deviation of a stated base_seen, each coordinate.
         u_seen_deg: of its angles.
         search_mm: radius around the beam in which the tracker finds a target.
@@ -83,6 +84,7 @@ class SurveyConfig:
     mark_cone_deg: float = 45.0
     tracker_mm: Place = (2300.0, -300.0, 350.0)
     cmm_mm: Place = (2000.0, 300.0, 700.0)
+    leans_deg: float = 1.0
     u_seen_mm: float = 3.0
     u_seen_deg: float = 0.1
     search_mm: float = 30.0

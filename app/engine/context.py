@@ -267,12 +267,13 @@ class RunContext:
         crash_point("zeroed")
         await self.event("zero", number=number, dead_path_mm=dead_path_mm)
 
-    async def locate(self, settle_time_s: float) -> Position:
-        """Return where the independent instrument sees its target after settling.
+    async def locate(self, settle_time_s: float, commanded_mm: tuple[float, float]) -> Position:
+        """Return where the independent instrument sees its target after settling; see the protocol.
 
         Raises:
             ConfigError: the cell has none.
         """
+        del commanded_mm
         found = await self._settled(settle_time_s, lambda tracker: tracker.locate())
         return Position(found.x_mm, found.y_mm, found.u_mm)
 

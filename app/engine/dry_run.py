@@ -399,10 +399,10 @@ class DryRunContext:
         # Nobody needed the beam on the way here.
         self._way_miss_mm = None
 
-    async def locate(self, settle_time_s: float) -> Position:
-        """Account for settling; a dry run does not know the independent instrument's frame."""
+    async def locate(self, settle_time_s: float, commanded_mm: tuple[float, float]) -> Position:
+        """Account for settling; the frame of an ideal instrument is that of the arm."""
         self._measured_in(settle_time_s)
-        return Position(0.0, 0.0, 0.0)
+        return Position(*commanded_mm, 0.0)
 
     async def measure_target(
         self, target: str, settle_time_s: float, dwell_s: float, near_mm: Place | None = None, face: Face = 1

@@ -10,6 +10,7 @@ from catseye.procedures.kit.records import Json
 from catseye.procedures.kit.tasks import (
     AlignOptics,
     ClearBeam,
+    LeadTracker,
     MountBallbar,
     MountInterferometer,
     MountOptics,
@@ -34,7 +35,7 @@ NO_READING = "none"
 """What is typed where an instrument shows no number."""
 
 
-_InTheRoom = SetUpScaleBar | PlaceTarget | MountBallbar | TakeBallbarOff | ReadBallbar
+_InTheRoom = SetUpScaleBar | PlaceTarget | LeadTracker | MountBallbar | TakeBallbarOff | ReadBallbar
 _SingleGrip = TurnScrew | PlaceReflector | MountInterferometer | MountOptics | ClearBeam | _InTheRoom
 
 
@@ -160,6 +161,8 @@ def _in_the_room(task: _InTheRoom) -> dict[str, Json]:
             }
         case PlaceTarget():
             return {"op": "place_target", "target": task.target}
+        case LeadTracker():
+            return {"op": "lead_tracker", "target": task.target}
         case MountBallbar():
             centre: Json = None if task.centre_mm is None else list(task.centre_mm)
             return {"op": "mount_ballbar", "target": task.target, "centre_mm": centre}

@@ -102,9 +102,13 @@ class LeicaEmscon(LinkDriver, Tracker):
         """Return x and y of the target that the tracker is locked on; its frame has to be levelled.
 
         Raises:
-            HiddenTargetError: it sees none.
+            HiddenTargetError: it sees none, or it has just been initialised and looks at the retroreflector of its
+                own home position.
             DeviceError: the instrument failed.
         """
+        async with self._turn:
+            if await self._get_ready():
+                raise self._hidden("the target", "the tracker was initialised and looks at its home position")
         seen = await self.point("the target", self._settings.plane_dwell_s)
         return Position(seen.place_mm[0], seen.place_mm[1], max(seen.u_mm or (0.0, 0.0, 0.0)))
 
@@ -137,8 +141,8 @@ class LeicaEmscon(LinkDriver, Tracker):
             )
         return self._identity
 
-    async def _get_ready(self) -> None:
-        """Check laser and units; initialise the tracker if it is not.
+    async def _get_ready(self) -> bool:
+        """Check laser and units; initialise the tracker if it is not, and return whether that was done.
 
         Raises:
             RefusedError: the laser is not ready, or the units are others.
@@ -149,9 +153,11 @@ class LeicaEmscon(LinkDriver, Tracker):
                 f"{self._link.where}: {laser_text(int(laser))}: switch it on and let it warm up before measuring",
                 0,
             )
-        if processor != INITIALISED:
+        new = processor != INITIALISED
+        if new:
             await self._order(Command.INITIALIZE, timeout_s=self._settings.initialise_timeout_s)
         await setup.check(self._ask, self._link.where)
+        return new
 
     async def _turn_to(self, face: Face) -> None:
         if (await self._require(Command.FACE)).values("i")[0] == face:
@@ -218,8 +224,8 @@ class LeicaEmscon(LinkDriver, Tracker):
 
     def _hidden(self, target: str, why: str) -> HiddenTargetError:
         return HiddenTargetError(
-            f"{self._link.where}: {target} is not seen ({why}): turn it towards the tracker, and look for what "
-            "stands in the beam"
+            f"{self._link.where}: {target} is not seen ({why}): turn it towards the tracker, lead the beam to "
+            "it, and look for what stands in between"
         )
 
     def _check_place(self, target: str, place_mm: Place, near_mm: Place | None) -> None:

@@ -302,8 +302,13 @@ class Context(Protocol):
         """
         ...
 
-    async def locate(self, settle_time_s: float) -> Position:
-        """Return where an independent instrument (a laser tracker) sees its target after settling."""
+    async def locate(self, settle_time_s: float, commanded_mm: tuple[float, float]) -> Position:
+        """Return where an independent instrument (a laser tracker) sees its target after settling.
+
+        Args:
+            settle_time_s: standstill before the measurement.
+            commanded_mm: x and y of the target in the arm's frame by its commands, which an ideal instrument sees.
+        """
         ...
 
     async def measure_target(

@@ -93,6 +93,18 @@ class PlaceTarget:
 
 
 @dataclass(frozen=True, kw_only=True)
+class LeadTracker:
+    """Lead the beam of a tracker to the retroreflector that it shall follow.
+
+    Attributes:
+        target: where that sits; "arm" for the one that a SCARA carries.
+    """
+
+    do: Literal["lead-tracker"] = "lead-tracker"
+    target: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class MountBallbar:
     """Hang the ballbar between its cup and a nest of the tool.
 
@@ -132,6 +144,7 @@ Task = (
     | ClearBeam
     | SetUpScaleBar
     | PlaceTarget
+    | LeadTracker
     | MountBallbar
     | TakeBallbarOff
     | ReadBallbar

@@ -11,7 +11,7 @@ from catseye.simulators.context import EmulationContext
 from catseye.simulators.control_port import faults, messages
 from catseye.simulators.control_port.exchange import Answer, Request, encode_answer, encode_refusal
 from catseye.simulators.control_port.messages import decode_request
-from catseye.simulators.control_port.survey_messages import SurveyRequest
+from catseye.simulators.control_port.survey_messages import LeadTracker, SurveyRequest
 from catseye.simulators.control_port.survey_operations import spoil_the_room, work_in_the_room
 from catseye.simulators.errors import EmulatorError
 from catseye.simulators.ports.lossy import Lossy
@@ -22,6 +22,7 @@ from catseye.simulators.world.beam import Beam
 from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.optics import NOBODY
 from catseye.simulators.world.serial.bench import SerialBench
+from catseye.simulators.world.serial.tracker import LaserTracker
 from catseye.simulators.world.tracker import Tracker
 
 LONGEST_BYTES = 65_536
@@ -86,6 +87,8 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
             context.bench.beam.turn_screw(request.screw, request.turns)
         case messages.ClearBeam():
             context.bench.clear_beam()
+        case LeadTracker():
+            _lead(request, context.laser_tracker)
         case faults.Fault():
             _happen(request, reach)
         case messages.MountAngularOptics() | messages.MountLinearOptics() | messages.ReadOptics():
@@ -95,6 +98,11 @@ def carry_out(request: Request[Any], reach: Reach) -> Answer:
         case _:
             return _work_on_the_beam(request, context.beam_bench.beam)
     return Answer()
+
+
+def _lead(request: LeadTracker, tracker: LaserTracker) -> None:
+    if not tracker.lead(request.target):
+        raise EmulatorError(f"the tracker finds no retroreflector where hands have led it: {request.target}")
 
 
 def _work_on_the_optics(request: Request[Any], bench: SerialBench) -> Answer:

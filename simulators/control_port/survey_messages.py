@@ -70,6 +70,13 @@ class PlaceTarget(Request[Answer]):
     target: str
 
 
+class LeadTracker(Request[Answer]):
+    """Lead the beam of the laser tracker by hand to a retroreflector; that of a SCARA is called arm."""
+
+    op = "lead_tracker"
+    target: str
+
+
 class MountBallbar(Request[BallbarReading]):
     """Hang the ballbar between its cup and a nest of the tool, in place of the retroreflectors there.
 
@@ -103,6 +110,7 @@ OPERATIONS: tuple[type[Request[Any]], ...] = (
     ReadSurvey,
     SetUpScaleBar,
     PlaceTarget,
+    LeadTracker,
     MountBallbar,
     TakeBallbarOff,
     ReadBallbar,

@@ -13,7 +13,7 @@ from catseye.simulators.leica.session import EmsconSession
 
 
 class LeicaEmscon(Emulator):
-    """A server with its tracker, which all clients share; it looks at a serial arm."""
+    """A server with its tracker, which all clients share; it looks at whatever arm stands there."""
 
     role = "tracker"
     arm = "serial"
@@ -38,8 +38,12 @@ class LeicaEmscon(Emulator):
         """Make the server that all clients share."""
         options = cls.Options.of(device)
         kept = Parameters()
-        instrument = Instrument(context.serial_bench, context.probe, kept, has_weather=options.has_weather)
-        instrument.initialised = instrument.at_home = options.initialised
+        instrument = Instrument(
+            context.bench, context.laser_tracker, context.probe, kept, has_weather=options.has_weather
+        )
+        if options.initialised:
+            instrument.initialised = True
+            instrument.go_home()
         information = Information(
             lambda: instrument.units, has_nivel=options.has_nivel, has_weather=options.has_weather
         )

@@ -12,7 +12,8 @@ from catseye.simulators.leica.packets import PointValues
 from catseye.simulators.leica.parameters import Parameters
 from catseye.simulators.survey import Place
 from catseye.simulators.world.air_probe import AirProbe
-from catseye.simulators.world.serial.bench import SerialBench
+from catseye.simulators.world.serial.tracker import LaserTracker
+from catseye.simulators.world.timed_bench import TimedBench
 
 _HOME_MM: Place = (140.0, 0.0, -80.0)
 """The bird bath, in the instrument's frame."""
@@ -32,21 +33,29 @@ class Instrument:
     """The tracker.
 
     Args:
-        bench: on which it looks at the arm.
+        bench: whose time and air it has.
+        tracker: what its controller drives.
         probe: of its weather station.
         kept: what clients have set.
         has_weather: there is a weather station.
 
     Attributes:
         initialised: it may move and measure.
-        at_home: the beam is in the bird bath.
         last_mm: the last measured point.
     """
 
-    def __init__(self, bench: SerialBench, probe: AirProbe, kept: Parameters, *, has_weather: bool) -> None:
+    def __init__(
+        self,
+        bench: TimedBench,
+        tracker: LaserTracker,
+        probe: AirProbe,
+        kept: Parameters,
+        *,
+        has_weather: bool,
+    ) -> None:
         self.bench = bench
+        self._tracker = tracker
         self.initialised = False
-        self.at_home = False
         self.last_mm: Place | None = None
         self._probe = probe
         self._kept = kept
@@ -63,17 +72,17 @@ class Instrument:
     @property
     def locked(self) -> bool:
         """The beam returns, and the distance is known."""
-        return self.at_home or self.bench.tracker.locked
+        return self._tracker.parked or self._tracker.locked
 
     @property
     def face(self) -> int:
         """1 or 2."""
-        return self.bench.tracker.face
+        return self._tracker.face
 
     @property
     def beam_mm(self) -> Place:
         """A place on the beam."""
-        return _HOME_MM if self.at_home else self.bench.tracker.beam_mm
+        return _HOME_MM if self._tracker.parked else self._tracker.beam_mm
 
     @property
     def weather(self) -> int:
@@ -82,13 +91,12 @@ class Instrument:
 
     def go_home(self) -> None:
         """Turn the beam to the bird bath."""
-        self.at_home = True
+        self._tracker.park()
 
     def aim(self, place_mm: Place | None = None) -> bool:
         """Turn the beam to a place, or search where it points; return whether a target is found."""
         sought = self.beam_mm if place_mm is None else place_mm
-        self.at_home = False
-        return bool(np.linalg.norm(sought) > 1.0) and self.bench.tracker.aim(sought)
+        return bool(np.linalg.norm(sought) > 1.0) and self._tracker.aim(sought)
 
     def aim_along(self, turn_rad: float, zenith_rad: float, distance_mm: float) -> bool:
         """Turn the beam to a direction; return whether a target is found there."""
@@ -102,14 +110,13 @@ class Instrument:
 
     def change_face(self) -> None:
         """Turn to the other face."""
-        self.at_home = False
-        self.bench.tracker.change_face()
+        self._tracker.change_face()
 
     def measure(self, duration_s: float) -> PointValues | None:
         """Return the point measured over the last seconds, in the units of clients; None: the beam was broken."""
-        if self.at_home:
+        if self._tracker.parked:
             return self._shown(_HOME_MM, (0.005, 0.005, 0.005))
-        seen = self.bench.tracker.measure(duration_s)
+        seen = self._tracker.measure(duration_s)
         if seen is None:
             return None
         # Half of what the tracker states of itself shows in the readings, half is expected beforehand.

@@ -63,6 +63,14 @@ class Bench(TimedBench):
         """Return the joints as commanded at a moment of the present motion or after it."""
         return self._arm.motion.joints_at(time_s)
 
+    def end_mm(self, times_s: Floats) -> Floats:
+        """Return where the end of the arm really is at bench times, shape (m, 3).
+
+        Before the start of the present motion it stood where that began.
+        """
+        poses = self._arm.poses(np.maximum(times_s, self._arm.motion.start_s))
+        return np.column_stack([poses.axis_mm.real, poses.axis_mm.imag, poses.height_mm])
+
     @property
     def destination(self) -> Joints:
         """Joints at the end of the present motion."""
@@ -224,7 +232,7 @@ class Bench(TimedBench):
 
     def clear_faults(self) -> None:
         """Take away what stands in the beam, shakes, dims, unlocks the laser or waits to let a joint slip."""
-        self.beam.unblock()
+        self.clear_beam()
         self.beam.weaken(1.0)
         self.shake(0.0, 0.0)
         self.beam.set_laser(ready=True)

@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from typing import Protocol
 
 from catseye.simulators.config import EmulationConfig, Joints
 from catseye.simulators.world.air import Air, AirSample
@@ -12,6 +13,18 @@ OnEvent = Callable[[str], None]
 """Called with what happens on the bench, at the moment it happens."""
 
 
+class Seeing(Protocol):
+    """An instrument that looks through the room."""
+
+    def block(self, duration_s: float | None) -> None:
+        """Hold something into its sight, for a time in s or until it is taken away."""
+        ...
+
+    def unblock(self) -> None:
+        """Take it away."""
+        ...
+
+
 class TimedBench(ABC):
     """Bench time and the air. Commands act at the present bench time; `advance` lets time pass.
 
@@ -20,12 +33,14 @@ class TimedBench(ABC):
     Attributes:
         time_s: bench time, s.
         beam: what instruments look along.
+        beside: further instruments in the room.
     """
 
     beam: CountedBeam
 
     def __init__(self, config: EmulationConfig) -> None:
         self.time_s = 0.0
+        self.beside: list[Seeing] = []
         self._air = Air(config.air, config.seed)
         self._scheduled: list[tuple[float, Callable[[], None]]] = []
 
@@ -110,12 +125,14 @@ class TimedBench(ABC):
         """End what goes wrong on the bench."""
 
     def block_beam(self, duration_s: float | None) -> None:
-        """Hold something into the beam, for a time in s or until it is taken away."""
-        self.beam.block(duration_s)
+        """Stand before all instruments, for a time in s or until somebody goes away."""
+        for seeing in (self.beam, *self.beside):
+            seeing.block(duration_s)
 
     def clear_beam(self) -> None:
-        """Take away what stands in the beam."""
-        self.beam.unblock()
+        """Go out of the way of all instruments."""
+        for seeing in (self.beam, *self.beside):
+            seeing.unblock()
 
     def advance(self, step_s: float) -> None:
         """Let bench time pass, s."""

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from catseye.procedures.kit.tasks import (
     AlignOptics,
     ClearBeam,
+    LeadTracker,
     MountBallbar,
     MountInterferometer,
     MountOptics,
@@ -48,6 +49,8 @@ def task_picture(task: Task | None, reflectors: "Sequence[ReflectorPlace]" = ())
             return ["●━━━━▐ ±0.0000 ▌━━━━●   type what it shows, mm"]
         case PlaceTarget():
             return [f"◉ → ◡   into {task.target}"]
+        case LeadTracker():
+            return [f"▣━━━━━━━━━━━◉   the beam follows the target, {task.target}"]
         case SetUpScaleBar():
             return ["◉━━━━━━━━━━━┳━━━━━━━━━━━◉   the bar lies level"]
         case None:

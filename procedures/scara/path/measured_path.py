@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ _COMMAND_MM = 0.05
 _COMMAND_DEG = 0.005
 """Commands in a file may be rounded by this."""
 
-_MEASURED_MM = 5.0
+MEASURED_MM: Final = 5.0
 """No arm that is worth an error map stands farther from its command than this, frames aligned."""
 
 _JOINTS = ("theta1_deg", "theta2_deg")
@@ -172,9 +173,9 @@ def misplaced(commands_mm: Floats, places_mm: Floats) -> Misplaced | None:
         )
     off = _off_mm(commands_mm, places_mm)
     worst = int(np.argmax(off))
-    if off[worst] <= _MEASURED_MM:
+    if off[worst] <= MEASURED_MM:
         return None
-    if _off_mm(commands_mm, places_mm[:, ::-1]).max() <= _MEASURED_MM:
+    if _off_mm(commands_mm, places_mm[:, ::-1]).max() <= MEASURED_MM:
         return Misplaced(
             None,
             "the measured positions fit their commands only with x and y exchanged: the columns are mixed up, or the "
@@ -183,7 +184,7 @@ def misplaced(commands_mm: Floats, places_mm: Floats) -> Misplaced | None:
     return Misplaced(
         worst,
         f"the measured position lies {off[worst]:.1f} mm from its command after the frames are aligned, more than "
-        f"{_MEASURED_MM:g} mm: it belongs to another point, or x and y are mixed up",
+        f"{MEASURED_MM:g} mm: it belongs to another point, or x and y are mixed up",
     )
 
 

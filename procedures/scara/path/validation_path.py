@@ -3,9 +3,10 @@
 from functools import partial
 from typing import Annotated
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.calibration.scara.planar import Hand
+from catseye.calibration.scara.planar import Hand, forward
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.context import Context, Prompt
@@ -18,6 +19,7 @@ from catseye.procedures.scara.aiming import SEARCHED
 from catseye.procedures.scara.before import ALIGNED, COUNTER, DRIVING_A_PATH, REFLECTORS, TRACKER, VALIDATE
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.motion.entry import way_in
+from catseye.procedures.scara.path.followed_target import FollowedTarget
 from catseye.procedures.scara.path.joint_rows import plan_joint_rows
 from catseye.procedures.scara.path.measured_path import commands_as_measured, matched_positions
 from catseye.procedures.scara.path.path_plan import Instrument, PathPlan, plan_path, take_up_of
@@ -100,6 +102,7 @@ class ValidationPath(Procedure):
             ctx: the bench; it has the instrument that the plan names.
 
         Raises:
+            HiddenTargetsError: the tracker does not follow the arm, and the operator ends the run.
             BeamLostError: the operator ends the run since the beam does not come back.
             ArmMovedError: the arm was moved again and again while a point was measured.
             TableFileError: no file that was given can be used.
@@ -131,6 +134,7 @@ class _Drive:
         self._plan = plan
         self._left: Pose | None = None
         self._next: Pose | None = None
+        self._target = FollowedTarget(ctx, plan.bench.timing.settle_time_s)
 
     async def run_in(self) -> Row:
         """Go to where the first point is approached from."""
@@ -190,10 +194,17 @@ class _Drive:
 
     async def _measured(self, point: PathPoint, prompt_id: str, attempt: int) -> Position | None:
         """Let the instrument measure; None when its file gives the position later."""
+        question = prompt_id + (f"/again{attempt}" if attempt else "")
         if self._plan.instrument != "file":
-            return await self._ctx.locate(self._plan.bench.timing.settle_time_s)
-        await self._hold(point, prompt_id + (f"/again{attempt}" if attempt else ""))
+            return await self._target.at(self._commanded_mm(point), question, self._next)
+        await self._hold(point, question)
         return None
+
+    def _commanded_mm(self, point: PathPoint) -> tuple[float, float]:
+        """Return where a point's commands lead; given commands are corrected and need not lead to its x and y."""
+        bench, angles = self._plan.bench, np.deg2rad([point.theta1_deg, point.theta2_deg])
+        x_mm, y_mm = forward(angles[0], angles[1], bench.link1_mm, bench.link2_mm).tolist()
+        return x_mm, y_mm
 
     def _kept(self, point: PathPoint, pass_number: int, found: Position | None) -> Row:
         if found is None:

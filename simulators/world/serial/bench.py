@@ -44,6 +44,7 @@ class SerialBench(TimedBench):
         self.room = Room(plant, bodies, config, lambda: self.time_s)
         self.tracker = LaserTracker(self.room, config, lambda: self.time_s)
         self.cmm = OpticalCmm(self.room, config, lambda: self.time_s)
+        self.beside = [self.tracker, self.cmm]
         self.ballbar = Ballbar(self.room, config, lambda: self.time_s)
         self.readback_deg = 0.0
         self._seed = config.seed
@@ -154,16 +155,6 @@ class SerialBench(TimedBench):
         self.beam.observe()
         self.plant.brake(self.time_s)
         self._begun(f"stop towards {listed(self.plant.motion.end)}")
-
-    def block_beam(self, duration_s: float | None) -> None:
-        """Stand before all instruments, for a time in s or until somebody goes away."""
-        for seeing in (self.beam, self.tracker, self.cmm):
-            seeing.block(duration_s)
-
-    def clear_beam(self) -> None:
-        """Go out of the way of all instruments."""
-        for seeing in (self.beam, self.tracker, self.cmm):
-            seeing.unblock()
 
     def clear_faults(self) -> None:
         """Take away what stands in the beams, dims them or unlocks the laser, and put retroreflectors back."""

@@ -98,6 +98,11 @@ class Room:
             raise BenchError(f"there is no nest {name!r}; there are {', '.join(self.nests)}")
         return self.nests[name]
 
+    @property
+    def standstill_s(self) -> float:
+        """Bench time at which the present or last motion of the arm ends, s."""
+        return self.plant.motion.end_s
+
     def base_at(self, times_s: Floats) -> Floats:
         """Return the true base at bench times, shape (m, 4, 4)."""
         return np.asarray(self._drift.at(times_s) @ self.plant.base)

@@ -9,7 +9,6 @@ from catseye.simulators.world.serial.frames import frames_of, inverse
 from catseye.simulators.world.types import Floats
 
 _OFF_MM = 100.0
-_LEANS_DEG = 1.0
 
 
 class Station:
@@ -23,7 +22,7 @@ class Station:
     def __init__(self, config: EmulationConfig, place_mm: Place, number: int) -> None:
         rng = np.random.default_rng([config.seed, 34, number])
         survey = config.survey
-        self._frame = _seen(survey, rng) if survey.base_seen else _anyhow(place_mm, rng)
+        self._frame = _seen(survey, rng) if survey.base_seen else _anyhow(place_mm, survey.leans_deg, rng)
         self._drift = Drift(rng, survey.instrument_drift_um, survey.instrument_drift_urad)
         self._bumps = np.random.default_rng([config.seed, 35, number])
 
@@ -42,8 +41,8 @@ class Station:
         self._frame = self._frame @ frames_of(mm * moved, np.deg2rad(deg) * turned)
 
 
-def _anyhow(place_mm: Place, rng: np.random.Generator) -> Floats:
-    leans = np.deg2rad(rng.normal(0.0, _LEANS_DEG, 2))
+def _anyhow(place_mm: Place, leans_deg: float, rng: np.random.Generator) -> Floats:
+    leans = np.deg2rad(rng.normal(0.0, leans_deg, 2))
     stands_mm = np.array(place_mm) + rng.normal(0.0, _OFF_MM, 3)
     return frames_of(stands_mm, np.array([*leans, rng.uniform(-np.pi, np.pi)]))
 

@@ -1,12 +1,12 @@
-"""A laser tracker beside a serial arm: its beam, what the beam is locked on, and how well it measures.
+"""A laser tracker beside an arm: its beam, what the beam is locked on, and how well it measures.
 
 It measures a distance and two angles. Its frame stands where its axes cross; z is its standing axis. The beam follows
 a retroreflector while that is seen, and hangs in the air once it was not; then it has to be led to one again.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
@@ -16,9 +16,8 @@ from catseye.simulators.survey import Place
 from catseye.simulators.world.beam_path import BeamPath
 from catseye.simulators.world.serial.frames import placed
 from catseye.simulators.world.serial.optics import Wander
-from catseye.simulators.world.serial.room import Room
 from catseye.simulators.world.serial.station import Station
-from catseye.simulators.world.types import Floats
+from catseye.simulators.world.types import Bools, Floats
 
 Face = Literal[1, 2]
 
@@ -33,6 +32,31 @@ _TURBULENCE_S = (0.5, 20.0)
 """Periods of the air's turbulence."""
 
 _M_PER_MM = 1e-3
+
+_BY_HAND_MM = 5.0
+"""How well hands lead the beam to a retroreflector, each coordinate."""
+
+
+class Surroundings(Protocol):
+    """What stands around a tracker. Places are in the frame of the room."""
+
+    @property
+    def nests(self) -> Mapping[str, object]:
+        """Nests of retroreflectors by their names."""
+        ...
+
+    @property
+    def standstill_s(self) -> float:
+        """Bench time at which the present or last motion of the arm ends, s."""
+        ...
+
+    def places_mm(self, names: Iterable[str], times_s: Floats) -> Floats:
+        """Return where nests really are at bench times, shape (names, m, 3)."""
+        ...
+
+    def seen(self, name: str, station_mm: Floats, times_s: Floats) -> Bools:
+        """Return whether an instrument at a station sees a nest's retroreflector at bench times, shape (m,)."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -62,13 +86,15 @@ class LaserTracker:
     Attributes:
         station: where it stands.
         face: 1 or 2.
+        parked: the beam is in the tracker's own home position.
     """
 
-    def __init__(self, room: Room, config: EmulationConfig, now: Callable[[], float]) -> None:
+    def __init__(self, room: Surroundings, config: EmulationConfig, now: Callable[[], float]) -> None:
         survey = config.survey
         self._room, self._survey, self._now = room, survey, now
         self.station = Station(config, survey.tracker_mm, 0)
         self.face: Face = 1
+        self.parked = False
         self._path = BeamPath()
         rng = np.random.default_rng([config.seed, 36])
         self._zero_mm = 1e-3 * survey.zero_um * float(rng.standard_normal())
@@ -76,6 +102,7 @@ class LaserTracker:
         # Half of the noise is turbulence, which no average of seconds takes away; parts of 1 here.
         self._air = [Wander(rng, np.sqrt(0.5), _TURBULENCE_S) for _ in range(3)]
         self._noise = np.random.default_rng([config.seed, 37])
+        self._hands = np.random.default_rng([config.seed, 38])
         self._beam_mm: Floats = np.array(_HOME)
         self._locked: str | None = None
         self._looked_s = now()
@@ -97,6 +124,12 @@ class LaserTracker:
         x, y, z = self._beam_mm.tolist()
         return x, y, z
 
+    def park(self) -> None:
+        """Turn the beam to its home position; what it followed goes its own way."""
+        self._follow()
+        self._locked = None
+        self.parked = True
+
     def aim(self, near_mm: Place | None = None) -> bool:
         """Turn the beam to a place, search around it, and lock on what is found; the nearer one of two in one line.
 
@@ -110,6 +143,7 @@ class LaserTracker:
             BenchError: the place is the tracker's own.
         """
         self._follow()
+        self.parked = False
         if near_mm is not None:
             if not np.linalg.norm(near_mm) > 1.0:
                 raise BenchError(
@@ -119,6 +153,21 @@ class LaserTracker:
         self._locked = self._found()
         self._looked_s = self._now()
         return self._follow() is not None
+
+    def lead(self, name: str) -> bool:
+        """Have hands lead the beam to a nest's retroreflector, and search there.
+
+        Returns:
+            Whether it was found.
+
+        Raises:
+            BenchError: there is no such nest.
+        """
+        if name not in self._room.nests:
+            raise BenchError(f"there is no nest {name!r}; there are {', '.join(self._room.nests)}")
+        place = self._in_frame(name, np.array([self._now()]))[0]
+        x, y, z = (place + self._hands.normal(0.0, _BY_HAND_MM, 3)).tolist()
+        return self.aim((x, y, z))
 
     def change_face(self) -> None:
         """Turn to the other face, and to the same retroreflector."""
@@ -219,7 +268,7 @@ class LaserTracker:
 
     def _since_last_look(self, now_s: float) -> Floats:
         """Return when to look whether the beam was lost: often while the arm moves, and at this moment."""
-        until_s = min(now_s, self._room.plant.motion.end_s + _CALM_S)
+        until_s = min(now_s, self._room.standstill_s + _CALM_S)
         count = max(0, int(np.ceil((until_s - self._looked_s) / _FOLLOWED_S)))
         return np.append(np.linspace(self._looked_s, until_s, min(count, _MOST_LOOKS)), now_s)
 

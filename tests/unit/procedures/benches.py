@@ -320,9 +320,10 @@ class IdealContext:
         self.lost = length is None
         self.zero_mm = length or 0.0
 
-    async def locate(self, settle_time_s: float) -> Position:
+    async def locate(self, settle_time_s: float, commanded_mm: tuple[float, float]) -> Position:
         """Return the true position, shifted as another instrument's frame is."""
         self.waits.append((settle_time_s, 0.0, 0))
+        del commanded_mm
         x, y = arm_xy(self.pose[0], self.pose[1])
         return Position(x + 1000.0, y - 500.0, 0.004)
 

@@ -203,12 +203,12 @@ class PushedContext(IdealContext):
     after: dict[int, float] = field(default_factory=dict)
     located: list[tuple[float, float]] = field(default_factory=list)
 
-    async def locate(self, settle_time_s: float) -> Position:
+    async def locate(self, settle_time_s: float, commanded_mm: tuple[float, float]) -> Position:
         """Return where the arm stands by then."""
         number = len(self.located)
         self._push(self.pushes.get(number, 0.0))
         self.located.append((self.pose[0], self.pose[1]))
-        return await super().locate(settle_time_s)
+        return await super().locate(settle_time_s, commanded_mm)
 
     def record(self, record: Record) -> None:
         """Keep a record; then the run is held."""

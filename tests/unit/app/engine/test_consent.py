@@ -65,6 +65,7 @@ QUESTIONS: dict[tuple[str, str], Asked] = {
     # The alignment is asked for before anything moves.
     ("procedures/resolution/optics.py", "_mount"): Asked("choice", (), ("mounted", "skip", "stop"), "stop"),
     ("procedures/resolution/optics.py", "_align"): Asked("choice", ("aligned",), ("skip", "stop"), "stop"),
+    ("procedures/scara/path/followed_target.py", "_prompt"): Asked("choice", ("again",), ("stop",), "stop"),
     ("procedures/serial_arm/pose_run.py", "_turn_prompt"): _YES,
     ("procedures/serial_arm/instrument_check.py", "_bar_prompt"): Asked(
         "choice", (), ("laid", "skip"), "skip"

@@ -240,7 +240,7 @@ async def test_a_path_otherwise_becomes_one_motion_per_target(parts: Parts) -> N
 
 async def test_a_cell_without_a_tracker_says_so(parts: Parts) -> None:
     with pytest.raises(ConfigError, match="tracker"):
-        await parts.ctx.locate(0.5)
+        await parts.ctx.locate(0.5, (0.0, 0.0))
     with pytest.raises(ConfigError, match="tracker"):
         await parts.ctx.measure_target("N1", 0.5, 4.0)
 

@@ -11,6 +11,7 @@ from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.errors import LimitError, MeasurementRejectedError
 from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.robot import Following
+from catseye.drivers.roles.tracker import Position
 from catseye.procedures.kit.bench import Arm
 from catseye.procedures.kit.columns import Columns
 from catseye.procedures.kit.context import Context, Prompt
@@ -259,7 +260,7 @@ async def test_the_rest_of_the_context_is_kept(dry: DryRunContext) -> None:
     await dry.warn("look", where="here")
     dry.progress(1.0, 2.0)
     assert await dry.joints() == HOME
-    assert (await dry.locate(0.5)).u_mm == 0.0
+    assert await dry.locate(0.5, (200.0, -30.0)) == Position(200.0, -30.0, 0.0)
     assert (await dry.measure_target("N1", 0.5, 4.0, (1.0, 2.0, 3.0))).place_mm == (1.0, 2.0, 3.0)
     assert (await dry.measure_frame("N1", 0.5, 4.0)).place_mm == (0.0, 0.0, 0.0)
     assert dry.total_s == 0.5 + 2 * 4.5

@@ -17,6 +17,7 @@ from catseye.simulators.ports.session import Pending, Session
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.bench import Bench
 from catseye.simulators.world.journal import Journal
+from catseye.simulators.world.scara.room import levelled_tracker
 from catseye.simulators.world.timekeeper import TimeKeeper
 from tests.unit.drivers.peers import FarEnd, StepClock
 from tests.unit.simulators.benches import QUIET, aimed, go, quiet_bench
@@ -29,7 +30,8 @@ def quiet_world() -> EmulationContext:
     controller = Controller(bench, QUIET, lambda: None)
     journal = Journal(lambda: bench.time_s)
     keeper = TimeKeeper(bench, clock=lambda: 0.0)
-    return EmulationContext(QUIET, bench, {}, controller, keeper, journal, AirProbe(bench))
+    probe, tracker = AirProbe(bench), levelled_tracker(bench, QUIET)
+    return EmulationContext(QUIET, bench, {}, controller, keeper, journal, probe, tracker)
 
 
 def maker(

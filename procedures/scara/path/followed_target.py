@@ -1,0 +1,92 @@
+"""The target on the arm that a tracker follows, and what to do where it follows none, or another one."""
+
+import math
+from typing import Final
+
+from catseye.drivers.roles.errors import HiddenTargetError
+from catseye.drivers.roles.pose import Pose
+from catseye.drivers.roles.tracker import Position
+from catseye.procedures.kit.context import Context, Prompt
+from catseye.procedures.kit.errors import HiddenTargetsError
+from catseye.procedures.kit.tasks import LeadTracker
+from catseye.procedures.scara.path.measured_path import MEASURED_MM
+
+ON_THE_ARM: Final = "arm"
+"""Where the target sits, as an emulated bench calls it."""
+
+_MOST_QUESTIONS: Final = 10
+"""So often one point is asked for; after that the target does not come back."""
+
+
+class FollowedTarget:
+    """Has a tracker measure where the arm stands, point after point.
+
+    Args:
+        ctx: the bench.
+        settle_s: standstill before a measurement, s.
+    """
+
+    def __init__(self, ctx: Context, settle_s: float) -> None:
+        self._ctx = ctx
+        self._settle_s = settle_s
+        self._last: tuple[tuple[float, float], Position] | None = None
+
+    async def at(self, place_mm: tuple[float, float], question: str, following: Pose | None) -> Position:
+        """Return where the tracker sees the arm, in the tracker's frame.
+
+        Args:
+            place_mm: where the arm stands by its commands, x and y.
+            question: id of the prompt, should the tracker see no target or another one.
+            following: where the arm goes afterwards; None for nowhere in particular.
+
+        Raises:
+            HiddenTargetsError: the operator ends the run, or the target does not come back.
+        """
+        for number in range(1, _MOST_QUESTIONS + 1):
+            try:
+                found = await self._ctx.locate(self._settle_s, place_mm)
+            except HiddenTargetError as error:
+                complaint = str(error)
+            else:
+                complaint = self._complaint(place_mm, found)
+                if not complaint:
+                    self._last = place_mm, found
+                    return found
+                if number > 1:
+                    raise HiddenTargetsError(
+                        f"{complaint}, also after its beam was led to the arm: the points before were measured to "
+                        "another target, or the tracker was moved; begin the run anew"
+                    )
+            asked = question if number == 1 else f"{question}/{number}"
+            if await self._ctx.ask(_prompt(asked, complaint, following)) != "again":
+                break
+        raise HiddenTargetsError(
+            f"{complaint}; go on with catseye resume when the tracker follows the target on the arm"
+        )
+
+    def _complaint(self, place_mm: tuple[float, float], found: Position) -> str:
+        """Return what is wrong with a place; a distance does not depend on the frame that it is measured in."""
+        if self._last is None:
+            return ""
+        before_mm, before = self._last
+        moved_mm = math.dist(before_mm, place_mm)
+        seen_mm = math.hypot(found.x_mm - before.x_mm, found.y_mm - before.y_mm)
+        if abs(seen_mm - moved_mm) <= MEASURED_MM:
+            return ""
+        return (
+            f"the arm has gone {moved_mm:.1f} mm since the last point and the tracker's target {seen_mm:.1f} mm: the "
+            "tracker follows another target, it was moved, or its unit is not mm"
+        )
+
+
+def _prompt(question: str, complaint: str, following: Pose | None) -> Prompt:
+    return Prompt(
+        f"target/{question}",
+        "choice",
+        f"{complaint}. Lead the tracker's beam to the target on the arm, then have the point measured again.",
+        choices=("again", "stop"),
+        safe_answer="stop",
+        task=LeadTracker(target=ON_THE_ARM),
+        motion=True,
+        target=following,
+    )
