@@ -1,4 +1,4 @@
-"""Least steps and lost motion of emulated drivetrains, stated from one test each, against what many tests give.
+"""Least steps and lost motion of emulated drivetrains, stated from one test each time, against what many tests give.
 
 The drivetrains hold no table of step errors; a seed draws all joints of an arm, and what scatters in their tests.
 `CATSEYE_RESOLUTION_SEEDS` sets how many arms [50], `CATSEYE_RESOLUTION_FIRST` the first seed [0].
@@ -25,7 +25,10 @@ from tests.unit.simulators.world.serial.trials import POSITIONS_DEG, STEPS_DEG, 
 FIRST = int(os.environ.get("CATSEYE_RESOLUTION_FIRST", "0"))
 SEEDS = range(FIRST, FIRST + int(os.environ.get("CATSEYE_RESOLUTION_SEEDS", "50")))
 REPEATS = 300
-"""Trials beside the one that is evaluated."""
+"""Trials beside those that are evaluated."""
+
+TESTED = 4
+"""Trials of each joint that are evaluated; one alone of 300 joints shows a coverage to no better than 1.3 %."""
 
 U_STEP_DEG = 2e-6
 """Noise of a step by the interferometer: 0.035 µrad."""
@@ -59,13 +62,18 @@ def trials(seed: int, joint: int, count: int = 1) -> Trials:
     return Trials(ARM, truth, joint, position_deg, count, 1000 + len(NAMES) * seed + joint)
 
 
-def stated(seed: int, joint: int) -> Stated:
-    """Test a joint once, with noise of the instrument, and as often as the truth takes, without."""
-    errors = trials(seed, joint, REPEATS + 1).decaying(1 if seed % 2 else -1)
-    own, mean = errors[:, 0], errors[:, 1:].mean(axis=1)
+def stated(seed: int, joint: int) -> list[Stated]:
+    """Test a joint some times, with noise of the instrument, and as often as the truth takes, without."""
+    errors = trials(seed, joint, REPEATS + TESTED).decaying(1 if seed % 2 else -1)
+    own, mean = errors[:, :TESTED], errors[:, TESTED:].mean(axis=1)
     true_deg = STEPS_DEG[int(steps_within(moving_mean(mean), 10.0)) - 1]
-    noise = np.random.default_rng([seed, joint]).normal(0.0, U_STEP_DEG, STEPS_DEG.size)
-    steps = decaying_steps(STEPS_DEG * DEG, own + 100.0 * noise / STEPS_DEG, U_STEP_DEG * DEG)
+    noise = np.random.default_rng([seed, joint]).normal(0.0, U_STEP_DEG, own.shape)
+    return [one_stated(test, float(true_deg), seed) for test in (own + 100.0 * noise / STEPS_DEG[:, None]).T]
+
+
+def one_stated(errors_percent: Floats, true_deg: float, seed: int) -> Stated:
+    """Evaluate one test of a joint whose least step is known."""
+    steps = decaying_steps(STEPS_DEG * DEG, errors_percent, U_STEP_DEG * DEG)
     least = decaying_test(steps, seed=seed).least_step
     assert least is not None
     ratio = math.log(true_deg * DEG / least.value) / math.log(1.072267)
@@ -122,7 +130,7 @@ def reversed_once(seed: int, joint: int) -> Reversed:
 
 @pytest.mark.slow
 def test_least_steps_are_stated_without_bias_and_their_intervals_hold() -> None:
-    found = [stated(seed, joint) for seed in SEEDS for joint in range(len(NAMES))]
+    found = [one for seed in SEEDS for joint in range(len(NAMES)) for one in stated(seed, joint)]
     bias = float(np.median([one.steps_off for one in found]))
     held = float(np.mean([one.held for one in found]))
     print(  # noqa: T201  # the figure
