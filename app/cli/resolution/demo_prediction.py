@@ -6,6 +6,7 @@ from typing import Final
 
 from catseye.app.cell.arm import arm_description
 from catseye.app.cluster.share import InThisProcess
+from catseye.app.cluster.sharing import sharing
 from catseye.app.files.atomic import write_atomically
 from catseye.app.results.resolution.cartesian_prediction import Prediction, predicted_resolution
 from catseye.app.results.resolution.joint_tables import write_joint_tables
@@ -14,6 +15,9 @@ from catseye.app.results.resolution.predicted import write_predicted
 from catseye.app.results.resolution.result import AnyTest, ResolutionResult, write_resolution
 from catseye.calibration.resolution.cartesian_steps import StepSeries
 from catseye.calibration.resolution.predictor import PredictionMethod
+
+_ONE_A_CORE: Final = 0
+"""Processes that the joints' models are shared between: nothing else is left to do meanwhile."""
 
 _METHOD: Final = PredictionMethod(series=StepSeries(largest_mm=0.1))
 
@@ -33,7 +37,8 @@ def predict_tool(
     modelled = folder / "modelled.json"
     tests = around([test for result in results for test in result.tests])
     write_resolution(results[0].model_copy(update={"tests": tests}), modelled)
-    models = model_arm([modelled], InThisProcess())
+    with sharing(_ONE_A_CORE, None) as share:
+        models = model_arm([modelled], share)
     write_joint_tables(models.tables, tables, simulated=models.simulated)
     description = arm_description(arm)
     head = ",".join(["pose", *(f"q{number}_deg" for number in range(1, len(pose_deg) + 1))])
