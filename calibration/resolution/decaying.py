@@ -4,7 +4,9 @@ The resolution paper, sections 3.4, 3.6 and 4.1. What is stated is the least ste
 one series alone leaves the threshold early or late by some steps of the series (ADR 34).
 """
 
+import math
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -26,6 +28,21 @@ _TAIL = 0.025
 
 _HALF = WINDOW // 2
 _FAR_PERCENT = 50.0
+
+_MISTAKES: Final = {
+    2.0: "the stated spacing is half of the real one, or each count stands for half the displacement",
+    0.5: "the stated spacing is twice the real one, or each count stands for twice the displacement",
+    25.4: "inches were taken for mm",
+    1.0 / 25.4: "mm were taken for inches",
+    1e3: "the unit of the recording is smaller than the stated one by 1000",
+    1e-3: "the unit of the recording is larger than the stated one by 1000",
+    math.degrees(1.0): "radians were taken for degrees, or the commands are in radians",
+    math.radians(1.0): "degrees were taken for radians, or the commands are in degrees",
+}
+"""What makes all steps longer by a factor."""
+
+_NEAR: Final = 0.03
+"""A ratio this near to a factor gives the mistake away."""
 
 
 @dataclass(frozen=True)
@@ -181,9 +198,22 @@ def _flags(steps: Steps, judged: int, least: LeastStep | None, size: Floats) -> 
     return flags
 
 
+def likely_mistake(ratio: float) -> str:
+    """Return what makes the largest steps this many times as long as they were commanded; empty for nothing known."""
+    near = (text for factor, text in _MISTAKES.items() if abs(ratio / factor - 1.0) <= _NEAR)
+    if not (text := next(near, "")):
+        return ""
+    return (
+        f"the largest steps are {ratio:.3g} times those commanded: {text}; correct it and evaluate again. No least "
+        "step is stated"
+    )
+
+
 def _why_none(steps: Steps, size: Floats) -> str:
     """Return why no least step is stated, with the steps among the largest that hardly are what was commanded."""
     error = steps.error_percent[:WINDOW]
+    if mistake := likely_mistake(1.0 + float(np.nanmedian(error)) / 100.0):
+        return mistake
     largest, mean = shown(float(size[0]), steps.moves.unit), float(np.nanmean(error))
     far = [number + steps.moves.first for number in np.flatnonzero(np.abs(error) > _FAR_PERCENT).tolist()]
     if 0 < len(far) <= _HALF:

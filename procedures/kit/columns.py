@@ -1,7 +1,7 @@
 """Tables that come from outside, as columns: whoever owns a table declares what its files may hold."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -120,6 +120,11 @@ class Columns:
     def __contains__(self, name: str) -> bool:
         """Return whether the file has a column."""
         return name in self.values
+
+    def first(self, rows: int) -> "Columns":
+        """Return the first rows alone."""
+        values = {name: column[:rows] for name, column in self.values.items()}
+        return replace(self, values=values, lines=self.lines[:rows])
 
     def stacked(self, names: Sequence[str]) -> NDArray[np.float64]:
         """Return columns side by side, shape (n, number of names)."""

@@ -1,5 +1,6 @@
 """Files of a test that another program recorded: recording and moves, for the evaluation in rad or mm."""
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -75,14 +76,25 @@ class MovesFile:
 
 
 def recording_columns(file: RecordingFile) -> Columns:
-    """Read the columns of a recording, t_s and displacement_mm or angle_deg.
+    """Read the columns of a recording, t_s and displacement_mm or angle_deg; a last line without end does not count.
 
     Raises:
         UsageError: the file cannot be used; names line and remedy.
     """
     if refusal := _NO_RECORDING.get(file.path.suffix.lower()):
         raise UsageError(f"{file.path}: {refusal}")
-    return read_table(file.path, RECORDING) if file.mapping is None else read_mapped(file.path, file.mapping)
+    mapping = file.mapping
+    columns = read_table(file.path, RECORDING) if mapping is None else read_mapped(file.path, mapping)
+    return columns if _is_whole(file.path) else columns.first(len(columns) - 1)
+
+
+def _is_whole(path: Path) -> bool:
+    """Return whether the last line has an end; one without may have been cut in the midst of a number."""
+    if path.suffix.lower() == ".parquet":
+        return True
+    with path.open("rb") as file:
+        file.seek(-1, os.SEEK_END)
+        return file.read() in {b"\n", b"\r"}
 
 
 def read_recording(file: RecordingFile) -> Recording:

@@ -102,6 +102,29 @@ def test_no_least_step_names_the_steps_that_are_off() -> None:
     assert "moves 4, 5 are off by more than 50 %" in flag.text
 
 
+@pytest.mark.parametrize(
+    ("factor", "mistake"),
+    [
+        (2.0, "the stated spacing is half of the real one"),
+        (0.5, "the stated spacing is twice the real one"),
+        (25.4, "inches were taken for mm"),
+        (180.0 / math.pi, "radians were taken for degrees"),
+    ],
+)
+def test_steps_in_a_wrong_scale_name_the_mistake(factor: float, mistake: str) -> None:
+    true = 1.0 + overtravel(1e-5, 1e-5, 3) / 100.0
+    found = evaluated(100.0 * (factor * true - 1.0))
+    assert found.least_step is None
+    (text,) = [flag.text for flag in found.flags if flag.kind == "least-step-open"]
+    assert mistake in text
+
+
+def test_steps_that_are_off_by_no_known_factor_name_no_mistake() -> None:
+    found = evaluated(100.0 * (1.3 * (1.0 + overtravel(1e-5, 1e-5, 3) / 100.0) - 1.0))
+    (text,) = [flag.text for flag in found.flags if flag.kind == "least-step-open"]
+    assert "begin with larger steps, or check spacing and unit" in text
+
+
 def test_scale_of_the_optics_widens_the_interval() -> None:
     steps = decaying_steps(COMMAND, overtravel(1e-4, 1e-6, 1))
     sure, unsure = decaying_test(steps).least_step, decaying_test(replace(steps, u_scale=0.03)).least_step

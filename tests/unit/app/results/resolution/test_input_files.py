@@ -42,6 +42,14 @@ def test_displacements_without_optics_stay_displacements(tmp_path: Path) -> None
     assert recording.position[3] == pytest.approx(3e-4)
 
 
+@pytest.mark.parametrize("cut", range(1, 9))
+def test_a_row_that_was_cut_does_not_count(tmp_path: Path, cut: int) -> None:
+    path = _recording(tmp_path, "t_s,displacement_mm", [(n / _RATE_HZ, 12.345678) for n in range(50)])
+    path.write_bytes(path.read_bytes()[:-cut])
+    recording = read_recording(RecordingFile(path))
+    assert recording.position.tolist() == [12.345678] * 49
+
+
 def test_angles_are_read_in_degrees(tmp_path: Path) -> None:
     recording = read_recording(
         RecordingFile(_recording(tmp_path, "t_s,angle_deg", [(0.0, 0.0), (0.01, 180.0)]))
