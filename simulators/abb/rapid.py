@@ -21,6 +21,10 @@ _TOKEN = re.compile(
 )
 
 
+_LARGEST_NUM = float(np.finfo(np.float32).max)
+"""Of a num, which has 32 bits."""
+
+
 class ValueTextError(Exception):
     """A text is no value of the type."""
 
@@ -82,7 +86,10 @@ def _read(text: str, start: int) -> tuple[Value, int]:
     if found[2]:
         return found[2] == "TRUE", found.end()
     if found[4]:
-        return single(float(found[4])), found.end()
+        value = float(found[4])
+        if abs(value) > _LARGEST_NUM:
+            raise ValueTextError
+        return single(value), found.end()
     if len(found[3]) > _LONGEST_TEXT:
         raise ValueTextError
     return found[3].replace('""', '"'), found.end()

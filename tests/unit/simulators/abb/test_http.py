@@ -93,6 +93,12 @@ def test_nums_keep_their_32_bits(value: float) -> None:
     assert parsed(value_text(value), 0.0) == value
 
 
+@pytest.mark.parametrize("text", ["3.5E38", "-1E100", "1E999"])
+def test_a_number_beyond_32_bits_is_no_num(text: str) -> None:
+    with pytest.raises(ValueTextError):
+        parsed(text, 0.0)
+
+
 @given(st.text(max_size=40))
 def test_no_text_breaks_a_value(text: str) -> None:
     try:
