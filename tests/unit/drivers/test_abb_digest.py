@@ -83,9 +83,11 @@ def test_the_digest_among_challenges_is_taken() -> None:
 @given(st.text(max_size=100))
 def test_no_challenge_is_more_than_a_protocol_error(text: str) -> None:
     try:
-        Digest(f"Digest {text}", Login("u", "p"), "c").proof("GET", "/", ahead=1)
+        proof = Digest(f"Digest {text}", Login("u", "p"), "c").proof("GET", "/", ahead=1)
     except ProtocolError:
         return
+    assert proof.startswith("Digest ")
+    assert "\n" not in proof
 
 
 @given(st.lists(st.integers(0, len(TRAFFIC)), max_size=12))

@@ -109,7 +109,7 @@ def test_what_is_no_number_is_garbage(value: str) -> None:
 @given(st.binary(max_size=300))
 def test_random_bytes_are_an_answer_or_garbage(data: bytes) -> None:
     with contextlib.suppress(ProtocolError):
-        codec.AnswerDecoder(7).feed(data)
+        assert codec.AnswerDecoder(7).feed(data) is None
 
 
 NESTED = b'\r\n {"a": {"b": "}\\"{["}, "c": [1, [2]]}'

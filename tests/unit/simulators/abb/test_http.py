@@ -102,9 +102,10 @@ def test_a_number_beyond_32_bits_is_no_num(text: str) -> None:
 @given(st.text(max_size=40))
 def test_no_text_breaks_a_value(text: str) -> None:
     try:
-        parsed(text, GOAL)
+        value = parsed(text, GOAL)
     except ValueTextError:
         return
+    assert type(value) is type(GOAL)
 
 
 def test_the_handshake_is_that_of_the_standard() -> None:
