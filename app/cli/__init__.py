@@ -68,9 +68,19 @@ def _options(
         bool,
         typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version and exit."),
     ] = False,
+    login: Annotated[
+        bool,
+        typer.Option(
+            "--login", help="Ask for user and password of controllers that want them; nothing keeps them."
+        ),
+    ] = False,
 ) -> None:
     # Its callback has shown it.
     del version
+    if login:
+        from catseye.app.cli.login import ask_logins
+
+        ask_logins()
 
 
 def main() -> None:

@@ -18,7 +18,7 @@ from catseye.drivers.abb.halt import STILL_DEG, AbbStopper, joints_of
 from catseye.drivers.abb.masking import masked
 from catseye.drivers.abb.orders import Orders
 from catseye.drivers.abb.service import Cookies, Service
-from catseye.drivers.abb.settings import AbbSettings, login_of
+from catseye.drivers.abb.settings import FACTORY, PASSWORD_VARIABLE, USER_VARIABLE, AbbSettings, login_of
 from catseye.drivers.abb.state import status_of
 from catseye.drivers.abb.values import JOINTS, number_of
 from catseye.drivers.links.endpoint import open_transport
@@ -28,7 +28,7 @@ from catseye.drivers.links.link import uninterrupted
 from catseye.drivers.links.stops import Stops, StopWatch
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.device import Examination, Identity, Sink
+from catseye.drivers.roles.device import Examination, Identity, LoginVariables, Sink
 from catseye.drivers.roles.errors import (
     DeviceError,
     LinkError,
@@ -60,6 +60,7 @@ class AbbRws(Robot):
     Settings: ClassVar[type[AbbSettings]] = AbbSettings
     summary: ClassVar[str] = "ABB IRC5 controller by Robot Web Services 1.0 and the module CATSABB"
     abilities: ClassVar[RobotAbilities] = RobotAbilities(takes_guard=True, numbers_alarms=False)
+    login_variables: ClassVar[LoginVariables] = LoginVariables(USER_VARIABLE, PASSWORD_VARIABLE, FACTORY.user)
 
     def __init__(
         self,

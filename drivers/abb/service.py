@@ -231,7 +231,7 @@ class Service:
         if answer.status == _UNAUTHORISED:
             raise RefusedError(
                 f"{self.where}: user or password is wrong: set {USER_VARIABLE} and {PASSWORD_VARIABLE} in the "
-                "environment of this program",
+                "environment of this program, or call catseye --login before the command",
                 number,
             )
         if answer.status == _FULL:

@@ -50,15 +50,32 @@ class Examination:
     advice: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class LoginVariables:
+    """Variables of the environment in which a driver looks for user and password.
+
+    Attributes:
+        user: name of the variable with the user.
+        password: name of the variable with the password.
+        factory_user: what the maker calls the user of a new instrument.
+    """
+
+    user: str
+    password: str
+    factory_user: str
+
+
 class Device(Protocol):
     """An instrument on a link.
 
     Attributes:
         protocols: that the driver speaks, as emulators are called, by the endpoints that `at` takes; None for one of
             the driver's own name on its only endpoint.
+        login_variables: of an instrument that asks for user and password; None for one that does not.
     """
 
     protocols: ClassVar[Mapping[str, str] | None] = None
+    login_variables: ClassVar[LoginVariables | None] = None
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -91,11 +108,13 @@ class DriverClass(Protocol):
         role: what it is a driver of.
         summary: one line for the wizard: maker, model, link.
         protocols: see `Device`.
+        login_variables: see `Device`.
         Settings: pydantic model of its settings; unknown keys are refused.
     """
 
     role: ClassVar[Role]
     protocols: ClassVar[Mapping[str, str] | None]
+    login_variables: ClassVar[LoginVariables | None]
     summary: ClassVar[str]
     Settings: ClassVar[type[Any]]
 

@@ -119,7 +119,7 @@ def test_steps_in_a_wrong_scale_name_the_mistake(factor: float, mistake: str) ->
     assert mistake in text
 
 
-def test_steps_that_are_off_by_no_known_factor_name_no_mistake() -> None:
+def test_an_unknown_factor_names_no_mistake() -> None:
     found = evaluated(100.0 * (1.3 * (1.0 + overtravel(1e-5, 1e-5, 3) / 100.0) - 1.0))
     (text,) = [flag.text for flag in found.flags if flag.kind == "least-step-open"]
     assert "begin with larger steps, or check spacing and unit" in text
