@@ -16,6 +16,7 @@ from catseye.procedures.kit.errors import OutOfReachError, PlanError, PlanLimitE
 from catseye.procedures.kit.motion.clear_way import require_clear_way
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
+from catseye.procedures.serial_arm.ballbar_body import require_clear_bar
 from catseye.procedures.serial_arm.ballbar_plan import BallbarPlan, BarPath
 from catseye.procedures.serial_arm.ballbar_run import BallbarReading, BallbarRun
 from catseye.procedures.serial_arm.before import BAR_TEXTS, SPANNING
@@ -136,6 +137,7 @@ def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str
     if wrong := [text for pose in commands for text in out_of_range(bench.arm.axes, pose)]:
         raise PlanLimitError(f"{name}: {wrong[0]}: choose smaller ranges of azimuth and elevation")
     require_clear_way((rest, *commands, rest), bench)
+    require_clear_bar(bench, ballbar, bench.target(name), commands)
     measured = tuple(number for number, one in enumerate(path) if one.measured)
     return BarPath(name, commands, measured, tuple(found.deviation_mm.tolist()))
 
