@@ -58,7 +58,7 @@ def axis_section(reader: RunReader) -> Section:
 
 def _line(row: Row) -> tuple[Cell, ...]:
     hidden = row["hidden"]
-    values = row | {"hidden": len(hidden) if isinstance(hidden, list) else 0}
+    values = {**row, "hidden": len(hidden) if isinstance(hidden, list) else 0}
     found = (values[column.key] for column in _COLUMNS)
     return tuple(value if isinstance(value, str | int | float) else None for value in found)
 
