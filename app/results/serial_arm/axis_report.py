@@ -36,7 +36,7 @@ _COLUMNS = (
     Column("radius_mm", "radius", "mm", _MM),
     Column("tangential_range_mm", "tangential range", "mm", _MM),
     Column("angular_range_deg", "angular range", "deg", _DEG),
-    Column("backlash_deg", "backlash", "deg", fixed(4, signed=True)),
+    Column("backlash_deg", "mean backlash", "deg", fixed(4, signed=True)),
     Column("radial_std_mm", "radial std", "mm", _MM),
     Column("axial_std_mm", "axial std", "mm", _MM),
     Column("hidden", "hidden", "", COUNT),

@@ -15,7 +15,7 @@ _MM = fixed(4)
 _SIGNED = fixed(4, signed=True)
 
 _ABOUT = (
-    "Repeatability: standard deviation of the place within a face. Two faces: distance between the means of both.",
+    "Scatter of repeats: standard deviation of the place within a face. Two faces: distance between the means of both.",
     "Error of length: measured less that of the certificate or of the tool's file.",
 )
 
@@ -34,7 +34,7 @@ def instrument_section(reader: RunReader) -> Section:
 def _nests(results: Sequence[Row]) -> Table:
     columns = (
         Column("nest", "nest"),
-        Column("repeatability_mm", "repeatability", "mm", _MM),
+        Column("repeatability_mm", "scatter of repeats", "mm", _MM),
         Column("two_face_mm", "two faces", "mm", _MM),
     )
     rows = tuple(
