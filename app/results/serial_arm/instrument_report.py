@@ -15,7 +15,7 @@ _MM = fixed(4)
 _SIGNED = fixed(4, signed=True)
 
 _ABOUT = (
-    "Scatter of repeats: standard deviation of the place within a face. Two faces: distance between the means of both.",
+    "Scatter of repeats: standard deviation of the place within a face. Two faces: distance of the means of both.",
     "Error of length: measured less that of the certificate or of the tool's file.",
 )
 
