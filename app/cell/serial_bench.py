@@ -73,4 +73,6 @@ def _ballbar(cell: Cell) -> Ballbar | None:
     if cell.ballbar is None:
         return None
     stated = cell.ballbar
-    return Ballbar(stated.length_mm, stated.range_mm, stated.u_length_mm, point_of(stated.centre_mm))
+    return Ballbar(
+        stated.length_mm, stated.range_mm, stated.u_length_mm, point_of(stated.centre_mm), stated.radius_mm
+    )

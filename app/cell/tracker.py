@@ -65,3 +65,5 @@ class Ballbar(Section):
     u_length_mm: NotNegative = 0.001
     # The fixed cup in the frame of the arm's base; a calibrated arm finds out more exactly.
     centre_mm: Triple
+    # Of its body; ASSUMED, since no maker's figure is known: measure the thickest part.
+    radius_mm: Positive = 15.0

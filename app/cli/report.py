@@ -66,6 +66,7 @@ def _report_of_run(name: str, runs: Path | None, *, unverified: bool) -> "Report
     from catseye.app.results.resolution.recorded_runs import holds_tests
     from catseye.app.results.resolution.result_report import resolution_run_report
     from catseye.app.results.scara.run_report import run_report
+    from catseye.app.results.serial_arm.run_report import is_on_serial_arm, serial_run_report
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
     from catseye.app.store.unverified import taken_as_it_is
@@ -75,4 +76,6 @@ def _report_of_run(name: str, runs: Path | None, *, unverified: bool) -> "Report
     with taken_as_it_is(reader):
         if holds_tests(reader):
             return resolution_run_report(reader)
+        if is_on_serial_arm(reader):
+            return serial_run_report(reader)
         return run_report(reader, path.parent)

@@ -15,13 +15,15 @@ def show(
     """Show a run's timeline: what, with which devices, what happened, how it ended."""
     from catseye.app.results.runs.documents import run_document
     from catseye.app.results.runs.reports import story_report
+    from catseye.app.results.serial_arm.run_report import found_sections
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
     from catseye.app.store.unverified import taken_as_it_is
 
     reader = RunReader(resolve_run(runs_folder(runs), run), accept(unverified=unverified))
     with taken_as_it_is(reader):
+        found = found_sections(reader)
         if as_json:
-            write_json(run_document(reader).model_dump(mode="json"))
+            write_json(run_document(reader, found).model_dump(mode="json"))
         else:
-            write_line(report_text(story_report(reader)))
+            write_line(report_text(story_report(reader, found)))

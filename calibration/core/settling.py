@@ -11,7 +11,7 @@ from catseye.calibration.core.types import Floats
 
 TEN_MINUTES_S = 600.0
 
-_FEWEST = 4
+FEWEST_VISITS = 4
 """Fewer visits leave no degrees of freedom worth the name to a straight line."""
 
 
@@ -63,7 +63,7 @@ def drift_rate(time_s: Floats, length_mm: Floats) -> DriftRate | None:
         length_mm: distances that share a zero, mm, shape (n,).
     """
     _require_visits(time_s, length_mm)
-    if time_s.size < _FEWEST or np.ptp(time_s) <= 0.0:
+    if time_s.size < FEWEST_VISITS or np.ptp(time_s) <= 0.0:
         return None
     from_mean = time_s - time_s.mean()
     square = float(from_mean @ from_mean)
@@ -88,7 +88,7 @@ def settling(time_s: Floats, length_mm: Floats) -> Settling | None:
     from scipy import special
 
     _require_visits(time_s, length_mm)
-    if time_s.size < _FEWEST + 2 or np.ptp(time_s) <= 0.0:
+    if time_s.size < FEWEST_VISITS + 2 or np.ptp(time_s) <= 0.0:
         return None
     span = float(np.ptp(time_s))
     since = time_s - time_s.min()

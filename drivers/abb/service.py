@@ -186,7 +186,9 @@ class Service:
 
     def _arm(self, *, ahead: int) -> None:
         if self._guarded is not None:
-            self._guarded.protect(self._encoded(names.STOP, ahead=ahead))
+            # A session outlives the program that dies, and nobody else gets an order through before it ends.
+            release = self._encoded(names.RELEASE_MASTERSHIP, ahead=ahead + 1)
+            self._guarded.protect(self._encoded(names.STOP, ahead=ahead) + release)
 
     def _encoded(self, request: Request, *, ahead: int) -> bytes:
         headers = self._cookies.headers

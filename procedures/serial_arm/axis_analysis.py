@@ -5,6 +5,7 @@ from functools import partial
 from typing import Annotated
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
 from catseye.calibration.serial_arm.circles import AxisErrors, axis_errors
@@ -24,7 +25,11 @@ from catseye.procedures.serial_arm.pose_plan import PoseFinder
 from catseye.procedures.serial_arm.records import MeasuredTarget
 from catseye.procedures.serial_arm.turning import Turned, turned
 
+Floats = NDArray[np.float64]
 Degrees = Annotated[float, Field(ge=-720.0, le=720.0)]
+
+STEP = "axis/"
+"""Before the name of the joint in the name of the step that turns it."""
 
 _TRIED = 60
 """Ways of standing among which the one is chosen from which a joint turns farthest in sight."""
@@ -103,7 +108,7 @@ class AxisAnalysis(Procedure):
         time = BenchTime(ctx, sum(map(plan.turn_s, plan.turns)))
         for turn in plan.turns:
             await ctx.step(
-                f"axis/{turn.name}", f"{turn.name} by itself", partial(_measured, ctx, plan, turn, time)
+                f"{STEP}{turn.name}", f"{turn.name} by itself", partial(_measured, ctx, plan, turn, time)
             )
             time.passed(plan.turn_s(turn), 0.0, turn.name)
 
@@ -120,11 +125,7 @@ async def _measured(ctx: Context, plan: AxisPlan, turn: Turn, time: BenchTime) -
 
 def figures_of(turn: Turn, seen: Turned) -> Row:
     """Return a line of Table III."""
-    # The errors count from where the joint stands at 0, as in the paper, or from the middle of what it shows.
-    at = (
-        0.0 if seen.command_deg.min() <= 0.0 <= seen.command_deg.max() else float(np.median(seen.command_deg))
-    )
-    found: AxisErrors = axis_errors(seen.command_deg, seen.place_mm, seen.from_below, at)
+    found = errors_about_axis(seen.command_deg, seen.place_mm, seen.from_below)
     return {
         "joint": turn.name,
         "target": turn.target,
@@ -138,6 +139,18 @@ def figures_of(turn: Turn, seen: Turned) -> Row:
         "axial_std_mm": float(found.axial_mm.std()),
         "hidden": list(seen.hidden),
     }
+
+
+def errors_about_axis(command_deg: Floats, place_mm: Floats, from_below: NDArray[np.bool_]) -> AxisErrors:
+    """Return errors that count from the joint at 0, as in the paper, or from the middle of what it shows.
+
+    Args:
+        command_deg: of the joint, shape (n,).
+        place_mm: of the target, shape (n, 3).
+        from_below: the joint came by a positive motion, shape (n,).
+    """
+    at = 0.0 if command_deg.min() <= 0.0 <= command_deg.max() else float(np.median(command_deg))
+    return axis_errors(command_deg, place_mm, from_below, at)
 
 
 def _joints(bench: SerialBench, names: list[str]) -> list[int]:

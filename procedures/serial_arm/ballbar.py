@@ -1,7 +1,7 @@
 """A telescopic ballbar between a fixed cup and nests of the tool (six-axis paper, section 6.3, Table XII)."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -16,6 +16,7 @@ from catseye.procedures.kit.errors import OutOfReachError, PlanError, PlanLimitE
 from catseye.procedures.kit.motion.clear_way import require_clear_way
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
+from catseye.procedures.serial_arm.ballbar_body import require_clear_bar
 from catseye.procedures.serial_arm.ballbar_plan import BallbarPlan, BarPath
 from catseye.procedures.serial_arm.ballbar_run import BallbarReading, BallbarRun
 from catseye.procedures.serial_arm.before import BAR_TEXTS, SPANNING
@@ -97,7 +98,14 @@ def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str
     # The solver takes its time to import: whoever lists procedures does without.
     from catseye.calibration.core.errors import CalibrationError
     from catseye.calibration.serial_arm.named_values import geometry_of
-    from catseye.procedures.serial_arm.ballbar_path import compensated_path, nominal_path, sphere_path
+    from catseye.procedures.serial_arm.ballbar_path import (
+        PredictedPath,
+        SpherePoint,
+        compensated_path,
+        nominal_path,
+        refined_path,
+        sphere_path,
+    )
 
     targets = tuple(Target(one.name, one.place_mm) for one in bench.targets)
     number = bench.targets.index(bench.target(name))
@@ -106,11 +114,15 @@ def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str
     path = sphere_path(
         _steps(params.azimuth_deg, params.step_deg), _steps(params.elevation_deg, params.step_deg), towards
     )
-    nominal = nominal_path(bench, bench.target(name), centre, ballbar.length_mm, path, rest)
     try:
         arm = SerialArm(bench.workspace.chain, bench.loads, targets)
         geometry = geometry_of(arm, _values(bench, params.result))
-        found = compensated_path(geometry, number, centre, ballbar.length_mm, nominal)
+
+        def predicted(places: Sequence[SpherePoint]) -> PredictedPath:
+            nominal = nominal_path(bench, bench.target(name), centre, ballbar.length_mm, places, rest)
+            return compensated_path(geometry, number, centre, ballbar.length_mm, nominal)
+
+        path, found = refined_path(path, predicted)
     except CalibrationError as error:
         raise PlanError(f"result: {error}") from error
     limit_mm = min(params.safe_mm, ballbar.range_mm)
@@ -125,6 +137,7 @@ def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str
     if wrong := [text for pose in commands for text in out_of_range(bench.arm.axes, pose)]:
         raise PlanLimitError(f"{name}: {wrong[0]}: choose smaller ranges of azimuth and elevation")
     require_clear_way((rest, *commands, rest), bench)
+    require_clear_bar(bench, ballbar, bench.target(name), commands)
     measured = tuple(number for number, one in enumerate(path) if one.measured)
     return BarPath(name, commands, measured, tuple(found.deviation_mm.tolist()))
 

@@ -1,6 +1,6 @@
 """A path on a sphere about a fixed cup by commands of a calibrated arm, and the lengths that a bar has there."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -36,6 +36,11 @@ _ROOM_DEG: Final = 1.0
 
 _MOST_TURN_DEG: Final = 20.0
 """Of a joint between two commands: more is another way to stand there."""
+
+_STRAY_MM: Final = 0.1
+"""Between two commands; where the bar would stray farther, the path gets another place in the middle."""
+
+_MOST_HALVINGS: Final = 4
 
 _INSIDE: Final = 4
 """Places between two commands at which the length is looked at."""
@@ -224,12 +229,17 @@ class PredictedPath:
     Attributes:
         commands: shape (n, joints).
         deviation_mm: of the bar from its nominal length at each command, shape (n,).
-        largest_mm: the largest deviation at the commands and between them.
+        between_mm: its largest deviation between each command and the next, shape (n - 1,).
     """
 
     commands: Floats
     deviation_mm: Floats
-    largest_mm: float
+    between_mm: Floats
+
+    @property
+    def largest_mm(self) -> float:
+        """The largest deviation at the commands and between them."""
+        return float(np.abs(np.concatenate([self.deviation_mm, self.between_mm])).max())
 
 
 def compensated_path(
@@ -260,8 +270,45 @@ def compensated_path(
     between = found.joints[:-1, None] + shares[:, None] * np.diff(found.joints, axis=0)[:, None]
     at = lengths_mm(geometry, nest, centre_mm, found.joints) - length_mm
     inside = lengths_mm(geometry, nest, centre_mm, between.reshape(-1, nominal.shape[1])) - length_mm
-    largest = float(np.abs(np.concatenate([at, inside])).max())
-    return PredictedPath(found.joints, at, largest)
+    return PredictedPath(found.joints, at, np.abs(inside).reshape(-1, _INSIDE).max(axis=1))
+
+
+def refined_path(
+    path: Sequence[SpherePoint], predicted: Callable[[Sequence[SpherePoint]], PredictedPath]
+) -> tuple[list[SpherePoint], PredictedPath]:
+    """Return a path with more places where straight moves of the joints would leave the sphere, as predicted.
+
+    Near a stretched or a singular arm the joints turn by far more than the bar does from place to place.
+
+    Args:
+        path: with as many places as an arm in the middle of its room needs.
+        predicted: gives the commands along a path, and what the bar does there.
+
+    Raises:
+        PlanError: the arm cannot go along the path.
+    """
+    refined = list(path)
+    found = predicted(refined)
+    for _ in range(_MOST_HALVINGS):
+        stray = found.between_mm > _STRAY_MM
+        if not stray.any():
+            break
+        parts = [
+            (one, _middle(one, other)) if far else (one,)
+            for (one, other), far in zip(pairwise(refined), stray, strict=True)
+        ]
+        refined = [*(point for part in parts for point in part), refined[-1]]
+        found = predicted(refined)
+    return refined, found
+
+
+def _middle(one: SpherePoint, other: SpherePoint) -> SpherePoint:
+    return replace(
+        one,
+        azimuth_deg=0.5 * (one.azimuth_deg + other.azimuth_deg),
+        elevation_deg=0.5 * (one.elevation_deg + other.elevation_deg),
+        measured=False,
+    )
 
 
 def lengths_mm(geometry: Geometry, nest: int, centre_mm: Floats, commands: Floats) -> Floats:

@@ -81,12 +81,14 @@ class Ballbar:
         range_mm: that it lengthens and shortens by.
         u_length_mm: standard uncertainty of a length.
         centre_mm: of the fixed cup, in the frame of the arm's base, roughly.
+        radius_mm: of its body.
     """
 
     length_mm: float
     range_mm: float
     u_length_mm: float
     centre_mm: Place
+    radius_mm: float = 15.0
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,6 +25,9 @@ from catseye.procedures.serial_arm.bench import Instrument, SerialBench
 from catseye.procedures.serial_arm.records import MeasuredNest, coordinates
 from catseye.procedures.serial_arm.turning import near_mm
 
+NEST: Final = "nest/"
+"""Before the name of a nest in the name of the step that measures it."""
+
 _FACES: Final[tuple[Face, Face]] = (1, 2)
 
 _TURNS_DEG: Final = (90.0, 45.0, 135.0)
@@ -124,7 +127,7 @@ class InstrumentCheck(Procedure):
         check = _Check(ctx, plan)
         for nest in plan.bench.instrument.nests:
             await ctx.step(
-                f"nest/{nest.name}", f"nest {nest.name}", partial(check.nest, nest.name, nest.place_mm)
+                f"{NEST}{nest.name}", f"nest {nest.name}", partial(check.nest, nest.name, nest.place_mm)
             )
         for place in range(1, plan.params.bar_places + 1 if plan.params.bar_mm else 1):
             await ctx.step(f"bar/{place}", f"scale bar, place {place}", partial(check.bar, place))

@@ -5,9 +5,10 @@ from functools import partial
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.calibration.core.settling import drift_rate
+from catseye.calibration.core.settling import FEWEST_VISITS, drift_rate
 from catseye.drivers.roles.errors import HiddenTargetError
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Context
@@ -25,6 +26,11 @@ from catseye.procedures.serial_arm.pose_plan import PlannedPose, PoseFinder
 from catseye.procedures.serial_arm.records import MeasuredTarget, target_record
 from catseye.procedures.serial_arm.tracker_validation import reachable
 from catseye.procedures.serial_arm.turning import near_mm
+
+Floats = NDArray[np.float64]
+
+VISIT: Final = "visit/"
+"""Before the number of a visit in the name of its step."""
 
 _MOST_HIDDEN: Final = 5
 """Visits in a row at which the target may be hidden."""
@@ -125,7 +131,7 @@ class TrackerWarmup(Procedure):
         number = 0
         while not watch.warm and watch.elapsed_s < limit_s:
             title = f"exercise, visit {number + 1}"
-            watch.take(await ctx.step(f"visit/{number:04d}", title, partial(_visit, ctx, plan, number)))
+            watch.take(await ctx.step(f"{VISIT}{number:04d}", title, partial(_visit, ctx, plan, number)))
             _show(ctx, plan, watch, limit_s)
             number += 1
         await ctx.step("verdict", "drift at the reference pose", partial(_verdict, ctx, plan, watch))
@@ -208,17 +214,27 @@ class Watch:
         self._judge()
 
     def _judge(self) -> None:
-        window_s = 60.0 * self.plan.params.window_min
-        times = np.array([clock_s for clock_s, _ in self._series])
-        recent = times >= times[-1] - window_s
-        self.drift = None
-        if times[-1] - times[0] >= _COMPLETE * window_s:
-            places = np.array([place for _, place in self._series])[recent]
-            rates = [drift_rate(times[recent], along) for along in places.T]
-            known = [rate.um_per_10min for rate in rates if rate is not None]
-            self.drift = float(np.linalg.norm(known)) if len(known) == 3 else None
+        times, places = zip(*self._series, strict=True)
+        self.drift = drift_of(np.array(times), np.array(places), 60.0 * self.plan.params.window_min)
         below = self.drift is not None and self.drift <= self.plan.params.limit_um_per_10min
         self._below = self._below + 1 if below else 0
+
+
+def drift_of(time_s: Floats, place_mm: Floats, window_s: float) -> float | None:
+    """Return the drift over the window that ends at the last visit, µm in 10 min; None before a window is full.
+
+    Args:
+        time_s: of the visits, growing, shape (n,).
+        place_mm: of the target, shape (n, 3).
+        window_s: over which it is taken.
+    """
+    if time_s[-1] - time_s[0] < _COMPLETE * window_s or len(time_s) < FEWEST_VISITS:
+        return None
+    # Where the exercise takes long, a window holds too few visits for a slope: those before it count too.
+    recent = time_s >= min(time_s[-1] - window_s, time_s[-FEWEST_VISITS])
+    rates = [drift_rate(time_s[recent], along) for along in place_mm[recent].T]
+    known = [rate.um_per_10min for rate in rates if rate is not None]
+    return float(np.linalg.norm(known)) if len(known) == 3 else None
 
 
 def _show(ctx: Context, plan: WarmupPlan, watch: Watch, limit_s: float) -> None:

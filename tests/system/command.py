@@ -149,7 +149,8 @@ def _endpoints(cell: Path) -> list[str]:
     """Return the endpoints of a cell's devices in the order in which the emulator lists them."""
     loaded = load_cell(cell).cell
     assert loaded.tracker is not None
-    return [*(device.endpoint for device in emulated_devices(loaded)), loaded.tracker.endpoint]
+    control = loaded.tracker.control or loaded.tracker.endpoint
+    return [*(device.endpoint for device in emulated_devices(loaded)), control]
 
 
 def last_run(folder: Path, procedure: str) -> str:

@@ -68,11 +68,17 @@ class Story:
 
     Attributes:
         bench: what it runs on.
+        begin: words of the command that begins the run.
+        table: of its points.
+        key: columns that tell one command from another.
         path: of the run, once there is one.
         lives: one after the other.
     """
 
     bench: Emulated
+    begin: tuple[str, ...] = ("run", "open-loop", "--speed", "400")
+    table: str = "points"
+    key: tuple[str, ...] = POINT_KEY
     path: Path | None = None
     lives: list[Process] = field(default_factory=list)
     _done: list[str] = field(default_factory=list)
@@ -103,7 +109,7 @@ class Story:
         """
         if self.path is None:
             known = {run.path for run in list_runs(self.folder / "catseye-runs")}
-            words = ["run", "open-loop", "--cell", str(self.bench.cell), "--speed", "400"]
+            words = [*self.begin, "--cell", str(self.bench.cell)]
         else:
             known = set()
             words = ["resume", str(self.path)]
@@ -117,7 +123,7 @@ class Story:
         ):
             returncode, events = _until_its_end(process, lines, moment, number)
             said.seek(0)
-            life = _life(returncode, events, said.read().decode())
+            life = _life(returncode, events, said.read().decode(), self.key)
         self.lives.append(life)
         if self.path is None:
             new = [run.path for run in list_runs(self.folder / "catseye-runs") if run.path not in known]
@@ -142,16 +148,16 @@ class Story:
         assert done[: len(self._done)] == self._done, "a step that was done is gone"
         assert set(life.steps) <= set(done), "a step that was reported as done is not stored"
         reported = {command for each in self.lives for command in each.points}
-        stored = commands(reader)
+        stored = commands(reader, self.table, self.key)
         assert reported <= set(stored), "a point that was reported is not stored"
         assert len(stored) == len(set(stored)), "a point is stored twice"
         assert verify(reader.path).problems == ()
         self._done = done
 
 
-def commands(reader: RunReader) -> list[Command]:
+def commands(reader: RunReader, table: str = "points", key: tuple[str, ...] = POINT_KEY) -> list[Command]:
     """Return which command each stored point was measured at."""
-    return [_command(row) for row in reader.rows("points")]
+    return [_command(row, key) for row in reader.rows(table)]
 
 
 def differences_mm(reader: RunReader, reference: RunReader) -> list[float]:
@@ -168,8 +174,8 @@ def differences_mm(reader: RunReader, reference: RunReader) -> list[float]:
     return [value - sum(each) / len(each) for each in segments.values() for value in each]
 
 
-def _command(row: Mapping[str, Any]) -> Command:
-    return tuple(row[key] for key in POINT_KEY)
+def _command(row: Mapping[str, Any], key: tuple[str, ...] = POINT_KEY) -> Command:
+    return tuple(row[name] for name in key)
 
 
 def _number(value: object) -> float:
@@ -200,8 +206,10 @@ def _until_its_end(
         return process.wait(HANG_S), events
 
 
-def _life(returncode: int, events: list[dict[str, Any]], stderr: str) -> Process:
-    points = [_command(event["point"]) for event in events if event["event"] == "point"]
+def _life(
+    returncode: int, events: list[dict[str, Any]], stderr: str, key: tuple[str, ...] = POINT_KEY
+) -> Process:
+    points = [_command(event["point"], key) for event in events if event["event"] == "point"]
     steps = [str(event["step"]) for event in events if event["event"] == "step-done"]
     return Process(returncode, points, steps, stderr, len(events))
 

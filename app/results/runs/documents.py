@@ -1,10 +1,12 @@
 """Stored runs as `catseye runs`, `show` and `verify` write them with --json."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from pydantic import BaseModel, Field
 
 from catseye.app.errors import StorageError
+from catseye.app.results.model import Section, Table
 from catseye.app.results.runs.timeline import timeline
 from catseye.app.store.catalog import RunSummary
 from catseye.app.store.reader import Accept, RunReader
@@ -61,6 +63,7 @@ class RunDocument(BaseModel):
         meta: what it says about itself.
         counts: rows by table.
         results: of steps that return more than rows, by step.
+        found: rows of the tables of what the run found, by table; empty where its procedure has none.
         events: everything that happened.
         prompts: questions and answers.
         resumable: it can go on.
@@ -74,6 +77,7 @@ class RunDocument(BaseModel):
     meta: dict[str, Any]
     counts: dict[str, int]
     results: dict[str, Any]
+    found: dict[str, list[dict[str, Any]]] = {}
     events: list[EventEntry]
     prompts: list[dict[str, Any]]
     resumable: bool
@@ -112,8 +116,12 @@ def run_entry(summary: RunSummary) -> RunEntry:
     )
 
 
-def run_document(reader: RunReader) -> RunDocument:
-    """Return what a run keeps."""
+def run_document(reader: RunReader, found: Sequence[Section] = ()) -> RunDocument:
+    """Return what a run keeps.
+
+    Args:
+        found: what the run found, whose tables are listed.
+    """
     counted = ("steps", *(table.name for table in reader.tables()), "events")
     return RunDocument(
         run=reader.path.name,
@@ -122,12 +130,22 @@ def run_document(reader: RunReader) -> RunDocument:
         meta=dict(reader.meta),
         counts={name: reader.count(name) for name in counted},
         results={step.step_id: step.result for step in reader.steps() if step.row_count == 0 and step.result},
+        found={table.key: _rows(table) for table in _tables(found)},
         events=[EventEntry(t=event.time_utc, kind=event.kind, data=event.data) for event in reader.events()],
         prompts=reader.prompts(),
         resumable=not why_not_resumable(reader),
         unverified=list(reader.unverified),
         story=[MomentEntry(t=moment.time_utc, text=moment.text) for moment in timeline(reader)],
     )
+
+
+def _tables(sections: Sequence[Section]) -> list[Table]:
+    return [block for one in sections for block in one.blocks if isinstance(block, Table)]
+
+
+def _rows(table: Table) -> list[dict[str, Any]]:
+    keys = [column.key for column in table.columns]
+    return [dict(zip(keys, row, strict=True)) for row in table.rows]
 
 
 def verification_document(run: str, verification: Verification) -> VerificationDocument:

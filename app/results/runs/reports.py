@@ -33,8 +33,12 @@ def list_report(runs: Sequence[RunEntry]) -> Report:
     return Report("Runs", origin_now(), (section("runs", "Runs", [table], brief=True),))
 
 
-def story_report(reader: RunReader) -> Report:
-    """Return summary and timeline of a run, one section a day."""
+def story_report(reader: RunReader, found: Sequence[Section] = ()) -> Report:
+    """Return summary and timeline of a run, one section a day.
+
+    Args:
+        found: what the run found, between both.
+    """
     days = groupby(timeline(reader), key=lambda moment: moment.time_utc[:10])
     sections = [
         _timeline_section(day, [(_time_of_day(moment.time_utc), moment.text) for moment in moments])
@@ -43,7 +47,7 @@ def story_report(reader: RunReader) -> Report:
     return Report(
         f"{reader.path.name}: {reader.status}",
         origin_now(simulated=bool(reader.meta.get("simulated")), unverified=reader.unverified),
-        (section("summary", "Summary", [Entries(tuple(summary(reader)))], brief=True), *sections),
+        (section("summary", "Summary", [Entries(tuple(summary(reader)))], brief=True), *found, *sections),
     )
 
 

@@ -343,6 +343,28 @@ async def test_the_guards_bytes_stop_the_arm_at_any_moment(options: dict[str, Op
         assert not guard.names
 
 
+async def test_the_guards_bytes_release_mastership_of_a_dead_program() -> None:
+    guard = RecordingGuard()
+    async with abb_bench(options=STRICT) as bench:
+        endpoint = bench.endpoints[0].endpoint
+        dead, other = (AbbRws.at(endpoint, SystemClock(), guard=one) for one in (guard, None))
+        one = Rig(bench, dead)
+        try:
+            await dead.connect()
+            await other.connect()
+            motion = await one.away()
+            guard.write_stop("stop")
+            await failed(motion)
+            asked = one.asked("POST /rw/")
+            stop = next(at for at, text in enumerate(asked) if "execution?action=stop" in text)
+            assert "mastership/rapid?action=release" in asked[stop + 1]
+            await other.set_override(50)
+            await other.move_joints(BENT)
+        finally:
+            await dead.close()
+            await other.close()
+
+
 def test_nothing_stops_the_arm_without_a_login() -> None:
     assert AbbRws.stop_request(AbbSettings()) is None
 

@@ -78,6 +78,17 @@ def test_between_commands_the_bar_stays_in_range() -> None:
     assert np.abs(lengths(true_chain(), between) - 300.0).max() < 0.2
 
 
+def test_a_bent_elbow_keeps_the_bar_near_the_sphere() -> None:
+    aside = BallbarParams(result=RESULT, **{**SMALL, "azimuth_deg": [-90.0, -60.0]})
+    (path,) = BallbarTest().plan(BENCH, aside).paths
+    commands = np.array(path.commands)
+    between = np.concatenate(
+        [commands[:-1] + share * np.diff(commands, axis=0) for share in (0.25, 0.5, 0.75)]
+    )
+    assert np.abs(lengths(true_chain(), between) - 300.0).max() < 0.11
+    assert len(path.measured) == 6
+
+
 def test_neighbours_on_the_path_are_near() -> None:
     path = sphere_path([-20.0, 0.0, 20.0], [50.0, 70.0], 180.0)
     apart = [

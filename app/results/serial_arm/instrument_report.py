@@ -1,0 +1,88 @@
+"""What an instrument is worth: Table V and section 2 of the six-axis paper, from a run of instrument-check."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from catseye.app.results.model import Bullets, Cell, Column, Section, Table, section
+from catseye.app.results.numbers import COUNT, fixed
+from catseye.app.store.reader import RunReader
+from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.stored import number_of
+from catseye.procedures.serial_arm.instrument_check import NEST, CheckedLength
+
+_MM = fixed(4)
+_SIGNED = fixed(4, signed=True)
+
+_ABOUT = (
+    "Scatter of repeats: standard deviation of the place within a face. Two faces: distance of the means of both.",
+    "Error of length: measured less that of the certificate or of the tool's file.",
+)
+
+
+def instrument_section(reader: RunReader) -> Section:
+    """Return nests and lengths of a check of an instrument; nothing of another run."""
+    nests = [step.result for step in reader.steps() if step.step_id.startswith(NEST)]
+    lengths = reader.rows(CheckedLength.table)
+    blocks = [_nests(nests), _kinds(lengths), _lengths(lengths)]
+    tables = [table for table in blocks if table.rows]
+    if not tables:
+        return section("instrument", "Instrument", [])
+    return section("instrument", "Instrument", [*tables, Bullets("", _ABOUT)], brief=True)
+
+
+def _nests(results: Sequence[Row]) -> Table:
+    columns = (
+        Column("nest", "nest"),
+        Column("repeatability_mm", "scatter of repeats", "mm", _MM),
+        Column("two_face_mm", "two faces", "mm", _MM),
+    )
+    rows = tuple(
+        (str(row["nest"]), number_of(row, "repeatability_mm"), _known(row, "two_face_mm"))
+        for row in results
+        if not row["hidden"]
+    )
+    return Table("nests", "Fixed nests", columns, rows)
+
+
+def _known(row: Row, key: str) -> float | None:
+    return None if row[key] is None else number_of(row, key)
+
+
+def _kinds(lengths: Sequence[Row]) -> Table:
+    """Return the errors of length of the scale bar and of the tool, summed up."""
+    columns = (
+        Column("what", "standard"),
+        Column("n", "lengths", "", COUNT),
+        Column("mean_mm", "mean error", "mm", _SIGNED),
+        Column("std_mm", "standard deviation", "mm", _MM),
+        Column("max_mm", "largest", "mm", _MM),
+    )
+    rows: list[tuple[Cell, ...]] = []
+    for what in dict.fromkeys(str(row["what"]) for row in lengths):
+        errors = np.array([number_of(row, "error_mm") for row in lengths if row["what"] == what])
+        rows.append(
+            (what, len(errors), float(errors.mean()), float(errors.std()), float(np.abs(errors).max()))
+        )
+    return Table("length-errors", "Errors of length", columns, tuple(rows))
+
+
+def _lengths(lengths: Sequence[Row]) -> Table:
+    columns = (
+        Column("ends", "length"),
+        Column("what", "standard"),
+        Column("laid", "place", "", COUNT),
+        Column("measured_mm", "measured", "mm", _MM),
+        Column("reference_mm", "known", "mm", _MM),
+        Column("error_mm", "error", "mm", _SIGNED),
+    )
+    rows: tuple[tuple[Cell, ...], ...] = tuple(
+        (
+            f"{row['from_point']}–{row['to_point']}",
+            str(row["what"]),
+            int(number_of(row, "laid")) or None,
+            *(number_of(row, key) for key in ("measured_mm", "reference_mm", "error_mm")),
+        )
+        for row in lengths
+    )
+    return Table("lengths", "Lengths", columns, rows)

@@ -1,0 +1,90 @@
+"""The drift of a serial arm while it warms up, against its limit, from a run of tracker-warmup."""
+
+import numpy as np
+
+from catseye.app.results.figures import Axis, Figure, Level, Panel, Points, Role
+from catseye.app.results.model import Cell, Column, Section, Sign, Statement, Table, section
+from catseye.app.results.numbers import fixed
+from catseye.app.store.reader import RunReader
+from catseye.calibration.core.types import Floats
+from catseye.procedures.kit.records import Row
+from catseye.procedures.kit.stored import number_of, numbers_of
+from catseye.procedures.serial_arm.tracker_warmup import VISIT, TrackerWarmup, WarmupParams, drift_of
+
+_COLUMNS = (
+    Column("visit", "visit"),
+    Column("elapsed_min", "time", "min", fixed(1)),
+    Column("moved_um", "moved since the first", "µm", fixed(1)),
+    Column("drift_um_per_10min", "drift", "µm/10 min", fixed(1)),
+)
+
+
+def warmup_section(reader: RunReader) -> Section:
+    """Return the drift at each visit of a warm-up, its curve with the limit; nothing of another run."""
+    if reader.meta.get("procedure") != TrackerWarmup.name:
+        return section("warm-up", "Warm-up", [])
+    params = WarmupParams.model_validate(reader.meta["params"])
+    visits = _last_stretch([step.result for step in reader.steps() if step.step_id.startswith(VISIT)])
+    if not visits:
+        return section("warm-up", "Warm-up", [])
+    time_s = np.array([number_of(row, "clock_s") for row in visits])
+    places = np.array([numbers_of(row, "place_mm") for row in visits])
+    window_s = 60.0 * params.window_min
+    drifts = [drift_of(time_s[:n], places[:n], window_s) for n in range(1, len(visits) + 1)]
+    minutes = (time_s - time_s[0]) / 60.0
+    moved_um = 1e3 * np.linalg.norm(places - places[0], axis=1)
+    rows: tuple[tuple[Cell, ...], ...] = tuple(
+        (f"{number}", float(minute), float(moved), drift)
+        for number, (minute, moved, drift) in enumerate(zip(minutes, moved_um, drifts, strict=True), 1)
+    )
+    known = np.array([np.nan if drift is None else drift for drift in drifts])
+    figure = _figure(minutes, moved_um, known, params.limit_um_per_10min)
+    table = Table("warm-up", "Visits of the reference pose", _COLUMNS, rows)
+    return section("warm-up", "Warm-up", [_verdict(reader.result("verdict")), table, figure], brief=True)
+
+
+def _last_stretch(visits: list[Row]) -> list[Row]:
+    """Return the visits at which the target was seen, since the clock began anew in the last process."""
+    found: list[Row] = []
+    for row in visits:
+        if found and number_of(row, "clock_s") <= number_of(found[-1], "clock_s"):
+            found = []
+        if row["place_mm"] is not None:
+            found.append(row)
+    return found
+
+
+def _verdict(row: Row | None) -> Statement:
+    if row is None:
+        return Statement(Sign.ATTENTION, "The run ended before the arm was warm.")
+    after = f"after {number_of(row, 'elapsed_min'):.0f} min"
+    limit = f"the limit is {number_of(row, 'limit_um_per_10min'):g} µm in 10 min"
+    if row["drift_um_per_10min"] is None:
+        return Statement(Sign.BAD, f"Not warm: {after} the drift is not known, {limit}.")
+    drift = f"the drift is {number_of(row, 'drift_um_per_10min'):.1f}"
+    if row["warm"]:
+        return Statement(Sign.GOOD, f"Warm: {after} {drift}, {limit}.")
+    return Statement(Sign.BAD, f"Not warm: {after} {drift}, {limit}.")
+
+
+def _figure(minutes: Floats, moved_um: Floats, drift: Floats, limit: float) -> Figure:
+    known = np.isfinite(drift)
+    time = Axis("time / min")
+    panels = (
+        (Panel("place", time, Axis("moved / µm"), (Points(minutes, moved_um, Role.POSITIVE, joined=True),)),),
+        (
+            Panel(
+                "drift",
+                time,
+                Axis("drift / (µm/10 min)", low=0.0),
+                (
+                    Points(minutes[known], drift[known], Role.CHANGE, joined=True),
+                    Level(limit, Role.EXPECTED, dash="dashed"),
+                ),
+            ),
+        ),
+    )
+    caption = (
+        "What the target has moved since its first visit, and its drift over the window; dashed: the limit."
+    )
+    return Figure("warm-up", "Drift while warming up", caption, panels, aspect=0.7)
