@@ -26,6 +26,9 @@ _U: Final = ("u_x_mm", "u_y_mm", "u_z_mm")
 _ANGLES: Final = ("rx_deg", "ry_deg", "rz_deg")
 _COVARIANCES: Final = {"cov_xy_mm2": (0, 1), "cov_xz_mm2": (0, 2), "cov_yz_mm2": (1, 2)}
 
+_AT_POSES: Final = ("pose/", "again/")
+"""How the ids of steps begin that measure targets at poses, each approached from below on every axis."""
+
 _U_NEST_MM: Final = 0.03
 """Of a coordinate where the instrument states none: Table V of the six-axis paper, laser tracker."""
 
@@ -40,16 +43,23 @@ def has_targets(reader: RunReader) -> bool:
     return bool(reader.count(MeasuredTarget.table))
 
 
+def has_pose_targets(reader: RunReader) -> bool:
+    """Return whether a run has measured targets at poses that an arm can be calibrated with."""
+    return bool(_pose_targets(reader))
+
+
+def _pose_targets(reader: RunReader) -> list[dict[str, Any]]:
+    """Return the rows of targets at poses; what single axes and frames are found by comes from turning one joint."""
+    return [row for row in reader.rows(MeasuredTarget.table) if str(row["step_id"]).startswith(_AT_POSES)]
+
+
 def pose_rows(reader: RunReader) -> list[Row]:
     """Return the rows of a poses CSV: commanded and read-back joints, targets with their uncertainty.
 
     Raises:
         UsageError: the run has measured no targets.
     """
-    # What frames were found by is not approached from below on every axis.
-    stored = [
-        row for row in reader.rows(MeasuredTarget.table) if not str(row["step_id"]).startswith("frames/")
-    ]
+    stored = _pose_targets(reader)
     if not stored:
         raise UsageError(
             f"{reader.path.name} has measured no targets: name a run of a procedure that measures targets at poses"

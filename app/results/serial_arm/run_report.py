@@ -10,6 +10,7 @@ from catseye.app.results.scara.measurement import measurement_of
 from catseye.app.results.serial_arm.axis_report import axis_section
 from catseye.app.results.serial_arm.ballbar_report import ballbar_section
 from catseye.app.results.serial_arm.instrument_report import instrument_section
+from catseye.app.results.serial_arm.poses_report import poses_section
 from catseye.app.results.serial_arm.warmup_report import warmup_section
 from catseye.app.store.reader import RunReader
 from catseye.procedures.serial_arm.bench import SerialBench
@@ -22,10 +23,10 @@ def is_on_serial_arm(reader: RunReader) -> bool:
 
 
 def found_sections(reader: RunReader) -> list[Section]:
-    """Return what a run on a serial arm found beside places of targets; none of another run."""
+    """Return what a run on a serial arm found; none of another run."""
     if not is_on_serial_arm(reader):
         return []
-    found = (axis_section, instrument_section, warmup_section, ballbar_section)
+    found = (axis_section, instrument_section, warmup_section, poses_section, ballbar_section)
     return [one for section_of in found if (one := section_of(reader)).blocks]
 
 

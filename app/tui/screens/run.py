@@ -22,6 +22,7 @@ from catseye.app.tui.resolution.step_plots import StaircasePlot, StepErrorPlot
 from catseye.app.tui.run_state import RunState
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.screens.working import free_name
+from catseye.app.tui.serial.record_figures import RecordFigures
 from catseye.app.tui.session import Session
 from catseye.app.tui.walk_feeder import WalkFeeder
 from catseye.app.tui.widgets.live_panel import LivePanel
@@ -68,6 +69,10 @@ class RunScreen(MainScreen):
     RunScreen #steps-plots { display: none; }
     RunScreen.stepping #steps-plots { display: block; }
     RunScreen.stepping #points-plots { display: none; }
+    RunScreen #record-plots { display: none; }
+    RunScreen.recording #record-plots { display: block; }
+    RunScreen.recording #points-plots { display: none; }
+    RunScreen.-low.asked #record-plots { display: none; }
     RunScreen.-low.ended LivePanel { display: none; }
     RunScreen.-narrow StepList { display: none; }
     """
@@ -147,6 +152,7 @@ class RunScreen(MainScreen):
                 with Vertical(id="steps-plots"):
                     yield StaircasePlot()
                     yield StepErrorPlot()
+                yield RecordFigures(id="record-plots")
         yield PromptPanel()
         yield RunEnd()
         yield RunLog()
@@ -210,7 +216,11 @@ class RunScreen(MainScreen):
         instruction.display = not ended
         self.query_one(StepList).show(run, self._planned)
         self.query_one(LivePanel).show(run, now_s)
-        self.set_class(run is not None and _live_plots(run.procedure) == "steps", "stepping")
+        kind = "points" if run is None else _live_plots(run.procedure)
+        self.set_class(kind == "steps", "stepping")
+        self.set_class(kind == "record", "recording")
+        if kind == "record":
+            self.query_one(RecordFigures).show(run)
         for plot in self.query(RunPlot):
             plot.show(run)
         self.query_one(RunLog).show(run, _holder_text(engine))

@@ -1,0 +1,80 @@
+"""Pictures of a run under way from its own record: the figures of its report, as far as it has come."""
+
+import asyncio
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.content import Content
+
+from catseye.app.tui.run_state import RunState
+from catseye.app.tui.widgets.figure_view import Figures
+from catseye.app.tui.widgets.static_text import StaticText
+
+if TYPE_CHECKING:
+    # matplotlib's part and numpy are not loaded before the first screen is painted.
+    from catseye.app.results.figures import Figure
+
+
+class RecordFigures(Vertical):
+    """Figures of the run that is shown, read anew each time another step is done."""
+
+    DEFAULT_CSS = """
+    RecordFigures { height: 1fr; }
+    RecordFigures #record-note { height: auto; padding: 0 1; }
+    """
+
+    def __init__(self, *, id: str) -> None:
+        super().__init__(id=id, classes="panel")
+        self.border_title = "From the record"
+        self._of: tuple[object, ...] = ()
+
+    def compose(self) -> ComposeResult:
+        """Put the parts together."""
+        yield StaticText(id="record-note")
+        yield Figures()
+
+    def show(self, run: RunState | None) -> None:
+        """Show what is known of a run; reading goes on in a thread."""
+        done = 0 if run is None else sum(step.status == "done" for step in run.steps.values())
+        key = (None, 0, False) if run is None else (run.path, done, run.active)
+        if key == self._of:
+            return
+        self._of = key
+        if run is None or not run.path:
+            self._shown((), "nothing measured yet")
+            return
+        self.run_worker(self._read(Path(run.path)), group="record", exclusive=True, exit_on_error=False)
+
+    async def _read(self, path: Path) -> None:
+        from catseye.app.errors import CatseyeError
+
+        try:
+            figures = await asyncio.to_thread(_figures, path)
+        except CatseyeError as error:
+            self._shown((), str(error))
+            return
+        self._shown(figures, "" if figures else "nothing measured yet")
+
+    def _shown(self, figures: "tuple[Figure, ...]", note: str) -> None:
+        text = self.query_one("#record-note", StaticText)
+        text.set_text(Content.styled(note, "dim"))
+        text.display = bool(note)
+        view = self.query_one(Figures)
+        view.display = bool(figures)
+        view.show(*figures)
+
+
+def _figures(path: Path) -> "tuple[Figure, ...]":
+    """Return the figures of a run's report; it opens files, so call it in a thread.
+
+    Raises:
+        StorageError: the record cannot be read.
+    """
+    from catseye.app.results.figures import Figure
+    from catseye.app.results.serial_arm.run_report import found_sections
+    from catseye.app.store.reader import RunReader
+
+    found = found_sections(RunReader(path))
+    return tuple(block for one in found for block in one.blocks if isinstance(block, Figure))

@@ -1,0 +1,85 @@
+"""Pictures of a run under way on a serial arm: what its record shows so far."""
+
+import asyncio
+from pathlib import Path
+
+import pytest
+from textual.app import App, ComposeResult
+
+from catseye.app.tui.run_state import RunState, Step
+from catseye.app.tui.serial.record_figures import RecordFigures
+from catseye.app.tui.widgets.figure_view import FigureView
+from catseye.app.tui.widgets.static_text import StaticText
+from tests.unit.app.results.serial_arm.test_run_poses import validated
+
+
+class Shown(App[None]):
+    """The widget alone."""
+
+    def compose(self) -> ComposeResult:
+        yield RecordFigures(id="record-plots")
+
+    @property
+    def figures(self) -> list[str]:
+        return [figure.key for figure in self.query_one(FigureView).figures]
+
+    @property
+    def note(self) -> str:
+        return self.query_one("#record-note", StaticText).text.plain
+
+    async def show(self, run: RunState | None) -> None:
+        self.query_one(RecordFigures).show(run)
+        await self.workers.wait_for_complete()
+
+
+def run_of(path: Path, done: int = 1) -> RunState:
+    run = RunState(path.name, "tracker-validation", "Validation", 0.0, str(path))
+    run.steps = {str(number): Step(str(number), "", "done") for number in range(done)}
+    return run
+
+
+@pytest.fixture
+async def measured(tmp_path: Path) -> Path:
+    return await validated(tmp_path)
+
+
+async def test_figures_of_the_record_are_drawn(measured: Path) -> None:
+    app = Shown()
+    async with app.run_test(size=(80, 30)):
+        await app.show(run_of(measured))
+        assert app.figures == ["pose-arrows", "pose-differences"]
+        assert app.note == ""
+
+
+async def test_a_run_without_points_says_so(measured: Path) -> None:
+    app = Shown()
+    async with app.run_test(size=(80, 30)):
+        await app.show(run_of(measured))
+        await app.show(None)
+        assert (app.figures, app.note) == ([], "nothing measured yet")
+
+
+async def test_a_record_is_read_again_only_when_it_has_grown(
+    measured: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read: list[Path] = []
+    thread = asyncio.to_thread
+
+    async def counted(function: object, path: Path) -> object:
+        read.append(path)
+        return await thread(function, path)  # type: ignore[arg-type]  # what the widget hands over
+
+    monkeypatch.setattr(asyncio, "to_thread", counted)
+    app = Shown()
+    async with app.run_test(size=(80, 30)):
+        for done in (1, 1, 2, 2):
+            await app.show(run_of(measured, done))
+    assert read == [measured, measured]
+
+
+async def test_a_record_that_cannot_be_read_says_why(tmp_path: Path) -> None:
+    app = Shown()
+    async with app.run_test(size=(80, 30)):
+        await app.show(run_of(tmp_path / "none"))
+        assert app.figures == []
+        assert "none" in app.note
