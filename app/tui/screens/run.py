@@ -219,8 +219,8 @@ class RunScreen(MainScreen):
         kind = "points" if run is None else _live_plots(run.procedure)
         self.set_class(kind == "steps", "stepping")
         self.set_class(kind == "record", "recording")
-        if kind == "record":
-            self.query_one(RecordFigures).show(run)
+        if run is not None and kind == "record":
+            self.query_one(RecordFigures).show(run, self.session.root)
         for plot in self.query(RunPlot):
             plot.show(run)
         self.query_one(RunLog).show(run, _holder_text(engine))

@@ -2,7 +2,7 @@
 
 import asyncio
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from textual.app import ComposeResult
 from textual.containers import Vertical
@@ -15,6 +15,9 @@ from catseye.app.tui.widgets.static_text import StaticText
 if TYPE_CHECKING:
     # matplotlib's part and numpy are not loaded before the first screen is painted.
     from catseye.app.results.figures import Figure
+
+
+_NOTHING: Final = "nothing measured yet"
 
 
 class RecordFigures(Vertical):
@@ -35,17 +38,23 @@ class RecordFigures(Vertical):
         yield StaticText(id="record-note")
         yield Figures()
 
-    def show(self, run: RunState | None) -> None:
-        """Show what is known of a run; reading goes on in a thread."""
-        done = 0 if run is None else sum(step.status == "done" for step in run.steps.values())
-        key = (None, 0, False) if run is None else (run.path, done, run.active)
+    def show(self, run: RunState, root: Path) -> None:
+        """Show what is known of a run; reading goes on in a thread.
+
+        Args:
+            run: that is shown.
+            root: folder of the runs; its own path is known only from its end on, or to clients that came later.
+        """
+        done = sum(step.status == "done" for step in run.steps.values())
+        key = (run.name, done, run.active)
         if key == self._of:
             return
         self._of = key
-        if run is None or not run.path:
-            self._shown((), "nothing measured yet")
+        if not done:
+            self._shown((), _NOTHING)
             return
-        self.run_worker(self._read(Path(run.path)), group="record", exclusive=True, exit_on_error=False)
+        path = Path(run.path) if run.path else root / run.name
+        self.run_worker(self._read(path), group="record", exclusive=True, exit_on_error=False)
 
     async def _read(self, path: Path) -> None:
         from catseye.app.errors import CatseyeError
@@ -55,7 +64,7 @@ class RecordFigures(Vertical):
         except CatseyeError as error:
             self._shown((), str(error))
             return
-        self._shown(figures, "" if figures else "nothing measured yet")
+        self._shown(figures, "" if figures else _NOTHING)
 
     def _shown(self, figures: "tuple[Figure, ...]", note: str) -> None:
         text = self.query_one("#record-note", StaticText)

@@ -27,13 +27,13 @@ class Shown(App[None]):
     def note(self) -> str:
         return self.query_one("#record-note", StaticText).text.plain
 
-    async def show(self, run: RunState | None) -> None:
-        self.query_one(RecordFigures).show(run)
+    async def show(self, run: RunState, root: Path) -> None:
+        self.query_one(RecordFigures).show(run, root)
         await self.workers.wait_for_complete()
 
 
 def run_of(path: Path, done: int = 1) -> RunState:
-    run = RunState(path.name, "tracker-validation", "Validation", 0.0, str(path))
+    run = RunState(path.name, "tracker-validation", "Validation", 0.0)
     run.steps = {str(number): Step(str(number), "", "done") for number in range(done)}
     return run
 
@@ -46,16 +46,16 @@ async def measured(tmp_path: Path) -> Path:
 async def test_figures_of_the_record_are_drawn(measured: Path) -> None:
     app = Shown()
     async with app.run_test(size=(80, 30)):
-        await app.show(run_of(measured))
+        await app.show(run_of(measured), measured.parent)
         assert app.figures == ["pose-arrows", "pose-differences"]
         assert app.note == ""
 
 
-async def test_a_run_without_points_says_so(measured: Path) -> None:
+async def test_a_run_that_begins_has_no_figures(measured: Path) -> None:
     app = Shown()
     async with app.run_test(size=(80, 30)):
-        await app.show(run_of(measured))
-        await app.show(None)
+        await app.show(run_of(measured), measured.parent)
+        await app.show(run_of(measured.parent / "next", 0), measured.parent)
         assert (app.figures, app.note) == ([], "nothing measured yet")
 
 
@@ -73,13 +73,21 @@ async def test_a_record_is_read_again_only_when_it_has_grown(
     app = Shown()
     async with app.run_test(size=(80, 30)):
         for done in (1, 1, 2, 2):
-            await app.show(run_of(measured, done))
+            await app.show(run_of(measured, done), measured.parent)
     assert read == [measured, measured]
+
+
+async def test_the_path_that_the_engine_named_is_read(measured: Path, tmp_path: Path) -> None:
+    app, run = Shown(), run_of(measured)
+    run.path = str(measured)
+    async with app.run_test(size=(80, 30)):
+        await app.show(run, tmp_path / "elsewhere")
+        assert app.figures
 
 
 async def test_a_record_that_cannot_be_read_says_why(tmp_path: Path) -> None:
     app = Shown()
     async with app.run_test(size=(80, 30)):
-        await app.show(run_of(tmp_path / "none"))
+        await app.show(run_of(tmp_path / "none"), tmp_path)
         assert app.figures == []
         assert "none" in app.note
