@@ -77,6 +77,24 @@ async def test_a_record_is_read_again_only_when_it_has_grown(
     assert read == [measured, measured]
 
 
+async def test_a_long_record_is_read_ever_less_often(measured: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    read: list[Path] = []
+
+    async def counted(function: object, path: Path) -> tuple[()]:
+        del function
+        read.append(path)
+        return ()
+
+    monkeypatch.setattr(asyncio, "to_thread", counted)
+    app = Shown()
+    async with app.run_test(size=(80, 30)):
+        for done in range(1, 1001):
+            app.query_one(RecordFigures).show(run_of(measured, done), measured.parent)
+            await asyncio.sleep(0)
+        await app.workers.wait_for_complete()
+    assert 100 < len(read) < 250
+
+
 async def test_the_path_that_the_engine_named_is_read(measured: Path, tmp_path: Path) -> None:
     app, run = Shown(), run_of(measured)
     run.path = str(measured)
