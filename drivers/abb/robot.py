@@ -23,7 +23,7 @@ from catseye.drivers.abb.state import status_of
 from catseye.drivers.abb.values import JOINTS, number_of
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import UNGUARDED, LinkGuard
-from catseye.drivers.links.halting import Halt
+from catseye.drivers.links.halting import Halt, stopped_when_cancelled
 from catseye.drivers.links.link import uninterrupted
 from catseye.drivers.links.stops import Stops, StopWatch
 from catseye.drivers.links.transport import Transport
@@ -236,7 +236,7 @@ class AbbRws(Robot):
         """
         if len(target) != len(JOINTS) or not all(map(math.isfinite, target)):
             raise ValueError(f"a target has {len(JOINTS)} finite numbers, got {target}")
-        await self._carry_out(target)
+        await stopped_when_cancelled(self._carry_out(target), self.stop)
         reached = await joints_of(self._main, self._settings.mechanical_unit)
         if not is_at(reached, target, self._settings.tolerance_deg):
             raise NotArrivedError(f"{self._main.where}: the motion is over at {reached}, not at {target}")
@@ -266,14 +266,9 @@ class AbbRws(Robot):
             watch.require_none()
             self._guard.permit()
 
-        async with self._guard.motion():
-            try:
-                async with self._mastership(permit):
-                    number = await self._orders.prepare(target, permit)
-                    await self._watched(number, permit, watch)
-            except asyncio.CancelledError:
-                await self.stop()
-                raise
+        async with self._guard.motion(), self._mastership(permit):
+            number = await self._orders.prepare(target, permit)
+            await self._watched(number, permit, watch)
 
     @asynccontextmanager
     async def _mastership(self, permit: Callable[[], None]) -> AsyncIterator[None]:

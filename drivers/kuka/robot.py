@@ -4,7 +4,6 @@ The proxy only reads and writes variables. Four connections are held: the first 
 the second for STOP, the third for signs of life, the fourth for questions while the arm moves.
 """
 
-import asyncio
 import contextlib
 import math
 from collections.abc import Callable
@@ -21,7 +20,7 @@ from catseye.drivers.kuka.state import StateReader, rest_text
 from catseye.drivers.kuka.values import AXES, axes_of, real_of, real_text, string_of, structure_text, whole_of
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import UNGUARDED, LinkGuard, guarded
-from catseye.drivers.links.halting import Halt
+from catseye.drivers.links.halting import Halt, stopped_when_cancelled
 from catseye.drivers.links.link import uninterrupted
 from catseye.drivers.links.stops import Stops, StopWatch
 from catseye.drivers.links.transport import Transport
@@ -290,6 +289,9 @@ class KukaVarproxy(Robot):
         return STOP_BYTES
 
     async def _carry_out(self, order: Order) -> None:
+        await stopped_when_cancelled(self._guarded(order), self.stop)
+
+    async def _guarded(self, order: Order) -> None:
         watch = StopWatch(self._stops, self._main.where)
 
         def permit() -> None:
@@ -297,13 +299,9 @@ class KukaVarproxy(Robot):
             self._guard.permit()
 
         async with self._guard.motion():
-            try:
-                await self._restore_override(permit)
-                number = await self._orders.prepare(order, permit)
-                await self._watched(number, permit, watch)
-            except asyncio.CancelledError:
-                await self.stop()
-                raise
+            await self._restore_override(permit)
+            number = await self._orders.prepare(order, permit)
+            await self._watched(number, permit, watch)
 
     async def _watched(self, number: int, permit: Callable[[], None], watch: StopWatch) -> None:
         """Let the program carry out an order; where it fails, stop the arm, unless a stop is the reason."""

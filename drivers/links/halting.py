@@ -1,10 +1,10 @@
 """STOP: written past everything on every connection, repeated until the arm is seen to stand."""
 
 import asyncio
-from collections.abc import Sequence
-from typing import Final, Protocol
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from typing import Any, Final, Protocol
 
-from catseye.drivers.links.link import RequestLink
+from catseye.drivers.links.link import RequestLink, uninterrupted
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import DeviceError, LinkError
 from catseye.drivers.roles.pose import Pose, is_at
@@ -57,6 +57,36 @@ class StopSettings(Protocol):
     def poll_s(self) -> float:
         """Pause between two looks, on the driver's clock."""
         ...
+
+
+async def stopped_when_cancelled(
+    motion: Coroutine[Any, Any, None], stop: Callable[[], Awaitable[None]]
+) -> None:
+    """Carry out a motion; a cancellation stops the arm before the motion puts its connections in order.
+
+    Args:
+        motion: which ends once the arm is stopped; it is cancelled only where the stop fails.
+        stop: stops the arm; a cancellation does not interrupt it.
+
+    Raises:
+        DeviceError: what the motion raises, or the stop after a cancellation.
+    """
+    under_way = asyncio.ensure_future(motion)
+    try:
+        await asyncio.shield(under_way)
+    except asyncio.CancelledError:
+        try:
+            await stop()
+        except BaseException:
+            under_way.cancel()
+            raise
+        finally:
+            await uninterrupted(_end_of(under_way))
+        raise
+
+
+async def _end_of(motion: asyncio.Future[None]) -> None:
+    await asyncio.gather(motion, return_exceptions=True)
 
 
 class Halt:

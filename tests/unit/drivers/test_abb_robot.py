@@ -130,6 +130,17 @@ async def test_a_cancelled_motion_is_stopped() -> None:
         assert one.asked("POST /rw/rapid/execution?action=stop")
 
 
+async def test_a_cancellation_stops_before_connections_are_put_in_order() -> None:
+    async with rig() as one:
+        motion = await one.away()
+        before = len(one.asked(""))
+        motion.cancel()
+        await failed(motion)
+        later = one.asked("")[before:]
+        stop = next(k for k, text in enumerate(later) if "action=stop" in text)
+        assert stop < next(k for k, text in enumerate(later) if "action=release" in text)
+
+
 async def test_a_motion_survives_lost_answers_and_is_given_once() -> None:
     async with rig(answer_timeout_s=0.15) as one:
         for port in one.bench.reach.ports_of("robot"):
