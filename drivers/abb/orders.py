@@ -147,13 +147,25 @@ class Orders(NumberedOrders):
                 0,
             )
         try:
+            number = await self._marked(permit)
             await self._service.ask(names.RESET, permit=permit)
             await self._begun(permit)
         except NotReadyError:
             raise
         except RefusedError as exc:
             raise NotReadyError(f"{exc}: {START}", exc.number) from None
-        await self._require_started()
+        await self._require_started(number)
+
+    async def _marked(self, permit: Callable[[], None]) -> int:
+        """Write a number that moves nothing; once the program says that it is done, its beginning is passed.
+
+        The numbers from before say nothing: an order that is written too early would be taken for one from before.
+        """
+        sequence, taken = [await self._number(name) for name in (names.SEQUENCE, names.TAKEN)]
+        await self._take_back()
+        number = self._next_number(sequence, taken)
+        await self._write(names.SEQUENCE, str(number), permit=permit)
+        return number
 
     async def _begun(self, permit: Callable[[], None]) -> None:
         """Start once; where the answer is lost, whether the program runs is asked afterwards."""
@@ -163,12 +175,11 @@ class Orders(NumberedOrders):
             if not await self.is_running():
                 raise
 
-    async def _require_started(self) -> None:
+    async def _require_started(self, number: int) -> None:
         """Wait until the program has passed its beginning, where it takes an order from before for done."""
-        sequence = await self._number(names.SEQUENCE)
         try:
             async with asyncio.timeout(self._settings.start_timeout_s):
-                while (seen := await self.look()).taken != sequence or seen.done != sequence:
+                while (seen := await self.look()).taken != number or seen.done != number:
                     await self._clock.sleep(self._settings.poll_s)
         except TimeoutError:
             raise NotReadyError(
@@ -188,7 +199,10 @@ class Orders(NumberedOrders):
         ]
         if taken != done:
             raise NotReadyError(f"{self._where}: order {taken} is still under way; if it stands, {START}", 0)
-        return (self._unused(sequence, taken) - 1) % names.LARGEST_NUMBER + 1
+        return self._next_number(sequence, taken)
+
+    def _next_number(self, *known: int) -> int:
+        return (self._unused(*known) - 1) % names.LARGEST_NUMBER + 1
 
     async def _write_number(self, number: int, permit: Callable[[], None]) -> None:
         await self._write(names.SEQUENCE, str(number), repeat=Repeat.NEVER, permit=permit)

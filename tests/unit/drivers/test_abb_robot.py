@@ -246,6 +246,26 @@ async def test_a_program_with_a_foreign_main_is_not_started(monkeypatch: pytest.
         assert not one.asked("POST /rw/rapid/execution?action=start")
 
 
+async def test_a_program_that_begins_late_swallows_no_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with rig() as one:
+        one.bench.controller.press("stop")
+        program, bench = one.bench.controller.program, one.bench.bench
+        start, written = program.start, program.written
+
+        def begin() -> None:
+            monkeypatch.setattr(program, "written", written)
+            start()
+
+        def start_late() -> None:
+            program.running = True
+            bench.call_at(bench.time_s + 0.5, begin)
+
+        monkeypatch.setattr(program, "start", start_late)
+        monkeypatch.setattr(program, "written", lambda: None)
+        await one.robot.move_joints((0.5, *BENT[1:]))
+        assert one.j1_deg == pytest.approx(0.5, abs=1e-4)
+
+
 async def test_another_clients_mastership_is_named() -> None:
     async with rig() as one:
         other = AbbRws.at(one.bench.endpoints[0].endpoint, SystemClock())
