@@ -102,13 +102,9 @@ class LeicaEmscon(LinkDriver, Tracker):
         """Return x and y of the target that the tracker is locked on; its frame has to be levelled.
 
         Raises:
-            HiddenTargetError: it sees none, or it has just been initialised and looks at the retroreflector of its
-                own home position.
+            HiddenTargetError: it sees none, or it has just been initialised; see `point`.
             DeviceError: the instrument failed.
         """
-        async with self._turn:
-            if await self._get_ready():
-                raise self._hidden("the target", "the tracker was initialised and looks at its home position")
         seen = await self.point("the target", self._settings.plane_dwell_s)
         return Position(seen.place_mm[0], seen.place_mm[1], max(seen.u_mm or (0.0, 0.0, 0.0)))
 
@@ -118,12 +114,14 @@ class LeicaEmscon(LinkDriver, Tracker):
         """Measure a target that stands still; the tracker is initialised before if need be.
 
         Raises:
-            HiddenTargetError: no target is seen there.
+            HiddenTargetError: no target is seen there; without a place, also right after the initialisation, since
+                the tracker looks at the retroreflector of its own home position then.
             RefusedError: the tracker refuses, or another program has changed its units.
             LinkError: lost or silent.
         """
         async with self._turn:
-            await self._get_ready()
+            if await self._get_ready() and near_mm is None:
+                raise self._hidden(target, "the tracker was initialised and looks at its home position")
             await self._turn_to(face)
             await self._require(Command.SET_STATIONARY, "ii", max(1, round(1e3 * dwell_s)), 1)
             result = await self._measured(target, dwell_s, near_mm)

@@ -133,6 +133,13 @@ async def test_a_tracker_is_initialised_before_the_first_point() -> None:
         assert one.asked(7) == 1
 
 
+async def test_the_home_position_is_not_taken_for_a_target() -> None:
+    async with rig({"initialised": False}) as one:
+        with pytest.raises(HiddenTargetError, match="home position"):
+            await one.tracker.point("nest1", 0.2)
+        assert not one.asked(49)
+
+
 async def test_both_faces_are_measured() -> None:
     async with rig(survey=exact_but(face_urad=100.0)) as one:
         places = [np.array((await one.point("nest1", face=face)).place_mm) for face in (1, 2)]
