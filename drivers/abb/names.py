@@ -20,8 +20,8 @@ TAKEN: Final = "cats_taken"
 DONE: Final = "cats_done"
 RESULT: Final = "cats_result"
 
-LARGEST_NUMBER: Final = 8_000_000
-"""Of an order: a num of 32 bits counts to 8 388 608."""
+LARGEST_NUMBER: Final = 999_999
+"""Of an order: a num of 32 bits counts further, but its text may have six digits only."""
 
 RUNNING: Final = "running"
 MOTORS_ON: Final = "motoron"

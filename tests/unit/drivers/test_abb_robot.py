@@ -266,6 +266,16 @@ async def test_a_program_that_begins_late_swallows_no_order(monkeypatch: pytest.
         assert one.j1_deg == pytest.approx(0.5, abs=1e-4)
 
 
+async def test_numbers_of_orders_fit_into_six_digits() -> None:
+    async with rig() as one:
+        data = one.bench.controller.program.data
+        for name in ("cats_seq", "cats_taken", "cats_done"):
+            data[name] = 999_999.0
+        await one.robot.move_joints((0.5, *BENT[1:]))
+        assert one.j1_deg == pytest.approx(0.5, abs=1e-4)
+        assert data["cats_done"] == 1.0
+
+
 async def test_another_clients_mastership_is_named() -> None:
     async with rig() as one:
         other = AbbRws.at(one.bench.endpoints[0].endpoint, SystemClock())
