@@ -1,7 +1,7 @@
 """Least steps and lost motion of emulated drivetrains, stated from one test each time, against what many tests give.
 
 The drivetrains hold no table of step errors; a seed draws all joints of an arm, and what scatters in their tests.
-`CATSEYE_RESOLUTION_SEEDS` sets how many arms [100], `CATSEYE_RESOLUTION_FIRST` the first seed [0].
+`CATSEYE_RESOLUTION_SEEDS` sets how many arms [50], `CATSEYE_RESOLUTION_FIRST` the first seed [0].
 """
 
 import math
@@ -23,7 +23,7 @@ from tests.unit.simulators.world.serial.arms import TOOL, serial_arm
 from tests.unit.simulators.world.serial.trials import POSITIONS_DEG, STEPS_DEG, Trials
 
 FIRST = int(os.environ.get("CATSEYE_RESOLUTION_FIRST", "0"))
-SEEDS = range(FIRST, FIRST + int(os.environ.get("CATSEYE_RESOLUTION_SEEDS", "100")))
+SEEDS = range(FIRST, FIRST + int(os.environ.get("CATSEYE_RESOLUTION_SEEDS", "50")))
 REPEATS = 300
 """Trials beside those that are evaluated."""
 
