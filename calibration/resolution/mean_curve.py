@@ -22,7 +22,13 @@ _AMPLITUDES: Final = (1.5, 5.0, 15.0, 50.0)
 _LENGTHS: Final = (0.8, 1.6, 3.2, 6.4, 12.8)
 """Of the kernel, in e-folds of the step; the paper's window of 11 steps is 0.77 wide."""
 
-_CORRELATIONS: Final = (-0.45, -0.2, 0.0, 0.3, 0.6)
+_CORRELATIONS: Final = {-0.5: 0.135, -0.25: 0.607, 0.0: 1.0, 0.25: 0.607, 0.5: 0.135}
+"""Of neighbours, each with its prior weight: normal with a standard deviation of 0.25.
+
+A step starts from where the joint was measured to stand, so what the last one missed by is not in it: correlation is
+possible, but none is expected.
+"""
+
 _LEVEL_PERCENT: Final = 10.0
 """Prior standard deviation of what all steps share."""
 
@@ -41,10 +47,12 @@ class _Models:
     Attributes:
         mean: of the mean curve, shape (k, n, n).
         noise: of the step errors about it, shape (k, n, n).
+        prior: weights before the series is seen, shape (k,).
     """
 
     mean: Floats
     noise: Floats
+    prior: Floats
 
 
 def draw_mean_curves(log_step: Floats, error_percent: Floats, draws: int, rng: np.random.Generator) -> Floats:
@@ -60,7 +68,7 @@ def draw_mean_curves(log_step: Floats, error_percent: Floats, draws: int, rng: n
     scatter = scatter_percent(log_step, error_percent)
     values = error_percent / scatter
     models = _models(log_step, scatter)
-    likely, squares = _likelihoods(models.mean + models.noise, values)
+    likely, squares = _posterior(models, values)
     counts = rng.multinomial(draws, likely)
     curves = [
         _draws(models.mean[k], models.noise[k], values, float(squares[k]), int(counts[k]), rng)
@@ -97,11 +105,12 @@ def _models(log_step: Floats, scatter: Floats) -> _Models:
     between, apart = np.abs(places[:, None] - places), np.abs(log_step[:, None] - log_step)
     level = (_LEVEL_PERCENT / scatter[:, None]) * (_LEVEL_PERCENT / scatter)
     smooth = [_matern(apart / length) for length in _LENGTHS]
-    shared = [_shared(between, correlation) for correlation in _CORRELATIONS]
+    shared = [(_shared(between, correlation), weight) for correlation, weight in _CORRELATIONS.items()]
     grid = list(itertools.product(_AMPLITUDES, smooth, shared))
     return _Models(
         np.stack([level + amplitude**2 * kernel for amplitude, kernel, _ in grid]),
-        np.stack([noise for _, _, noise in grid]),
+        np.stack([noise for _, _, (noise, _) in grid]),
+        np.array([weight for _, _, (_, weight) in grid]),
     )
 
 
@@ -117,12 +126,12 @@ def _shared(between: Floats, correlation: float) -> Floats:
     return np.asarray(grown * sign * np.abs(correlation) ** between)
 
 
-def _likelihoods(covariances: Floats, values: Floats) -> tuple[Floats, Floats]:
+def _posterior(models: _Models, values: Floats) -> tuple[Floats, Floats]:
     """Return the probability of each model and its sum of squares, shape (k,) each; the scale is integrated over."""
-    roots = np.linalg.cholesky(covariances)
+    roots = np.linalg.cholesky(models.mean + models.noise)
     squares = np.sum(np.linalg.solve(roots, values[:, None])[..., 0] ** 2, axis=1)
     halves = np.log(np.diagonal(roots, axis1=1, axis2=2)).sum(axis=1)
-    logs = -halves - 0.5 * (_SCALE_DOF + values.size) * np.log(_SCALE_DOF + squares)
+    logs = np.log(models.prior) - halves - 0.5 * (_SCALE_DOF + values.size) * np.log(_SCALE_DOF + squares)
     weights = np.exp(logs - logs.max())
     return np.asarray(weights / weights.sum()), squares
 
