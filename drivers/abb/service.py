@@ -236,7 +236,7 @@ class Service:
                 "environment of this program, or call catseye --login before the command",
                 number,
             )
-        if answer.status == _FULL:
+        if answer.status == _FULL and not self._cookies.headers:
             raise RefusedError(
                 f"{self.where}: all sessions of the controller are in use (it has about 70): end other programs that "
                 "ask it, or wait until it forgets those that were not ended",

@@ -20,6 +20,7 @@ from catseye.drivers.roles.errors import (
 )
 from catseye.simulators.config import Option
 from catseye.simulators.emulated_bench import EmulatedSerialBench
+from catseye.simulators.kuka.variables import UnknownVariableError
 from catseye.simulators.ports.lossy import Lossy
 from tests.unit.simulators.kuka.benches import UPRIGHT, kuka_bench
 
@@ -166,6 +167,36 @@ async def test_a_cancelled_motion_is_stopped() -> None:
         assert isinstance(await failed(motion), asyncio.CancelledError)
         assert not one.bench.bench.moving
         assert one.asked("write CATS_STOP = TRUE")
+
+
+async def test_a_cancellation_stops_before_connections_are_put_in_order() -> None:
+    async with rig() as one:
+        motion = await one.away()
+        before = len(one.asked(""))
+        motion.cancel()
+        await failed(motion)
+        later = one.asked("")[before:]
+        stop = later.index("write CATS_STOP = TRUE")
+        assert stop < next(k for k, text in enumerate(later) if "PING" in text)
+
+
+@pytest.mark.parametrize("name", ["CATS_TAKEN", "CATS_DONE", "$PRO_STATE"])
+async def test_a_look_that_is_refused_stops_the_arm(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    async with rig() as one:
+        motion = await one.away()
+        variables = one.bench.controller.variables
+        read = variables.read
+
+        def refuse_once(asked: str) -> str:
+            if asked != name:
+                return read(asked)
+            monkeypatch.undo()
+            raise UnknownVariableError
+
+        monkeypatch.setattr(variables, "read", refuse_once)
+        assert isinstance(await failed(motion), RefusedError)
+        assert one.asked("write CATS_STOP = TRUE")
+        assert not one.bench.bench.moving
 
 
 async def test_a_motion_survives_lost_answers_and_is_given_once() -> None:
