@@ -11,7 +11,8 @@ from catseye.drivers.abb import names
 from catseye.drivers.abb.names import Result
 from catseye.drivers.abb.service import Service
 from catseye.drivers.abb.settings import AbbSettings
-from catseye.drivers.abb.values import goal_text, states_of, whole_of
+from catseye.drivers.abb.state import mains_of, own_main
+from catseye.drivers.abb.values import goal_text, whole_of
 from catseye.drivers.links.beating import beating
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.motions import Motion
@@ -21,7 +22,6 @@ from catseye.drivers.roles.errors import (
     DeviceError,
     NotArrivedError,
     NotReadyError,
-    ProtocolError,
     RefusedError,
 )
 from catseye.drivers.roles.pose import Pose
@@ -87,13 +87,7 @@ class Orders(NumberedOrders):
 
     async def main_is_ours(self) -> bool:
         """Return whether the task's main is that of CATSABB; what the controller does not say is taken for no."""
-        ours = f"RAPID/{self._settings.task}/{names.MODULE}/main".lower()
-        try:
-            found = states_of(await self._service.ask(names.main_search(self._settings.task)))
-        except (RefusedError, ProtocolError):
-            return False
-        places = [str(state.get("symburl", "")).lower() for state in found]
-        return [place for place in places if place.endswith("/main")] == [ours]
+        return await mains_of(self._service, self._settings.task) == [own_main(self._settings.task)]
 
     async def look(self) -> OrderLook:
         """Ask whether RAPID runs, and for the numbers that the program answers with."""

@@ -149,9 +149,12 @@ class AbbRws(Robot):
             raise
 
     async def close(self) -> None:
-        """Disconnect; may be called any number of times."""
-        for service in self._services:
-            await service.link.close()
+        """Log out and disconnect; may be called any number of times."""
+        try:
+            await self._log_out()
+        finally:
+            for service in self._services:
+                await service.link.close()
 
     async def status(self) -> RobotStatus:
         """Return the controller's state.
@@ -267,14 +270,23 @@ class AbbRws(Robot):
 
     @asynccontextmanager
     async def _mastership(self, permit: Callable[[], None]) -> AsyncIterator[None]:
-        """Hold mastership of RAPID meanwhile."""
-        await self._main.ask(names.REQUEST_MASTERSHIP, permit=permit)
+        """Hold mastership of RAPID meanwhile; it may be held although the answer was lost or an error."""
         try:
+            await self._main.ask(names.REQUEST_MASTERSHIP, permit=permit)
             yield
         finally:
             # A session that was lost has lost it, too.
             with contextlib.suppress(DeviceError):
                 await self._main.ask(names.RELEASE_MASTERSHIP)
+
+    async def _log_out(self) -> None:
+        """End the session, which the controller would keep for long; one that is not reached forgets it by itself."""
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(self._settings.answer_timeout_s):
+                for service in self._services:
+                    with contextlib.suppress(DeviceError):
+                        await service.log_out()
+                        return
 
     async def _identity(self) -> Identity:
         name, version = await system_of(self._main)

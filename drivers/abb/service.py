@@ -46,6 +46,10 @@ class Cookies:
                 continue
             self._values |= {name: morsel.value for name, morsel in jar.items()}
 
+    def forget(self) -> None:
+        """Begin another session with the next request."""
+        self._values.clear()
+
 
 class Service:
     """A connection to Robot Web Services.
@@ -158,6 +162,18 @@ class Service:
         await self.ask(names.CONTROL_STATE)
         # A server ends a connection behind so many requests: then another one is opened at once.
         await self.link.ensure()
+
+    async def log_out(self) -> None:
+        """End the session of all connections, if there is one.
+
+        Raises:
+            RefusedError: the controller refuses.
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        if self._cookies.headers:
+            await self.ask(names.LOGOUT, repeat=Repeat.NEVER)
+            self._cookies.forget()
 
     async def _answer(self, request: Request, permit: Callable[[], None] | None) -> Answer:
         """Ask; where the proof has grown old, which means that nothing was done, ask once more."""

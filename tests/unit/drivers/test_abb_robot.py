@@ -1,6 +1,7 @@
 """The driver in front of the emulated controller, over real loopback sockets."""
 
 import asyncio
+import contextlib
 from collections.abc import AsyncIterator, Awaitable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
@@ -91,7 +92,16 @@ async def test_the_controller_is_recognised_and_asked() -> None:
         assert (status.teach_mode, status.override_percent, status.alarm_number) == (False, 100.0, 0)
         assert status.program == "CATSABB"
         assert await one.robot.joints() == pytest.approx(BENT, abs=1e-4)
-        assert not one.asked("POST")
+        assert {text.partition("?")[0] for text in one.asked("POST")} == {"POST /rw/rapid/symbols"}
+
+
+async def test_another_program_that_runs_may_move(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with rig() as one:
+        main = one.bench.controller.symbols.named("RAPID/T_ROB1/CATSABB/main")
+        monkeypatch.setattr(main, "module", "MainModule")
+        assert (await one.robot.status()).running
+        one.bench.controller.press("stop")
+        assert not (await one.robot.status()).running
 
 
 async def test_another_controller_is_refused() -> None:
@@ -273,6 +283,45 @@ async def test_no_error_text_holds_a_proof() -> None:
             assert "HTTP/1.1" in text
             assert "Digest" not in text
             assert "session" not in text
+
+
+@pytest.mark.parametrize("fault", ["none", "dropped", "refused", "another device"])
+async def test_a_session_ends_with_its_driver(fault: str) -> None:
+    async with abb_bench(options={"sessions": 1}) as bench:
+        endpoint = bench.endpoints[0].endpoint
+        expected = "IRB_6700" if fault == "another device" else ""
+        robot = AbbRws.at(endpoint, SystemClock(), expected_model=expected)
+        with contextlib.suppress(WrongDeviceError):
+            await robot.connect()
+        if fault == "dropped":
+            for port in bench.reach.ports_of("robot"):
+                port.drop()
+        if fault == "refused":
+            bench.controller.failing = Failing("logout", carried_out=False, left=1)
+        await robot.close()
+        await robot.close()
+        other = AbbRws.at(endpoint, SystemClock())
+        await other.connect()
+        await other.close()
+
+
+async def test_a_dead_controller_does_not_hold_up_the_close() -> None:
+    async with rig(answer_timeout_s=0.2) as one:
+        for port in one.bench.reach.ports_of("robot"):
+            port.muted = True
+        async with asyncio.timeout(1.0):
+            await one.robot.close()
+
+
+async def test_mastership_whose_grant_was_lost_is_released() -> None:
+    async with rig(STRICT) as one:
+        one.bench.controller.failing = Failing("mastership.*request", carried_out=True, left=1)
+        with pytest.raises(RefusedError, match="503"):
+            await one.robot.move_joints(AWAY)
+        other = AbbRws.at(one.bench.endpoints[0].endpoint, SystemClock())
+        await other.connect()
+        await other.move_joints((0.5, *BENT[1:]))
+        await other.close()
 
 
 async def test_all_sessions_in_use_are_named() -> None:

@@ -399,3 +399,8 @@ def test_requests_fail_and_may_take_effect(client: Client) -> None:
     assert not client.bench.controller.program.running
     carry_out(FailRequests(pattern="GET .*opmode", count=2), client.bench.reach)
     assert [client.get("/rw/panel/opmode").status for _ in range(3)] == [503, 503, 200]
+
+
+def test_a_session_has_another_key_than_the_nonce(client: Client) -> None:
+    client.get("/rw/panel/opmode")
+    assert client.cookie.rpartition("::")[2] != client.nonce
