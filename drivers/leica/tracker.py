@@ -39,7 +39,16 @@ from catseye.drivers.roles.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from catseye.drivers.roles.tracker import Face, Place, Position, TargetPoint, Tracker, TrackerAbilities
+from catseye.drivers.roles.tracker import (
+    Face,
+    Place,
+    Position,
+    TargetPoint,
+    Tracker,
+    TrackerAbilities,
+    place_text,
+    require_near,
+)
 
 T = TypeVar("T")
 
@@ -243,17 +252,11 @@ class LeicaEmscon(LinkDriver, Tracker):
 
     def _check_place(self, target: str, place_mm: Place, near_mm: Place | None) -> None:
         """Refuse a target outside of the search radius; without an expected place, the tracker's own."""
-        if near_mm is None:
-            if math.hypot(*place_mm) < self._settings.home_radius_mm:
-                raise self._hidden(
-                    target, f"a retroreflector at {_listed(place_mm)} mm is seen: the home position"
-                )
-            return
-        off_mm = math.dist(place_mm, near_mm)
-        if off_mm > self._settings.search_radius_mm:
-            raise HiddenTargetError(
-                f"{self._link.where}: {target} was expected at {_listed(near_mm)} mm and a target {off_mm:.1f} mm "
-                f"away from there is seen, at {_listed(place_mm)} mm: another one, or search_radius_mm is too small"
+        if near_mm is not None:
+            require_near(self._link.where, target, place_mm, near_mm, self._settings.search_radius_mm)
+        elif math.hypot(*place_mm) < self._settings.home_radius_mm:
+            raise self._hidden(
+                target, f"a retroreflector at {place_text(place_mm)} mm is seen: the home position"
             )
 
     async def _tracker_state(self) -> int:
@@ -334,7 +337,3 @@ class LeicaEmscon(LinkDriver, Tracker):
         return WrongDeviceError(
             f"{self._link.where}: what answers here is no emScon server: check host and port 700; {cause}"
         )
-
-
-def _listed(place_mm: Place) -> str:
-    return ", ".join(f"{value:.2f}" for value in place_mm)
