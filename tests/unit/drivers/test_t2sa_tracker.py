@@ -217,7 +217,7 @@ async def test_a_busy_spatialanalyzer_is_waited_for_at_the_start(command: str) -
         await tracker.close()
 
 
-async def test_a_spatialanalyzer_that_stays_busy_is_not_called_a_wrong_frame() -> None:
+async def test_a_spatialanalyzer_that_stays_busy_is_called_so() -> None:
     async with saying("!SET_WORKING_FRAME", b"ERR-201 busy\r\n") as endpoint:
         tracker = T2sa.at(endpoint, SystemClock(100.0), working_frame="WORLD", busy_timeout_s=5.0)
         with pytest.raises(RefusedError, match="ERR-201 busy: end what it does"):
