@@ -27,6 +27,8 @@ def ask_logins(
 ) -> None:
     """Ask for user and password, and keep them where drivers look for them, for this process and those it starts.
 
+    Return alone keeps the user that is known, and the password of that user.
+
     Args:
         environment: of this process.
         ask_user: shows what is typed.
@@ -42,7 +44,8 @@ def ask_logins(
         raise UsageError(f"--login asks at a terminal, and there is none: set {variables} instead")
     for driver, variables_of in wanted.items():
         known = environment.get(variables_of.user, variables_of.factory_user)
-        environment[variables_of.user] = ask_user(f"{driver}, user [{known}]: ").strip() or known
-        environment[variables_of.password] = ask_password(
-            f"{driver}, password of {environment[variables_of.user]}: "
-        )
+        user = environment[variables_of.user] = ask_user(f"{driver}, user [{known}]: ").strip() or known
+        hint = " [unchanged]" if user == known else ""
+        typed = ask_password(f"{driver}, password of {user}{hint}: ")
+        if typed or user != known:
+            environment[variables_of.password] = typed

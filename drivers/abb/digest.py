@@ -9,7 +9,7 @@ from typing import Final
 from catseye.drivers.roles.errors import ProtocolError
 
 _FIELD = re.compile(r'([\w-]+)\s*=\s*(?:"((?:[^"\\]|\\.)*)"|([^\s,"]*))')
-_KEPT: Final = ("realm", "nonce", "opaque", "algorithm")
+_KEPT: Final = ("realm", "nonce", "opaque")
 
 
 @dataclass(frozen=True, repr=False)
@@ -70,8 +70,10 @@ class Digest:
             **{name: self._fields[name] for name in _KEPT if name in self._fields},
         }
         quoted = ", ".join(f'{name}="{_escaped(value)}"' for name, value in (named | {"uri": target}).items())
+        # Neither these nor the count may stand in quotes (RFC 7616, section 3.4).
+        algorithm = f", algorithm={self._fields['algorithm']}" if "algorithm" in self._fields else ""
         counted = f', qop=auth, nc={count}, cnonce="{self._client_nonce}"' if self._counted else ""
-        return f'Digest {quoted}{counted}, response="{response}"'
+        return f'Digest {quoted}{algorithm}{counted}, response="{response}"'
 
 
 def challenge_of(values: list[str]) -> str:

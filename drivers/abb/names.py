@@ -56,6 +56,7 @@ MODE: Final = reading("rw/panel/opmode")
 SPEED_RATIO: Final = reading("rw/panel/speedratio")
 EXECUTION: Final = reading("rw/rapid/execution")
 SYSTEM: Final = reading("rw/system")
+LOGOUT: Final = reading("logout")
 
 STOP: Final = doing("rw/rapid/execution", "stop", stopmode="stop")
 """What stops the arm: RAPID stops, and with it the motion under way, on its path."""

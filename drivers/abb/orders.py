@@ -11,16 +11,17 @@ from catseye.drivers.abb import names
 from catseye.drivers.abb.names import Result
 from catseye.drivers.abb.service import Service
 from catseye.drivers.abb.settings import AbbSettings
-from catseye.drivers.abb.values import goal_text, states_of, whole_of
+from catseye.drivers.abb.state import mains_of, own_main
+from catseye.drivers.abb.values import goal_text, whole_of
 from catseye.drivers.links.beating import beating
 from catseye.drivers.links.healing import Repeat
-from catseye.drivers.links.orders import NumberedOrders, OrderLook
+from catseye.drivers.links.motions import Motion
+from catseye.drivers.links.orders import NumberedOrders, OrderLook, OrderRefusedError
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import (
-    LinkError,
+    DeviceError,
     NotArrivedError,
     NotReadyError,
-    ProtocolError,
     RefusedError,
 )
 from catseye.drivers.roles.pose import Pose
@@ -75,29 +76,10 @@ class Orders(NumberedOrders):
         await self._write(names.PREPARED, str(number), permit=permit)
         return number
 
-    async def complete(self, number: int, permit: Callable[[], None]) -> None:
-        """Begin an order that is prepared; return when its motion is over.
-
-        Raises:
-            NotReadyError: the program does not run, or was stopped.
-            RefusedError: the program refuses the order; nothing moves.
-            NotArrivedError: the motion ended early.
-            LinkError: lost or silent.
-            ProtocolError: garbage came.
-        """
+    async def carry_out(self, number: int, motion: Motion) -> None:
+        """Carry out an order as all are; STOP is kept ready meanwhile."""
         async with beating(self._stop.renew, self._settings.renewal_s):
-            result = await self.carry_out(number, permit)
-        if result == Result.NO_HEARTBEAT:
-            raise NotArrivedError(
-                f"{self._where}: CATSABB stopped the arm, since no sign of life came for 0.4 s: check the network "
-                "and the load of this computer"
-            )
-        if result != Result.DONE:
-            raise RefusedError(
-                f"{self._where}: CATSABB took the order after it was taken back, or another program writes its data "
-                f"({names.RESULT} is {result}): nothing moved",
-                result,
-            )
+            await super().carry_out(number, motion)
 
     async def is_running(self) -> bool:
         """Return whether RAPID runs."""
@@ -105,13 +87,7 @@ class Orders(NumberedOrders):
 
     async def main_is_ours(self) -> bool:
         """Return whether the task's main is that of CATSABB; what the controller does not say is taken for no."""
-        ours = f"RAPID/{self._settings.task}/{names.MODULE}/main".lower()
-        try:
-            found = states_of(await self._service.ask(names.main_search(self._settings.task)))
-        except (RefusedError, ProtocolError):
-            return False
-        places = [str(state.get("symburl", "")).lower() for state in found]
-        return [place for place in places if place.endswith("/main")] == [ours]
+        return await mains_of(self._service, self._settings.task) == [own_main(self._settings.task)]
 
     async def look(self) -> OrderLook:
         """Ask whether RAPID runs, and for the numbers that the program answers with."""
@@ -168,10 +144,10 @@ class Orders(NumberedOrders):
         return number
 
     async def _begun(self, permit: Callable[[], None]) -> None:
-        """Start once; where the answer is lost, whether the program runs is asked afterwards."""
+        """Start once; where the answer is lost or an error, whether the program runs is asked afterwards."""
         try:
             await self._service.ask(names.START, repeat=Repeat.NEVER, permit=permit)
-        except (LinkError, ProtocolError):
+        except DeviceError:
             if not await self.is_running():
                 raise
 
@@ -213,10 +189,23 @@ class Orders(NumberedOrders):
     async def _take_back(self) -> None:
         await self._write(names.PREPARED, "0")
 
-    async def _beat(self) -> None:
+    async def _beat(self, permit: Callable[[], None]) -> None:
         self._beats = self._beats % names.LARGEST_NUMBER + 1
         request = names.data_set(self._settings.task, names.BEAT, str(self._beats))
-        await self._signs.ask(request, repeat=Repeat.NEVER)
+        await self._signs.ask(request, repeat=Repeat.NEVER, permit=permit)
+
+    def _require_done(self, result: int) -> None:
+        if result == Result.NO_HEARTBEAT:
+            raise NotArrivedError(
+                f"{self._where}: CATSABB stopped the arm, since no sign of life came for 0.4 s: check the network "
+                "and the load of this computer"
+            )
+        if result != Result.DONE:
+            raise OrderRefusedError(
+                f"{self._where}: CATSABB took the order after it was taken back, or another program writes its data "
+                f"({names.RESULT} is {result}): nothing moved",
+                result,
+            )
 
     async def _number(self, name: str) -> int:
         return whole_of(await self._service.value(names.data(self._settings.task, name), "value"))

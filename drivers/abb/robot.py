@@ -25,6 +25,7 @@ from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import UNGUARDED, LinkGuard
 from catseye.drivers.links.halting import Halt, stopped_when_cancelled
 from catseye.drivers.links.link import uninterrupted
+from catseye.drivers.links.motions import Motion
 from catseye.drivers.links.stops import Stops, StopWatch
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
@@ -34,7 +35,6 @@ from catseye.drivers.roles.errors import (
     LinkError,
     NotArrivedError,
     NotReadyError,
-    ProtocolError,
     RefusedError,
     WrongDeviceError,
 )
@@ -149,9 +149,12 @@ class AbbRws(Robot):
             raise
 
     async def close(self) -> None:
-        """Disconnect; may be called any number of times."""
-        for service in self._services:
-            await service.link.close()
+        """Log out and disconnect; may be called any number of times."""
+        try:
+            await self._log_out()
+        finally:
+            for service in self._services:
+                await service.link.close()
 
     async def status(self) -> RobotStatus:
         """Return the controller's state.
@@ -260,41 +263,30 @@ class AbbRws(Robot):
             await uninterrupted(halt.confirm())
 
     async def _carry_out(self, target: Pose) -> None:
-        watch = StopWatch(self._stops, self._main.where)
-
-        def permit() -> None:
-            watch.require_none()
-            self._guard.permit()
-
-        async with self._guard.motion(), self._mastership(permit):
-            number = await self._orders.prepare(target, permit)
-            await self._watched(number, permit, watch)
+        motion = Motion(StopWatch(self._stops, self._main.where), self._guard, self.stop)
+        async with self._guard.motion(), self._mastership(motion.permit):
+            number = await self._orders.prepare(target, motion.permit)
+            await self._orders.carry_out(number, motion)
 
     @asynccontextmanager
     async def _mastership(self, permit: Callable[[], None]) -> AsyncIterator[None]:
-        """Hold mastership of RAPID meanwhile."""
-        await self._main.ask(names.REQUEST_MASTERSHIP, permit=permit)
+        """Hold mastership of RAPID meanwhile; it may be held although the answer was lost or an error."""
         try:
+            await self._main.ask(names.REQUEST_MASTERSHIP, permit=permit)
             yield
         finally:
             # A session that was lost has lost it, too.
             with contextlib.suppress(DeviceError):
                 await self._main.ask(names.RELEASE_MASTERSHIP)
 
-    async def _watched(self, number: int, permit: Callable[[], None], watch: StopWatch) -> None:
-        """Let the program carry out an order; where it fails, stop the arm, unless a stop is the reason."""
-        try:
-            await self._orders.complete(number, permit)
-        except (LinkError, ProtocolError, NotArrivedError, NotReadyError):
-            if watch.seen:
-                watch.require_none()
-            await self._stop_after_failure()
-            raise
-
-    async def _stop_after_failure(self) -> None:
-        """Stop an arm of which it is not known what it does; the failure itself is what is reported."""
-        with contextlib.suppress(DeviceError):
-            await self.stop()
+    async def _log_out(self) -> None:
+        """End the session, which the controller would keep for long; one that is not reached forgets it by itself."""
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(self._settings.answer_timeout_s):
+                for service in self._services:
+                    with contextlib.suppress(DeviceError):
+                        await service.log_out()
+                        return
 
     async def _identity(self) -> Identity:
         name, version = await system_of(self._main)

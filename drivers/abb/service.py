@@ -46,6 +46,10 @@ class Cookies:
                 continue
             self._values |= {name: morsel.value for name, morsel in jar.items()}
 
+    def forget(self) -> None:
+        """Begin another session with the next request."""
+        self._values.clear()
+
 
 class Service:
     """A connection to Robot Web Services.
@@ -159,6 +163,18 @@ class Service:
         # A server ends a connection behind so many requests: then another one is opened at once.
         await self.link.ensure()
 
+    async def log_out(self) -> None:
+        """End the session of all connections, if there is one.
+
+        Raises:
+            RefusedError: the controller refuses.
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        if self._cookies.headers:
+            await self.ask(names.LOGOUT, repeat=Repeat.NEVER)
+            self._cookies.forget()
+
     async def _answer(self, request: Request, permit: Callable[[], None] | None) -> Answer:
         """Ask; where the proof has grown old, which means that nothing was done, ask once more."""
         for _ in range(2):
@@ -236,7 +252,7 @@ class Service:
                 "environment of this program, or call catseye --login before the command",
                 number,
             )
-        if answer.status == _FULL:
+        if answer.status == _FULL and not self._cookies.headers:
             raise RefusedError(
                 f"{self.where}: all sessions of the controller are in use (it has about 70): end other programs that "
                 "ask it, or wait until it forgets those that were not ended",

@@ -5,8 +5,8 @@ from typing import Final
 
 from catseye.drivers.abb import names
 from catseye.drivers.abb.service import Service
-from catseye.drivers.abb.values import number_of, value_of, whole_of
-from catseye.drivers.roles.errors import RefusedError
+from catseye.drivers.abb.values import number_of, states_of, value_of, whole_of
+from catseye.drivers.roles.errors import ProtocolError, RefusedError
 from catseye.drivers.roles.robot import RobotStatus
 
 FAILURE: Final = 1
@@ -42,6 +42,25 @@ async def module_of(service: Service, task: str) -> Module | None:
     return Module(whole_of(taken), whole_of(done))
 
 
+async def mains_of(service: Service, task: str) -> list[str]:
+    """Return where procedures called main of a task stand, in small letters; none where the controller does not say.
+
+    Raises:
+        LinkError: lost or silent.
+    """
+    try:
+        found = states_of(await service.ask(names.main_search(task)))
+    except (RefusedError, ProtocolError):
+        return []
+    places = [str(state.get("symburl", "")).lower() for state in found]
+    return [place for place in places if place.endswith("/main")]
+
+
+def own_main(task: str) -> str:
+    """Return where main of CATSABB stands, as `mains_of` says it."""
+    return f"RAPID/{task}/{names.MODULE}/main".lower()
+
+
 async def status_of(service: Service, task: str) -> RobotStatus:
     """Return the state.
 
@@ -53,14 +72,13 @@ async def status_of(service: Service, task: str) -> RobotStatus:
     state = await service.value(names.CONTROL_STATE, "ctrlstate")
     mode = await service.value(names.MODE, "opmode")
     ratio = value_of(await service.ask(names.SPEED_RATIO), "speedratio")
-    running = await service.value(names.EXECUTION, "ctrlexecstate") == names.RUNNING
+    executes = await service.value(names.EXECUTION, "ctrlexecstate") == names.RUNNING
     module = await module_of(service, task)
     manual = mode in names.MANUAL
     alarm = FAILURE if state == "sysfail" else GUARD_STOP if state == "guardstop" and not manual else 0
     return RobotStatus(
         servo_on=state == names.MOTORS_ON,
-        # Whether another program moves anything is not known: one that runs may.
-        running=running and (module is None or module.taken != module.done),
+        running=executes and await _may_move(service, task, module),
         operation_enabled=mode == names.AUTO and module is not None,
         teach_mode=manual,
         emergency_stop=state in names.EMERGENCY,
@@ -69,3 +87,11 @@ async def status_of(service: Service, task: str) -> RobotStatus:
         alarm_text=_TEXTS.get(alarm, ""),
         program=names.MODULE if module is not None else "",
     )
+
+
+async def _may_move(service: Service, task: str, module: Module | None) -> bool:
+    """Return whether the program that runs may move the arm: CATSABB with an order does, another one at any time."""
+    if module is None or module.taken != module.done:
+        return True
+    mains = await mains_of(service, task)
+    return bool(mains) and own_main(task) not in mains

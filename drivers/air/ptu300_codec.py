@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from catseye.drivers.roles.errors import ProtocolError
 
 MAX_LINE_BYTES = 512
+_LONGEST_NUMBER = 32
 
 FORM = '"P=" 5.2 P " " U4 " T=" 4.2 T " " U2 " RH=" 4.2 RH " " U3 " " CS4 #r #n'
 """What the driver sets: all that it needs, with a checksum of what stands before it."""
@@ -89,7 +90,7 @@ def parse_values(line: str) -> Values:
     """Read a line of values by their names and units, whatever their order.
 
     Raises:
-        ProtocolError: no value is there, or a unit is unknown.
+        ProtocolError: no value is there, a unit is unknown, or a number has too many digits.
     """
     found = {match["name"].upper(): (match["number"], match["unit"]) for match in _VALUE.finditer(line)}
     if not found.keys() & {"P", "T", "RH"}:
@@ -123,6 +124,8 @@ def _text(line: bytes) -> str:
 
 
 def _number(text: str) -> float | None:
+    if len(text) > _LONGEST_NUMBER:
+        raise ProtocolError(f"{text[:64]!r} is too long for a number")
     return None if "*" in text else float(text)
 
 

@@ -13,7 +13,7 @@ from catseye.drivers.kuka.proxy import Proxy
 from catseye.drivers.kuka.settings import KukaSettings
 from catseye.drivers.kuka.values import symbol_of, whole_of
 from catseye.drivers.links.healing import Repeat
-from catseye.drivers.links.orders import NumberedOrders, OrderLook
+from catseye.drivers.links.orders import NumberedOrders, OrderLook, OrderRefusedError
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import NotArrivedError, NotReadyError, ProtocolError, RefusedError
 
@@ -66,20 +66,6 @@ class Orders(NumberedOrders):
         await self._proxy.write({names.PREPARED: str(number)}, permit=permit)
         return number
 
-    async def complete(self, number: int, permit: Callable[[], None]) -> None:
-        """Begin an order that is prepared; return when its motion is over.
-
-        Raises:
-            NotReadyError: the program does not run, or was stopped.
-            RefusedError: the program refuses the order; nothing moves.
-            NotArrivedError: the motion ended early.
-            LinkError: lost or silent.
-            ProtocolError: garbage came.
-        """
-        result = self._known(await self.carry_out(number, permit))
-        if result is not Result.DONE:
-            raise self._failure(result)
-
     async def look(self) -> OrderLook:
         """Ask for the program's state and the numbers that it answers with."""
         asked = (names.PROGRAM_STATE, names.TAKEN, names.DONE, names.RESULT)
@@ -96,8 +82,12 @@ class Orders(NumberedOrders):
     async def _take_back(self) -> None:
         await self._proxy.write(_REVOKED)
 
-    async def _beat(self) -> None:
-        await self._signs.write({names.BEAT: "TRUE"}, repeat=Repeat.NEVER)
+    async def _beat(self, permit: Callable[[], None]) -> None:
+        await self._signs.write({names.BEAT: "TRUE"}, repeat=Repeat.NEVER, permit=permit)
+
+    def _require_done(self, result: int) -> None:
+        if (known := self._known(result)) is not Result.DONE:
+            raise self._failure(known)
 
     async def _free_number(self) -> int:
         """Return the number of the next order.
@@ -137,29 +127,29 @@ class Orders(NumberedOrders):
         except ValueError:
             raise ProtocolError(f"{self._proxy.where}: {names.RESULT} = {number} means nothing") from None
 
-    def _failure(self, result: Result) -> NotArrivedError | RefusedError:
+    def _failure(self, result: Result) -> NotArrivedError | OrderRefusedError:
         where = self._proxy.where
         match result:
             case Result.STOPPED | Result.STOP_STANDS:
-                return RefusedError(f"{where}: a stop ended the motion", int(result))
+                return OrderRefusedError(f"{where}: a stop ended the motion", int(result))
             case Result.NO_HEARTBEAT:
                 return NotArrivedError(
                     f"{where}: the program stopped the arm, since no sign of life came for 0.5 s: check the network "
                     "and the load of this computer"
                 )
             case Result.TOO_LARGE:
-                return RefusedError(
+                return OrderRefusedError(
                     f"{where}: the increment is larger than {names.MOST_DEG} or {names.MOST_MM} allow: nothing moved",
                     int(result),
                 )
             case Result.NOT_PREPARED:
-                return RefusedError(
+                return OrderRefusedError(
                     f"{where}: CATSKUKA took the order after it was taken back, or another program writes its "
                     "variables: nothing moved",
                     int(result),
                 )
             case _:
-                return RefusedError(
+                return OrderRefusedError(
                     f"{where}: CATSKUKA refused the order ({result.name.lower().replace('_', ' ')}): does another "
                     "program write its variables?",
                     int(result),

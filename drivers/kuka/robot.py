@@ -4,7 +4,6 @@ The proxy only reads and writes variables. Four connections are held: the first 
 the second for STOP, the third for signs of life, the fourth for questions while the arm moves.
 """
 
-import contextlib
 import math
 from collections.abc import Callable
 from typing import Any, ClassVar, Final, Self
@@ -22,16 +21,15 @@ from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import UNGUARDED, LinkGuard, guarded
 from catseye.drivers.links.halting import Halt, stopped_when_cancelled
 from catseye.drivers.links.link import uninterrupted
+from catseye.drivers.links.motions import Motion
 from catseye.drivers.links.stops import Stops, StopWatch
 from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.device import Examination, Identity, Sink
 from catseye.drivers.roles.errors import (
-    DeviceError,
     LinkError,
     NotArrivedError,
     NotReadyError,
-    ProtocolError,
     WrongDeviceError,
 )
 from catseye.drivers.roles.pose import Pose, is_at
@@ -292,30 +290,11 @@ class KukaVarproxy(Robot):
         await stopped_when_cancelled(self._guarded(order), self.stop)
 
     async def _guarded(self, order: Order) -> None:
-        watch = StopWatch(self._stops, self._main.where)
-
-        def permit() -> None:
-            watch.require_none()
-            self._guard.permit()
-
+        motion = Motion(StopWatch(self._stops, self._main.where), self._guard, self.stop)
         async with self._guard.motion():
-            await self._restore_override(permit)
-            number = await self._orders.prepare(order, permit)
-            await self._watched(number, permit, watch)
-
-    async def _watched(self, number: int, permit: Callable[[], None], watch: StopWatch) -> None:
-        """Let the program carry out an order; where it fails, stop the arm, unless a stop is the reason."""
-        try:
-            await self._orders.complete(number, permit)
-        except (LinkError, ProtocolError, NotArrivedError, NotReadyError):
-            if not watch.seen:
-                await self._stop_after_failure()
-            raise
-
-    async def _stop_after_failure(self) -> None:
-        """Stop an arm of which it is not known what it does; the failure itself is what is reported."""
-        with contextlib.suppress(DeviceError):
-            await self.stop()
+            await self._restore_override(motion.permit)
+            number = await self._orders.prepare(order, motion.permit)
+            await self._orders.carry_out(number, motion)
 
     async def _restore_override(self, permit: Callable[[], None]) -> None:
         """Undo the override of 0 that a stop of this program has left; another value is an operator's.

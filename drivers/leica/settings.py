@@ -30,6 +30,12 @@ class LeicaSettings(DeviceSettings):
         gt=0,
         description="of a target that is searched for without a place where it is expected.",
     )
+    home_radius_mm: float = Field(
+        default=500.0,
+        ge=0,
+        description="around the tracker: what is seen in it without an expected place is its home position, whose "
+        "place is not documented; 0 takes everything for a target.",
+    )
     plane_dwell_s: float = Field(
         default=1.0, gt=0, description="over which a place in the plane is averaged, s of the clock."
     )

@@ -21,7 +21,9 @@ T = TypeVar("T")
 _APPLY_TRANSFORMATION, _APPLY_ORIENTATION, _UNSOLICITED, _REFLECTOR_POSITIONS, _TRY_MODE = 1, 2, 4, 5, 6
 """Places within the nine system settings."""
 
-_OFF = (_APPLY_TRANSFORMATION, _APPLY_ORIENTATION, _UNSOLICITED, _REFLECTOR_POSITIONS, _TRY_MODE)
+_FRAME = (_APPLY_TRANSFORMATION, _APPLY_ORIENTATION)
+
+_OFF = (*_FRAME, _UNSOLICITED, _REFLECTOR_POSITIONS, _TRY_MODE)
 
 
 class Ask(Protocol):
@@ -54,8 +56,14 @@ def refused(where: str, command: Command, status: int) -> RefusedError:
     return RefusedError(f"{where}: {command.name} was refused: {status_text(status)}", status)
 
 
-async def set_up(ask: Ask, where: str, settings: LeicaSettings) -> None:
+async def set_up(ask: Ask, where: str, settings: LeicaSettings, reflector: int | None) -> int:
     """Bring the server into the state that the driver reckons with, and check that it is there.
+
+    Args:
+        reflector: number of the one in use before the link was lost; None where that is not known.
+
+    Returns:
+        Number of the reflector in use.
 
     Raises:
         RefusedError: the server refuses, does otherwise, or does not know the reflector.
@@ -70,28 +78,37 @@ async def set_up(ask: Ask, where: str, settings: LeicaSettings) -> None:
         await require(ask, where, Command.SET_ENVIRONMENT, "3d", *settings.air)
     if settings.reflector is not None:
         await _choose_reflector(ask, where, settings.reflector)
-    await check(ask, where)
+    if reflector is None:
+        reflector = int((await require(ask, where, Command.REFLECTOR)).values("i")[0])
+    await check(ask, where, reflector)
+    return reflector
 
 
-async def check(ask: Ask, where: str) -> None:
-    """Check that coordinates come in the units and in the frame that the driver reckons with.
+async def check(ask: Ask, where: str, reflector: int) -> None:
+    """Check that coordinates come in the units, in the frame and of the reflector that the driver reckons with.
 
     Raises:
         RefusedError: somebody has changed them.
     """
     questions = (
-        (Command.UNITS, "5i", UNITS, "units"),
+        (Command.UNITS, "5i", UNITS, "set of units"),
         (Command.COORDINATES, "i", (RIGHT_HANDED,), "kind of coordinates"),
         (Command.MODE, "i", (STATIONARY,), "mode of measuring"),
+        (Command.REFLECTOR, "i", (reflector,), "number of the reflector"),
     )
     for command, layout, expected, what in questions:
         found = (await require(ask, where, command)).values(layout)
         if found != expected:
-            raise RefusedError(
-                f"{where}: the {what} are {found} and not {expected}: another program uses this tracker; end it, and "
-                "connect again",
-                0,
-            )
+            raise _changed(where, f"{what}: {found} instead of {expected}")
+    applied = (await require(ask, where, Command.SETTINGS)).values("9i")
+    if any(applied[place] for place in _FRAME):
+        raise _changed(where, "frame: its transformation or its orientation is applied")
+
+
+def _changed(where: str, what: str) -> RefusedError:
+    return RefusedError(
+        f"{where}: the tracker has another {what}: another program uses it; end that, and connect again", 0
+    )
 
 
 async def _system_settings(ask: Ask, where: str) -> None:

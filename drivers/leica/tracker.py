@@ -39,7 +39,16 @@ from catseye.drivers.roles.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from catseye.drivers.roles.tracker import Face, Place, Position, TargetPoint, Tracker, TrackerAbilities
+from catseye.drivers.roles.tracker import (
+    Face,
+    Place,
+    Position,
+    TargetPoint,
+    Tracker,
+    TrackerAbilities,
+    place_text,
+    require_near,
+)
 
 T = TypeVar("T")
 
@@ -71,6 +80,7 @@ class LeicaEmscon(LinkDriver, Tracker):
         self._clock = clock
         self._turn = asyncio.Lock()
         self._identity: Identity | None = None
+        self._reflector: int | None = None
         self._measuring = False
         self._link = RequestLink(
             transport,
@@ -90,7 +100,7 @@ class LeicaEmscon(LinkDriver, Tracker):
             RefusedError: the tracker refuses a setting.
             LinkError: unreachable or silent.
         """
-        self._identity = None
+        self._identity = self._reflector = None
         await self._link.open()
         return self._known()
 
@@ -114,9 +124,10 @@ class LeicaEmscon(LinkDriver, Tracker):
         """Measure a target that stands still; the tracker is initialised before if need be.
 
         Raises:
-            HiddenTargetError: no target is seen there; without a place, also right after the initialisation, since
-                the tracker looks at the retroreflector of its own home position then.
-            RefusedError: the tracker refuses, or another program has changed its units.
+            HiddenTargetError: no target is seen there; without a place, also where the tracker looks at the
+                retroreflector of its own home position.
+            RefusedError: the tracker refuses, or another program has changed its units, frame, reflector or face,
+                also meanwhile.
             LinkError: lost or silent.
         """
         async with self._turn:
@@ -125,6 +136,8 @@ class LeicaEmscon(LinkDriver, Tracker):
             await self._turn_to(face)
             await self._require(Command.SET_STATIONARY, "ii", max(1, round(1e3 * dwell_s)), 1)
             result = await self._measured(target, dwell_s, near_mm)
+            await self._check_setup()
+            await self._require_face(face)
         self._check_place(target, result.place_mm, near_mm)
         return TargetPoint(result.place_mm, result.u_mm)
 
@@ -154,18 +167,29 @@ class LeicaEmscon(LinkDriver, Tracker):
         new = processor != INITIALISED
         if new:
             await self._order(Command.INITIALIZE, timeout_s=self._settings.initialise_timeout_s)
-        await setup.check(self._ask, self._link.where)
+        await self._check_setup()
         return new
 
+    async def _check_setup(self) -> None:
+        if self._reflector is None:
+            raise LinkError(f"{self._link.where}: not connected: connect first")
+        await setup.check(self._ask, self._link.where, self._reflector)
+
     async def _turn_to(self, face: Face) -> None:
-        if (await self._require(Command.FACE)).values("i")[0] == face:
-            return
-        await self._order(Command.CHANGE_FACE, timeout_s=self._settings.move_timeout_s)
-        found = (await self._require(Command.FACE)).values("i")[0]
-        if found != face:
+        if await self._face() != face:
+            await self._order(Command.CHANGE_FACE, timeout_s=self._settings.move_timeout_s)
+            await self._require_face(face)
+
+    async def _require_face(self, face: Face) -> None:
+        if (found := await self._face()) != face:
             raise RefusedError(
-                f"{self._link.where}: the tracker is in face {found:g} and not in face {face}", 0
+                f"{self._link.where}: the tracker is in face {found} and not in face {face}: if another program uses "
+                "it, end that",
+                0,
             )
+
+    async def _face(self) -> int:
+        return int((await self._require(Command.FACE)).values("i")[0])
 
     async def _measured(self, target: str, dwell_s: float, near_mm: Place | None) -> StationaryResult:
         """Point at a target and measure it; search once more when it is lost meanwhile."""
@@ -227,14 +251,12 @@ class LeicaEmscon(LinkDriver, Tracker):
         )
 
     def _check_place(self, target: str, place_mm: Place, near_mm: Place | None) -> None:
-        """Refuse a target that is none of those within the search radius."""
-        if near_mm is None:
-            return
-        off_mm = math.dist(place_mm, near_mm)
-        if off_mm > self._settings.search_radius_mm:
-            raise HiddenTargetError(
-                f"{self._link.where}: {target} was expected at {_listed(near_mm)} mm and a target {off_mm:.1f} mm "
-                f"away from there is seen, at {_listed(place_mm)} mm: another one, or search_radius_mm is too small"
+        """Refuse a target outside of the search radius; without an expected place, the tracker's own."""
+        if near_mm is not None:
+            require_near(self._link.where, target, place_mm, near_mm, self._settings.search_radius_mm)
+        elif math.hypot(*place_mm) < self._settings.home_radius_mm:
+            raise self._hidden(
+                target, f"a retroreflector at {place_text(place_mm)} mm is seen: the home position"
             )
 
     async def _tracker_state(self) -> int:
@@ -294,7 +316,9 @@ class LeicaEmscon(LinkDriver, Tracker):
                 f"{self._link.where}: after the link was opened again {found.model} {found.serial} answers "
                 f"instead of {self._identity.model} {self._identity.serial}: check the network"
             )
-        await setup.set_up(self._exchange, self._link.where, self._settings)
+        self._reflector = await setup.set_up(
+            self._exchange, self._link.where, self._settings, self._reflector
+        )
         self._identity = found
 
     async def _recognise(self) -> None:
@@ -313,7 +337,3 @@ class LeicaEmscon(LinkDriver, Tracker):
         return WrongDeviceError(
             f"{self._link.where}: what answers here is no emScon server: check host and port 700; {cause}"
         )
-
-
-def _listed(place_mm: Place) -> str:
-    return ", ".join(f"{value:.2f}" for value in place_mm)

@@ -9,14 +9,20 @@ import asyncio
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Final, Protocol
 
 from catseye.drivers.links.beating import beating
+from catseye.drivers.links.motions import Motion
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.errors import LinkError, LinkTimeoutError, NotReadyError, ProtocolError
+from catseye.drivers.roles.errors import DeviceError, LinkTimeoutError, NotReadyError, RefusedError
 
 _FEWEST_LOOKS: Final = 10
 """Answers that say that an order is not taken: on a busy machine time passes in which nobody looks."""
+
+
+class OrderRefusedError(RefusedError):
+    """The program on the controller is done with an order that it refused or that a stop ended: the arm stands."""
 
 
 @dataclass(frozen=True)
@@ -97,32 +103,53 @@ class NumberedOrders(ABC):
         """Take an order back: the program refuses it from then on."""
 
     @abstractmethod
-    async def _beat(self) -> None:
-        """Give a sign of life."""
+    async def _beat(self, permit: Callable[[], None]) -> None:
+        """Give a sign of life, once."""
+
+    @abstractmethod
+    def _require_done(self, result: int) -> None:
+        """Check what became of an order.
+
+        Raises:
+            OrderRefusedError: it was refused, or ended by a stop.
+            NotArrivedError: its motion ended early.
+            ProtocolError: the result means nothing.
+        """
 
     def _unused(self, *known: int) -> int:
         """Return a number above all that are known; one that was lost may arrive yet, and is not used again."""
         self._latest = max(self._latest, *known) + 1
         return self._latest
 
-    async def carry_out(self, number: int, permit: Callable[[], None]) -> int:
-        """Begin an order that is prepared; return what became of it when it is over.
+    async def carry_out(self, number: int, motion: Motion) -> None:
+        """Begin an order that is prepared; return when its motion is over.
+
+        Where it fails, the arm is stopped before anything else is waited for. Signs of life let it move on, so there
+        are none once a stop has begun.
 
         Raises:
             NotReadyError: the program does not run, or was stopped.
+            RefusedError: a stop overtook it, the program refuses it, or the controller refuses a question.
+            NotArrivedError: the motion ended early.
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        async with beating(self._beat, self._times.heartbeat_s):
-            await self._begin(number, permit)
-            await self._require_taken(number)
-            return await self._result_in_time(number)
+        async with beating(partial(self._beat, motion.require_no_stop), self._times.heartbeat_s):
+            try:
+                await self._begin(number, motion.permit)
+                await self._require_taken(number)
+                self._require_done(await self._result_in_time(number))
+            except OrderRefusedError:
+                raise
+            except Exception:
+                await motion.stop_after_failure()
+                raise
 
     async def _begin(self, number: int, permit: Callable[[], None]) -> None:
-        """Write the number; where the reply is lost, ask whether it was written."""
+        """Write the number; where the reply is lost or an error, ask whether it was written."""
         try:
             await self._write_number(number, permit)
-        except (LinkError, ProtocolError):
+        except DeviceError:
             if await self._written_number() != number and await self._revoked(number):
                 raise
 

@@ -1,11 +1,12 @@
 """An independent instrument that locates targets on the arm: a laser tracker, or an optical CMM."""
 
+import math
 from abc import abstractmethod
 from dataclasses import dataclass, fields
 from typing import ClassVar, Literal, Protocol
 
 from catseye.drivers.roles.device import Device, DriverClass, Role
-from catseye.drivers.roles.errors import RefusedError
+from catseye.drivers.roles.errors import HiddenTargetError, RefusedError
 
 Place = tuple[float, float, float]
 """x, y, z, mm."""
@@ -59,6 +60,30 @@ class TargetPose:
     visible: int | None = None
     u_mm: Place | None = None
     u_deg: Place | None = None
+
+
+def require_near(where: str, target: str, place_mm: Place, near_mm: Place, radius_mm: float) -> None:
+    """Check that a target is the one that was asked for, by its place.
+
+    Args:
+        where: device and endpoint, for the text.
+        near_mm: where it was expected.
+        radius_mm: how far it may be from there; a setting called search_radius_mm.
+
+    Raises:
+        HiddenTargetError: it is another one.
+    """
+    off_mm = math.dist(place_mm, near_mm)
+    if off_mm > radius_mm:
+        raise HiddenTargetError(
+            f"{where}: {target} was expected at {place_text(near_mm)} mm and a target {off_mm:.1f} mm away from "
+            f"there is seen, at {place_text(place_mm)} mm: another one, or search_radius_mm is too small"
+        )
+
+
+def place_text(place_mm: Place) -> str:
+    """Return a place for a text."""
+    return ", ".join(f"{value:.2f}" for value in place_mm)
 
 
 @dataclass(frozen=True)

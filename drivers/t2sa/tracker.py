@@ -29,6 +29,7 @@ from catseye.drivers.roles.tracker import (
     TargetPose,
     Tracker,
     TrackerAbilities,
+    require_near,
 )
 from catseye.drivers.t2sa import codec
 
@@ -71,6 +72,12 @@ class T2saSettings(DeviceSettings):
         default="fixed-axes",
         description="how Rx, Ry, Rz of a report turn: R = Rz·Ry·Rx, which is likely, or R = Rx·Ry·Rz; compare with a "
         "pose that you know.",
+    )
+    search_radius_mm: float = Field(
+        default=25.0,
+        gt=0,
+        description="around the place where a target is expected: what is measured outside is another one; half the "
+        "distance of two targets at most.",
     )
     u_mm: float | None = Field(default=None, gt=0, description="standard uncertainty of a coordinate.")
     measure_timeout_s: float = Field(default=60.0, gt=0, description="for a measurement beyond its dwell.")
@@ -144,14 +151,13 @@ class T2sa(LinkDriver, Tracker):
     async def point(
         self, target: str, dwell_s: float, near_mm: Place | None = None, face: Face = 1
     ) -> TargetPoint:
-        """Measure a target that stands still; SpatialAnalyzer points at it by its name, whatever `near_mm`.
+        """Measure a target that stands still; SpatialAnalyzer points at it by its name.
 
         Raises:
-            HiddenTargetError: it is not seen.
+            HiddenTargetError: it is not seen, or another one is, far from where it is expected.
             RefusedError: there is no such point, the laser is not ready, or the second face is wanted.
             LinkError: lost or silent.
         """
-        del near_mm
         if face != 1:
             raise RefusedError(f"{self._link.where}: T2SA measures no single point in face {face}", 0)
         group, name = self._named(self._settings.group), self._named(self._point_name(target))
@@ -165,6 +171,8 @@ class T2sa(LinkDriver, Tracker):
             raise ProtocolError(f"{self._link.where}: {found.name!r} was measured instead of {name!r}")
         if not found.good:
             raise self._hidden(target, "SpatialAnalyzer does not call the measurement good")
+        if near_mm is not None:
+            require_near(self._link.where, target, found.place_mm, near_mm, self._settings.search_radius_mm)
         u_mm = self._settings.u_mm
         return TargetPoint(found.place_mm, None if u_mm is None else (u_mm, u_mm, u_mm))
 
@@ -296,23 +304,37 @@ class T2sa(LinkDriver, Tracker):
         )
 
     async def _greet(self) -> None:
-        """Ask who is there, halt what an earlier connection left unfinished, set the frame."""
+        """Halt what an earlier connection left unfinished, set simulation and frame, see who is there."""
         try:
-            self._hello = (await self._exchange(f"!SET_SIM:{int(self._settings.simulates)}")).text
+            if self._interrupted:
+                await self._exchange("!HALT")
+                self._interrupted = False
+            self._hello = (await self._set(f"!SET_SIM:{int(self._settings.simulates)}", "simulates")).text
             await self._exchange("?STAT")
         except (ProtocolError, LinkTimeoutError) as exc:
             raise self._stranger(exc) from None
-        if self._interrupted:
-            await self._exchange("!HALT")
-            self._interrupted = False
         if self._settings.working_frame:
-            reply = await self._exchange(f"!SET_WORKING_FRAME:{self._named(self._settings.working_frame)}")
-            if not reply.ok:
-                raise RefusedError(
-                    f"{self._link.where}: no working frame {self._settings.working_frame!r}: ERR-{reply.code} "
-                    f"{reply.text}: correct working_frame in [tracker.settings]",
-                    reply.code,
-                )
+            frame = self._named(self._settings.working_frame)
+            await self._set(f"!SET_WORKING_FRAME:{frame}", "working_frame")
+
+    async def _set(self, command: str, setting: str) -> codec.Reply:
+        """Have a setting take effect within the greeting; while SpatialAnalyzer is busy, it is given again.
+
+        Raises:
+            RefusedError: it does not take effect.
+        """
+        until_s = self._clock.monotonic_s() + self._settings.busy_timeout_s
+        while (reply := await self._exchange(command)).code == codec.BUSY:
+            if self._clock.monotonic_s() >= until_s:
+                break
+            await self._clock.sleep(_BUSY_PAUSE_S)
+        if reply.ok:
+            return reply
+        busy = reply.code == codec.BUSY
+        advice = "end what it does" if busy else f"correct {setting} in [tracker.settings]"
+        raise RefusedError(
+            f"{self._link.where}: {command} was refused: ERR-{reply.code} {reply.text}: {advice}", reply.code
+        )
 
     async def _exchange(self, command: str) -> codec.Reply:
         return await self._link.exchange(

@@ -4,6 +4,7 @@ from functools import partial
 
 from catseye.simulators.abb.arm_control import MODES, ArmControl
 from catseye.simulators.abb.events import EventLog
+from catseye.simulators.abb.failing import Failing
 from catseye.simulators.abb.program import MODULE, TASK, CatsAbb, declarations
 from catseye.simulators.abb.rapid import Symbol, Symbols, Value
 from catseye.simulators.config import SerialArm
@@ -34,6 +35,7 @@ class AbbController:
         signals: values by network, unit and name.
         files: by their paths.
         queues: messages by the name of their queue.
+        failing: what the web server answers with an error; None: nothing.
     """
 
     def __init__(self, bench: SerialBench, arm: SerialArm, keeper: TimeKeeper) -> None:
@@ -50,6 +52,7 @@ class AbbController:
         self.signals: dict[str, str] = {}
         self.files: dict[str, bytes] = {}
         self.queues: dict[str, list[dict[str, str]]] = {}
+        self.failing: Failing | None = None
         self._install()
         self.events.add(10002, "Program pointer has been reset")
 
@@ -84,6 +87,7 @@ class AbbController:
 
     def clear_faults(self) -> None:
         """Release and confirm everything, turn the switch back, power the motors, start the program from main."""
+        self.failing = None
         self.control.emergency_stop = False
         self.control.confirm()
         self.control.mode = "AUTO"

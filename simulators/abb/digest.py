@@ -49,7 +49,7 @@ class Gate:
         self._now_s = now_s
         self._life_s = life_s
         self._strict = strict
-        self._source = Random(seed)
+        self._source = Random(f"nonces {seed}")
         self._nonces: dict[str, _Nonce] = {}
 
     def challenge(self, *, stale: bool) -> str:

@@ -61,7 +61,7 @@ class Logins:
         most: int,
         life_s: float,
     ) -> None:
-        self._source = Random(seed)
+        self._source = Random(f"keys {seed}")
         self._now_s = now_s
         self._most = most
         self._life_s = life_s

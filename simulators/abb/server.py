@@ -7,6 +7,7 @@ from typing import Final
 from catseye.simulators.abb.calls import Call, Masterships
 from catseye.simulators.abb.controller import AbbController
 from catseye.simulators.abb.digest import Gate
+from catseye.simulators.abb.failing import FAILED
 from catseye.simulators.abb.http import Answer, BadRequestError, Request, RequestBuffer
 from catseye.simulators.abb.logins import Login, Logins, TooManySessionsError
 from catseye.simulators.abb.replies import NOTHING
@@ -77,7 +78,7 @@ class Server:
             return Answer(503, b"<html><body>Too many sessions</body></html>")
         note(_noted(request))
         call = Call(request, login, self.controller, self._masterships, self._real_s())
-        answer = self._resources.answer(call)
+        answer = self._carried_out(call)
         cookies = login.cookies if fresh else ()
         return Answer(answer.status, answer.body, answer.kind, (*answer.headers, *cookies))
 
@@ -88,6 +89,14 @@ class Server:
         if login is None or number not in map(str, login.subscriptions):
             return None
         return self._subscriptions.named(number)
+
+    def _carried_out(self, call: Call) -> Answer:
+        failing = self.controller.failing
+        if failing is None or not failing.fails(call.request):
+            return self._resources.answer(call)
+        if failing.carried_out:
+            self._resources.answer(call)
+        return FAILED
 
     def _logout(self, call: Call) -> Answer:
         self._logins.end(call.login)

@@ -3,9 +3,10 @@
 A fault is a request with `"op": "fault"`, its `name` and its arguments. Durations are bench time.
 """
 
+import re
 from typing import Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from catseye.simulators.control_port.exchange import Answer, Request, known
 
@@ -116,6 +117,24 @@ class SpoilAnswers(Fault):
     device: str
     share: float = Field(ge=0.0, le=1.0)
     seed: int = Field(default=0, ge=0)
+
+
+class FailRequests(Fault):
+    """The web server of an ABB answers the next requests with 503; `carried_out`: they take effect all the same."""
+
+    name = "web_error"
+    pattern: str = Field(default="", max_length=200)
+    carried_out: bool = False
+    count: int = Field(default=1, ge=1, le=1_000_000)
+
+    @field_validator("pattern")
+    @classmethod
+    def _compiles(cls, pattern: str) -> str:
+        try:
+            re.compile(pattern)
+        except re.error as exc:
+            raise ValueError(f"{pattern!r} is no regular expression: {exc}") from None
+        return pattern
 
 
 class Overspeed(Fault):

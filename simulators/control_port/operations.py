@@ -7,6 +7,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from catseye.simulators.abb.controller import AbbController
+from catseye.simulators.abb.failing import Failing
 from catseye.simulators.context import EmulationContext
 from catseye.simulators.control_port import faults, messages
 from catseye.simulators.control_port.exchange import Answer, Request, encode_answer, encode_refusal
@@ -175,6 +177,10 @@ def _happen(fault: faults.Fault, reach: Reach) -> None:
         case faults.SpoilAnswers():
             for number, port in enumerate(reach.ports_of(fault.device)):
                 port.lossy = Lossy(fault.share, fault.seed + number)
+        case faults.FailRequests():
+            if not isinstance(controller, AbbController):
+                raise EmulatorError("the robot of this bench has no web server: it is no ABB")
+            controller.failing = Failing(fault.pattern, fault.carried_out, fault.count)
         case _ if isinstance(fault, faults.RoomFault):
             spoil_the_room(fault, context.serial_bench)
         case _:

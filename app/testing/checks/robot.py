@@ -208,7 +208,9 @@ async def _set_off(trial: Trial, driver: Any, target: tuple[float, ...]) -> "asy
     await asyncio.sleep(_UNDER_WAY_S)
     if trial.bench is not None:
         # No event of this loop: the arm moves in another thread.
-        while not trial.device.arm().moving and not moving.done() and time.monotonic() < end_s:  # noqa: ASYNC110
+        while time.monotonic() < end_s:
+            if trial.device.arm().moving or moving.done():
+                break
             await asyncio.sleep(_POLL_S)
     return moving
 

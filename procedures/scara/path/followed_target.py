@@ -29,7 +29,16 @@ class FollowedTarget:
     def __init__(self, ctx: Context, settle_s: float) -> None:
         self._ctx = ctx
         self._settle_s = settle_s
-        self._last: tuple[tuple[float, float], Position] | None = None
+        self._last: tuple[tuple[float, float], tuple[float, float]] | None = None
+
+    def recall(self, place_mm: tuple[float, float], seen_mm: tuple[float, float]) -> None:
+        """Compare the next point with one that is measured: also after a resume, when no point of this process is.
+
+        Args:
+            place_mm: where the arm stood by its commands, x and y.
+            seen_mm: where the tracker saw it, in its own frame.
+        """
+        self._last = place_mm, seen_mm
 
     async def at(self, place_mm: tuple[float, float], question: str, following: Pose | None) -> Position:
         """Return where the tracker sees the arm, in the tracker's frame.
@@ -42,6 +51,7 @@ class FollowedTarget:
         Raises:
             HiddenTargetsError: the operator ends the run, or the target does not come back.
         """
+        was_wrong = False
         for number in range(1, _MOST_QUESTIONS + 1):
             try:
                 found = await self._ctx.locate(self._settle_s, place_mm)
@@ -50,13 +60,14 @@ class FollowedTarget:
             else:
                 complaint = self._complaint(place_mm, found)
                 if not complaint:
-                    self._last = place_mm, found
+                    self.recall(place_mm, (found.x_mm, found.y_mm))
                     return found
-                if number > 1:
+                if was_wrong:
                     raise HiddenTargetsError(
                         f"{complaint}, also after its beam was led to the arm: the points before were measured to "
                         "another target, or the tracker was moved; begin the run anew"
                     )
+                was_wrong = True
             asked = question if number == 1 else f"{question}/{number}"
             if await self._ctx.ask(_prompt(asked, complaint, following)) != "again":
                 break
@@ -68,9 +79,9 @@ class FollowedTarget:
         """Return what is wrong with a place; a distance does not depend on the frame that it is measured in."""
         if self._last is None:
             return ""
-        before_mm, before = self._last
+        before_mm, before_seen_mm = self._last
         moved_mm = math.dist(before_mm, place_mm)
-        seen_mm = math.hypot(found.x_mm - before.x_mm, found.y_mm - before.y_mm)
+        seen_mm = math.dist(before_seen_mm, (found.x_mm, found.y_mm))
         if abs(seen_mm - moved_mm) <= MEASURED_MM:
             return ""
         return (

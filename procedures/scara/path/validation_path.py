@@ -118,7 +118,9 @@ class ValidationPath(Procedure):
             for number, point in enumerate(plan.points):
                 title = f"x {point.x_mm:g} mm, y {point.y_mm:g} mm"
                 step_id = f"path/{pass_number}/{number:04d}"
-                await ctx.step(step_id, title, partial(drive.visit, point, pass_number, number))
+                drive.recall(
+                    point, await ctx.step(step_id, title, partial(drive.visit, point, pass_number, number))
+                )
                 drive.report_progress(pass_number, number)
         if plan.instrument == "file":
             await ctx.step(
@@ -163,6 +165,12 @@ class _Drive:
             f"the arm was moved {_ATTEMPTS} times while x {point.x_mm:g} mm, y {point.y_mm:g} mm was measured: find "
             "out who or what moves it, then go on with catseye resume"
         )
+
+    def recall(self, point: PathPoint, row: Row) -> None:
+        """Have the next point compared with one that is done, perhaps before a resume."""
+        match row:
+            case {"x_meas_mm": int() | float() as x_mm, "y_meas_mm": int() | float() as y_mm}:
+                self._target.recall(self._commanded_mm(point), (x_mm, y_mm))
 
     def report_progress(self, pass_number: int, number: int) -> None:
         """Report how far the path is driven, in expected bench seconds."""

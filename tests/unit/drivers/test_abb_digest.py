@@ -54,6 +54,16 @@ def test_a_challenge_of_old_is_answered_without_a_count() -> None:
     assert "nc=" not in proof
 
 
+def test_what_the_standard_leaves_unquoted_is_unquoted() -> None:
+    proof = Digest(CAPTURED, Login("u", "p"), "c").proof("GET", "/", ahead=1)
+    # RFC 7616, section 3.4: algorithm, qop and nc.
+    assert re.findall(r"(\w+)=([^\",\s]+)(?:,|$)", proof) == [
+        ("algorithm", "MD5"),
+        ("qop", "auth"),
+        ("nc", "00000001"),
+    ]
+
+
 def test_proofs_ahead_use_nothing_up() -> None:
     digest = Digest(RFC_2617, Login("u", "p"), "c")
     counts = [re.findall(r"nc=(\w+)", digest.proof("GET", "/", ahead=ahead)) for ahead in (2, 1)]

@@ -1,6 +1,7 @@
 """The driver in front of the emulated controller, over real loopback sockets."""
 
 import asyncio
+import contextlib
 from collections.abc import AsyncIterator, Awaitable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
@@ -14,6 +15,8 @@ from catseye.drivers.abb.settings import AbbSettings
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import LinkError, NotReadyError, RefusedError, WrongDeviceError
+from catseye.simulators.abb.failing import Failing
+from catseye.simulators.abb.program import Result
 from catseye.simulators.config import Option
 from catseye.simulators.emulated_bench import EmulatedAbbBench
 from catseye.simulators.ports.lossy import Lossy
@@ -24,6 +27,7 @@ AWAY = (60.0, *BENT[1:])
 STRICT: dict[str, Option] = {"strict_counts": True, "explicit_mastership": True}
 """A controller that refuses whatever it may refuse."""
 
+STOP = "POST /rw/rapid/execution?action=stop"
 ORDER = "POST /rw/rapid/symbol/data/RAPID/T_ROB1/CATSABB/cats_seq"
 
 
@@ -88,7 +92,16 @@ async def test_the_controller_is_recognised_and_asked() -> None:
         assert (status.teach_mode, status.override_percent, status.alarm_number) == (False, 100.0, 0)
         assert status.program == "CATSABB"
         assert await one.robot.joints() == pytest.approx(BENT, abs=1e-4)
-        assert not one.asked("POST")
+        assert {text.partition("?")[0] for text in one.asked("POST")} == {"POST /rw/rapid/symbols"}
+
+
+async def test_another_program_that_runs_may_move(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with rig() as one:
+        main = one.bench.controller.symbols.named("RAPID/T_ROB1/CATSABB/main")
+        monkeypatch.setattr(main, "module", "MainModule")
+        assert (await one.robot.status()).running
+        one.bench.controller.press("stop")
+        assert not (await one.robot.status()).running
 
 
 async def test_another_controller_is_refused() -> None:
@@ -139,6 +152,71 @@ async def test_a_cancellation_stops_before_connections_are_put_in_order() -> Non
         later = one.asked("")[before:]
         stop = next(k for k, text in enumerate(later) if "action=stop" in text)
         assert stop < next(k for k, text in enumerate(later) if "action=release" in text)
+
+
+@pytest.mark.parametrize("refused", ["^GET .*execution", "^GET .*cats_taken", "^GET .*cats_done"])
+async def test_a_look_that_is_refused_stops_the_arm(refused: str) -> None:
+    async with rig() as one:
+        motion = await one.away()
+        one.bench.controller.failing = Failing(refused, carried_out=False, left=1)
+        assert isinstance(await failed(motion), RefusedError)
+        assert one.asked(STOP)
+        assert not one.bench.bench.moving
+        assert one.bench.controller.program.data["cats_result"] == Result.UNDER_WAY
+
+
+async def test_no_sign_of_life_is_given_once_a_stop_begins() -> None:
+    async with rig(stop_timeout_s=1.5) as one:
+        motion = await one.away()
+        began_s = one.bench.bench.time_s
+        one.bench.controller.failing = Failing(
+            "action=stop|^GET .*execution", carried_out=False, left=100_000
+        )
+        assert isinstance(await failed(motion), RefusedError)
+        assert one.bench.controller.program.data["cats_result"] == Result.NO_HEARTBEAT
+        assert one.bench.bench.standstill_s - began_s < 1.0
+
+
+async def test_an_order_that_is_answered_with_an_error_is_followed() -> None:
+    async with rig() as one:
+        one.bench.controller.failing = Failing("^POST .*cats_seq", carried_out=True, left=1)
+        await one.robot.move_joints((0.5, *BENT[1:]))
+        assert one.j1_deg == pytest.approx(0.5, abs=1e-4)
+        assert len(one.asked(ORDER)) == 1
+
+
+async def test_an_order_that_fails_is_taken_back() -> None:
+    async with rig() as one:
+        one.bench.controller.failing = Failing("^POST .*cats_seq", carried_out=False, left=1)
+        with pytest.raises(RefusedError, match="503"):
+            await one.robot.move_joints((0.5, *BENT[1:]))
+        assert one.bench.controller.program.data["cats_for"] == 0.0
+        assert one.j1_deg == 0.0
+
+
+async def test_an_order_of_which_nothing_is_known_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with rig() as one:
+        await one.robot.set_override(5)
+        controller, written = one.bench.controller, one.bench.controller.program.written
+
+        def begin() -> None:
+            if controller.program.data["cats_seq"] == 1.0:
+                controller.failing = Failing("^GET .*cats_seq", carried_out=False, left=1)
+            written()
+
+        monkeypatch.setattr(controller.program, "written", begin)
+        controller.failing = Failing("^POST .*cats_seq", carried_out=True, left=1)
+        assert isinstance(await failed(one.robot.move_joints(AWAY)), RefusedError)
+        assert one.asked(STOP)
+        assert not one.bench.bench.moving
+
+
+async def test_a_start_that_is_answered_with_an_error_is_followed() -> None:
+    async with rig() as one:
+        one.bench.controller.press("stop")
+        one.bench.controller.failing = Failing("action=start", carried_out=True, left=1)
+        await one.robot.move_joints((0.5, *BENT[1:]))
+        assert one.j1_deg == pytest.approx(0.5, abs=1e-4)
 
 
 async def test_a_motion_survives_lost_answers_and_is_given_once() -> None:
@@ -205,6 +283,45 @@ async def test_no_error_text_holds_a_proof() -> None:
             assert "HTTP/1.1" in text
             assert "Digest" not in text
             assert "session" not in text
+
+
+@pytest.mark.parametrize("fault", ["none", "dropped", "refused", "another device"])
+async def test_a_session_ends_with_its_driver(fault: str) -> None:
+    async with abb_bench(options={"sessions": 1}) as bench:
+        endpoint = bench.endpoints[0].endpoint
+        expected = "IRB_6700" if fault == "another device" else ""
+        robot = AbbRws.at(endpoint, SystemClock(), expected_model=expected)
+        with contextlib.suppress(WrongDeviceError):
+            await robot.connect()
+        if fault == "dropped":
+            for port in bench.reach.ports_of("robot"):
+                port.drop()
+        if fault == "refused":
+            bench.controller.failing = Failing("logout", carried_out=False, left=1)
+        await robot.close()
+        await robot.close()
+        other = AbbRws.at(endpoint, SystemClock())
+        await other.connect()
+        await other.close()
+
+
+async def test_a_dead_controller_does_not_hold_up_the_close() -> None:
+    async with rig(answer_timeout_s=0.2) as one:
+        for port in one.bench.reach.ports_of("robot"):
+            port.muted = True
+        async with asyncio.timeout(1.0):
+            await one.robot.close()
+
+
+async def test_mastership_whose_grant_was_lost_is_released() -> None:
+    async with rig(STRICT) as one:
+        one.bench.controller.failing = Failing("mastership.*request", carried_out=True, left=1)
+        with pytest.raises(RefusedError, match="503"):
+            await one.robot.move_joints(AWAY)
+        other = AbbRws.at(one.bench.endpoints[0].endpoint, SystemClock())
+        await other.connect()
+        await other.move_joints((0.5, *BENT[1:]))
+        await other.close()
 
 
 async def test_all_sessions_in_use_are_named() -> None:

@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator, Awaitable
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
@@ -20,7 +20,9 @@ from catseye.drivers.roles.errors import (
 )
 from catseye.simulators.config import Option
 from catseye.simulators.emulated_bench import EmulatedSerialBench
+from catseye.simulators.kuka.variables import UnknownVariableError
 from catseye.simulators.ports.lossy import Lossy
+from tests.patience import until
 from tests.unit.simulators.kuka.benches import UPRIGHT, kuka_bench
 
 AWAY = (60.0, *UPRIGHT[1:])
@@ -32,6 +34,7 @@ class Rig:
 
     bench: EmulatedSerialBench
     robot: KukaVarproxy
+    wire: list[bytes] = field(default_factory=list)
 
     @property
     def a1_deg(self) -> float:
@@ -48,6 +51,10 @@ class Rig:
             await asyncio.sleep(0)
             self.bench.keeper.sync()
 
+    async def writes(self, data: bytes) -> None:
+        """Wait until something has been written."""
+        await until(lambda: any(data in sent for sent in self.wire))
+
     async def away(self) -> "asyncio.Task[None]":
         """Begin a motion that takes seconds."""
         await self.robot.set_override(10)
@@ -59,10 +66,13 @@ class Rig:
 @asynccontextmanager
 async def rig(options: dict[str, Option] | None = None, **settings: Any) -> AsyncIterator[Rig]:
     async with kuka_bench(options=options) as bench:
-        robot = KukaVarproxy.at(bench.endpoints[0].endpoint, SystemClock(), **settings)
+        wire: list[bytes] = []
+        robot = KukaVarproxy.at(
+            bench.endpoints[0].endpoint, SystemClock(), lambda _way, data: wire.append(data), **settings
+        )
         try:
             await robot.connect()
-            yield Rig(bench, robot)
+            yield Rig(bench, robot, wire)
         finally:
             await robot.close()
 
@@ -166,6 +176,42 @@ async def test_a_cancelled_motion_is_stopped() -> None:
         assert isinstance(await failed(motion), asyncio.CancelledError)
         assert not one.bench.bench.moving
         assert one.asked("write CATS_STOP = TRUE")
+
+
+async def test_a_cancellation_stops_before_connections_are_put_in_order() -> None:
+    async with rig(answer_timeout_s=3.0) as one:
+        motion = await one.away()
+        (port,) = one.bench.reach.ports_of("robot")
+        port.stalled_until_s = 1e9
+        one.wire.clear()
+        # A sign of life has no answer, and may not have one for long.
+        await one.writes(b"CATS_BEAT")
+        motion.cancel()
+        async with asyncio.timeout(1.0):
+            await one.writes(STOP_BYTES)
+        assert not motion.done()
+        port.stalled_until_s = 0.0
+        await failed(motion)
+        assert not one.bench.bench.moving
+
+
+@pytest.mark.parametrize("name", ["CATS_TAKEN", "CATS_DONE", "$PRO_STATE"])
+async def test_a_look_that_is_refused_stops_the_arm(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    async with rig() as one:
+        motion = await one.away()
+        variables = one.bench.controller.variables
+        read = variables.read
+
+        def refuse_once(asked: str) -> str:
+            if asked != name:
+                return read(asked)
+            monkeypatch.undo()
+            raise UnknownVariableError
+
+        monkeypatch.setattr(variables, "read", refuse_once)
+        assert isinstance(await failed(motion), RefusedError)
+        assert one.asked("write CATS_STOP = TRUE")
+        assert not one.bench.bench.moving
 
 
 async def test_a_motion_survives_lost_answers_and_is_given_once() -> None:

@@ -18,7 +18,7 @@ from catseye.drivers.roles.errors import (
     RefusedError,
     WrongDeviceError,
 )
-from catseye.drivers.roles.tracker import TargetPoint
+from catseye.drivers.roles.tracker import Place, TargetPoint
 from catseye.simulators.config import Joints, Option
 from catseye.simulators.emulated_bench import EmulatedSerialBench
 from catseye.simulators.ports.lossy import Lossy
@@ -140,6 +140,18 @@ async def test_the_home_position_is_not_taken_for_a_target() -> None:
         assert not one.asked(49)
 
 
+@pytest.mark.parametrize("number", [10, 54], ids=["parked", "bird bath"])
+async def test_a_tracker_sent_home_by_another_sees_no_target(number: int) -> None:
+    async with rig() as one, other_client(one) as writer:
+        await one.point("nest1")
+        writer.write(command(number))
+        while not one.bench.bench.tracker.parked:
+            await asyncio.sleep(0)
+            one.bench.keeper.sync()
+        with pytest.raises(HiddenTargetError, match="home position"):
+            await one.tracker.point("nest1", 0.2)
+
+
 async def test_both_faces_are_measured() -> None:
     async with rig(survey=exact_but(face_urad=100.0)) as one:
         places = [np.array((await one.point("nest1", face=face)).place_mm) for face in (1, 2)]
@@ -242,10 +254,72 @@ async def test_units_that_another_program_changed_are_noticed() -> None:
         await one.point("nest1")
         writer.write(command(5, "5i", 0, 0, 0, 0, 0))
         await one.reaches(5)
-        with pytest.raises(RefusedError, match=r"units are .* another program uses this tracker"):
+        with pytest.raises(RefusedError, match=r"set of units: .* another program uses it"):
             await one.point("nest1")
         await one.tracker.connect()
         await one.point("nest1")
+
+
+TRANSFORMATION_ON = command(47, "9i", 2, 1, 0, 1, 0, 0, 0, 1, 0)
+ORIENTATION_ON = command(47, "9i", 2, 0, 1, 1, 0, 0, 0, 1, 0)
+OTHER_REFLECTOR = command(40, "i", 2)
+CHANGES = [
+    (47, TRANSFORMATION_ON, "frame"),
+    (47, ORIENTATION_ON, "frame"),
+    (40, OTHER_REFLECTOR, "reflector"),
+]
+
+
+@pytest.mark.parametrize(("number", "change", "what"), CHANGES)
+async def test_a_frame_or_reflector_that_was_changed_is_noticed(
+    number: int, change: bytes, what: str
+) -> None:
+    async with rig() as one, other_client(one) as writer:
+        await one.point("nest1")
+        writer.write(change)
+        await one.reaches(number)
+        with pytest.raises(RefusedError, match=f"{what}.* another program uses it"):
+            await one.point("nest1")
+        await one.tracker.connect()
+        await one.point("nest1")
+
+
+@pytest.mark.parametrize(("number", "change", "what"), CHANGES)
+async def test_what_is_changed_during_a_measurement_is_noticed(number: int, change: bytes, what: str) -> None:
+    async with rig(speed=5.0) as one, other_client(one) as writer:
+        measuring = asyncio.create_task(one.point("nest1", 2.0))
+        await one.reaches(49)
+        writer.write(change)
+        with pytest.raises(RefusedError, match=f"{what}.* another program uses it"):
+            await measuring
+        assert one.asked(number)
+
+
+async def test_a_reflector_changed_while_the_link_was_lost_is_noticed() -> None:
+    async with rig() as one, other_client(one) as writer:
+        await one.point("nest1")
+        writer.write(OTHER_REFLECTOR)
+        await one.reaches(40)
+        for port in one.bench.reach.ports_of("tracker"):
+            port.drop()
+        with pytest.raises(RefusedError, match="reflector"):
+            await one.point("nest1")
+
+
+async def test_a_face_that_changes_while_aiming_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with rig(survey=exact_but(face_urad=100.0)) as one:
+        tracker = one.bench.bench.tracker
+        aim = tracker.aim
+
+        def aim_over(near_mm: Place | None = None) -> bool:
+            found = aim(near_mm)
+            monkeypatch.undo()
+            tracker.change_face()
+            return found
+
+        monkeypatch.setattr(tracker, "aim", aim_over)
+        with pytest.raises(RefusedError, match="in face 2 and not in face 1"):
+            await one.point("nest1")
 
 
 async def test_a_busy_tracker_is_waited_for() -> None:

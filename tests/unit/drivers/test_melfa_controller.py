@@ -1,8 +1,10 @@
 """The controller beyond motion, against the sheet's telegrams and scripted controllers."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
+import math
+from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager, suppress
+from dataclasses import fields, is_dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -20,6 +22,7 @@ from tests.patience import until
 from tests.transcripts import melfa_r3 as sheet
 from tests.transcripts.melfa_r3 import Exchange
 from tests.unit.drivers.melfa_bench import Bench, Controller, bench
+from tests.unit.drivers.outcomes import outcome_of
 from tests.unit.drivers.virtual_time import run
 
 
@@ -99,10 +102,27 @@ def test_a_line_of_the_log_is_read() -> None:
         texts.parse_date,
     ],
 )
-@given(text=st.one_of(st.text(max_size=60), st.from_regex(r"[M1=;,()0-9.+-]{0,40}", fullmatch=True)))
-def test_random_texts_are_understood_or_a_protocol_error(read: Callable[[str], object], text: str) -> None:
-    with suppress(ProtocolError):
-        read(text)
+@given(
+    text=st.one_of(
+        st.text(max_size=60),
+        st.from_regex(r"(M1=)?[M1=;,()0-9.e+-]{0,40}", fullmatch=True),
+        st.sampled_from(["M1=1e999", "M1=(1e999,0,0,0)", "M1=nan"]),
+    )
+)
+def test_random_texts_are_finite_or_a_protocol_error(read: Callable[[str], object], text: str) -> None:
+    assert all(map(math.isfinite, numbers_in(outcome_of(read, text))))
+
+
+def numbers_in(found: object) -> list[float]:
+    """Return all numbers in what a text was read as."""
+    if isinstance(found, int | float):
+        return [found]
+    if is_dataclass(found) and not isinstance(found, type):
+        found = [getattr(found, each.name) for each in fields(found)]
+    if isinstance(found, Iterable) and not isinstance(found, str):
+        return [number for part in found for number in numbers_in(part)]
+    assert found is None or found is ProtocolError or isinstance(found, str)
+    return []
 
 
 @given(st.one_of(st.floats(-1e6, 1e6), st.tuples(*[st.floats(-1e4, 1e4)] * 4)))

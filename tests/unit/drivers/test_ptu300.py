@@ -1,5 +1,6 @@
 """The PTU300's driver against the manual's lines and scripted sensors."""
 
+import math
 from collections.abc import Iterable
 
 import pytest
@@ -7,9 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from catseye.drivers.air.ptu300 import PtuSettings, VaisalaAscii
-from catseye.drivers.air.ptu300_codec import TextDecoder, checked, parse_values
+from catseye.drivers.air.ptu300_codec import TextDecoder, Values, checked, parse_values
 from catseye.drivers.roles.errors import LinkError, ProtocolError, WrongDeviceError
 from tests.transcripts.vaisala_ptu300 import DEFAULT_LINE, FORMATS, READINGS
+from tests.unit.drivers.outcomes import outcome_of
 from tests.unit.drivers.peers import Peer, StepClock
 
 
@@ -66,14 +68,23 @@ def test_any_split_gives_the_same_line(cut: int) -> None:
     assert found == DEFAULT_LINE
 
 
-@given(junk=st.binary(max_size=2000))
-def test_random_bytes_raise_nothing_but_protocol_errors(junk: bytes) -> None:
-    try:
-        line = TextDecoder("SEND").feed(junk)
-        if line is not None:
-            parse_values(line)
-    except ProtocolError:
-        return
+NEAR_VALUES = st.text("PTRHhPa C'%=*. -+0123456789einf", max_size=60).map(
+    lambda text: text.encode() + b"\r\n"
+)
+
+
+MEASURED = st.one_of(st.floats().map(repr), st.sampled_from(["1e999", "9" * 400])).map(
+    lambda value: f"P= {value} hPa T= 21.0 'C RH= {value} %RH\r\n".encode()
+)
+
+
+@given(junk=st.one_of(st.binary(max_size=2000), NEAR_VALUES, MEASURED))
+def test_random_bytes_are_finite_values_or_a_protocol_error(junk: bytes) -> None:
+    line = outcome_of(TextDecoder("SEND").feed, junk)
+    if isinstance(line, str):
+        found = outcome_of(parse_values, line)
+        values = vars(found).values() if isinstance(found, Values) else ()
+        assert all(value is None or math.isfinite(value) for value in values)
 
 
 class Sensor:

@@ -179,8 +179,58 @@ async def test_a_working_frame_is_set_at_the_start() -> None:
     async with rig(working_frame="WORLD") as one:
         assert one.asked("!SET_WORKING_FRAME:WORLD") == 1
         stranger = T2sa.at(one.bench.endpoints[0].endpoint, SystemClock(), working_frame="none such")
-        with pytest.raises(RefusedError, match=r"no working frame 'none such'.*correct working_frame"):
+        with pytest.raises(RefusedError, match=r"none such was refused: ERR-314.*correct working_frame"):
             await stranger.connect()
+
+
+@asynccontextmanager
+async def saying(refused: str, *answers: bytes) -> AsyncIterator[str]:
+    """Answer as a T2SA does, but for one command, which gets the given answers, the last one for ever.
+
+    Yields:
+        The endpoint.
+    """
+    left = list(answers)
+
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        while line := await reader.readline():
+            refuses = line.decode().startswith(refused)
+            writer.write((left.pop(0) if len(left) > 1 else left[0]) if refuses else b"ACK-300 READY\r\n")
+
+    async with loopback(serve) as port:
+        yield f"tcp://127.0.0.1:{port}"
+
+
+async def test_a_simulation_that_does_not_end_is_refused() -> None:
+    async with saying("!SET_SIM", b"ERR-200 no\r\n") as endpoint:
+        tracker = T2sa.at(endpoint, SystemClock())
+        with pytest.raises(RefusedError, match=r"!SET_SIM:0 was refused: ERR-200 no: correct simulates"):
+            await tracker.connect()
+        await tracker.close()
+
+
+@pytest.mark.parametrize("command", ["!SET_SIM", "!SET_WORKING_FRAME"])
+async def test_a_busy_spatialanalyzer_is_waited_for_at_the_start(command: str) -> None:
+    async with saying(command, b"ERR-201 busy\r\n", b"ACK-300 READY\r\n") as endpoint:
+        tracker = T2sa.at(endpoint, SystemClock(100.0), working_frame="WORLD")
+        await tracker.connect()
+        await tracker.close()
+
+
+async def test_a_spatialanalyzer_that_stays_busy_is_called_so() -> None:
+    async with saying("!SET_WORKING_FRAME", b"ERR-201 busy\r\n") as endpoint:
+        tracker = T2sa.at(endpoint, SystemClock(100.0), working_frame="WORLD", busy_timeout_s=5.0)
+        with pytest.raises(RefusedError, match="ERR-201 busy: end what it does"):
+            await tracker.connect()
+        await tracker.close()
+
+
+async def test_another_target_than_the_expected_one_is_no_point() -> None:
+    async with rig(search_radius_mm=5.0) as one:
+        x, y, z = near(one.bench, "nest1")
+        await one.tracker.point("nest1", 0.0, (x, y, z + 4.0))
+        with pytest.raises(HiddenTargetError, match=r"nest1 was expected at .* 6\.0 mm away .* another one"):
+            await one.tracker.point("nest1", 0.0, (x, y, z + 6.0))
 
 
 async def test_the_plane_has_a_place_with_its_uncertainty() -> None:

@@ -90,6 +90,23 @@ async def test_a_tracker_that_follows_something_else_is_found_out() -> None:
     assert "follows another target" in question.text
 
 
+async def test_the_first_point_of_a_resumed_run_is_checked() -> None:
+    ended = Beside(hidden=frozenset({4}), given=["stop"])
+    with pytest.raises(HiddenTargetsError, match="catseye resume"):
+        await driven(ended)
+    resumed = await driven(Beside(stored=ended.stored, elsewhere=frozenset({1})))
+    (question,) = resumed.questions
+    assert (question.id, len(resumed.rows)) == ("target/point/0/0003", 3)
+    assert "follows another target" in question.text
+
+
+async def test_a_wrong_target_after_a_hidden_one_is_asked_for() -> None:
+    context = await driven(Beside(hidden=frozenset({3}), elsewhere=frozenset({4})))
+    assert len(context.rows) == 6
+    hidden, wrong = context.questions
+    assert ("is not seen" in hidden.text, "follows another target" in wrong.text) == (True, True)
+
+
 async def test_points_measured_to_another_target_end_the_run() -> None:
     with pytest.raises(HiddenTargetsError, match="the points before were measured to another target"):
         await driven(Beside(elsewhere=frozenset({1})))

@@ -45,6 +45,21 @@ def test_return_keeps_the_known_user(environment: dict[str, str], user: str) -> 
     assert user in users.asked[0]
 
 
+@pytest.mark.parametrize("typed", ["", "bob"])
+@pytest.mark.parametrize("known", [{}, {PASSWORD: "kept"}])
+def test_return_keeps_the_known_password(known: dict[str, str], typed: str) -> None:
+    environment, passwords = {USER: "bob", **known}, Typed("")
+    ask_logins(environment, Typed(typed), passwords, at_terminal=True)
+    assert environment == {USER: "bob", **known}
+    assert passwords.asked == ["abb-rws, password of bob [unchanged]: "]
+
+
+def test_another_user_never_has_the_known_password() -> None:
+    environment = {USER: "bob", PASSWORD: "bobs"}
+    ask_logins(environment, Typed("ada"), Typed(""), at_terminal=True)
+    assert environment == {USER: "ada", PASSWORD: ""}
+
+
 def test_without_a_terminal_the_variables_are_named() -> None:
     with pytest.raises(UsageError, match=f"set {USER}, {PASSWORD} instead"):
         ask_logins({}, Typed(), Typed(), at_terminal=False)

@@ -1,6 +1,5 @@
 """attocube IDS: requests of the maker's client, both codecs, modes, the driver on the emulator."""
 
-import contextlib
 import json
 from itertools import pairwise
 from typing import Any
@@ -18,6 +17,7 @@ from catseye.simulators.context import EmulationContext
 from catseye.simulators.ports.session import Session
 from tests.transcripts import attocube_ids as transcript
 from tests.unit.drivers.interferometers.pairs import new_session, paired, quiet_world
+from tests.unit.drivers.outcomes import outcome_of
 from tests.unit.drivers.peers import Peer, StepClock
 from tests.unit.simulators.benches import aimed, driven_mm, go
 
@@ -108,8 +108,7 @@ def test_what_is_no_number_is_garbage(value: str) -> None:
 
 @given(st.binary(max_size=300))
 def test_random_bytes_are_an_answer_or_garbage(data: bytes) -> None:
-    with contextlib.suppress(ProtocolError):
-        assert codec.AnswerDecoder(7).feed(data) is None
+    assert outcome_of(codec.AnswerDecoder(7).feed, data) in (None, ProtocolError)
 
 
 NESTED = b'\r\n {"a": {"b": "}\\"{["}, "c": [1, [2]]}'
@@ -130,11 +129,19 @@ def test_objects_too_long_or_too_deep_are_given_up_once() -> None:
     assert cutter.feed(b"}}" + transcript.OLDER_REQUEST) == [transcript.OLDER_REQUEST]
 
 
-@given(st.lists(st.binary(max_size=100), max_size=5))
-def test_random_bytes_do_the_emulator_no_harm(chunks: list[bytes]) -> None:
+near_requests = st.sampled_from(
+    [b"{", b"}", b"{}", b'{"id": 1, "method": 5}', b'{"method": ""}', b"{x}", b'"']
+)
+
+
+@given(st.lists(st.one_of(st.binary(max_size=100), near_requests), max_size=8))
+def test_random_bytes_are_errors_and_do_the_emulator_no_harm(chunks: list[bytes]) -> None:
     session = new_session(quiet_world(), "attocube-ids")
-    for chunk in chunks:
-        said(session, chunk)
+    answers = [answer for chunk in chunks for answer in said(session, chunk)]
+    assert all(answer["error"]["code"] < 0 for answer in answers)
+    # What was begun is given up for good at its longest.
+    said(session, b"x" * 70_000)
+    assert ask(session, "com.attocube.ids.system.getCurrentMode") == [0, "system idle"]
 
 
 @pytest.mark.parametrize(

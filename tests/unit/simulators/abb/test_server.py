@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from catseye.simulators.config import Joints, Option
+from catseye.simulators.control_port.faults import FailRequests
+from catseye.simulators.control_port.operations import carry_out
 from catseye.simulators.emulated_bench import EmulatedAbbBench
 from catseye.simulators.emulator import sessions_of
 from catseye.simulators.ports.session import Pending, Session
@@ -81,7 +83,7 @@ class Client:
         lines += [f"Cookie: {self.cookie}"] if self.cookie else []
         if proven:
             self.count += 1
-            lines.append(self._proof(method, target))
+            lines.append(self.proof(method, target))
         self.session.feed(("\r\n".join(lines) + "\r\n\r\n" + body).encode())
         answer = self.session.answer()
         if isinstance(answer, Pending):
@@ -95,7 +97,8 @@ class Client:
             self.connect()
         return Said(int(head.split()[1]), head.decode(), rest)
 
-    def _proof(self, method: str, target: str) -> str:
+    def proof(self, method: str, target: str) -> str:
+        """Return the header that proves a request."""
         secret, count = md5(f"Default User:validusers@robapi.abb:{self.password}"), f"{self.count:08x}"
         response = md5(f"{secret}:{self.nonce}:{count}:c:auth:{md5(f'{method}:{target}')}")
         return (
@@ -132,7 +135,7 @@ def test_a_wrong_password_stays_outside(bench: EmulatedAbbBench) -> None:
 
 def test_a_proof_is_for_one_request_only(client: Client) -> None:
     client.get("/rw/panel/opmode")
-    proof = client._proof("GET", "/rw/panel/opmode?json=1")  # noqa: SLF001  # of this very class
+    proof = client.proof("GET", "/rw/panel/opmode?json=1")  # of this very class
     client.session.feed(f"POST /rw/rapid/execution?action=stop HTTP/1.1\r\n{proof}\r\n\r\n".encode())
     answer = client.session.answer()
     assert isinstance(answer, Pending)
@@ -145,7 +148,7 @@ def test_a_proof_may_leave_the_part_of_a_resource_out(client: Client) -> None:
     target = "/rw/rapid/symbol/data/RAPID/T_ROB1/cats_seq"
     client.get(target)
     client.count += 1
-    proof = client._proof("GET", f"{target}?json=1")  # noqa: SLF001  # of this very class
+    proof = client.proof("GET", f"{target}?json=1")  # of this very class
     client.session.feed(f"GET {target};value?json=1 HTTP/1.1\r\n{proof}\r\n\r\n".encode())
     answer = client.session.answer()
     assert isinstance(answer, Pending)
@@ -384,7 +387,20 @@ def test_what_was_sent_is_carried_out_without_its_client(client: Client) -> None
     client.get("/rw/panel/opmode")
     client.count += 1
     target = "/rw/rapid/execution?action=stop"
-    client.session.feed(f"POST {target} HTTP/1.1\r\n{client._proof('POST', target)}\r\n\r\n".encode())  # noqa: SLF001
+    client.session.feed(f"POST {target} HTTP/1.1\r\n{client.proof('POST', target)}\r\n\r\n".encode())
     client.session.close()
     client.bench.bench.advance(0.1)
     assert not client.bench.controller.program.running
+
+
+def test_requests_fail_and_may_take_effect(client: Client) -> None:
+    carry_out(FailRequests(pattern="POST .*action=stop", carried_out=True), client.bench.reach)
+    assert client.post("/rw/rapid/execution?action=stop").status == 503
+    assert not client.bench.controller.program.running
+    carry_out(FailRequests(pattern="GET .*opmode", count=2), client.bench.reach)
+    assert [client.get("/rw/panel/opmode").status for _ in range(3)] == [503, 503, 200]
+
+
+def test_a_session_has_another_key_than_the_nonce(client: Client) -> None:
+    client.get("/rw/panel/opmode")
+    assert client.cookie.rpartition("::")[2] != client.nonce

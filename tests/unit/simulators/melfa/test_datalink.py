@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import re
 from dataclasses import replace
 
 import pytest
@@ -304,14 +305,25 @@ pieces = st.one_of(
 
 
 @given(sent=st.lists(pieces, max_size=10))
-def test_random_bytes_raise_nothing(sent: list[bytes]) -> None:
+def test_random_bytes_get_whole_records_and_do_no_harm(sent: list[bytes]) -> None:
     line = Line()
+    came = b""
     for piece in sent:
-        line.ask(piece)
-        if line.controller.alarm:
-            line.controller.reset_alarm()
-            line.controller.task.reset()
-            line.controller.task.start("CATSDL", repeat=False)
+        came += line.ask(piece)
+        restart_after_alarm(line)
+    assert re.fullmatch(rb"(-?[\d.]+,-?\d+(,-?[\d.]+){4}\r)*", came)
+    line.session.close()
+    restart_after_alarm(line)
+    line.session = line.client()
+    assert line.ask(records.WHO) == records.EMULATOR
+
+
+def restart_after_alarm(line: Line) -> None:
+    """Do what an operator does when a record made no sense."""
+    if line.controller.alarm:
+        line.controller.reset_alarm()
+        line.controller.task.reset()
+        line.controller.task.start("CATSDL", repeat=False)
 
 
 def test_what_waits_is_bounded() -> None:

@@ -1,0 +1,132 @@
+"""Orders to a program of ours on a controller, in front of one that is made up."""
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import pytest
+
+from catseye.drivers.links.guarding import UNGUARDED
+from catseye.drivers.links.motions import Motion
+from catseye.drivers.links.orders import NumberedOrders, OrderLook, OrderRefusedError
+from catseye.drivers.links.stops import Stops, StopWatch
+from catseye.drivers.roles.clock import SystemClock
+from catseye.drivers.roles.errors import DeviceError, LinkError, NotArrivedError, ProtocolError, RefusedError
+
+DONE, REFUSED, ENDED_EARLY = 0, 1, 2
+
+
+@dataclass(frozen=True)
+class Times:
+    taken_timeout_s: float = 1.0
+    move_timeout_s: float = 1.0
+    heartbeat_s: float = 0.01
+    poll_s: float = 0.001
+
+
+class MadeUp(NumberedOrders):
+    """A program that takes every order at once and ends it with a result, or fails with an error."""
+
+    def __init__(self, ending: int | Exception) -> None:
+        super().__init__("robot", "PROGRAM", "start it", SystemClock(), Times())
+        self.ending = ending
+        self.written = 0
+        self.beats = 0
+        self.answered = asyncio.Event()
+        self.answered.set()
+
+    async def look(self) -> OrderLook:
+        if isinstance(self.ending, Exception):
+            await asyncio.sleep(0)
+            raise self.ending
+        return OrderLook(True, "running", self.written, self.written, self.ending)
+
+    async def _write_number(self, number: int, permit: Callable[[], None]) -> None:
+        permit()
+        self.written = number
+
+    async def _written_number(self) -> int:
+        return self.written
+
+    async def _take_back(self) -> None:
+        pass
+
+    async def _beat(self, permit: Callable[[], None]) -> None:
+        permit()
+        self.beats += 1
+        await self.answered.wait()
+
+    def _require_done(self, result: int) -> None:
+        if result == REFUSED:
+            raise OrderRefusedError("refused", result)
+        if result == ENDED_EARLY:
+            raise NotArrivedError("ended early")
+
+
+@dataclass
+class Arm:
+    """What stops."""
+
+    orders: MadeUp
+    stops: Stops = field(default_factory=Stops)
+    beats_at_stop: int = -1
+
+    @property
+    def motion(self) -> Motion:
+        return Motion(StopWatch(self.stops, "robot"), UNGUARDED, self.stop)
+
+    async def stop(self) -> None:
+        with self.stops.one():
+            self.beats_at_stop = self.orders.beats
+            await asyncio.sleep(0.05)
+            # A sign of life whose answer is awaited yet.
+            self.orders.answered.set()
+
+
+async def failure_of(arm: Arm) -> Exception:
+    with pytest.raises((DeviceError, OSError)) as caught:
+        async with asyncio.timeout(5.0):
+            await arm.orders.carry_out(1, arm.motion)
+    return caught.value
+
+
+@pytest.mark.parametrize(
+    "error", [RefusedError("503", 0), LinkError("lost"), ProtocolError("garbage"), OSError("anything else")]
+)
+async def test_whatever_fails_stops_the_arm(error: Exception) -> None:
+    arm = Arm(MadeUp(error))
+    assert await failure_of(arm) is error
+    assert arm.stops.begun == 1
+
+
+async def test_stop_waits_for_no_sign_of_life() -> None:
+    arm = Arm(MadeUp(LinkError("lost")))
+    arm.orders.answered.clear()
+    await failure_of(arm)
+    assert arm.stops.begun == 1
+
+
+async def test_no_sign_of_life_follows_the_beginning_of_a_stop() -> None:
+    arm = Arm(MadeUp(LinkError("lost")))
+    await failure_of(arm)
+    assert arm.orders.beats == arm.beats_at_stop
+
+
+async def test_an_order_that_ended_early_stops_the_arm() -> None:
+    arm = Arm(MadeUp(ENDED_EARLY))
+    assert isinstance(await failure_of(arm), NotArrivedError)
+    assert arm.stops.begun == 1
+
+
+async def test_a_refused_order_stops_nothing() -> None:
+    arm = Arm(MadeUp(REFUSED))
+    assert isinstance(await failure_of(arm), OrderRefusedError)
+    assert arm.stops.begun == 0
+
+
+async def test_a_failure_by_a_stop_is_called_so() -> None:
+    arm = Arm(MadeUp(LinkError("out of step")))
+    motion = arm.motion
+    with arm.stops.one(), pytest.raises(RefusedError, match="a stop overtook"):
+        await arm.orders.carry_out(1, motion)
+    assert arm.stops.begun == 1
