@@ -92,12 +92,12 @@ def main() -> None:
         for pose, direction, value in measured_mm(run):
             least = intervals[pose][direction]
             found.append(is_inside(value, least))
-            print(  # noqa: T201
+            print(  # noqa: T201  # the table of the campaign
                 f"{run} {pose} {direction} measured {value} mm, inside {found[-1]}, predicted {least}",
                 flush=True,
             )
     judged = [one for one in found if one is not None]
-    print(f"{sum(judged)} of {len(judged)} inside, {len(found) - len(judged)} without a prediction")  # noqa: T201
+    print(f"{sum(judged)} of {len(judged)} inside, {len(found) - len(judged)} without a prediction")  # noqa: T201  # the figure
     if not judged or sum(judged) < WANTED * len(judged):
         sys.exit(f"fewer than {WANTED:.0%} lie inside")
 

@@ -52,7 +52,7 @@ class AxisName(Message):
 
     def text(self, value: float) -> str:
         """Return a value with name and unit: A1 10.00°, or 12.5 mm."""
-        return f"{self.name} {value:.2f}°" if self.unit == "deg" else f"{self.name} {value:.1f} mm"
+        return f"{self.name} {value:z.2f}°" if self.unit == "deg" else f"{self.name} {value:z.1f} mm"
 
 
 class AxisRange(AxisName):

@@ -173,8 +173,9 @@ class BenchTracker(Tracker):
         if abs(bench / own - 1.0) < _SAME_SPEED:
             return ()
         return (
-            f"the emulated bench runs at {bench:g} times real time and this run reckons with {own:g}: settling times "
-            f"and drift rates are wrong by {max(bench / own, own / bench):.3g} times; give both the same --speed",
+            f"the emulated bench runs at {bench:g} times real time, and this program reckons with {own:g}: settling "
+            f"times and drift rates of a run would be wrong by {max(bench / own, own / bench):.3g} times; start runs "
+            f"with --speed {bench:g}",
         )
 
     def _stranger(self, cause: DeviceError) -> DeviceError:
