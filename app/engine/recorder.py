@@ -5,11 +5,11 @@ import math
 from array import array
 from collections import deque
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from typing import Final
 
-from catseye.app.engine.waiting import cancel, together
+from catseye.app.engine.waiting import cancel, together, uncancelled
 from catseye.app.errors import StorageError
 from catseye.app.store.chunks import Chunk, Kept, Key
 from catseye.app.store.run_store import RunStore
@@ -163,6 +163,12 @@ class Recorder:
         if self._times:
             await self._keep()
 
+    async def keep_what_came(self) -> None:
+        """Store what came before a recording was broken off, if it can be stored."""
+        # The reason why it was broken off is on its way to the operator; a full disk would only hide it.
+        with suppress(StorageError):
+            await self.keep_the_rest()
+
     def recorded(self, status: BeamStatus, scale: float, offset_mm: float) -> Recorded:
         """Return what is to be stored with the step.
 
@@ -254,6 +260,10 @@ class Recorder:
         return bool(times) and (len(times) >= CHUNK_READINGS or times[-1] - times[0] >= CHUNK_S)
 
     async def _keep(self) -> None:
+        # A chunk that is given to the store is stored: broken off, its number would be given twice.
+        await uncancelled(self._give())
+
+    async def _give(self) -> None:
         chunk = Chunk(self._times, self._values)
         self._times, self._values = array("d"), array("d")
         number = self._kept.chunks + 1
@@ -262,7 +272,7 @@ class Recorder:
 
 @asynccontextmanager
 async def recorder_at_work(recorder: Recorder) -> AsyncIterator[None]:
-    """Take readings while the body runs; after it, all that came is stored.
+    """Take readings while the body runs; after it, all that came is stored, also where it was broken off.
 
     Raises:
         DeviceError: the instrument failed.
@@ -276,4 +286,7 @@ async def recorder_at_work(recorder: Recorder) -> AsyncIterator[None]:
         await recorder.keep_the_rest()
         recorder.require_going_on()
     finally:
-        await cancel(task)
+        try:
+            await cancel(task)
+        finally:
+            await uncancelled(recorder.keep_what_came())
