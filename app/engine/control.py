@@ -434,7 +434,12 @@ class RunControl:
         # An abort during a stop has a halt of its own: the last one to end says where the run stands.
         if self._halting == 0 and self.state not in ENDED:
             unconfirmed = [report.text for report in self.reports if not report.standstill]
-            reason = unconfirmed[-1] if unconfirmed else "the robot stands"
+            sure = (
+                "the robot stands"
+                if self._robot is not None
+                else "the devices were not ready, and nothing was moved"
+            )
+            reason = unconfirmed[-1] if unconfirmed else sure
             self._apply(Trigger.ABORTED if self.state == ControlState.ABORTING else Trigger.STOPPED, reason)
 
     async def _halted(self, robot: Robot, drop: Callable[[], None]) -> HaltReport:

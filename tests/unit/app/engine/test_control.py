@@ -194,6 +194,15 @@ async def test_a_door_opened_while_starting_has_to_be_acknowledged(anew: bool, s
     await starting.halted()
 
 
+async def test_a_robot_that_was_never_reached_is_not_said_to_stand() -> None:
+    entered: list[tuple[ControlState, str]] = []
+    starting = RunControl(ManualClock(), lambda state, reason: entered.append((state, reason)), HaltLimits())
+    starting.starting()
+    starting.abort(SafetyError("nobody answers"))
+    await starting.halted()
+    assert entered[-1] == (ControlState.ABORTED, "the devices were not ready, and nothing was moved")
+
+
 async def test_many_reasons_are_counted_rather_than_listed(bench: Bench) -> None:
     for number in range(100):
         bench.control.interrupt(f"trouble {number}")
