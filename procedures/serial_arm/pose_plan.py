@@ -7,13 +7,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from catseye.calibration.serial_arm.sight import straightest
 from catseye.drivers.roles.pose import Pose, out_of_range
 from catseye.procedures.kit.errors import PlanError, PlanLimitError
 from catseye.procedures.kit.motion.clear_way import clear_poses, way_refusal
 from catseye.procedures.kit.motion.motion_time import way_time_s
 from catseye.procedures.serial_arm.axis_turns import FramesPlan
 from catseye.procedures.serial_arm.bench import SerialBench, ToolTarget
-from catseye.procedures.serial_arm.sight import best_seen, off_normal_deg, seen
+from catseye.procedures.serial_arm.sight import best_seen, sight_deg
 
 Floats = NDArray[np.float64]
 
@@ -185,10 +186,14 @@ class PoseFinder:
 
     def seen_at(self, pose: Pose, most: int) -> tuple[str, ...]:
         """Return the targets that are seen at a pose, the one that looks most directly at the instrument first."""
-        at = np.array([pose])
-        there = [one for one in self._targets if seen(self._bench, at, one, as_frame=self._as_frame)[0]]
-        ordered = sorted(there, key=lambda one: float(off_normal_deg(self._bench, at, one)[0]))
-        return tuple(one.name for one in ordered[:most])
+        return tuple(
+            self._targets[k].name for k in self.all_seen(np.array([pose]), most)[0].tolist() if k >= 0
+        )
+
+    def all_seen(self, poses: Floats, most: int) -> NDArray[np.int64]:
+        """Return the numbers of the targets that are measured at each pose, −1 behind the last, shape (n, most)."""
+        off = sight_deg(self._bench, poses, self._targets, as_frame=self._as_frame)
+        return straightest(off, most)
 
     def refusal(self, pose: Pose) -> str | None:
         """Return why a pose cannot be reached from the rest pose over its approach, None when it can."""
