@@ -5,6 +5,7 @@ J A⁻¹ Jᵀ of every candidate is carried along by updates of low rank. For th
 which candidates are worth the eigenvalues.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -66,12 +67,13 @@ def select(
     """
     require_shape(rows, (None, None, None), "rows")
     require_count(starts, "starts")
-    candidates, per_pose, parameters = rows.shape
+    candidates = len(rows)
     if candidates < count:
         raise InsufficientPointsError(f"{candidates} candidates for {count} poses: draw more, or allow more")
     if count < (least := fewest_poses(rows, known)):
         raise InsufficientPointsError(
-            f"{count} poses give {count * per_pose} rows for {parameters} parameters: choose at least {least} poses"
+            f"{count} poses give {count * _rows_per_pose(rows):.0f} rows for {rows.shape[-1]} parameters: choose at "
+            f"least {least} poses"
         )
     scaled, before = _scaled(rows, known)
     improve = _by_determinant if index == "O1" else _by_slope
@@ -85,10 +87,18 @@ def select(
 
 
 def fewest_poses(rows: Floats, known: Floats | None = None) -> int:
-    """Return how many poses have as many rows as there are parameters of which nothing is known beforehand."""
-    _, per_pose, parameters = rows.shape
-    unknown = parameters if known is None else int(np.sum(known == 0.0))
-    return max(-(-unknown // per_pose), 1)
+    """Return how many poses have as many rows, on the average, as parameters of which nothing is known beforehand.
+
+    Args:
+        rows: as those of `select`; zeros stand for what is not measured at a pose.
+        known: likewise.
+    """
+    unknown = rows.shape[-1] if known is None else int(np.sum(known == 0.0))
+    return max(math.ceil(unknown / _rows_per_pose(rows)), 1)
+
+
+def _rows_per_pose(rows: Floats) -> float:
+    return max(float(np.any(rows != 0.0, axis=-1).sum()), 1.0) / len(rows)
 
 
 def growth(

@@ -79,3 +79,30 @@ def test_rows_are_slopes_of_the_nest_by_its_parameters() -> None:
     assert rows[:, :, names.index("J6.d_mm")] == pytest.approx(along, abs=1e-9)
     turned = np.cross([0.0, 0.0, 1.0], DRAWN.nests(found.joints, found.targets[:, 0])) * np.deg2rad(1.0)
     assert rows[:, :, names.index("base.rz_deg")] == pytest.approx(turned, abs=1e-9)
+
+
+def test_frames_bring_three_angles_beside_three_coordinates() -> None:
+    found = draw_candidates(irb120(), Rules(targets_per_pose=2), 60, 6)
+    shown = pose_rows(irb120(), found.joints, found.targets, "geometric", frames=True)
+    assert shown.rows.shape[:2] == (60, 12)
+    points = pose_rows(irb120(), found.joints, found.targets, "geometric")
+    turned = [shown.names.index(name) for name in ("base.x_mm", "base.rz_deg")]
+    alike = [points.names.index(name) for name in ("base.x_mm", "base.rz_deg")]
+    assert shown.rows[:, [0, 1, 2, 6, 7, 8]][:, :, turned] == pytest.approx(points.rows[:, :, alike])
+
+
+def test_targets_that_are_not_seen_bring_no_rows() -> None:
+    found = draw_candidates(irb120(), Rules(), 20, 7)
+    targets = np.column_stack([found.targets[:, 0], np.full(20, -1)])
+    shown = pose_rows(irb120(), found.joints, targets, "frames")
+    assert (shown.rows[:, 3:] == 0.0).all()
+    assert np.any(shown.rows[:, :3] != 0.0, axis=-1).all()
+
+
+def test_maps_are_weighed_by_the_spread_among_arms() -> None:
+    found = draw_candidates(irb120(), Rules(), 200, 8)
+    shown = pose_rows(irb120(), found.joints, found.targets, "maps")
+    nodes = np.array([".map_" in name or ".cos" in name or ".sin" in name for name in shown.names])
+    assert nodes.sum() > 40
+    # 0.04 mm of a coordinate against 0.02 deg of an amplitude.
+    assert shown.known == pytest.approx(np.where(nodes, (0.04 / 0.02) ** 2, 0.0))
