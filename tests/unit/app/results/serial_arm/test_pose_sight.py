@@ -64,7 +64,7 @@ def hidden_by_hand(bench: SerialBench, joints: Floats, target: int) -> bool:
 
     def within(points: Floats, start: Floats, end: Floats, radius_mm: float) -> Bools:
         along = end - start
-        share = np.clip((points - start) @ along / max(along @ along, 1e-9), 0.0, 1.0)
+        share = np.clip((points - start) @ along / max(float(along @ along), 1e-9), 0.0, 1.0)
         return np.asarray(np.linalg.norm(points - start - share[:, None] * along, axis=1) < radius_mm)
 
     for body in bench.workspace.bodies:
