@@ -49,7 +49,7 @@ def sight_deg(
 
 def seen(bench: SerialBench, poses: Floats, target: ToolTarget, *, as_frame: bool = False) -> Bools:
     """Return where the instrument sees a target, shape (n,); see `sight_deg`."""
-    return np.isfinite(sight_deg(bench, poses, (target,), as_frame=as_frame)[0])
+    return np.asarray(np.isfinite(sight_deg(bench, poses, (target,), as_frame=as_frame)[0]))
 
 
 def best_seen(
