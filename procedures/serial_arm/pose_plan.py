@@ -1,6 +1,6 @@
 """Poses at which targets are measured: seen, within limits, approached from below, with free ways between them."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -186,9 +186,7 @@ class PoseFinder:
 
     def seen_at(self, pose: Pose, most: int) -> tuple[str, ...]:
         """Return the targets that are seen at a pose, the one that looks most directly at the instrument first."""
-        return tuple(
-            self._targets[k].name for k in self.all_seen(np.array([pose]), most)[0].tolist() if k >= 0
-        )
+        return self._named(self.all_seen(np.array([pose]), most)[0].tolist())
 
     def all_seen(self, poses: Floats, most: int) -> NDArray[np.int64]:
         """Return the numbers of the targets that are measured at each pose, −1 behind the last, shape (n, most)."""
@@ -203,7 +201,7 @@ class PoseFinder:
             return "; ".join(dict.fromkeys(wrong))
         return way_refusal((self._rest, approach, pose), self._bench)
 
-    def linked(self, named: Iterable[tuple[str, Pose]], most: int) -> tuple[PlannedPose, ...]:
+    def linked(self, named: Sequence[tuple[str, Pose]], most: int) -> tuple[PlannedPose, ...]:
         """Return poses with their ways; all of them can be reached from the rest pose.
 
         Args:
@@ -211,11 +209,13 @@ class PoseFinder:
         """
         found: list[PlannedPose] = []
         before = self._rest
-        for name, pose in named:
+        # All at once: each by itself takes as long as hundreds together.
+        seen = self.all_seen(np.array([pose for _, pose in named]), most)
+        for (name, pose), numbers in zip(named, seen.tolist(), strict=True):
             approach = approach_of(pose, self._approach_deg)
             free = way_refusal((before, approach), self._bench) is None
             free_from = before if free else None
-            found.append(PlannedPose(name, pose, approach, free_from, self.seen_at(pose, most)))
+            found.append(PlannedPose(name, pose, approach, free_from, self._named(numbers)))
             before = pose
         return tuple(found)
 
@@ -245,3 +245,6 @@ class PoseFinder:
 
     def _stands_clear(self, poses: Floats) -> NDArray[np.bool_]:
         return clear_poses(poses, self._bench) & clear_poses(poses - self._approach_deg, self._bench)
+
+    def _named(self, numbers: Sequence[int]) -> tuple[str, ...]:
+        return tuple(self._targets[k].name for k in numbers if k >= 0)
