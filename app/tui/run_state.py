@@ -76,7 +76,7 @@ class SoFar:
 
     Attributes:
         steps: id and title of the steps that are done, in order.
-        points: how many rows of distances.
+        points: how many rows of what is measured.
         map_known: how well the maps were known, oldest first.
         log: what happened, oldest first.
         command: words of `catseye` that rehearse the same run; empty where they are not known.
@@ -127,7 +127,7 @@ class RunState:
         staircase: steps of the series under way that this client has seen, oldest first.
         prompt: the open question.
         prompt_at_s: when it came.
-        points_seen: how many distances were measured.
+        points_seen: how many distances, targets or lengths were measured.
         map_known: how well the maps were known, oldest first.
         log: lines, oldest first.
         ended: the event of its end.

@@ -81,6 +81,7 @@ class Record:
     Attributes:
         table: name of the table that takes it.
         is_point: progress counts it, and front ends are shown it as it comes.
+        point_name: of a point, what one is called in counts.
         target_column: of a point, the column that names what it was measured at; empty for none.
         segment_column: of a point, the column with the number of the count that it belongs to; empty for none.
         extra: what belongs to this record alone.
@@ -88,6 +89,7 @@ class Record:
 
     table: ClassVar[str]
     is_point: ClassVar[bool] = False
+    point_name: ClassVar[str] = "distance"
     target_column: ClassVar[str] = ""
     segment_column: ClassVar[str] = ""
     extra: Row = field(default_factory=dict)

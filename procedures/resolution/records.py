@@ -72,6 +72,7 @@ class Move(Record):
 
     table: ClassVar[str] = "moves"
     is_point: ClassVar[bool] = True
+    point_name: ClassVar[str] = "move"
     target_column: ClassVar[str] = "joint"
     recording: str
     joint: str

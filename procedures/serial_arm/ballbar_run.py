@@ -49,6 +49,7 @@ class BallbarReading(Record):
 
     table: ClassVar[str] = "ballbar"
     is_point: ClassVar[bool] = True
+    point_name: ClassVar[str] = "length"
     target_column: ClassVar[str] = "nest"
     nest: str
     pose: str

@@ -54,6 +54,7 @@ class CheckedLength(Record):
 
     table: ClassVar[str] = "lengths"
     is_point: ClassVar[bool] = True
+    point_name: ClassVar[str] = "length"
     target_column: ClassVar[str] = "what"
     what: str
     from_point: str

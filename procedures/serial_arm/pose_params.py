@@ -135,15 +135,22 @@ def pose_plan(bench: SerialBench, params: PoseParams, named: list[tuple[str, Pos
 
 
 def given_poses(bench: SerialBench, rows: list[list[float]]) -> list[tuple[str, Pose]]:
-    """Return poses that were given, with names.
+    """Return poses that were given, with names; rows of the same pose, one a target, are one.
 
     Raises:
         PlanError: a row has another number of values than the arm has axes.
     """
     try:
-        return [(name_of(number), pose_of(bench.arm.axes, row)) for number, row in enumerate(rows, 1)]
+        return [
+            (name_of(number), pose_of(bench.arm.axes, row)) for number, row in enumerate(_each_once(rows), 1)
+        ]
     except ValueError as error:
         raise PlanError(f"poses: {error}; give one value for each axis") from error
+
+
+def _each_once(rows: list[list[float]]) -> list[list[float]]:
+    """Return rows without those that repeat the one before."""
+    return [row for row, before in zip(rows, [None, *rows], strict=False) if row != before]
 
 
 def name_of(number: int) -> str:

@@ -1,19 +1,20 @@
 """Poses at which targets are measured: seen, within limits, approached from below, with free ways between them."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from catseye.calibration.serial_arm.sight import straightest
 from catseye.drivers.roles.pose import Pose, out_of_range
 from catseye.procedures.kit.errors import PlanError, PlanLimitError
 from catseye.procedures.kit.motion.clear_way import clear_poses, way_refusal
 from catseye.procedures.kit.motion.motion_time import way_time_s
 from catseye.procedures.serial_arm.axis_turns import FramesPlan
 from catseye.procedures.serial_arm.bench import SerialBench, ToolTarget
-from catseye.procedures.serial_arm.sight import best_seen, off_normal_deg, seen
+from catseye.procedures.serial_arm.sight import best_seen, sight_deg
 
 Floats = NDArray[np.float64]
 
@@ -185,10 +186,12 @@ class PoseFinder:
 
     def seen_at(self, pose: Pose, most: int) -> tuple[str, ...]:
         """Return the targets that are seen at a pose, the one that looks most directly at the instrument first."""
-        at = np.array([pose])
-        there = [one for one in self._targets if seen(self._bench, at, one, as_frame=self._as_frame)[0]]
-        ordered = sorted(there, key=lambda one: float(off_normal_deg(self._bench, at, one)[0]))
-        return tuple(one.name for one in ordered[:most])
+        return self._named(self.all_seen(np.array([pose]), most)[0].tolist())
+
+    def all_seen(self, poses: Floats, most: int) -> NDArray[np.int64]:
+        """Return the numbers of the targets that are measured at each pose, −1 behind the last, shape (n, most)."""
+        off = sight_deg(self._bench, poses, self._targets, as_frame=self._as_frame)
+        return straightest(off, most)
 
     def refusal(self, pose: Pose) -> str | None:
         """Return why a pose cannot be reached from the rest pose over its approach, None when it can."""
@@ -198,7 +201,7 @@ class PoseFinder:
             return "; ".join(dict.fromkeys(wrong))
         return way_refusal((self._rest, approach, pose), self._bench)
 
-    def linked(self, named: Iterable[tuple[str, Pose]], most: int) -> tuple[PlannedPose, ...]:
+    def linked(self, named: Sequence[tuple[str, Pose]], most: int) -> tuple[PlannedPose, ...]:
         """Return poses with their ways; all of them can be reached from the rest pose.
 
         Args:
@@ -206,11 +209,13 @@ class PoseFinder:
         """
         found: list[PlannedPose] = []
         before = self._rest
-        for name, pose in named:
+        # All at once: each by itself takes as long as hundreds together.
+        seen = self.all_seen(np.array([pose for _, pose in named]), most)
+        for (name, pose), numbers in zip(named, seen.tolist(), strict=True):
             approach = approach_of(pose, self._approach_deg)
             free = way_refusal((before, approach), self._bench) is None
             free_from = before if free else None
-            found.append(PlannedPose(name, pose, approach, free_from, self.seen_at(pose, most)))
+            found.append(PlannedPose(name, pose, approach, free_from, self._named(numbers)))
             before = pose
         return tuple(found)
 
@@ -240,3 +245,6 @@ class PoseFinder:
 
     def _stands_clear(self, poses: Floats) -> NDArray[np.bool_]:
         return clear_poses(poses, self._bench) & clear_poses(poses - self._approach_deg, self._bench)
+
+    def _named(self, numbers: Sequence[int]) -> tuple[str, ...]:
+        return tuple(self._targets[k].name for k in numbers if k >= 0)

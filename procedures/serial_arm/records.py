@@ -30,6 +30,7 @@ class MeasuredTarget(Record):
 
     table: ClassVar[str] = "targets"
     is_point: ClassVar[bool] = True
+    point_name: ClassVar[str] = "target"
     target_column: ClassVar[str] = "target"
     pose: str
     target: str

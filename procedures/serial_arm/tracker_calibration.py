@@ -28,6 +28,7 @@ from catseye.procedures.serial_arm.pose_params import (
     PoseParams,
     finder_of,
     given_poses,
+    measured_of,
     name_of,
     pose_plan,
 )
@@ -46,7 +47,7 @@ class CalibrationParams(PoseParams):
 
     count: int = Field(38, ge=3, le=2000, description="poses that are chosen")
     candidates: int = Field(5000, ge=20, le=100_000, description="random poses among which they are chosen")
-    model: Literal["frames", "geometric", "geometric+compliance"] = Field(
+    model: Literal["frames", "geometric", "geometric+compliance", "maps"] = Field(
         "geometric+compliance", description="what the poses are to identify"
     )
     poses: Annotated[list[JointRow], POSE_ROWS] = Field(
@@ -100,17 +101,22 @@ def chosen_poses(bench: SerialBench, params: CalibrationParams, finder: PoseFind
     from catseye.calibration.core.errors import CalibrationError
     from catseye.calibration.serial_arm.arm import SerialArm, Target
     from catseye.calibration.serial_arm.design.exchange import select
-    from catseye.calibration.serial_arm.design.pose_rows import candidate_rows
+    from catseye.calibration.serial_arm.design.pose_rows import pose_rows
 
     targets = tuple(Target(one.name, one.place_mm) for one in bench.chosen(params.targets))
     arm = SerialArm(bench.workspace.chain, bench.loads, targets)
     poses = finder.drawn(params.candidates, params.seed)
     reachable = np.ones(len(poses), dtype=np.bool_)
     try:
-        rows = candidate_rows(arm, poses, finder.which_seen(poses), params.model)
+        frames = measured_of(bench, params) == "poses"
+        shown = pose_rows(
+            arm, poses, finder.all_seen(poses, params.targets_per_pose), params.model, frames=frames
+        )
         for _ in range(_ROUNDS):
             left = np.flatnonzero(reachable)
-            chosen = left[select(rows[left], params.count, starts=1, seed=params.seed).chosen]
+            chosen = left[
+                select(shown.rows[left], params.count, starts=1, seed=params.seed, known=shown.known).chosen
+            ]
             refused = [k for k in chosen.tolist() if finder.refusal(tuple(poses[k].tolist())) is not None]
             if not refused:
                 return [tuple(poses[k].tolist()) for k in chosen]

@@ -15,8 +15,9 @@ import pytest
 from scipy import optimize
 
 from catseye.calibration.core.types import Floats
-from catseye.calibration.serial_arm.design.candidates import Rules, draw_candidates, information_rows
+from catseye.calibration.serial_arm.design.candidates import Rules, draw_candidates
 from catseye.calibration.serial_arm.design.exchange import select
+from catseye.calibration.serial_arm.design.pose_rows import pose_rows
 from catseye.calibration.serial_arm.identification import Calibration, identify_arm
 from catseye.calibration.serial_arm.model import ArmModel
 from catseye.calibration.serial_arm.monte_carlo import chunks, draw_estimates
@@ -115,7 +116,7 @@ def test_identification_against_scipy(found: Calibration) -> None:
 
 def test_selection_against_a_dense_exchange() -> None:
     candidates = draw_candidates(irb120(), Rules(low=LOW, high=HIGH), CANDIDATES, 1)
-    rows, _ = information_rows(irb120(), candidates, "geometric+compliance")
+    rows = pose_rows(irb120(), candidates.joints, candidates.targets, "geometric+compliance").rows
     ours = cpu_s(lambda: select(rows, POSES, "O1", 1), 2)
     chosen = select(rows, POSES, "O1", 1)
     begun = time.process_time()

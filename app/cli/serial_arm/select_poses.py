@@ -2,7 +2,7 @@
 
 from contextlib import closing
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -14,76 +14,132 @@ from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import require_output, write_atomically
 
+if TYPE_CHECKING:
+    from catseye.app.results.serial_arm.pose_selection import ChosenPoses
+    from catseye.app.results.serial_arm.pose_setup import Asked, PoseSetup
+
+
+_Arm = Annotated[
+    str | None, typer.Option(metavar="NAME|FILE", help="a shipped arm, or the path of a description")
+]
+_Tool = Annotated[Path | None, typer.Option(metavar="FILE", help="tool TOML with its targets")]
+_CellFile = Annotated[
+    Path | None,
+    typer.Option("--cell", help="cell file instead: its arm, tool, limits, instrument, bodies and boxes"),
+]
+_Station = Annotated[
+    str | None, typer.Option(metavar="X,Y,Z", help="place of the instrument in the arm's base frame, mm")
+]
+_Limits = Annotated[
+    list[str] | None,
+    typer.Option("--limit", metavar="NAME=LOW:HIGH", help="narrower range of a joint; may be repeated"),
+]
+_Cone = Annotated[float, typer.Option(min=1.0, max=180.0, help="half angle of a target that has a normal")]
+_Face = Annotated[
+    float, typer.Option(min=1.0, max=90.0, help="likewise of a plate of marks, with --measured poses")
+]
+_Measured = Annotated[
+    Literal["points", "poses"] | None,
+    typer.Option(help="targets of a tracker, or whole frames of an optical CMM [points, or what --cell has]"),
+]
+_PerPose = Annotated[int, typer.Option(min=1, max=20, help="targets measured at a pose, as far as seen")]
+_Approach = Annotated[
+    float, typer.Option(min=0.0, max=90.0, help="deg (mm) below which each joint comes from")
+]
+_Bodies = Annotated[
+    bool, typer.Option("--bodies/--no-bodies", help="the bodies of the arm's description count")
+]
+_Page = Annotated[
+    Path | None, typer.Option("--report", metavar="FILE", help="HTML page with the index against the poses")
+]
+
 
 def select_poses(
-    arm: Annotated[
-        str, typer.Option(metavar="NAME|FILE", help="a shipped arm, or the path of a description")
-    ],
-    tool: Annotated[Path, typer.Option(metavar="FILE", help="tool TOML with its targets")],
     count: Annotated[int, typer.Option(min=1, help="poses to choose")],
     output: Annotated[Path, typer.Option("-o", "--output", help="poses CSV to write")],
+    arm: _Arm = None,
+    tool: _Tool = None,
+    cell: _CellFile = None,
     candidates: Annotated[int, typer.Option(min=2, max=200_000, help="random poses to choose from")] = 5000,
     index: Annotated[
         Literal["O1", "O2", "O3", "O4", "O5"], typer.Option(help="observability index to raise")
     ] = "O1",
     model: Annotated[
-        Literal["frames", "geometric", "geometric+compliance"],
+        Literal["frames", "geometric", "geometric+compliance", "maps"],
         typer.Option(help="whose parameters the poses are to show"),
     ] = "geometric+compliance",
-    station: Annotated[
-        str | None,
-        typer.Option(metavar="X,Y,Z", help="place of the instrument in the arm's base frame, mm"),
-    ] = None,
-    cone_deg: Annotated[
-        float, typer.Option(min=1.0, max=180.0, help="half angle of a target that has a normal")
-    ] = 30.0,
-    limit: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME=LOW:HIGH", help="narrower range of a joint; may be repeated"),
-    ] = None,
-    approach: Annotated[
-        float, typer.Option(min=0.0, max=90.0, help="deg (mm) below which each joint comes from")
-    ] = 5.0,
-    bodies: Annotated[
-        bool, typer.Option("--bodies/--no-bodies", help="the bodies of the arm's description count")
-    ] = True,
+    station: _Station = None,
+    cone_deg: _Cone = 30.0,
+    face_deg: _Face = 15.0,
+    measured: _Measured = None,
+    targets_per_pose: _PerPose = 1,
+    limit: _Limits = None,
+    approach: _Approach = 5.0,
+    bodies: _Bodies = True,
     starts: Annotated[int, typer.Option(min=1, max=1000, help="random choices to begin with")] = 3,
     seed: Annotated[int, typer.Option(min=0, help="of candidates and starts")] = 1,
-    page: Annotated[
-        Path | None,
-        typer.Option("--report", metavar="FILE", help="HTML page with the index against the poses"),
-    ] = None,
+    page: _Page = None,
     as_json: AsJson = False,
 ) -> None:
     """Choose the poses that identify a serial arm best.
 
     Example: catseye select-poses --arm irb120 --tool plate.toml --count 38 --station 1800,0,400 -o poses.csv
     """
-    from catseye.app.cell.tool import read_tool
-    from catseye.app.render.page import require_html, write_page
-    from catseye.app.results.serial_arm.pose_selection import Asked, select_poses, selection_report
+    from catseye.app.render.page import require_html
+    from catseye.app.results.serial_arm.pose_selection import select_poses as choose
+    from catseye.app.results.serial_arm.pose_setup import Asked
 
-    require_output(output, tool)
-    require_output(page, tool, output)
+    sources = [file for file in (tool, cell) if file is not None]
+    require_output(output, *sources)
+    require_output(page, *sources, output)
     if page is not None:
         require_html(page)
     asked = Asked(
-        count,
-        candidates,
-        index,
-        model,
-        starts,
-        seed,
-        None if station is None else _place(station),
-        cone_deg,
-        dict(map(_limit, limit or ())),
-        approach,
-        bodies,
+        count=count,
+        candidates=candidates,
+        index=index,
+        model=model,
+        starts=starts,
+        seed=seed,
+        station_mm=None if station is None else _place(station),
+        cone_deg=cone_deg,
+        face_deg=face_deg,
+        measured=measured,
+        targets_per_pose=targets_per_pose,
+        limits=dict(map(_limit, limit or ())),
+        approach=approach,
+        with_bodies=bodies,
     )
+    setup, name = _setup(arm, tool, cell, asked)
     with closing(_Bars()) as bars:
-        found = select_poses(described(arm), read_tool(tool), asked, bars.update)
+        found = choose(setup, asked, bars.update)
+    _write(found, name, output, page, as_json=as_json)
+
+
+def _setup(arm: str | None, tool: Path | None, cell: Path | None, asked: "Asked") -> "tuple[PoseSetup, str]":
+    """Return what poses are chosen for, and what it is called."""
+    from catseye.app.cell.load import load_cell
+    from catseye.app.cell.tool import read_tool
+    from catseye.app.results.serial_arm.pose_setup import setup_of, setup_of_cell
+
+    if cell is not None:
+        if arm is not None or tool is not None or asked.station_mm is not None or not asked.with_bodies:
+            raise UsageError(
+                "--cell has arm, tool, instrument and bodies: leave out --arm, --tool, --station, --no-bodies"
+            )
+        known = load_cell(cell).cell
+        return setup_of_cell(known, asked), known.name
+    if arm is None or tool is None:
+        raise UsageError("state --arm and --tool, or a cell file with --cell")
+    return setup_of(described(arm), read_tool(tool), asked), arm
+
+
+def _write(found: "ChosenPoses", name: str, output: Path, page: Path | None, *, as_json: bool) -> None:
+    from catseye.app.render.page import write_page
+    from catseye.app.results.serial_arm.pose_selection import selection_report
+
     write_atomically(output, found.csv())
-    report = selection_report(found, arm)
+    report = selection_report(found, name)
     if as_json:
         write_json({"output": str(output), **found.document()})
     else:

@@ -1,68 +1,24 @@
 """Choosing the poses of a calibration: rules from arm and tool, the choice, and what is said of it."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from catseye.app.cell.arm import ArmDescription
-from catseye.app.cell.bodies import capsules_of
-from catseye.app.cell.serial_arm import point_of
-from catseye.app.cell.tool import ToolDescription
-from catseye.app.errors import UsageError
 from catseye.app.files.csv_text import csv_text
 from catseye.app.results.figures import Axis, Figure, Level, Panel, Points, Role
 from catseye.app.results.model import Block, Column, Report, Sign, Statement, Table, section
 from catseye.app.results.numbers import COUNT, THREE_DIGITS, fixed
 from catseye.app.results.origin import origin_now
-from catseye.app.results.serial_arm.nominal_arm import serial_arm_of
+from catseye.app.results.serial_arm.pose_setup import Asked, PoseSetup
 from catseye.calibration.core.types import Floats, Ints
-from catseye.calibration.kinematics.bodies import Point
-from catseye.calibration.kinematics.chain import Chain
-from catseye.calibration.kinematics.joint_ranges import ranges_of
-from catseye.calibration.serial_arm.design.candidates import (
-    Candidates,
-    Rules,
-    Sight,
-    draw_candidates,
-    information_rows,
-)
-from catseye.calibration.serial_arm.design.exchange import Selection, growth, select
-from catseye.calibration.serial_arm.design.observability import Index
-from catseye.calibration.serial_arm.identification import ModelName
+from catseye.calibration.serial_arm.design.candidates import DIGITS, draw_candidates
+from catseye.calibration.serial_arm.design.exchange import Selection, fewest_poses, growth, select
+from catseye.calibration.serial_arm.design.pose_rows import PoseRows, pose_rows
 
 Progress = Callable[[str, float, float, str], None]
 """Part of the work, done, of how much, and what is going on."""
-
-
-@dataclass(frozen=True)
-class Asked:
-    """What is to be chosen.
-
-    Attributes:
-        count: of poses.
-        candidates: that are drawn.
-        index: of observability.
-        model: whose parameters the poses are to show.
-        starts: random choices to begin with.
-        station_mm: the instrument in the frame of the arm's base; None: it sees the targets everywhere.
-        limits: narrower ranges by joint, deg or mm.
-        approach: by how much below each joint begins its last move.
-        with_bodies: the bodies of the arm's description count.
-    """
-
-    count: int
-    candidates: int = 5000
-    index: Index = "O1"
-    model: ModelName = "geometric+compliance"
-    starts: int = 3
-    seed: int = 1
-    station_mm: Point | None = None
-    cone_deg: float = 30.0
-    limits: dict[str, tuple[float, float]] = field(default_factory=dict)
-    approach: float = 5.0
-    with_bodies: bool = True
 
 
 @dataclass(frozen=True)
@@ -71,7 +27,7 @@ class ChosenPoses:
 
     Attributes:
         joints: deg or mm, shape (count, joints).
-        targets: name of the target to measure at each.
+        targets: names of the targets to measure at each.
         counts: numbers of poses, and the index that each reaches.
         parameters: that the poses show.
     """
@@ -79,7 +35,7 @@ class ChosenPoses:
     asked: Asked
     units: tuple[str, ...]
     joints: Floats
-    targets: tuple[str, ...]
+    targets: tuple[tuple[str, ...], ...]
     selection: Selection
     drawn: int
     parameters: tuple[str, ...]
@@ -87,11 +43,12 @@ class ChosenPoses:
     values: Floats
 
     def csv(self) -> str:
-        """Return a poses CSV."""
+        """Return a poses CSV, a row a target that is measured."""
         header = ["pose", *(f"q{k}_{unit}" for k, unit in enumerate(self.units, 1)), "target"]
         body = (
-            [f"P{k}", *(f"{q:.4f}" for q in joints), target]
-            for k, (joints, target) in enumerate(zip(self.joints.tolist(), self.targets, strict=True), 1)
+            [f"P{k}", *(f"{q:.{DIGITS}f}" for q in joints), target]
+            for k, (joints, targets) in enumerate(zip(self.joints.tolist(), self.targets, strict=True), 1)
+            for target in targets
         )
         return csv_text(header, body)
 
@@ -101,6 +58,7 @@ class ChosenPoses:
             "index": self.asked.index,
             "value": self.selection.value,
             "count": self.asked.count,
+            "measurements": sum(map(len, self.targets)),
             "candidates": self.asked.candidates,
             "drawn": self.drawn,
             "exchanges": self.selection.exchanges,
@@ -112,64 +70,68 @@ class ChosenPoses:
         }
 
 
-def select_poses(
-    description: ArmDescription, tool: ToolDescription, asked: Asked, progress: Progress
-) -> ChosenPoses:
+def select_poses(setup: PoseSetup, asked: Asked, progress: Progress) -> ChosenPoses:
     """Choose poses.
 
     Raises:
-        UsageError: the tool has no target, or a limit names no joint.
         InsufficientPointsError: too few poses for the model, or hardly a pose keeps the rules.
     """
-    if not tool.target:
-        raise UsageError(f"the tool {tool.name} has no [[target]]: state what the instrument measures")
-    arm = serial_arm_of(description, tool)
-    rules = _rules(description, tool, arm.chain, asked)
     tried = draw_candidates(
-        arm,
-        rules,
+        setup.arm,
+        setup.rules,
         asked.candidates,
         asked.seed,
         lambda n, of: progress("candidates", n, of, f"{n} of {of}"),
     )
-    rows, names = information_rows(arm, tried, asked.model)
+    shown = pose_rows(setup.arm, tried.joints, tried.targets, asked.model, frames=setup.frames)
     chosen = select(
-        rows,
+        shown.rows,
         asked.count,
         asked.index,
         asked.starts,
         asked.seed,
         lambda n, of, best: progress("exchange", n, of, f"start {n} of {of}, {asked.index} {best:.4g}"),
+        shown.known,
     )
-    counts = _counts(asked.count, len(names), len(rows))
-    values = np.zeros(len(counts))
-    for k, number in enumerate(counts.tolist()):
-        values[k : k + 1] = growth(rows, counts[k : k + 1], asked.index, asked.seed)
-        progress("index", k + 1, len(counts), f"{number} poses, {asked.index} {values[k]:.4g}")
+    counts, values = _growth(shown, asked, progress)
+    names = [one.name for one in setup.arm.targets]
     return ChosenPoses(
         asked,
-        tuple(joint.unit for joint in description.joint),
+        setup.units,
         tried.joints[chosen.chosen],
-        _named(tool, tried, chosen),
+        tuple(tuple(names[k] for k in own if k >= 0) for own in tried.targets[chosen.chosen].tolist()),
         chosen,
         tried.drawn,
-        names,
+        shown.names,
         counts,
         values,
     )
 
 
+def _growth(shown: PoseRows, asked: Asked, progress: Progress) -> tuple[Ints, Floats]:
+    """Return numbers of poses, and the index that each reaches."""
+    counts = _counts(asked.count, fewest_poses(shown.rows, shown.known), len(shown.rows))
+    values = np.zeros(len(counts))
+    for k, number in enumerate(counts.tolist()):
+        values[k : k + 1] = growth(shown.rows, counts[k : k + 1], asked.index, asked.seed, shown.known)
+        progress("index", k + 1, len(counts), f"{number} poses, {asked.index} {values[k]:.4g}")
+    return counts, values
+
+
 def selection_report(found: ChosenPoses, arm: str) -> Report:
     """Return what is said of a choice."""
     asked = found.asked
+    measured = sum(map(len, found.targets))
+    several = "" if measured == asked.count else f" with {measured} measurements of targets"
     said = Statement(
         Sign.GOOD,
-        f"{asked.count} poses of {asked.candidates} candidates, {asked.index} {found.selection.value:.4g} after "
+        f"{asked.count} poses{several} of {asked.candidates} candidates, "
+        f"{asked.index} {found.selection.value:.4g} after "
         f"{found.selection.exchanges} exchanges; they show {len(found.parameters)} parameters of the "
         f"model {asked.model}.",
     )
     advice = (
-        "Drive to each pose from lower joints, as the choice assumes, and measure the target that it names."
+        "Drive to each pose from lower joints, as the choice assumes, and measure the targets that it names."
     )
     columns = (
         Column("count", "poses", "", COUNT),
@@ -195,30 +157,7 @@ def growth_figure(found: ChosenPoses) -> Figure:
     return Figure("growth", "Index against the number of poses", "Index against poses.", ((panel,),))
 
 
-def _rules(description: ArmDescription, tool: ToolDescription, chain: Chain, asked: Asked) -> Rules:
-    names = [joint.name for joint in description.joint]
-    low, high = ranges_of(chain)
-    for name, ends in asked.limits.items():
-        if name not in names:
-            raise UsageError(f"--limit {name}: the arm has the joints {', '.join(names)}")
-        low[names.index(name)], high[names.index(name)] = ends
-    normals = tuple(None if one.normal is None else point_of(one.normal) for one in tool.target)
-    return Rules(
-        capsules_of(description.body, chain) if asked.with_bodies else (),
-        None if asked.station_mm is None else Sight(asked.station_mm, normals, asked.cone_deg),
-        asked.approach,
-        low=low,
-        high=high,
-    )
-
-
-def _counts(count: int, parameters: int, candidates: int) -> Ints:
+def _counts(count: int, fewest: int, candidates: int) -> Ints:
     """Return numbers of poses from what the parameters need to twice the chosen number."""
-    fewest = -(-parameters // 3)
     wanted = np.array([fewest, fewest + 4, (fewest + count) // 2, count, 3 * count // 2, 2 * count])
     return np.unique(wanted[(wanted >= fewest) & (wanted <= candidates)])
-
-
-def _named(tool: ToolDescription, tried: Candidates, chosen: Selection) -> tuple[str, ...]:
-    names: Sequence[str] = [one.name for one in tool.target]
-    return tuple(names[k] for k in tried.target[chosen.chosen])

@@ -16,11 +16,12 @@ from catseye.app.render.text import block_lines, table_text
 from catseye.app.results.model import Report
 from catseye.app.results.readiness.need import Need, links_need
 from catseye.app.results.readiness.survey_report import need_statement, readiness, worst_sign
-from catseye.app.results.rehearsal import first_target_text, rehearsal_report, totals_text
+from catseye.app.results.rehearsal import rehearsal_report
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
+from catseye.app.tui.start_text import rehearsed_lines
 from catseye.app.tui.widgets.parameter_form import ParameterForm, Schema, with_run_fields
 from catseye.app.tui.widgets.report_content import sign_content, statement_content
 from catseye.app.tui.widgets.static_text import StaticText, lines
@@ -426,10 +427,8 @@ class ProceduresScreen(MainScreen):
         robot, shown = self.session.link.engine.robot, list[str]()
         if robot is not None:
             shown = [f"  override {override_text(robot)}, at most {robot.override_cap_percent:g} %"]
-        if self._rehearsed is None or self._rehearsed[0] != request:
-            return [*shown, "! not rehearsed with these parameters: r does that"]
-        rehearsal = self._rehearsed[1]
-        return [*shown, f"  {first_target_text(rehearsal)}", f"  {totals_text(rehearsal)}"]
+        rehearsed = self._rehearsed if self._rehearsed and self._rehearsed[0] == request else None
+        return [*shown, *rehearsed_lines(None if rehearsed is None else rehearsed[1])]
 
     def _begin(self, request: "Start", permission: Permission | None) -> None:
         if permission is None:

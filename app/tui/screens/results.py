@@ -26,6 +26,7 @@ from catseye.app.tui.screens.working import WorkScreen, free_name, is_file, type
 from catseye.app.tui.serial.result_view import SerialArmView
 from catseye.app.tui.session import Session
 from catseye.app.tui.widgets.bars import TabLine
+from catseye.app.tui.widgets.file_table import FileTable
 from catseye.app.tui.widgets.report_content import statement_content
 from catseye.app.tui.widgets.result_parts import ComparePart, LayoutPart, MapsPart, PathPart, ResidualsPart
 from catseye.app.tui.widgets.row_table import RowTable
@@ -139,7 +140,7 @@ class ResultsScreen(WorkScreen):
         yield StaticText(id="heading")
         with ContentSwitcher(initial="files"):
             with Vertical(id="files", classes="part"):
-                yield RowTable(id="file-table")
+                yield FileTable(id="file-table")
             yield MapsPart(id="maps", classes="part")
             with Vertical(id="values", classes="part"):
                 yield RowTable(id="value-table")
@@ -448,20 +449,10 @@ class ResultsScreen(WorkScreen):
             self.spawn(partial(self._open_paged, later, kind, go=False), "report-of", exclusive=True)
 
     def _show_files(self) -> None:
-        table = self.query_one("#file-table", DataTable)
-        present = [str(key.value) for key in table.rows]
-        chosen = present[table.cursor_row] if 0 <= table.cursor_row < len(present) else ""
-        row = min(table.cursor_row, len(self._files) - 1)
-        shown = self._file or self._paged
-        table.clear()
-        for place, file in enumerate(self._files):
-            row = place if str(file.path) == chosen else row
-            mark = "▶" if shown is not None and file.path == shown.path else " "
-            mark = "c" if self._other is not None and file.path == self._other.path else mark
-            style = "bold red" if file.result is None else ""
-            table.add_row(*(Text(cell, style) for cell in (mark, *shelf.file_row(file))), key=str(file.path))
-        if self._files:
-            table.move_cursor(row=max(row, 0))
+        shown, other = self._file or self._paged, self._other
+        self.query_one(FileTable).show_files(
+            self._files, None if shown is None else shown.path, None if other is None else other.path
+        )
 
     def _show(self) -> None:
         """Show every part of the chosen result."""

@@ -1,24 +1,19 @@
-"""Poses that may be chosen: drawn within the joints' ranges, kept where no bodies meet and a target is seen.
+"""Poses that may be chosen: drawn within the joints' ranges, kept where no bodies meet and a target is seen."""
 
-Visibility: a retroreflector is seen within a cone about the direction in which it looks, and no body of the arm
-stands in the line of sight.
-"""
-
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from catseye.calibration.core.errors import InsufficientPointsError
 from catseye.calibration.core.types import Bools, Floats, Ints
-from catseye.calibration.kinematics.bodies import Capsule, Gaps, Point, Scene
-from catseye.calibration.kinematics.distances import segment_to_segment_mm
+from catseye.calibration.kinematics.bodies import Gaps, Point, Scene
 from catseye.calibration.kinematics.joint_ranges import ranges_of
 from catseye.calibration.serial_arm.arm import SerialArm
-from catseye.calibration.serial_arm.geometry import Commands
-from catseye.calibration.serial_arm.identification import ModelName, parameters_of, tell_apart
-from catseye.calibration.serial_arm.measurements import MeasuredPoints, Measurements
-from catseye.calibration.serial_arm.model import ArmModel
+from catseye.calibration.serial_arm.sight import Sighted, View, sight_angles_deg, straightest
+
+DIGITS = 4
+"""Decimals of a pose, deg or mm."""
 
 _BATCH = 5000
 _MOST_BATCHES = 200
@@ -26,17 +21,15 @@ _MOST_BATCHES = 200
 
 @dataclass(frozen=True)
 class Sight:
-    """An instrument and what it sees.
+    """An instrument and where the targets look.
 
     Attributes:
-        station_mm: in the frame of the arm's base.
+        view: what the instrument sees.
         normals: direction in which each target looks, in the frame of the flange; None of one seen from everywhere.
-        cone_deg: half angle within which a target is seen.
     """
 
-    station_mm: Point
+    view: View
     normals: tuple[Point | None, ...]
-    cone_deg: float = 30.0
 
 
 @dataclass(frozen=True)
@@ -44,20 +37,22 @@ class Rules:
     """What a pose has to keep.
 
     Attributes:
-        bodies: of the arm, in their frames.
+        scene: bodies of the arm and what stands around it; None where none counts.
         sight: None where the instrument follows the target everywhere.
         approach: by how much below the pose each joint begins its last move, deg or mm.
         gap_mm: that bodies keep from each other.
         low: smallest joints, deg or mm, shape (joints,); None: those of the arm.
         high: largest.
+        targets_per_pose: that are measured at one, as far as they are seen.
     """
 
-    bodies: tuple[Capsule, ...] = ()
+    scene: Scene | None = None
     sight: Sight | None = None
     approach: float = 5.0
     gap_mm: float = 10.0
     low: Floats | None = None
     high: Floats | None = None
+    targets_per_pose: int = 1
 
 
 @dataclass(frozen=True)
@@ -66,12 +61,12 @@ class Candidates:
 
     Attributes:
         joints: deg or mm, shape (n, joints).
-        target: number of the target that is measured at each, shape (n,).
+        targets: numbers of the targets that are measured at each, −1 behind the last, shape (n, most).
         drawn: poses that were tried.
     """
 
     joints: Floats
-    target: Ints
+    targets: Ints
     drawn: int
 
 
@@ -84,7 +79,7 @@ def draw_candidates(
 ) -> Candidates:
     """Draw poses until there are enough that keep the rules.
 
-    Where several targets are seen, the one that looks straightest at the instrument is measured; without an
+    Where more targets are seen than are measured, those are that look straightest at the instrument; without an
     instrument's place the targets take turns.
 
     Args:
@@ -95,19 +90,21 @@ def draw_candidates(
     """
     low, high = _ranges(arm, rules)
     rng = np.random.default_rng(seed)
-    gaps = Gaps(Scene(arm.chain, rules.bodies)) if rules.bodies else None
+    gaps = None if rules.scene is None else Gaps(rules.scene)
     joints: list[Floats] = []
     targets: list[Ints] = []
     found, touching, unseen = 0, 0, 0
     for batch in range(1, _MOST_BATCHES + 1):
-        poses = rng.uniform(low, high, (_BATCH, len(low)))
+        # Of as many digits as a table of poses has: what is judged here is what is driven to.
+        poses = np.round(rng.uniform(low, high, (_BATCH, len(low))), DIGITS)
         free = _free(gaps, poses, rules)
         touching += int(np.sum(~free))
         poses = poses[free]
-        target, seen = _seen(arm, poses, rules, found)
+        measured = _measured(arm, poses, rules, found)
+        seen = measured[:, 0] >= 0
         unseen += int(np.sum(~seen))
         joints.append(poses[seen])
-        targets.append(target[seen])
+        targets.append(measured[seen])
         found += int(np.sum(seen))
         if progress is not None:
             progress(min(found, count), count)
@@ -118,26 +115,6 @@ def draw_candidates(
         f"come too near, at {unseen} the instrument sees no target. Move the instrument, widen the cone, or ask "
         "for fewer candidates"
     )
-
-
-def information_rows(
-    arm: SerialArm, candidates: Candidates, name: ModelName
-) -> tuple[Floats, tuple[str, ...]]:
-    """Return what each candidate says of the parameters of a model, and their names.
-
-    Returns:
-        Derivatives of the target's place, mm per unit, shape (candidates, 3, parameters), and the names of the
-        parameters that such measurements tell apart.
-    """
-    count = len(candidates.joints)
-    points = MeasuredPoints(np.arange(count), candidates.target, np.zeros((count, 3)))
-    rows = Measurements(Commands.of(arm, candidates.joints), tuple(map(str, range(count))), points)
-    model = ArmModel(arm, np.eye(4), parameters_of(arm, rows, name), rows)
-    kept = tell_apart(model).kept
-    chosen = tuple(model.chosen[k] for k in kept)
-    values = np.array([one.nominal for one in model.chosen])
-    jacobian = model.jacobian(values)[: 3 * count, kept]
-    return jacobian.reshape(count, 3, -1), tuple(one.name for one in chosen)
 
 
 def _ranges(arm: SerialArm, rules: Rules) -> tuple[Floats, Floats]:
@@ -163,44 +140,14 @@ def _free(gaps: Gaps | None, poses: Floats, rules: Rules) -> Bools:
     return np.asarray(least >= rules.gap_mm)
 
 
-def _seen(arm: SerialArm, poses: Floats, rules: Rules, before: int) -> tuple[Ints, Bools]:
-    """Return the target that is measured at each pose, and whether there is one, shape (n,) each."""
-    count = len(arm.targets)
+def _measured(arm: SerialArm, poses: Floats, rules: Rules, before: int) -> Ints:
+    """Return the targets that are measured at each pose, −1 behind the last, shape (n, most)."""
+    count, most = len(arm.targets), min(rules.targets_per_pose, len(arm.targets))
     if rules.sight is None:
-        return (before + np.arange(len(poses))) % count, np.ones(len(poses), dtype=np.bool_)
-    frames = arm.chain.frames(poses)
-    straight = np.stack(
-        [_straightness(arm, frames, rules, rules.sight, number) for number in range(count)], axis=-1
-    )
-    return np.argmax(straight, axis=1), np.asarray(straight.max(axis=1) > -np.inf)
-
-
-def _straightness(arm: SerialArm, frames: Floats, rules: Rules, sight: Sight, number: int) -> Floats:
-    """Return the cosine between where a target looks and the instrument; −∞ where it is not seen, shape (n,)."""
-    flange, normal = frames[-1], sight.normals[number]
-    place = flange[:, :3, :3] @ np.array(arm.targets[number].place_mm) + flange[:, :3, 3]
-    beam = np.array(sight.station_mm) - place
-    beam_length = np.linalg.norm(beam, axis=1)
-    if normal is None:
-        cosine = np.ones(len(place))
-    else:
-        looks = flange[:, :3, :3] @ (np.array(normal) / np.linalg.norm(normal))
-        cosine = np.einsum("ni,ni->n", looks, beam) / np.maximum(beam_length, 1e-9)
-    hidden = cosine < np.cos(np.deg2rad(sight.cone_deg)) if normal is not None else np.zeros(len(place), bool)
-    hidden |= _in_the_way(frames, place, np.array(sight.station_mm), rules.bodies)
-    return np.where(hidden, -np.inf, cosine)
-
-
-def _in_the_way(frames: Floats, place: Floats, station: Floats, bodies: Sequence[Capsule]) -> Bools:
-    """Return where a body of the arm stands between a target and the instrument, shape (n,)."""
-    found = np.zeros(len(place), dtype=np.bool_)
-    for body in bodies:
-        frame = frames[body.frame]
-        start, end = (
-            frame[:, :3, :3] @ np.array(point) + frame[:, :3, 3] for point in (body.start_mm, body.end_mm)
-        )
-        apart = segment_to_segment_mm(place, np.broadcast_to(station, place.shape), start, end)
-        # A nest is mounted on its body: that one does not hide it by holding it.
-        own = segment_to_segment_mm(place, place, start, end) <= body.radius_mm
-        found |= (apart < body.radius_mm) & ~own
-    return found
+        first = before + np.arange(len(poses))
+        return np.asarray((first[:, None] + np.arange(most)) % count)
+    targets = [
+        Sighted(target.place_mm, normal)
+        for target, normal in zip(arm.targets, rules.sight.normals, strict=True)
+    ]
+    return straightest(sight_angles_deg(rules.sight.view, arm.chain, poses, targets), most)

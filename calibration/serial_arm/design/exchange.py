@@ -5,6 +5,7 @@ J A⁻¹ Jᵀ of every candidate is carried along by updates of low rank. For th
 which candidates are worth the eigenvalues.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -49,6 +50,7 @@ def select(
     starts: int = 5,
     seed: int = 0,
     progress: Callable[[int, int, float], None] | None = None,
+    known: Floats | None = None,
 ) -> Selection:
     """Choose candidates.
 
@@ -57,6 +59,7 @@ def select(
         count: how many.
         starts: random choices to begin with; the best end is taken.
         progress: called after each start with starts done, all starts and the best value.
+        known: information of each parameter that is there beforehand, shape (parameters,); none by default.
 
     Raises:
         InsufficientPointsError: fewer candidates than wanted, or too few poses for the parameters.
@@ -64,37 +67,61 @@ def select(
     """
     require_shape(rows, (None, None, None), "rows")
     require_count(starts, "starts")
-    candidates, per_pose, parameters = rows.shape
+    candidates = len(rows)
     if candidates < count:
         raise InsufficientPointsError(f"{candidates} candidates for {count} poses: draw more, or allow more")
-    if count * per_pose < parameters:
+    if count < (least := fewest_poses(rows, known)):
         raise InsufficientPointsError(
-            f"{count} poses give {count * per_pose} rows for {parameters} parameters: choose at least "
-            f"{-(-parameters // per_pose)} poses"
+            f"{count} poses give {count * _rows_per_pose(rows):.0f} rows for {rows.shape[-1]} parameters: choose at "
+            f"least {least} poses"
         )
-    scaled = rows / _scale(rows)
+    scaled, before = _scaled(rows, known)
     improve = _by_determinant if index == "O1" else _by_slope
     found: list[Selection] = []
     for start in range(starts):
         first = np.random.default_rng([seed, start]).choice(candidates, count, replace=False)
-        found.append(improve(scaled, first.astype(np.int64), index))
+        found.append(improve(scaled, before, first.astype(np.int64), index))
         if progress is not None:
             progress(start + 1, starts, max(one.value for one in found))
     return max(found, key=lambda one: one.value)
 
 
-def growth(rows: Floats, counts: Ints, index: Index = "O1", seed: int = 0) -> Floats:
+def fewest_poses(rows: Floats, known: Floats | None = None) -> int:
+    """Return how many poses have as many rows, on the average, as parameters of which nothing is known beforehand.
+
+    Args:
+        rows: as those of `select`; zeros stand for what is not measured at a pose.
+        known: likewise.
+    """
+    unknown = rows.shape[-1] if known is None else int(np.sum(known == 0.0))
+    return max(math.ceil(unknown / _rows_per_pose(rows)), 1)
+
+
+def _rows_per_pose(rows: Floats) -> float:
+    return max(float(np.any(rows != 0.0, axis=-1).sum()), 1.0) / len(rows)
+
+
+def growth(
+    rows: Floats, counts: Ints, index: Index = "O1", seed: int = 0, known: Floats | None = None
+) -> Floats:
     """Return the index against the number of poses, one start each, shape (counts,).
 
     Raises:
         InsufficientPointsError: as those of `select`.
     """
-    return np.array([select(rows, int(count), index, 1, seed).value for count in counts])
+    return np.array([select(rows, int(count), index, 1, seed, known=known).value for count in counts])
 
 
-def value_of(rows: Floats, chosen: Ints, index: Index) -> float:
+def value_of(rows: Floats, chosen: Ints, index: Index, known: Floats | None = None) -> float:
     """Return the index of a choice; the columns are scaled as those of all candidates together."""
-    return _value(rows / _scale(rows), chosen, index)
+    return _value(*_scaled(rows, known), chosen, index)
+
+
+def _scaled(rows: Floats, known: Floats | None) -> tuple[Floats, Floats]:
+    """Return rows in scaled columns, and what is known beforehand in the same scale, shape (m, m)."""
+    scale = _scale(rows)
+    beforehand = np.zeros(rows.shape[-1]) if known is None else known / scale**2
+    return rows / scale, np.diag(beforehand)
 
 
 def _scale(rows: Floats) -> Floats:
@@ -103,21 +130,21 @@ def _scale(rows: Floats) -> Floats:
     return np.where(norms > 0.0, norms, 1.0)
 
 
-def _value(scaled: Floats, chosen: Ints, index: Index) -> float:
-    return float(observability(_information(scaled[chosen]), len(chosen), index))
+def _value(scaled: Floats, known: Floats, chosen: Ints, index: Index) -> float:
+    return float(observability(_information(scaled[chosen], known), len(chosen), index))
 
 
-def _information(scaled: Floats) -> Floats:
+def _information(scaled: Floats, known: Floats) -> Floats:
     flat = scaled.reshape(-1, scaled.shape[-1])
-    return np.asarray(flat.T @ flat)
+    return np.asarray(flat.T @ flat + known)
 
 
-def _by_determinant(scaled: Floats, chosen: Ints, index: Index) -> Selection:
+def _by_determinant(scaled: Floats, known: Floats, chosen: Ints, index: Index) -> Selection:
     """Exchange for O1."""
     exchanges = 0
     for _ in range(_MOST_SWEEPS):
         before = exchanges
-        state = _Determinant.of(scaled, chosen)
+        state = _Determinant.of(scaled, known, chosen)
         for place in range(len(chosen)):
             best, gain = state.best_for(place)
             if gain > _LEAST_GAIN:
@@ -127,7 +154,7 @@ def _by_determinant(scaled: Floats, chosen: Ints, index: Index) -> Selection:
         if exchanges == before:
             break
     chosen = np.sort(chosen)
-    return Selection(chosen, _value(scaled, chosen, index), exchanges)
+    return Selection(chosen, _value(scaled, known, chosen, index), exchanges)
 
 
 @dataclass(frozen=True)
@@ -147,8 +174,8 @@ class _Determinant:
     chosen: Ints
 
     @classmethod
-    def of(cls, scaled: Floats, chosen: Ints) -> "_Determinant":
-        information = _information(scaled[chosen])
+    def of(cls, scaled: Floats, known: Floats, chosen: Ints) -> "_Determinant":
+        information = _information(scaled[chosen], known)
         ridge = _RIDGE * np.trace(information) / len(information)
         inverse = np.linalg.inv(information + ridge * np.eye(len(information)))
         return cls(scaled, inverse, (scaled @ inverse) @ np.swapaxes(scaled, 1, 2), chosen)
@@ -182,13 +209,13 @@ class _Determinant:
         return _Determinant(self.scaled, inverse, seen, chosen)
 
 
-def _by_slope(scaled: Floats, chosen: Ints, index: Index) -> Selection:
+def _by_slope(scaled: Floats, known: Floats, chosen: Ints, index: Index) -> Selection:
     """Exchange for any index."""
-    exchanges, value = 0, _value(scaled, chosen, index)
+    exchanges, value = 0, _value(scaled, known, chosen, index)
     for _ in range(_MOST_SWEEPS):
         before = exchanges
         for place in range(len(chosen)):
-            information = _information(scaled[np.delete(chosen, place)])
+            information = _information(scaled[np.delete(chosen, place)], known)
             tried = _steepest(scaled, information, index, chosen)
             added = information + np.swapaxes(scaled[tried], 1, 2) @ scaled[tried]
             values = observability(added, len(chosen), index)
@@ -199,7 +226,7 @@ def _by_slope(scaled: Floats, chosen: Ints, index: Index) -> Selection:
         if exchanges == before:
             break
     chosen = np.sort(chosen)
-    return Selection(chosen, _value(scaled, chosen, index), exchanges)
+    return Selection(chosen, _value(scaled, known, chosen, index), exchanges)
 
 
 def _steepest(scaled: Floats, information: Floats, index: Index, chosen: Ints) -> Ints:

@@ -158,17 +158,24 @@ class _KnownScene:
     clear: set[tuple[Pose, Pose]] = field(default_factory=set)
 
 
+def scene_of(bench: Bench) -> Scene:
+    """Return the bodies of an arm and what stands around it, as plans and gate look at them."""
+    return _scene(bench.workspace, bench.stands)
+
+
 def _known(bench: Bench) -> _KnownScene:
     return _known_scene(bench.workspace, bench.stands)
 
 
 @lru_cache(maxsize=16)
 def _known_scene(workspace: Workspace, stands: tuple[Stand, ...]) -> _KnownScene:
+    return _KnownScene(Gaps(_scene(workspace, stands)))
+
+
+def _scene(workspace: Workspace, stands: tuple[Stand, ...]) -> Scene:
     boxes = (_named("keep-out box", workspace.keep_out), _named("wall of the keep-in box", workspace.keep_in))
     table = Table("table", workspace.table_z_mm)
-    return _KnownScene(
-        Gaps(Scene(workspace.chain, workspace.bodies, tuple(stand.body for stand in stands), table, *boxes))
-    )
+    return Scene(workspace.chain, workspace.bodies, tuple(stand.body for stand in stands), table, *boxes)
 
 
 def _named(what: str, boxes: tuple[Box, ...]) -> tuple[Box, ...]:

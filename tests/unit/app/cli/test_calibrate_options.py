@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
+from catseye.app.cell.six_axis.template import BY_ARM
 from catseye.app.cli import cli
 from catseye.app.errors import UsageError
 from catseye.app.results.serial_arm.identified_arm import identified_arm
@@ -200,3 +201,24 @@ def test_limit_of_no_joint_is_refused(tmp_path: Path) -> None:
     done = CliRunner().invoke(cli, ["select-poses", *known, "-o", str(tmp_path / "chosen.csv")])
     assert isinstance(done.exception, UsageError)
     assert "the arm has the joints J1" in str(done.exception)
+
+
+def test_poses_of_a_cell_name_every_seen_target(tmp_path: Path) -> None:
+    cell = tmp_path / "cell.toml"
+    cell.write_text(BY_ARM["irb120"].replace("cone_deg = 30.0", "cone_deg = 80.0"), "utf-8")
+    words = ["--count", "12", "--candidates", "300", "--starts", "1", "--targets-per-pose", "3", "--json"]
+    done = CliRunner().invoke(
+        cli, ["select-poses", "--cell", str(cell), *words, "-o", str(tmp_path / "c.csv")]
+    )
+    assert done.exit_code == 0, done.output
+    rows = list(csv.DictReader((tmp_path / "c.csv").read_text("utf-8").splitlines()))
+    assert json.loads(done.stdout)["measurements"] == len(rows)
+    assert len({row["pose"] for row in rows}) == 12
+    assert 12 < len(rows) <= 36
+
+
+def test_a_cell_beside_an_arm_is_refused(tmp_path: Path) -> None:
+    words = ["--cell", str(tmp_path / "cell.toml"), "--arm", "irb120", "--count", "12"]
+    done = CliRunner().invoke(cli, ["select-poses", *words, "-o", str(tmp_path / "c.csv")])
+    assert isinstance(done.exception, UsageError)
+    assert "leave out --arm" in str(done.exception)

@@ -7,8 +7,9 @@ import numpy as np
 from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.serial_arm.choice import choose
-from catseye.calibration.serial_arm.design.candidates import Rules, draw_candidates, information_rows
+from catseye.calibration.serial_arm.design.candidates import Rules, draw_candidates
 from catseye.calibration.serial_arm.design.exchange import select
+from catseye.calibration.serial_arm.design.pose_rows import pose_rows
 from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.identification import Calibration, ModelName, identify_arm
 from catseye.calibration.serial_arm.measurements import MeasuredPoints, Measurements
@@ -81,9 +82,9 @@ class Plant:
 def chosen_poses(candidates: int = 5000, starts: int = 3) -> tuple[Floats, Ints]:
     """Return 38 poses, and the nest of each, chosen by exchange within the ranges of the paper."""
     found = draw_candidates(irb120(), Rules(low=LOW, high=HIGH), candidates, 1)
-    rows, _ = information_rows(irb120(), found, "geometric+compliance")
+    rows = pose_rows(irb120(), found.joints, found.targets, "geometric+compliance").rows
     chosen = select(rows, COUNT, "O1", starts).chosen
-    return found.joints[chosen], found.target[chosen]
+    return found.joints[chosen], found.targets[chosen, 0]
 
 
 def measured_at(poses: Floats, nest: Ints, seed: int, true: TrueArm | None = None) -> Measurements:

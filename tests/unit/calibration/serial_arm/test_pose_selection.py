@@ -74,3 +74,40 @@ def test_too_few_poses_for_the_parameters_are_refused() -> None:
 def test_more_poses_than_candidates_are_refused() -> None:
     with pytest.raises(InsufficientPointsError, match="12 candidates for 13 poses"):
         select(candidates(5, 12), 13)
+
+
+@pytest.mark.parametrize("index", INDICES)
+def test_what_is_known_beforehand_counts_as_rows_of_each_choice(index: Index) -> None:
+    rows = candidates(5)
+    known = np.array([0.0, 0.0, 4.0, 0.0, 1.0, 0.0, 9.0])
+    found = select(rows, COUNT, index, known=known)
+    scale = np.sqrt(np.mean(np.sum(rows**2, axis=1), axis=0))
+    stacked = np.vstack([(rows[found.chosen] / scale).reshape(-1, 7), np.diag(np.sqrt(known) / scale)])
+    sigma = np.linalg.svd(stacked, compute_uv=False)
+    expected = {
+        "O1": float(np.prod(sigma) ** (1.0 / sigma.size) / np.sqrt(COUNT)),
+        "O2": float(sigma[-1] / sigma[0]),
+        "O3": float(sigma[-1]),
+        "O4": float(sigma[-1] ** 2 / sigma[0]),
+        "O5": float(1.0 / np.sum(1.0 / sigma)),
+    }
+    assert found.value == pytest.approx(expected[index], rel=1e-9)
+
+
+@pytest.mark.parametrize("index", INDICES)
+def test_poses_of_fewer_targets_have_rows_of_zeros(index: Index) -> None:
+    rows = candidates(6)
+    rows[::2, 1:] = 0.0
+    chosen = select(rows, COUNT, index).chosen.tolist()
+    best = by_singular_values(rows, chosen, index)
+    for place in range(COUNT):
+        for other in set(range(len(rows))) - set(chosen):
+            tried = [*chosen[:place], other, *chosen[place + 1 :]]
+            assert by_singular_values(rows, tried, index) <= best * (1.0 + 1e-6)
+
+
+def test_known_parameters_need_no_rows() -> None:
+    rows = candidates(7)
+    with pytest.raises(InsufficientPointsError, match="choose at least 3 poses"):
+        select(rows, 2)
+    assert len(select(rows, 2, known=np.array([0, 0, 0, 0, 0, 0, 1.0])).chosen) == 2

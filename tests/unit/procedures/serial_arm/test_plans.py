@@ -7,13 +7,15 @@ import numpy as np
 import pytest
 
 from catseye.app.engine.dry_run import DryRunContext
+from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.kinematics.bodies import Box
+from catseye.calibration.serial_arm import sight
 from catseye.procedures.kit.errors import PlanError, PlanLimitError
 from catseye.procedures.kit.motion.clear_way import way_refusal
 from catseye.procedures.kit.system import System
 from catseye.procedures.serial_arm.bench import SerialBench, ToolTarget
 from catseye.procedures.serial_arm.pose_params import PoseParams
-from catseye.procedures.serial_arm.sight import in_line_of_sight, off_normal_deg, seen
+from catseye.procedures.serial_arm.sight import seen, sighted, view_of
 from catseye.procedures.serial_arm.tracker_calibration import CalibrationParams, TrackerCalibration
 from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
 from tests.unit.procedures.serial_arm.benches import CMM, SIX, STATION_MM
@@ -21,6 +23,15 @@ from tests.unit.procedures.six_axes import CHAIN, HEIGHT_MM, REACH_MM
 
 FORWARD = np.zeros((1, 6))
 """Forearm level, flange looking along x: its z is the base's x."""
+
+
+def off_normal_deg(bench: SerialBench, poses: Floats, target: ToolTarget) -> Floats:
+    return sight.off_normal_deg(view_of(bench), CHAIN.flange(poses), sighted(target))
+
+
+def in_line_of_sight(bench: SerialBench, poses: Floats, target: ToolTarget) -> Bools:
+    return sight.in_line_of_sight(view_of(bench), CHAIN.frames(poses), sighted(target))
+
 
 SMALL = ValidationParams(count=12, nests_every=5)
 
@@ -90,7 +101,7 @@ def test_the_seed_decides_the_poses() -> None:
 
 def test_chosen_poses_identify_better_than_random_ones() -> None:
     from catseye.calibration.serial_arm.arm import SerialArm, Target
-    from catseye.calibration.serial_arm.design.pose_rows import candidate_rows
+    from catseye.calibration.serial_arm.design.pose_rows import pose_rows
 
     params = CalibrationParams(count=14, candidates=400, model="geometric")
     chosen = TrackerCalibration().plan(SIX, params).poses
@@ -101,7 +112,7 @@ def test_chosen_poses_identify_better_than_random_ones() -> None:
     def index(poses: object) -> float:
         joints = np.array([one.pose for one in poses])  # type: ignore[attr-defined]  # planned poses
         target = np.array([names.index(one.targets[0]) for one in poses])  # type: ignore[attr-defined]  # as above
-        rows = candidate_rows(arm, joints, target, "geometric")
+        rows = pose_rows(arm, joints, target[:, None], "geometric").rows
         flat = rows.reshape(-1, rows.shape[-1])
         return float(np.linalg.slogdet(flat.T @ flat)[1])
 

@@ -55,6 +55,22 @@ def test_the_outcome_counts_steps_and_distances(steps: int, text: str) -> None:
     assert _outcome(run).plain == f"STOPPED  {text}: Ada stopped it"
 
 
+@pytest.mark.parametrize(
+    ("procedure", "text"),
+    [
+        ("tracker-calibration", "37 targets"),
+        ("ballbar", "37 lengths"),
+        ("instrument-check", "37 lengths"),
+        ("open-loop", "37 distances"),
+    ],
+)
+def test_the_outcome_names_what_was_measured(procedure: str, text: str) -> None:
+    run = RunState("run", procedure, "Measurement", 0.0)
+    run.points_seen = 37
+    run.ended = RunEnded(run="run", status="complete", exit_code=0, text="", path="run", drives_on=False)
+    assert _outcome(run).plain.endswith(f"0 steps, {text}")
+
+
 def test_the_value_stands_on_its_band() -> None:
     # 21 characters over the band 0…10 and 35 % room on either side: 17 units, 0.85 a character.
     drawn = band_bar(live(5.0, 0.0, 10.0), 21)
