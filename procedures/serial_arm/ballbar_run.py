@@ -12,7 +12,7 @@ from catseye.procedures.kit.errors import OutOfReachError, TableFileError
 from catseye.procedures.kit.motion.bench_time import BenchTime
 from catseye.procedures.kit.records import Json, Record, Row
 from catseye.procedures.kit.stored import number_of
-from catseye.procedures.kit.tasks import MountBallbar, ReadBallbar, TakeBallbarOff, Task
+from catseye.procedures.kit.tasks import ExportBallbar, MountBallbar, ReadBallbar, TakeBallbarOff, Task
 from catseye.procedures.serial_arm.ballbar_plan import BallbarPlan, BarPath
 from catseye.procedures.serial_arm.plateaus import plateaus
 
@@ -264,4 +264,5 @@ def _file_prompt(path: BarPath, attempt: int, complaint: str) -> Prompt:
         "text",
         (f"{complaint}. " if complaint else "")
         + f"Type the path of the ballbar's CSV of {path.nest}, with the columns t_s,deviation_mm.",
+        task=ExportBallbar(),
     )
