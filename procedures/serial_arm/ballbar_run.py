@@ -32,6 +32,9 @@ _MOST_FILES: Final = 10
 _MOST_TYPED: Final = 3
 _RATE_HZ: Final = 10.0
 
+_PLATEAU: Final = 0.9
+"""Of the dwell: a plateau lasts so long at least; the arm stops for a shorter time where it only passes."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class BallbarReading(Record):
@@ -221,10 +224,10 @@ class BallbarRun:
         raise TableFileError(f"{complaint}; {_MOST_FILES} files could not be used: go on with catseye resume")
 
     def _plateaus(self, path: BarPath, file: str, table: Columns) -> list[float]:
-        found = plateaus(table["t_s"], table["deviation_mm"], 0.5 * self._plan.dwell_s)
+        found = plateaus(table["t_s"], table["deviation_mm"], _PLATEAU * self._plan.dwell_s)
         if len(found) != len(path.measured):
             raise TableFileError(
-                f"{file}: it shows {len(found)} plateaus of at least {0.5 * self._plan.dwell_s:g} s, "
+                f"{file}: it shows {len(found)} plateaus of at least {_PLATEAU * self._plan.dwell_s:g} s, "
                 "and the path of "
                 f"{path.nest} has {len(path.measured)} places: give the whole recording of this path alone"
             )

@@ -47,7 +47,7 @@ async def test_plateaus_of_the_recording_say_what_is_typed(tmp_path: Path) -> No
         bar = ("ballbar", ("nests=['nest1']", "step_deg=30", "dwell_s=2.0", f"readings={readings}"))
         folder = tmp_path / readings
         folder.mkdir()
-        measured = await measure(Demonstration(folder, 20.0, 0, None, silent), (*few, bar))
+        measured = await measure(Demonstration(folder, 5.0, 0, None, silent), (*few, bar))
         found[readings] = [float(str(row["error_mm"])) for row in RunReader(measured.ballbar).rows("ballbar")]
     assert len(found["typed"]) == len(found["file"]) > 4
     # The calibrations of the two are apart by the tracker's noise, and so are the commands.
