@@ -77,7 +77,7 @@ def _wanted(cell: Path) -> tuple[str, str, str, str, str] | None:
     except (ConfigError, UsageError, LookupError):
         # The engine says what is wrong.
         return None
-    if variables is None or robot.endpoint is None or _is_here(robot.endpoint):
+    if variables is None or _is_here(robot.endpoint):
         return None
     return robot.driver, robot.endpoint, variables.user, variables.password, variables.factory_user
 

@@ -99,7 +99,7 @@ class Ballbar:
 
     def _recorded(self, target: str) -> tuple[Floats, Floats]:
         count = int((self._now() - self._mounted_s) / _RECORDED_S) + 1
-        times_s = self._mounted_s + _RECORDED_S * np.arange(count)
+        times_s: Floats = self._mounted_s + _RECORDED_S * np.arange(count, dtype=np.float64)
         true_mm = self._deviations_mm(target, times_s)
         fallen = np.flatnonzero(np.abs(true_mm) > self._longest_mm)
         shown_mm = self._shown_mm(true_mm)[: fallen[0] if len(fallen) else None]

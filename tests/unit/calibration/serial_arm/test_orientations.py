@@ -40,7 +40,7 @@ def base_of(found: Measurements) -> Floats:
 
 
 def about(angles_deg: Floats, axis: int) -> Floats:
-    return rotation_of(angles_deg * np.eye(3)[axis])
+    return np.asarray(rotation_of(angles_deg * np.eye(3)[axis]))
 
 
 def angles_of_moved_axes(rotation: Floats) -> Floats:

@@ -33,6 +33,6 @@ def test_noise_neither_cuts_nor_shifts_a_plateau() -> None:
 
 
 def test_a_short_stop_is_no_plateau() -> None:
-    t_s = 0.05 * np.arange(100)
+    t_s = 0.05 * np.arange(100, dtype=np.float64)
     values = np.where(np.arange(100) < 50, 0.0, np.where(np.arange(100) < 65, 0.1, 0.2))
     assert plateaus(t_s, values, 1.0) == pytest.approx([0.0, 0.2])
