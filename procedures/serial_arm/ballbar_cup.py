@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
+from catseye.drivers.roles.pose import Pose
 from catseye.drivers.roles.tracker import Place
 from catseye.procedures.kit.context import Context, Prompt
 from catseye.procedures.kit.errors import OutOfReachError, PlanError
@@ -20,8 +21,9 @@ from catseye.procedures.kit.stored import number_of
 from catseye.procedures.kit.tasks import SeatInCup, Task
 from catseye.procedures.serial_arm.ballbar import BallbarParams, BallbarTest
 from catseye.procedures.serial_arm.before import CUP_TEXTS
-from catseye.procedures.serial_arm.bench import Ballbar, SerialBench, ballbar_of
+from catseye.procedures.serial_arm.bench import Ballbar, SerialBench, ToolTarget, ballbar_of
 from catseye.procedures.serial_arm.calibrated import RESULT, calibrated
+from catseye.procedures.serial_arm.pose_params import rest_of
 
 if TYPE_CHECKING:
     from catseye.calibration.serial_arm.geometry import Geometry
@@ -86,6 +88,7 @@ class CupPlan:
         result: a calibration.
         takings: how often.
         agree_mm: largest distance between a taking and the first.
+        rehearsed: how the nominal arm holds the nest at the stated place.
     """
 
     bench: SerialBench
@@ -94,6 +97,7 @@ class CupPlan:
     result: Mapping[str, Any]
     takings: int
     agree_mm: float
+    rehearsed: Pose
 
 
 class BallbarCup(Procedure):
@@ -111,11 +115,12 @@ class BallbarCup(Procedure):
         """Check that the cell has a ballbar, the tool the nest, and the result an arm like this.
 
         Raises:
-            PlanError: one of them is missing.
+            PlanError: one of them is missing, or no arm like this holds the nest where the cell file has the cup.
         """
         ballbar, nest = ballbar_of(bench), bench.chosen([params.nest] if params.nest else [])[0]
         calibrated(bench, params.result)
-        return CupPlan(bench, ballbar, nest.name, params.result, params.takings, params.agree_mm)
+        rehearsed = _held(bench, nest, ballbar)
+        return CupPlan(bench, ballbar, nest.name, params.result, params.takings, params.agree_mm, rehearsed)
 
     async def run(self, ctx: Context, plan: CupPlan) -> None:
         """Take the place several times, have the bar's length compared, and say where the cup stands."""
@@ -224,7 +229,7 @@ class CupRun:
                 return skip
             if answer != "done":
                 raise OutOfReachError("the operator ended the run at the cup; go on with catseye resume")
-            joints = list(await self._ctx.joints())
+            joints = list(await self._ctx.led_joints(self._plan.rehearsed))
             found = await look(self._place(joints), joints)
             if not isinstance(found, str):
                 return found
@@ -254,6 +259,23 @@ class CupRun:
             await self._ctx.warn(f"about this cup ballbar cannot go its usual way: {error}")
 
 
+def _held(bench: SerialBench, nest: ToolTarget, ballbar: Ballbar) -> Pose:
+    """Return how the nominal arm holds a nest in the cup, as it would hold it on top of a bar."""
+    from catseye.procedures.serial_arm.ballbar_path import SpherePoint, nominal_path
+
+    below = np.array(ballbar.centre_mm) - [0.0, 0.0, ballbar.length_mm]
+    top = SpherePoint(0.0, 90.0, measured=True, towards_deg=0.0)
+    try:
+        joints = nominal_path(bench, nest, below, ballbar.length_mm, [top], rest_of(bench, []))
+    except PlanError as error:
+        place = ", ".join(f"{value:g}" for value in ballbar.centre_mm)
+        raise PlanError(
+            f"the arm cannot hold {nest.name} in a cup at {place} mm, where centre_mm in [ballbar] has it: state "
+            "where the cup really stands, to some centimetres, give another nest, or place the cup elsewhere"
+        ) from error
+    return tuple(joints[0].tolist())
+
+
 def _seat(prompt_id: str, text: str, task: Task) -> Prompt:
     return Prompt(
         prompt_id,
@@ -269,7 +291,7 @@ def _skippable(prompt_id: str, text: str) -> Prompt:
     return Prompt(
         prompt_id,
         "choice",
-        f"{text} Done (done), leave it out (skip), or end the run (stop)?",
-        choices=("done", "skip", "stop"),
+        f"{text} Leave it out (skip), done (done), or end the run (stop)?",
+        choices=("skip", "done", "stop"),
         safe_answer="skip",
     )

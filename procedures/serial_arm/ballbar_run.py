@@ -224,7 +224,9 @@ class BallbarRun:
         raise TableFileError(f"{complaint}; {_MOST_FILES} files could not be used: go on with catseye resume")
 
     def _plateaus(self, path: BarPath, file: str, table: Columns) -> list[float]:
-        found = plateaus(table["t_s"], table["deviation_mm"], _PLATEAU * self._plan.dwell_s)
+        found = plateaus(
+            table["t_s"], table["deviation_mm"], _PLATEAU * self._plan.dwell_s, places=len(path.measured)
+        )
         if len(found) != len(path.measured):
             raise TableFileError(
                 f"{file}: it shows {len(found)} plateaus of at least {_PLATEAU * self._plan.dwell_s:g} s, "

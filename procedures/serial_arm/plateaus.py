@@ -15,7 +15,13 @@ _EDGE: Final = 0.2
 """Share of a plateau at either end that is left out: the arm still settles there."""
 
 
-def plateaus(t_s: Floats, value_mm: Floats, least_s: float, still_mm: float = _STILL_MM) -> list[float]:
+_LONGER: Final = 1.3
+"""By which places that are read last longer than stops on the way."""
+
+
+def plateaus(
+    t_s: Floats, value_mm: Floats, least_s: float, still_mm: float = _STILL_MM, places: int | None = None
+) -> list[float]:
     """Return the means of the plateaus of a recording, in order.
 
     A bar that is led over its sphere changes its length slowly: what tells a plateau is that the length stays
@@ -26,13 +32,25 @@ def plateaus(t_s: Floats, value_mm: Floats, least_s: float, still_mm: float = _S
         value_mm: shape (n,).
         least_s: shortest standstill that is a plateau.
         still_mm: largest difference between two readings of one plateau.
+        places: how many are expected. Where there are more, the longest so many are taken, if they are longer by far
+            than the others: an arm may stand still for a while on its way, too.
     """
     found: list[tuple[int, int]] = []
     for begin, end in _still(t_s, value_mm.tolist(), least_s, still_mm):
         if found and found[-1][1] == begin and _alike(value_mm, found[-1], (begin, end), still_mm):
             begin = found.pop()[0]
         found.append((begin, end))
-    return [float(_middle(value_mm, one).mean()) for one in found]
+    return [float(_middle(value_mm, one).mean()) for one in _standing_out(t_s, found, places)]
+
+
+def _standing_out(t_s: Floats, found: list[tuple[int, int]], places: int | None) -> list[tuple[int, int]]:
+    if not places or len(found) <= places:
+        return found
+    lasting = {one: float(t_s[one[1] - 1] - t_s[one[0]]) for one in found}
+    ranked = sorted(found, key=lambda one: -lasting[one])
+    if lasting[ranked[places - 1]] < _LONGER * lasting[ranked[places]]:
+        return found
+    return sorted(ranked[:places])
 
 
 def _still(t_s: Floats, values: list[float], least_s: float, still_mm: float) -> Iterator[tuple[int, int]]:

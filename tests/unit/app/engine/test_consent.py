@@ -73,7 +73,7 @@ QUESTIONS: dict[tuple[str, str], Asked] = {
     # The arm is led by hand; the run itself never moves it.
     ("procedures/serial_arm/ballbar_cup.py", "_seat"): Asked("choice", (), ("done", "stop"), "stop"),
     ("procedures/serial_arm/ballbar_cup.py", "_skippable"): Asked(
-        "choice", (), ("done", "skip", "stop"), "skip"
+        "choice", (), ("skip", "done", "stop"), "skip"
     ),
     ("procedures/serial_arm/ballbar_run.py", "_confirmed"): Asked("choice", ("done",), ("stop",), "stop"),
     # What is typed lets the arm go on to the next place.

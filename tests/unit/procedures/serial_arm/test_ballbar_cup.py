@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from catseye.app.engine.dry_run import DryRunContext
 from catseye.app.engine.operator import Answer
 from catseye.app.store.reader import RunReader
 from catseye.calibration.kinematics.inverse import inverse_kinematics
@@ -14,6 +15,7 @@ from catseye.calibration.kinematics.rotations import rotation_of
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.errors import PlanError
+from catseye.procedures.kit.system import System
 from catseye.procedures.serial_arm.ballbar import BallbarParams, BallbarTest
 from catseye.procedures.serial_arm.ballbar_cup import BallbarCup, CupParams, CupPlan
 from tests.unit.procedures.serial_arm.benches import SIX, Room, carried_out
@@ -124,3 +126,15 @@ def test_a_taken_place_replaces_that_of_the_cell() -> None:
     assert plan.ballbar.centre_mm == (450.0, 5.0, 62.0)
     with pytest.raises(PlanError, match="give x, y and z"):
         BallbarTest().plan(BENCH, BallbarParams(result=RESULT, centre_mm=[1.0, 2.0], **SMALL))
+
+
+async def test_a_rehearsal_takes_the_stated_place() -> None:
+    dry = DryRunContext(System(BENCH), pose=(0.0,) * 6, declared=BallbarCup.records)
+    await BallbarCup().run(dry, plan_of())
+    assert len(dry.records) == 2
+
+
+def test_a_stated_place_that_no_arm_reaches_is_refused() -> None:
+    far = replace(BENCH, ballbar=replace(BENCH.ballbar, centre_mm=(1500.0, 0.0, 60.0)))  # type: ignore[type-var]  # it has one
+    with pytest.raises(PlanError, match="cannot hold N1 in a cup at 1500, 0, 60 mm"):
+        BallbarCup().plan(far, CupParams(result=RESULT))

@@ -36,3 +36,12 @@ def test_a_short_stop_is_no_plateau() -> None:
     t_s = 0.05 * np.arange(100, dtype=np.float64)
     values = np.where(np.arange(100) < 50, 0.0, np.where(np.arange(100) < 65, 0.1, 0.2))
     assert plateaus(t_s, values, 1.0) == pytest.approx([0.0, 0.2])
+
+
+def test_longer_plateaus_are_told_from_stops_on_the_way() -> None:
+    lasting = [40, 20, 22, 42, 21, 40]
+    values = np.concatenate([np.full(count, 0.1 * number) for number, count in enumerate(lasting)])
+    t_s = 0.1 * np.arange(len(values), dtype=np.float64)
+    assert plateaus(t_s, values, 1.0, places=3) == pytest.approx([0.0, 0.3, 0.5])
+    # Nobody knows which four are meant.
+    assert len(plateaus(t_s, values, 1.0, places=4)) == 6
