@@ -91,6 +91,7 @@ async def test_a_nest_far_from_the_stated_cup_ends_the_run(tmp_path: Path) -> No
 async def test_the_bar_joins_the_two_nests(tmp_path: Path) -> None:
     over = pose_at(np.add(CUP, [0.0, 0.0, 300.4]))
     room = led(tmp_path, cup_1=pose_at(CUP), cup_2=pose_at(CUP, 40.0), bar=over)
+    room.answers = dict.fromkeys(["bar", "bar/2", "bar/3"], "done")
     outcome = await carried_out(room, BallbarCup(), plan_of())
     assert outcome.status == "complete"
     assert said(outcome.path, "cup-found")[0]["bar_off_mm"] == pytest.approx(0.4, abs=1e-6)
@@ -99,6 +100,7 @@ async def test_the_bar_joins_the_two_nests(tmp_path: Path) -> None:
 async def test_nests_farther_apart_than_the_bar_are_refused(tmp_path: Path) -> None:
     over = pose_at(np.add(CUP, [0.0, 0.0, 310.0]))
     room = led(tmp_path, cup_1=pose_at(CUP), cup_2=pose_at(CUP, 40.0), bar=over)
+    room.answers = dict.fromkeys(["bar", "bar/2", "bar/3"], "done")
     outcome = await carried_out(room, BallbarCup(), plan_of())
     assert outcome.status == "failed"
     assert "310.0 mm apart, and the bar is 300 ± 1 mm long" in outcome.text
