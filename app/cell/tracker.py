@@ -7,7 +7,7 @@ from pydantic import Field, field_validator, model_validator
 
 from catseye.app.cell.arm import Triple
 from catseye.app.cell.endpoints import checked_endpoint
-from catseye.app.cell.section import Finite, Name, NotNegative, Positive, Section
+from catseye.app.cell.section import Finite, Name, NotNegative, Positive, Section, require_own_names
 
 _FRAME: Final = 3
 """Nests that make the world frame."""
@@ -57,10 +57,7 @@ class Tracker(Section):
 
     @model_validator(mode="after")
     def _unique_nests(self) -> Self:
-        names = [nest.name for nest in self.nest]
-        for name in names:
-            if names.count(name) > 1:
-                raise ValueError(f"two [[tracker.nest]] are called {name}; give each a name of its own")
+        require_own_names("[[tracker.nest]]", [nest.name for nest in self.nest])
         return self
 
     @model_validator(mode="after")

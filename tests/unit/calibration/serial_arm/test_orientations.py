@@ -47,7 +47,8 @@ def angles_of_moved_axes(rotation: Floats) -> Floats:
     """Return the angles of R = Rx·Ry·Rz, from the elements of that product."""
     x = np.arctan2(-rotation[:, 1, 2], rotation[:, 2, 2])
     z = np.arctan2(-rotation[:, 0, 1], rotation[:, 0, 0])
-    return np.rad2deg(np.column_stack([x, np.arcsin(rotation[:, 0, 2]), z]))
+    angles: Floats = np.rad2deg(np.column_stack([x, np.arcsin(rotation[:, 0, 2]), z]))
+    return angles
 
 
 def test_orientations_of_the_arm_pass() -> None:
