@@ -1,17 +1,13 @@
 """Descriptions of arms, `catseye-arm/1`: joints with their ranges, masses, bodies for collision checks."""
 
-from functools import lru_cache
 from importlib.resources import files
-from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Final, Literal, Self
 
 from pydantic import Field, model_validator
 
-from catseye.app.cell.described import read_described
+from catseye.app.cell.described import Shipped
 from catseye.app.cell.section import Finite, NotNegative, Positive, Section
 from catseye.drivers.roles.pose import Range, Unit
-
-_SHIPPED = files("catseye.app.cell") / "arms"
 
 Triple = Annotated[list[Finite], Field(min_length=3, max_length=3)]
 
@@ -151,23 +147,21 @@ class ArmDescription(Section):
         return self
 
 
+_SHIPPED: Final = Shipped(ArmDescription, "an arm", files("catseye.app.cell") / "arms")
+
+
 def shipped_arms() -> list[str]:
     """Return the names of the arms that are described."""
-    return sorted(
-        entry.name.removesuffix(".toml") for entry in _SHIPPED.iterdir() if entry.name.endswith(".toml")
-    )
+    return _SHIPPED.names()
 
 
-@lru_cache
 def shipped_arm(name: str) -> ArmDescription:
     """Return the description of a shipped arm.
 
     Raises:
         ValueError: there is no such arm.
     """
-    if name not in shipped_arms():
-        raise ValueError(f"there is no description of an arm {name}; there are {', '.join(shipped_arms())}")
-    return read_described(ArmDescription, Path(str(_SHIPPED / f"{name}.toml")))
+    return _SHIPPED.named(name)
 
 
 def arm_description(arm: str | ArmDescription) -> ArmDescription:
@@ -180,11 +174,4 @@ def arm_description(arm: str | ArmDescription) -> ArmDescription:
         ConfigError: the file cannot be read or is no description; the fault is named with its key.
         ValueError: there is no such arm.
     """
-    if isinstance(arm, ArmDescription):
-        return arm
-    return read_described(ArmDescription, Path(arm)) if is_path(arm) else shipped_arm(arm)
-
-
-def is_path(arm: str) -> bool:
-    """Return whether text means a file, and not the name of a shipped arm."""
-    return arm.endswith(".toml") or "/" in arm or "\\" in arm
+    return _SHIPPED.of(arm)

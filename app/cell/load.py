@@ -10,7 +10,7 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from catseye.app.cell.arm import is_path
+from catseye.app.cell.described import is_path
 from catseye.app.cell.faults import fault_text
 from catseye.app.cell.model import Cell
 from catseye.app.errors import ConfigError

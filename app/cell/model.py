@@ -15,7 +15,7 @@ from catseye.app.cell.scara.sections import (
     ScaraRobot,
 )
 from catseye.app.cell.scara.uncertainty import Uncertainty
-from catseye.app.cell.section import RECORD, Name, NotNegative, Positive, Range, Section
+from catseye.app.cell.section import RECORD, Name, NotNegative, Positive, Range, Section, require_own_names
 from catseye.app.cell.tool import ToolDescription, tool_description
 from catseye.app.cell.tracker import Ballbar, Tracker
 from catseye.app.cell.workspace import Workspace
@@ -289,10 +289,7 @@ class Cell(Section):
 
     @model_validator(mode="after")
     def _unique_reflectors(self) -> Self:
-        names = [reflector.name for reflector in self.reflector]
-        for name in names:
-            if names.count(name) > 1:
-                raise ValueError(f"two reflectors are called {name}; give each a name of its own")
+        require_own_names("reflectors", [reflector.name for reflector in self.reflector])
         return self
 
     @model_validator(mode="after")

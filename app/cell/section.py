@@ -1,5 +1,6 @@
 """What the sections of the cell file have in common."""
 
+from collections.abc import Sequence
 from typing import Annotated, Final
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
@@ -18,3 +19,17 @@ class Section(BaseModel):
     """A table of the cell file."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+def require_own_names(what: str, names: Sequence[str]) -> None:
+    """Refuse two things of one name.
+
+    Args:
+        what: they are, in the plural, as the file calls them: `[[target]]`.
+
+    Raises:
+        ValueError: two have one name.
+    """
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"two {what} are called {name}; give each a name of its own")

@@ -2,15 +2,13 @@
 
 from importlib.resources import files
 from pathlib import Path
-from typing import Literal, Self
+from typing import Final, Literal, Self
 
 from pydantic import Field, model_validator
 
-from catseye.app.cell.arm import Triple, is_path
-from catseye.app.cell.described import read_described
-from catseye.app.cell.section import Finite, Name, NotNegative, Section
-
-_SHIPPED = files("catseye.app.cell") / "tools"
+from catseye.app.cell.arm import Triple
+from catseye.app.cell.described import Shipped, read_described
+from catseye.app.cell.section import Finite, Name, NotNegative, Section, require_own_names
 
 
 class Target(Section):
@@ -47,10 +45,7 @@ class ToolDescription(Section):
 
     @model_validator(mode="after")
     def _unique_targets(self) -> Self:
-        names = [target.name for target in self.target]
-        for name in names:
-            if names.count(name) > 1:
-                raise ValueError(f"two [[target]] are called {name}; give each a name of its own")
+        require_own_names("[[target]]", [target.name for target in self.target])
         return self
 
     def place_mm(self, target: str) -> tuple[float, float, float]:
@@ -66,11 +61,12 @@ class ToolDescription(Section):
         return found.x_mm, found.y_mm, found.z_mm
 
 
+_SHIPPED: Final = Shipped(ToolDescription, "a tool", files("catseye.app.cell") / "tools")
+
+
 def shipped_tools() -> list[str]:
     """Return the names of the tools that are described."""
-    return sorted(
-        entry.name.removesuffix(".toml") for entry in _SHIPPED.iterdir() if entry.name.endswith(".toml")
-    )
+    return _SHIPPED.names()
 
 
 def tool_description(tool: str | ToolDescription) -> ToolDescription:
@@ -83,13 +79,7 @@ def tool_description(tool: str | ToolDescription) -> ToolDescription:
         ConfigError: the file cannot be read or is no description; the fault is named with its key.
         ValueError: there is no such tool.
     """
-    if isinstance(tool, ToolDescription):
-        return tool
-    if is_path(tool):
-        return read_tool(Path(tool))
-    if tool not in shipped_tools():
-        raise ValueError(f"there is no description of a tool {tool}; there are {', '.join(shipped_tools())}")
-    return read_tool(Path(str(_SHIPPED / f"{tool}.toml")))
+    return _SHIPPED.of(tool)
 
 
 def read_tool(path: Path) -> ToolDescription:

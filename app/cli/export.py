@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from catseye.app.cli.options import RunOrResult, Runs, Unverified
-from catseye.app.cli.output import note
+from catseye.app.cli.output import note, warn
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import require_output, write_atomically
 from catseye.app.files.csv_text import comment_lines
@@ -99,7 +99,7 @@ def _of_result(file: Path) -> "Export":
 
 def _of_run(name: str, runs: Path | None, *, unverified: bool) -> "Export":
     from catseye.app.results.scara.export import run_export
-    from catseye.app.results.serial_arm.run_poses import has_targets, pose_export
+    from catseye.app.results.serial_arm.run_poses import frame_note, has_targets, pose_export
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
     from catseye.app.store.unverified import taken_as_it_is
@@ -108,7 +108,11 @@ def _of_run(name: str, runs: Path | None, *, unverified: bool) -> "Export":
         raise UsageError(f"{name}: there is no such file")
     reader = RunReader(resolve_run(runs_folder(runs), name), accept(unverified=unverified))
     with taken_as_it_is(reader):
-        return pose_export(reader) if has_targets(reader) else run_export(reader)
+        if not has_targets(reader):
+            return run_export(reader)
+        if text := frame_note(reader):
+            warn(text)
+        return pose_export(reader)
 
 
 def _write_series(name: str, runs: Path | None, output: Path, *, unverified: bool) -> None:

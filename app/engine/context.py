@@ -235,6 +235,11 @@ class RunContext:
         self._mover.stands(here, waits)
         return here
 
+    async def led_joints(self, rehearsed: Pose) -> Pose:
+        """Return the reported joints; see `catseye.procedures.kit.context.Context.led_joints`."""
+        del rehearsed
+        return await self.joints()
+
     def stands(self, here: Pose) -> None:
         """Take note of where the arm stands before its first motion."""
         self._mover.stands(here, self._control.waits)

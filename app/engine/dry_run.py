@@ -362,6 +362,10 @@ class DryRunContext:
         """Return the pose."""
         return self.pose
 
+    async def led_joints(self, rehearsed: Pose) -> Pose:
+        """Return what is rehearsed: the arm itself is not moved."""
+        return rehearsed
+
     async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
         """Return the ideal distance and account for settling and dwell."""
         time_utc, clock_s = self._now(), self._account.time_s

@@ -2,6 +2,8 @@
 
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import mkdtemp
 
 from catseye.app.engine.simulated_operator import SimulatedOperator
 from catseye.app.engine.waiting import within
@@ -9,7 +11,7 @@ from catseye.app.errors import ConfigError, PromptUnansweredError
 from catseye.drivers.roles.clock import Clock
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.records import Json
-from catseye.procedures.kit.tasks import ReadBallbar
+from catseye.procedures.kit.tasks import ExportBallbar, ReadBallbar
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,8 @@ class Operator:
                 f"nobody can do on the emulated bench what {prompt.id!r} asks for: {prompt.text} Add a [tracker] "
                 "with the endpoint of the bench's control port, or its control, to the cell file"
             )
+        if isinstance(prompt.task, ExportBallbar):
+            return replace(found, done=await self._hands.export(Path(found.text)))
         return replace(found, done=await self._hands.do(prompt.task))
 
     async def _find(self, prompt: Prompt) -> Answer:
@@ -135,6 +139,8 @@ class Operator:
         if isinstance(prompt.task, ReadBallbar) and self._hands is not None:
             read = await self._hands.read(prompt.task)
             text = text if prompt.fault_of(read) else read
+        if isinstance(prompt.task, ExportBallbar):
+            text = str(Path(mkdtemp(prefix="catseye-ballbar-")) / "recording.csv")
         return None if text is None else Answer(text, "emulated operator")
 
     def _safe(self, prompt: Prompt, who: str) -> Answer | None:

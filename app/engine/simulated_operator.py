@@ -3,6 +3,7 @@
 import asyncio
 import json
 from collections.abc import Mapping
+from pathlib import Path
 from urllib.parse import urlsplit
 
 from catseye.app.errors import LinkFailedError
@@ -10,6 +11,7 @@ from catseye.procedures.kit.records import Json
 from catseye.procedures.kit.tasks import (
     AlignOptics,
     ClearBeam,
+    ExportBallbar,
     LeadTracker,
     MountBallbar,
     MountInterferometer,
@@ -17,6 +19,7 @@ from catseye.procedures.kit.tasks import (
     PlaceReflector,
     PlaceTarget,
     ReadBallbar,
+    SeatInCup,
     SetUpScaleBar,
     TakeBallbarOff,
     Task,
@@ -29,13 +32,23 @@ _LIMIT_S = 10.0
 _TRIAL_TURNS = 0.8
 """To either side of where a screw stands, to see how the signal changes."""
 
-_LONGEST_ANSWER_BYTES = 1 << 16
+_LONGEST_ANSWER_BYTES = 1 << 22
+"""A recording of half an hour."""
 
 NO_READING = "none"
 """What is typed where an instrument shows no number."""
 
 
-_InTheRoom = SetUpScaleBar | PlaceTarget | LeadTracker | MountBallbar | TakeBallbarOff | ReadBallbar
+_InTheRoom = (
+    SetUpScaleBar
+    | PlaceTarget
+    | LeadTracker
+    | SeatInCup
+    | MountBallbar
+    | TakeBallbarOff
+    | ReadBallbar
+    | ExportBallbar
+)
 _SingleGrip = TurnScrew | PlaceReflector | MountInterferometer | MountOptics | ClearBeam | _InTheRoom
 
 
@@ -74,6 +87,27 @@ class SimulatedOperator:
         """
         shown = (await self._done(_in_the_room(task))).get("deviation_mm")
         return f"{shown:.4f}" if isinstance(shown, int | float) else NO_READING
+
+    async def export(self, path: Path) -> dict[str, Json]:
+        """Write what the ballbar has recorded, unless such a file is there already.
+
+        Returns:
+            What was asked of the bench; nothing where the file is there.
+
+        Raises:
+            LinkFailedError: the bench does not answer, or the file cannot be written.
+        """
+        if await asyncio.to_thread(path.exists):
+            return {}
+        request = _in_the_room(ExportBallbar())
+        text = _recording_text(await self._done(request))
+        try:
+            await asyncio.to_thread(path.write_text, text, encoding="utf-8")
+        except OSError as error:
+            raise LinkFailedError(
+                f"{path}: the recording of the emulated ballbar cannot be written ({error}); type another path"
+            ) from error
+        return request
 
     async def _aligned(self, screw: str) -> float:
         """Turn a screw of the optics' stage to where the signal is at its largest; return by how much.
@@ -163,6 +197,8 @@ def _in_the_room(task: _InTheRoom) -> dict[str, Json]:
             return {"op": "place_target", "target": task.target}
         case LeadTracker():
             return {"op": "lead_tracker", "target": task.target}
+        case SeatInCup():
+            return {"op": "place_cup", "target": task.target}
         case MountBallbar():
             centre: Json = None if task.centre_mm is None else list(task.centre_mm)
             return {"op": "mount_ballbar", "target": task.target, "centre_mm": centre}
@@ -170,3 +206,12 @@ def _in_the_room(task: _InTheRoom) -> dict[str, Json]:
             return {"op": "take_ballbar_off"}
         case ReadBallbar():
             return {"op": "ballbar"}
+        case ExportBallbar():
+            return {"op": "ballbar_recording"}
+
+
+def _recording_text(recorded: Mapping[str, Json]) -> str:
+    columns = [recorded.get("t_s"), recorded.get("deviation_mm")]
+    times, deviations = (one if isinstance(one, list) else [] for one in columns)
+    rows = [f"{time},{deviation}" for time, deviation in zip(times, deviations, strict=True)]
+    return "\n".join(["t_s,deviation_mm", *rows]) + "\n"

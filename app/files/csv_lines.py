@@ -107,7 +107,14 @@ def csv_row(path: Path, number: int, line: str, header: list[str]) -> CsvRow:
     """
     cells = cells_of(path, number, line)
     if len(cells) != len(header):
-        raise UsageError(f"{path}:{number}: {len(cells)} values, but the header has {len(header)} columns")
+        likely = (
+            "a decimal comma makes two values of one: write points in the decimals"
+            if len(cells) > len(header)
+            else "the line is cut, or a value is missing"
+        )
+        raise UsageError(
+            f"{path}:{number}: {len(cells)} values, but the header has {len(header)} columns; {likely}"
+        )
     return CsvRow(path, number, dict(zip(header, cells, strict=True)))
 
 

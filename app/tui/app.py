@@ -15,6 +15,7 @@ from textual.system_commands import SystemCommandsProvider
 from catseye.app.protocol.ladder import ctrl_c_of_client
 from catseye.app.service.errors import RefusedError, ServiceError
 from catseye.app.tui.cell_change import look_at_cell
+from catseye.app.tui.dialogs.form_dialog import Answers, FormDialog
 from catseye.app.tui.dialogs.questions import Choice, ConfirmDialog, QuitDialog
 from catseye.app.tui.main_screens import MAIN_SCREENS
 from catseye.app.tui.program import Program
@@ -114,11 +115,24 @@ class CatseyeApp(Program):
     async def on_mount(self) -> None:
         """Look for the engine, now that the first screen is shown."""
         self._own_loop = asyncio.get_running_loop()
+        self.session.login.show = self._answers_of
         self.keep(self.session.link.serve(self.note_change))
         self.set_interval(_REFRESH_S, self._show_changes)
         if self._trouble is not None:
             self.show_error(*self._trouble)
         self.set_timer(_LOOK_S, self._look_at_settings)
+
+    async def _answers_of(self, dialog: FormDialog) -> Answers | None:
+        """Show a dialog to somebody who is asked before the engine is there."""
+        answered: asyncio.Future[Answers | None] = asyncio.get_running_loop().create_future()
+
+        def take(answers: Answers | None) -> None:
+            # Who asked may have given up meanwhile.
+            if not answered.done():
+                answered.set_result(answers)
+
+        self.push_screen(dialog, take)
+        return await answered
 
     def _look_at_settings(self) -> None:
         # The time may be over while the program ends.

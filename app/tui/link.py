@@ -89,9 +89,17 @@ class EngineLink:
     Args:
         cell: cell file of the bench; None while there is none.
         clock: real time.
+        before_start: called with the cell file before an engine of it is started.
     """
 
-    def __init__(self, root: Path, cell: Path | None, clock: "Clock") -> None:
+    def __init__(
+        self,
+        root: Path,
+        cell: Path | None,
+        clock: "Clock",
+        before_start: "Callable[[Path], Awaitable[None]] | None" = None,
+    ) -> None:
+        self._before_start = before_start
         self.engine = EngineState()
         self.cell = cell
         self._root = root
@@ -300,6 +308,8 @@ class EngineLink:
         """
         if self.cell is None:
             raise ServiceError("there is no cell file yet: set one up (F10), or try the demo")
+        if self._before_start is not None:
+            await self._before_start(self.cell)
         arguments = ["engine", "--cell", str(self.cell), "--runs", str(self._root)]
         arguments += ["--wait-for-client", str(_UNATTENDED_S)]
         # A pipe that nobody reads would hold the engine up when it is full.

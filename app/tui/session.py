@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from catseye.app.tui.link import Link
+from catseye.app.tui.login import Login
 from catseye.app.tui.work import Work
 
 DEMO_FOLDER: Final = Path("catseye-demo")
@@ -28,6 +29,7 @@ class Session:
         cell: cell file; None until there is one.
         now_s: monotonic time, s.
         speed: bench seconds in one real second; above 1 for emulators only.
+        login: asks for what a controller wants before an engine is started.
         under_way: titles of the commands that work; quitting ends them.
     """
 
@@ -38,6 +40,7 @@ class Session:
     now_s: Callable[[], float]
     speed: float = 1.0
     under_way: list[str] = field(default_factory=list)
+    login: Login = field(default_factory=Login)
 
     @contextmanager
     def at_work(self, title: str) -> Iterator[None]:

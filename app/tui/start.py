@@ -33,6 +33,7 @@ def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
     from catseye.app.tui.app import CatseyeApp
     from catseye.app.tui.keys import keys_file, read_keymap
     from catseye.app.tui.link import EngineLink
+    from catseye.app.tui.login import Login
     from catseye.app.tui.session import Session
     from catseye.app.tui.work import Commands
     from catseye.drivers.roles.clock import SystemClock
@@ -53,8 +54,9 @@ def show(cell: Path | None, root: Path, speed: float) -> NoReturn:
         raise UsageError(
             f'{cell}: not a cell file: its first key is format = "catseye-cell/1"; see catseye init'
         )
-    link = EngineLink(root, found, clock)
-    session = Session(link, Commands(), root, found, clock.monotonic_s, speed)
+    login = Login()
+    link = EngineLink(root, found, clock, login.before_engine)
+    session = Session(link, Commands(), root, found, clock.monotonic_s, speed, login=login)
     app = CatseyeApp(session, keymap, "bench" if found is not None else "setup", trouble)
     with _ends_on_signals(app.leave_on_signal):
         code = app.run()

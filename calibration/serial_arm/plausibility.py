@@ -18,6 +18,7 @@ from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.identification import parameters_of
 from catseye.calibration.serial_arm.measurements import Measurements
 from catseye.calibration.serial_arm.model import ArmModel
+from catseye.calibration.serial_arm.orientations import orientation_mistake, places_only
 
 _SOUND_SHARE = 0.02
 """A nominal arm misses its targets by less than this share of its reach: a centimetre of half a metre."""
@@ -27,6 +28,9 @@ _FAR_BETTER = 0.2
 
 _EXACT_MM = 1e-6
 """A misfit below this is rounding."""
+
+_SMALL_SHARE = 0.02
+"""Of the usual distance from the instrument: a place nearer than this may be in another unit."""
 
 _MOST_TARGETS = 4
 """All orders of more targets are too many to try."""
@@ -54,6 +58,8 @@ def require_plausible(arm: SerialArm, measurements: Measurements) -> None:
     misfit, limit = _misfit_mm(arm, measurements), _SOUND_SHARE * _reach_mm(arm)
     if misfit < limit:
         _require_names(arm, measurements, misfit)
+        if text := orientation_mistake(arm, measurements):
+            raise ImplausibleError(text)
         return
     found = [
         (_misfit_mm(arm, one.measurements), k, one.text) for k, one in enumerate(_mistakes(arm, measurements))
@@ -100,7 +106,10 @@ def _mistakes(arm: SerialArm, rows: Measurements) -> Iterator[_Mistake]:
     joints = rows.commands.joints
     if np.abs(joints).max() <= 2.0 * np.pi:
         yield _Mistake("the joints are in rad, not in deg", _moved(arm, rows, np.rad2deg(joints)))
+    else:
+        yield from _mixed_angles(arm, rows)
     yield _Mistake("the coordinates are in m, not in mm", _scaled(rows, 1000.0))
+    yield from _mixed_lengths(rows)
     yield _Mistake("the coordinates are in inches, not in mm", _scaled(rows, 25.4))
     yield _Mistake("the coordinates are in µm, not in mm", _scaled(rows, 0.001))
     if len(rows.points.pose):
@@ -118,6 +127,32 @@ def _mistakes(arm: SerialArm, rows: Measurements) -> Iterator[_Mistake]:
     yield _Mistake("the rows are one pose late", _moved(arm, rows, np.roll(joints, 1, axis=0)))
     yield _Mistake("the rows are one pose early", _moved(arm, rows, np.roll(joints, -1, axis=0)))
     yield from _renamed(arm, rows)
+
+
+def _mixed_angles(arm: SerialArm, rows: Measurements) -> Iterator[_Mistake]:
+    """Give each joint that may be the only one in rad."""
+    joints = rows.commands.joints
+    for number, name in enumerate(arm.joint_names):
+        if arm.chain.joints[number].kind == "revolute" and np.abs(joints[:, number]).max() <= 2.0 * np.pi:
+            turned = joints.copy()
+            turned[:, number] = np.rad2deg(joints[:, number])
+            yield _Mistake(f"{name} is in rad, not in deg", _moved(arm, rows, turned))
+
+
+def _mixed_lengths(rows: Measurements) -> Iterator[_Mistake]:
+    """Give the rows whose places are in m while the others are in mm."""
+    places = rows.points.place_mm
+    if not len(places):
+        return
+    away = np.linalg.norm(places, axis=1)
+    small = away < _SMALL_SHARE * np.median(away)
+    if small.any():
+        first = rows.names[rows.points.pose[int(np.argmax(small))]]
+        scaled = np.where(small[:, None], 1000.0, 1.0) * places
+        yield _Mistake(
+            f"the places of {np.count_nonzero(small)} rows are in m, not in mm (the first: pose {first!r})",
+            replace(rows, points=replace(rows.points, place_mm=scaled)),
+        )
 
 
 def _renamed(arm: SerialArm, rows: Measurements) -> Iterator[_Mistake]:
@@ -161,6 +196,8 @@ def _mirrored(rows: Measurements) -> Measurements:
 
 def _misfit_mm(arm: SerialArm, rows: Measurements) -> float:
     """Return how far the nominal arm is off, with base, unknown targets and anchors in closed form, rms."""
+    if len(rows.points.pose):
+        arm, rows = places_only(arm, rows)
     try:
         start = closed_form(arm, rows)
     except CalibrationError:

@@ -279,6 +279,14 @@ class Context(Protocol):
         """Return the reported joints."""
         ...
 
+    async def led_joints(self, rehearsed: Pose) -> Pose:
+        """Return the reported joints of an arm that a person has led somewhere.
+
+        Args:
+            rehearsed: what a rehearsal, in which nobody leads the arm, goes on with.
+        """
+        ...
+
     async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
         """Settle, then average readings over the dwell time; read beam state, joints and air.
 

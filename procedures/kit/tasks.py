@@ -105,6 +105,18 @@ class LeadTracker:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SeatInCup:
+    """Lead a nest of the tool by hand until its ball sits in the ballbar's cup, or clamp the cup under the ball.
+
+    Attributes:
+        target: the nest.
+    """
+
+    do: Literal["seat-in-cup"] = "seat-in-cup"
+    target: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class MountBallbar:
     """Hang the ballbar between its cup and a nest of the tool.
 
@@ -135,6 +147,13 @@ class ReadBallbar:
     do: Literal["read-ballbar"] = "read-ballbar"
 
 
+@dataclass(frozen=True, kw_only=True)
+class ExportBallbar:
+    """Have the ballbar's program write its recording of the last mounting into the file that is typed."""
+
+    do: Literal["export-ballbar"] = "export-ballbar"
+
+
 Task = (
     TurnScrew
     | PlaceReflector
@@ -145,7 +164,9 @@ Task = (
     | SetUpScaleBar
     | PlaceTarget
     | LeadTracker
+    | SeatInCup
     | MountBallbar
     | TakeBallbarOff
     | ReadBallbar
+    | ExportBallbar
 )

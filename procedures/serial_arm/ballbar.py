@@ -1,16 +1,15 @@
 """A telescopic ballbar between a fixed cup and nests of the tool (six-axis paper, section 6.3, Table XII)."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
-from catseye.calibration.serial_arm.arm import SerialArm, Target
 from catseye.drivers.roles.pose import Pose, out_of_range
-from catseye.procedures.kit.columns import DocumentRule
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.errors import OutOfReachError, PlanError, PlanLimitError
 from catseye.procedures.kit.motion.clear_way import require_clear_way
@@ -20,12 +19,11 @@ from catseye.procedures.serial_arm.ballbar_body import require_clear_bar
 from catseye.procedures.serial_arm.ballbar_plan import BallbarPlan, BarPath
 from catseye.procedures.serial_arm.ballbar_run import BallbarReading, BallbarRun
 from catseye.procedures.serial_arm.before import BAR_TEXTS, SPANNING
-from catseye.procedures.serial_arm.bench import Ballbar, SerialBench
+from catseye.procedures.serial_arm.bench import Ballbar, SerialBench, ballbar_of
+from catseye.procedures.serial_arm.calibrated import RESULT, calibrated
 from catseye.procedures.serial_arm.pose_params import rest_of
 
 Floats = NDArray[np.float64]
-
-RESULT = DocumentRule("a calibration of a serial arm", "catseye-serial-arm/1")
 
 _MOST_NESTS = 4
 
@@ -62,6 +60,12 @@ class BallbarParams(BaseModel):
         "typed", description="typed at each place, or plateaus of the bar's CSV afterwards"
     )
     rest_deg: list[float] = Field([], description="pose from which the paths are reached; zeros when empty")
+    centre_mm: list[float] = Field(
+        [],
+        max_length=3,
+        description="place of the cup, x, y, z in the frame of the arm's base, as ballbar-cup has found it; "
+        "that of the cell file when empty",
+    )
 
 
 class BallbarTest(Procedure):
@@ -83,22 +87,30 @@ class BallbarTest(Procedure):
             OutOfReachError: a predicted length is beyond what is safe for the bar.
             PlanError: the cell has no ballbar, the result is none of this arm, or the arm cannot go along a path.
         """
-        if bench.ballbar is None:
-            raise PlanError(f"[ballbar] is missing: add it with centre_mm to the cell file {bench.name}")
+        ballbar = _about(ballbar_of(bench), params.centre_mm)
         rest = rest_of(bench, params.rest_deg)
         names = params.nests or [one.name for one in bench.targets[:2]]
-        paths = tuple(_path(bench, bench.ballbar, params, name, rest) for name in names)
-        return BallbarPlan(bench, bench.ballbar, rest, paths, params.dwell_s, params.readings)
+        paths = tuple(_path(bench, ballbar, params, name, rest) for name in names)
+        return BallbarPlan(bench, ballbar, rest, paths, params.dwell_s, params.readings)
 
     async def run(self, ctx: Context, plan: BallbarPlan) -> None:
         """Lead every nest over its path; see `BallbarRun`."""
         await BallbarRun(ctx, plan).run()
 
 
+def _about(ballbar: Ballbar, centre_mm: list[float]) -> Ballbar:
+    """Return the ballbar with its cup where a parameter says, or where the cell file does."""
+    if not centre_mm:
+        return ballbar
+    if len(centre_mm) != 3:
+        raise PlanError(f"centre_mm has {len(centre_mm)} values: give x, y and z of the cup")
+    x, y, z = centre_mm
+    return replace(ballbar, centre_mm=(x, y, z))
+
+
 def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str, rest: Pose) -> BarPath:
     # The solver takes its time to import: whoever lists procedures does without.
     from catseye.calibration.core.errors import CalibrationError
-    from catseye.calibration.serial_arm.named_values import geometry_of
     from catseye.procedures.serial_arm.ballbar_path import (
         PredictedPath,
         SpherePoint,
@@ -108,16 +120,14 @@ def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str
         sphere_path,
     )
 
-    targets = tuple(Target(one.name, one.place_mm) for one in bench.targets)
     number = bench.targets.index(bench.target(name))
     centre = np.array(ballbar.centre_mm)
     towards = math.degrees(math.atan2(-centre[1], -centre[0]))
     path = sphere_path(
         _steps(params.azimuth_deg, params.step_deg), _steps(params.elevation_deg, params.step_deg), towards
     )
+    geometry = calibrated(bench, params.result)
     try:
-        arm = SerialArm(bench.workspace.chain, bench.loads, targets)
-        geometry = geometry_of(arm, _values(bench, params.result))
 
         def predicted(places: Sequence[SpherePoint]) -> PredictedPath:
             nominal = nominal_path(bench, bench.target(name), centre, ballbar.length_mm, places, rest)
@@ -141,32 +151,6 @@ def _path(bench: SerialBench, ballbar: Ballbar, params: BallbarParams, name: str
     require_clear_bar(bench, ballbar, bench.target(name), commands)
     measured = tuple(number for number, one in enumerate(path) if one.measured)
     return BarPath(name, commands, measured, tuple(found.deviation_mm.tolist()))
-
-
-def _values(bench: SerialBench, result: Mapping[str, Any]) -> dict[str, float]:
-    """Return the parameters of a result by name, those of distances left out.
-
-    Raises:
-        PlanError: it is none of an arm with these joints.
-    """
-    try:
-        parts = result["parameters"]
-        values = {
-            str(part["name"]): float(part["value"]) for part in parts if not part.get("of_distances", False)
-        }
-    except (KeyError, TypeError, ValueError) as error:
-        raise PlanError(
-            f"result: its parameters cannot be read ({error}); make it anew by catseye calibrate"
-        ) from error
-    joints = [axis.name for axis in bench.arm.axes]
-    identified = {name.rpartition(".")[0] for name in values}
-    if not identified & set(joints):
-        raise PlanError(
-            f"result: it has no parameter of {', '.join(joints)}: a ballbar is led by commands of a "
-            "calibrated arm only; "
-            "calibrate with a geometric model"
-        )
-    return values
 
 
 def _steps(ends_deg: list[float], step_deg: float) -> list[float]:

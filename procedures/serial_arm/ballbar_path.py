@@ -313,7 +313,11 @@ def _middle(one: SpherePoint, other: SpherePoint) -> SpherePoint:
 
 def lengths_mm(geometry: Geometry, nest: int, centre_mm: Floats, commands: Floats) -> Floats:
     """Return how far a nest of the calibrated arm is from the cup, mm, shape (n,)."""
+    return np.asarray(np.linalg.norm(places_mm(geometry, nest, commands) - centre_mm, axis=1))
+
+
+def places_mm(geometry: Geometry, nest: int, commands: Floats) -> Floats:
+    """Return where a nest of the calibrated arm is in the frame of the arm's base, mm, shape (n, 3)."""
     frames = geometry.frames(Commands.of(geometry.arm, commands))
-    places = geometry.places_mm(frames[-1], np.full(len(commands), nest))
-    cup = geometry.base[:3, :3] @ centre_mm + geometry.base[:3, 3]
-    return np.asarray(np.linalg.norm(places - cup, axis=1))
+    seen = geometry.places_mm(frames[-1], np.full(len(commands), nest))
+    return np.asarray((seen - geometry.base[:3, 3]) @ geometry.base[:3, :3])

@@ -12,7 +12,7 @@ from catseye.procedures.kit.errors import OutOfReachError, TableFileError
 from catseye.procedures.kit.motion.bench_time import BenchTime
 from catseye.procedures.kit.records import Json, Record, Row
 from catseye.procedures.kit.stored import number_of
-from catseye.procedures.kit.tasks import MountBallbar, ReadBallbar, TakeBallbarOff, Task
+from catseye.procedures.kit.tasks import ExportBallbar, MountBallbar, ReadBallbar, TakeBallbarOff, Task
 from catseye.procedures.serial_arm.ballbar_plan import BallbarPlan, BarPath
 from catseye.procedures.serial_arm.plateaus import plateaus
 
@@ -31,6 +31,9 @@ LENGTHS: Final = TableRule(
 _MOST_FILES: Final = 10
 _MOST_TYPED: Final = 3
 _RATE_HZ: Final = 10.0
+
+_PLATEAU: Final = 0.9
+"""Of the dwell: a plateau lasts so long at least; the arm stops for a shorter time where it only passes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -222,10 +225,12 @@ class BallbarRun:
         raise TableFileError(f"{complaint}; {_MOST_FILES} files could not be used: go on with catseye resume")
 
     def _plateaus(self, path: BarPath, file: str, table: Columns) -> list[float]:
-        found = plateaus(table["t_s"], table["deviation_mm"], 0.5 * self._plan.dwell_s)
+        found = plateaus(
+            table["t_s"], table["deviation_mm"], _PLATEAU * self._plan.dwell_s, places=len(path.measured)
+        )
         if len(found) != len(path.measured):
             raise TableFileError(
-                f"{file}: it shows {len(found)} plateaus of at least {0.5 * self._plan.dwell_s:g} s, "
+                f"{file}: it shows {len(found)} plateaus of at least {_PLATEAU * self._plan.dwell_s:g} s, "
                 "and the path of "
                 f"{path.nest} has {len(path.measured)} places: give the whole recording of this path alone"
             )
@@ -265,4 +270,5 @@ def _file_prompt(path: BarPath, attempt: int, complaint: str) -> Prompt:
         "text",
         (f"{complaint}. " if complaint else "")
         + f"Type the path of the ballbar's CSV of {path.nest}, with the columns t_s,deviation_mm.",
+        task=ExportBallbar(),
     )

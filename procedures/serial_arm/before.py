@@ -107,6 +107,15 @@ def _ballbar(data: Any) -> str:
     )
 
 
+def _cup_found(data: Any) -> str:
+    x, y, z = data.get("centre_mm") or (0.0, 0.0, 0.0)
+    place = f"[{x:.3f}, {y:.3f}, {z:.3f}]"
+    return (
+        f"the cup stands at {place} mm, the takings within {data.get('apart_mm', 0.0):.3f} mm: go on with "
+        f"--param centre_mm={place.replace(' ', '')}, or write centre_mm = {place} into [ballbar] of the cell file"
+    )
+
+
 AXIS_TEXTS: Final[EventTexts] = {"axis-turned": EventText(_axis_turned)}
 CHECK_TEXTS: Final[EventTexts] = {
     "nest-checked": EventText(_nest_checked),
@@ -114,3 +123,4 @@ CHECK_TEXTS: Final[EventTexts] = {
 }
 WARM_TEXTS: Final[EventTexts] = {"warmed": EventText(_warmed)}
 BAR_TEXTS: Final[EventTexts] = {"ballbar": EventText(_ballbar)}
+CUP_TEXTS: Final[EventTexts] = {"cup-found": EventText(_cup_found)}

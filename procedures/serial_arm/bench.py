@@ -131,3 +131,14 @@ class SerialBench(Bench):
         if not found:
             raise PlanError("the tool has no targets: add [[target]] to its file")
         return found
+
+
+def ballbar_of(bench: SerialBench) -> Ballbar:
+    """Return the ballbar of a bench.
+
+    Raises:
+        PlanError: its cell file has none.
+    """
+    if bench.ballbar is None:
+        raise PlanError(f"[ballbar] is missing: add it with centre_mm to the cell file {bench.name}")
+    return bench.ballbar

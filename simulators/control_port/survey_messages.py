@@ -46,6 +46,18 @@ class BallbarReading(Answer):
     mounted: str | None
 
 
+class BallbarRecording(Answer):
+    """What the ballbar's program has recorded since the last mounting, over range left out.
+
+    Attributes:
+        t_s: since then.
+        deviation_mm: from its nominal length.
+    """
+
+    t_s: list[float]
+    deviation_mm: list[float]
+
+
 class ReadSurvey(Request[SurveyState]):
     """Where is everything in the room?"""
 
@@ -77,6 +89,13 @@ class LeadTracker(Request[Answer]):
     target: str
 
 
+class PlaceCup(Request[Answer]):
+    """Clamp the ballbar's cup under the ball in a nest of the tool, where that is now."""
+
+    op = "place_cup"
+    target: str
+
+
 class MountBallbar(Request[BallbarReading]):
     """Hang the ballbar between its cup and a nest of the tool, in place of the retroreflectors there.
 
@@ -104,14 +123,32 @@ class ReadBallbar(Request[BallbarReading]):
     answer = BallbarReading
 
 
-SurveyRequest = ReadSurvey | SetUpScaleBar | PlaceTarget | MountBallbar | TakeBallbarOff | ReadBallbar
+class ReadBallbarRecording(Request[BallbarRecording]):
+    """What has the ballbar's program recorded?"""
+
+    op = "ballbar_recording"
+    answer = BallbarRecording
+
+
+SurveyRequest = (
+    ReadSurvey
+    | SetUpScaleBar
+    | PlaceTarget
+    | PlaceCup
+    | MountBallbar
+    | TakeBallbarOff
+    | ReadBallbar
+    | ReadBallbarRecording
+)
 
 OPERATIONS: tuple[type[Request[Any]], ...] = (
     ReadSurvey,
     SetUpScaleBar,
     PlaceTarget,
     LeadTracker,
+    PlaceCup,
     MountBallbar,
     TakeBallbarOff,
     ReadBallbar,
+    ReadBallbarRecording,
 )

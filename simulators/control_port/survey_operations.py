@@ -25,11 +25,18 @@ def work_in_the_room(request: messages.SurveyRequest, bench: SerialBench) -> Ans
             nest.occupied, nest.loose_mm = True, 0.0
         case messages.TakeBallbarOff():
             bench.ballbar.take_off()
+        case messages.PlaceCup():
+            bench.ballbar.place_cup(request.target)
         case messages.MountBallbar():
             bench.ballbar.mount(request.target, request.centre_mm)
             return _reading(bench)
         case messages.ReadBallbar():
             return _reading(bench)
+        case messages.ReadBallbarRecording():
+            times_s, deviations_mm = bench.ballbar.recording()
+            return messages.BallbarRecording(
+                t_s=np.round(times_s, 3).tolist(), deviation_mm=np.round(deviations_mm, 5).tolist()
+            )
     return Answer()
 
 

@@ -37,3 +37,18 @@ async def test_the_demo_calibrates_an_emulated_arm(tmp_path: Path) -> None:
     text = page.read_text(encoding="utf-8")
     assert "SIMULATION" in text
     assert "Errors of length at compensated commands" in text
+
+
+@pytest.mark.slow
+async def test_plateaus_of_the_recording_say_what_is_typed(tmp_path: Path) -> None:
+    few = (*SHORT[:1], (SHORT[1][0], ("count=3", *SHORT[1][1][1:])))
+    found = {}
+    for readings in ("typed", "file"):
+        bar = ("ballbar", ("nests=['nest1']", "step_deg=30", "dwell_s=2.0", f"readings={readings}"))
+        folder = tmp_path / readings
+        folder.mkdir()
+        measured = await measure(Demonstration(folder, 5.0, 0, None, silent), (*few, bar))
+        found[readings] = [float(str(row["error_mm"])) for row in RunReader(measured.ballbar).rows("ballbar")]
+    assert len(found["typed"]) == len(found["file"]) > 4
+    # The calibrations of the two are apart by the tracker's noise, and so are the commands.
+    assert found["file"] == pytest.approx(found["typed"], abs=0.05)

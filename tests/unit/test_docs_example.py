@@ -9,8 +9,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from catseye import calibration
+from catseye.app.cli import cli
+from tests.unit.app.results.serial_arm.tables import arm_file, poses_file, some_poses, tool_file
 
 ROOT = Path(__file__).parents[2]
 API = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
@@ -24,8 +27,18 @@ def test_the_example_runs_and_its_statements_hold(capsys: pytest.CaptureFixture[
     assert path.read_text(encoding="utf-8").count("\nassert ") >= 15
 
 
-def test_the_blocks_of_the_page_run_one_after_the_other() -> None:
-    names: dict[str, object] = {}
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Return a folder with the result of a calibration."""
+    words = ["--poses", str(poses_file(tmp_path, some_poses(), seed=1)), "--arm", str(arm_file(tmp_path))]
+    words += ["--tool", str(tool_file(tmp_path)), "--model", "geometric", "-o", str(tmp_path / "arm.json")]
+    done = CliRunner().invoke(cli, ["calibrate", *words])
+    assert done.exit_code == 0, done.output
+    return tmp_path
+
+
+def test_the_blocks_of_the_page_run_one_after_the_other(folder: Path) -> None:
+    names: dict[str, object] = {"folder": folder}
     for number, block in enumerate(BLOCKS):
         exec(compile(block, f"api.md, block {number + 1}", "exec"), names)
     assert len(BLOCKS) >= 5

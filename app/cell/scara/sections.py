@@ -15,7 +15,8 @@ from pydantic import (
     model_validator,
 )
 
-from catseye.app.cell.arm import ArmDescription, arm_description, is_path
+from catseye.app.cell.arm import ArmDescription, arm_description
+from catseye.app.cell.described import is_path
 from catseye.app.cell.scara.uncertainty import Uncertainty
 from catseye.app.cell.section import RECORD, Finite, Name, NotNegative, Positive, Range, Section
 from catseye.app.errors import ConfigError

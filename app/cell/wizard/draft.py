@@ -10,9 +10,10 @@ from pydantic import ValidationError
 from catseye.app.cell.load import cell_fault_text
 from catseye.app.cell.model import Cell
 from catseye.app.cell.rewriting import CommentsLostError, plain, rewritten
-from catseye.app.cell.templates import SCARA, TEMPLATES, system_of
+from catseye.app.cell.templates import SCARA, SIX_AXIS, TEMPLATES, system_of
 from catseye.app.cell.wizard.pages import OPTIONAL, SYSTEM, Page, pages_of
-from catseye.app.cell.wizard.question import Question, number_of, text_of
+from catseye.app.cell.wizard.question import Question, number_of, numbers_of, text_of
+from catseye.app.cell.wizard.six_axis.questions import FEWEST_NESTS, NEST
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import parse_toml
 
@@ -30,6 +31,15 @@ _OF_ONE_BENCH: Final = (
     "angular_optics.spacing_mm",
 )
 """What the templates say of the emulated bench and nobody knows of another one."""
+
+_OF_ONE_SERIAL_BENCH: Final = (
+    "tracker.endpoint",
+    "tracker.control",
+    "tracker.base_mm",
+    "tracker.base_deg",
+    "tracker.nest",
+)
+"""Likewise of a serial arm, whose tracker is no option."""
 
 _OF_DRIVER: Final = {
     "robot": ("settings", "datalink_endpoint", "mxt_endpoint"),
@@ -50,6 +60,8 @@ _ELSEWHERE: Final = {
     "linear_optics": "angular_optics",
 }
 """Pages of sections that have none of their own name."""
+
+_PLACE: Final = ("x_mm", "y_mm", "z_mm")
 
 _REFLECTOR_KEYS: Final = ("name", "x_mm", "y_mm", "facing_deg")
 
@@ -109,6 +121,8 @@ class Draft:
             return self._typed[key]
         if key in OPTIONAL:
             return "yes" if key in self._base else "no"
+        if key.startswith(NEST):
+            return text_of(self._nest(key))
         value = _get(self._base, key)
         if value is None and key.startswith("material.device."):
             return text_of(self._material_device().get(key.rpartition(".")[2]))
@@ -143,15 +157,20 @@ class Draft:
         data = copy.deepcopy(self._base)
         data.setdefault("format", "catseye-cell/1")
         for question in self._asked():
-            if question.key in self._typed and not question.key.startswith(("file", "material.device.")):
+            if question.key in self._typed and not question.key.startswith(
+                ("file", "material.device.", NEST)
+            ):
                 text = self._typed[question.key]
                 _set(data, question.key, question.value(text) if text else None)
         for section in OPTIONAL:
+            if section == "tracker" and self.system == SIX_AXIS:
+                continue
             if self.answer(section) == "no":
                 data.pop(section, None)
             elif not isinstance(data.get(section), dict):
                 data[section] = {}
         self._put_material_device(data)
+        self._put_nests(data)
         reflectors = [_reflector(one) for one in self.reflectors]
         if reflectors != _tables(data, "reflector"):
             data["reflector"] = self._with_further_keys(reflectors)
@@ -242,6 +261,29 @@ class Draft:
             for one in reflectors
         ]
 
+    def _nest(self, key: str) -> list[Any] | None:
+        """Return the place of a nest as the file has it."""
+        nests, number = _tables(_get(self._base, "tracker") or {}, "nest"), int(key.removeprefix(NEST))
+        return [nests[number].get(name) for name in _PLACE] if number < len(nests) else None
+
+    def _put_nests(self, data: Data) -> None:
+        """Write the lines of the nests on the table, as the answers have them."""
+        if not any(key.startswith(NEST) for key in self._typed):
+            return
+        known = _tables(data["tracker"], "nest") if isinstance(data.get("tracker"), dict) else []
+        nests = []
+        for number in range(max(FEWEST_NESTS, len(known))):
+            one = dict(known[number]) if number < len(known) else {"name": f"W{number + 1}"}
+            typed = self._typed.get(f"{NEST}{number}")
+            if typed is None and number >= len(known):
+                continue
+            if typed is not None:
+                place = numbers_of(typed) if typed else []
+                one |= dict(zip(_PLACE, place if isinstance(place, list) else [typed], strict=False))
+            if typed != "":
+                nests.append(one)
+        data.setdefault("tracker", {})["nest"] = nests
+
     def _material_device(self) -> Data:
         name = _get(self._base, "material.sensor")
         return next((one for one in _tables(self._base, "device") if one.get("name") == name), {})
@@ -261,7 +303,8 @@ class Draft:
 def _unanswered(system: str) -> Data:
     """Return the values of a template without those that nobody knows of another bench."""
     data = tomllib.loads(TEMPLATES[system].text)
-    for key in _OF_ONE_BENCH:
+    of_serial = [key for key in _OF_ONE_BENCH if key != "tracker"]
+    for key in (*of_serial, *_OF_ONE_SERIAL_BENCH) if system == SIX_AXIS else _OF_ONE_BENCH:
         _remove(data, key)
     return data
 
@@ -282,7 +325,8 @@ def _page_of(place: str, names: set[str]) -> str:
         names: of the pages that are asked.
     """
     section = place.split(".", 1)[0]
-    page = _ELSEWHERE.get(section, "more" if section in OPTIONAL else section)
+    usual = "more" if section in OPTIONAL and section not in names else section
+    page = _ELSEWHERE.get(section, usual)
     return page if page in names else "summary"
 
 

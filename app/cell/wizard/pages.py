@@ -5,11 +5,12 @@ from dataclasses import dataclass
 from typing import Final
 
 from catseye.app.cell.model import CAP_WITHOUT_REASON_PERCENT
-from catseye.app.cell.templates import RESOLUTION, SCARA, TEMPLATES
+from catseye.app.cell.templates import RESOLUTION, SCARA, SIX_AXIS, TEMPLATES
 from catseye.app.cell.wizard.drivers import drivers_of, further_endpoint_of, has_setting, setting_questions
 from catseye.app.cell.wizard.question import YES_NO, Choice, Question
 from catseye.app.cell.wizard.resolution import questions as resolution
 from catseye.app.cell.wizard.scara.questions import REFLECTORS, joint_limits, measurement, nominal_arm, optics
+from catseye.app.cell.wizard.six_axis import questions as six_axis
 
 Answer = Callable[[str], str]
 """Returns the present answer to a key; what is asked can depend on it."""
@@ -28,6 +29,7 @@ class Page:
         questions: depend on earlier answers.
         device: of the cell file that can be tested on this page; empty for none.
         system: that it is asked for; empty for every one.
+        without: system that it is not asked for.
     """
 
     name: str
@@ -36,6 +38,7 @@ class Page:
     questions: Callable[[Answer], Sequence[Question]]
     device: str = ""
     system: str = ""
+    without: str = ""
 
 
 def _file(_answer: Answer) -> list[Question]:
@@ -80,6 +83,10 @@ def _any_robot(answer: Answer) -> list[Question]:
         *_override_cap(answer),
         *resolution.arm(answer),
     ]
+
+
+def _arm_with_targets(answer: Answer) -> list[Question]:
+    return [*_any_robot(answer), six_axis.tool()]
 
 
 def _controller(answer: Answer) -> list[Question]:
@@ -215,22 +222,28 @@ def _more(answer: Answer) -> list[Question]:
             Question("io.endpoint", "  Endpoint", "tcp://192.168.0.40:502", find_out="the block's address"),
             *setting_questions("io", answer("io.driver"), frozenset()),
         ]
-    asked.append(Question("tracker", "Tracker?", "laser tracker or optical CMM: [tracker]", "choice", YES_NO))
-    if tracker:
-        asked += [
-            Question("tracker.driver", "  Driver", "of the tracker", "choice", drivers_of("tracker")),
-            Question(
-                "tracker.endpoint",
-                "  Endpoint",
-                "tcp://192.168.0.1:700, file:///folder/readings.csv, or an emulated bench's control port",
-                find_out="the tracker's address, or the file into which its own program writes",
-            ),
-            *setting_questions("tracker", answer("tracker.driver"), frozenset()),
-        ]
+    if answer(SYSTEM) != SIX_AXIS:
+        asked.append(
+            Question("tracker", "Tracker?", "laser tracker or optical CMM: [tracker]", "choice", YES_NO)
+        )
+        asked += _tracker(answer) if tracker else []
     asked.append(
         Question("material", "Temperature of links?", "a sensor on the arm: [material]", "choice", YES_NO)
     )
     return [*asked, *(_material() if material else [])]
+
+
+def _tracker(answer: Answer) -> list[Question]:
+    return [
+        Question("tracker.driver", "  Driver", "of the tracker", "choice", drivers_of("tracker")),
+        Question(
+            "tracker.endpoint",
+            "  Endpoint",
+            "tcp://192.168.0.1:700, file:///folder/readings.csv, or an emulated bench's control port",
+            find_out="the tracker's address, or the file into which its own program writes",
+        ),
+        *setting_questions("tracker", answer("tracker.driver"), frozenset()),
+    ]
 
 
 def _material() -> list[Question]:
@@ -260,8 +273,38 @@ PAGES: Final = (
     Page("file", "Cell", "Which bench is this?", _file),
     Page("robot", "Robot", "Controller, nominal arm and limits.", _robot, "robot", SCARA),
     Page("robot", "Robot", "Controller, arm and limits.", _any_robot, "robot", RESOLUTION),
-    Page("interferometer", "Interferometer", "The length counter.", _interferometer, "interferometer"),
-    Page("environment", "Air sensor", "Temperature, pressure, humidity.", _environment, "environment"),
+    Page("robot", "Robot", "Controller, arm, tool and limits.", _arm_with_targets, "robot", SIX_AXIS),
+    Page(
+        "tracker",
+        "Tracker",
+        six_axis.TRACKER,
+        lambda answer: [*_tracker(answer), *six_axis.places()],
+        "tracker",
+        SIX_AXIS,
+    ),
+    Page(
+        "ballbar",
+        "Ballbar",
+        "The bar, and where its cup stands.",
+        lambda _: six_axis.ballbar(),
+        system=SIX_AXIS,
+    ),
+    Page(
+        "interferometer",
+        "Interferometer",
+        "The length counter.",
+        _interferometer,
+        "interferometer",
+        without=SIX_AXIS,
+    ),
+    Page(
+        "environment",
+        "Air sensor",
+        "Temperature, pressure, humidity.",
+        _environment,
+        "environment",
+        without=SIX_AXIS,
+    ),
     Page("optics", "Optics", "The beam, and what stands in its way.", lambda _: optics(), system=SCARA),
     Page("angular_optics", "Optics", resolution.OPTICS, lambda _: resolution.optics(), system=RESOLUTION),
     Page("reflector", "Reflectors", REFLECTORS, lambda _: (), system=SCARA),
@@ -279,4 +322,4 @@ PAGES: Final = (
 
 def pages_of(system: str) -> tuple[Page, ...]:
     """Return the pages that are asked for a system, in order."""
-    return tuple(page for page in PAGES if page.system in {"", system})
+    return tuple(page for page in PAGES if page.system in {"", system} and page.without != system)

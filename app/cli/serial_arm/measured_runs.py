@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from catseye.app.cli.arm_option import described
+from catseye.app.cli.output import warn
 from catseye.app.errors import UsageError
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ def measured_runs(
         UsageError: there is no such run, or it has measured no targets.
         StorageError: it is damaged or was changed.
     """
-    from catseye.app.results.serial_arm.run_poses import as_tables
+    from catseye.app.results.serial_arm.run_poses import as_tables, frame_note
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
     from catseye.app.store.runs_folder import runs_folder
@@ -86,5 +87,7 @@ def measured_runs(
     readers = [
         RunReader(resolve_run(runs_folder(folder), name), accept(unverified=unverified)) for name in names
     ]
+    for text in filter(None, map(frame_note, readers)):
+        warn(text)
     with as_tables(readers) as tables:
         yield MeasuredRuns(readers, tables)

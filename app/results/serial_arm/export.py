@@ -1,10 +1,12 @@
 """Parameters of a calibrated serial arm for other programs: labelled rows, and URDF with places and angles."""
 
+from collections.abc import Sequence
+from itertools import count
 from xml.etree import ElementTree
 
 import numpy as np
 
-from catseye.app.cell.arm import arm_description
+from catseye.app.cell.arm import ArmDescription, arm_description
 from catseye.app.files.tabular import Row
 from catseye.app.results.serial_arm.identified_arm import identified_arm
 from catseye.app.results.serial_arm.result import SerialArmResult
@@ -13,6 +15,7 @@ from catseye.calibration.kinematics.chain import Chain
 from catseye.calibration.kinematics.rotations import angles_of, pose_of
 
 _M_PER_MM = 1e-3
+_BASE = "base"
 
 
 def parameter_rows(result: SerialArmResult) -> list[Row]:
@@ -49,13 +52,13 @@ def urdf_text(result: SerialArmResult) -> str:
     root = ElementTree.Element("robot", name=_plain(description.name))
     left_out = "left out: base in the frame of the instrument, compliances, maps"
     root.append(ElementTree.Comment(f" calibrated by catseye, model {result.model}; {left_out} "))
-    ElementTree.SubElement(root, "link", name="base")
-    parent = "base"
+    ElementTree.SubElement(root, "link", name=_BASE)
+    parent = _BASE
     for number, joint in enumerate(description.joint):
         low, high = joint.range
         turning = joint.type == "revolute"
         unit = float(np.deg2rad(1.0)) if turning else _M_PER_MM
-        made = _joint(root, joint.name, (parent, f"{joint.name}_link"), _origin(geometry.chain, number))
+        made = _joint(root, joint.name, (parent, _link_of(joint.name)), _origin(geometry.chain, number))
         made.set("type", joint.type)
         ElementTree.SubElement(made, "axis", xyz=f"0 0 {joint.sign:g}")
         speed = joint.speed
@@ -67,12 +70,33 @@ def urdf_text(result: SerialArmResult) -> str:
             effort="0",
             velocity=_text((speed or 0.0) * unit),
         )
-        parent = f"{joint.name}_link"
-    for target, frame in zip(found.arm.targets, geometry.tools, strict=True):
-        made = _joint(root, f"{_plain(target.name)}_fixed", (parent, _plain(target.name)), frame)
+        parent = _link_of(joint.name)
+    names = target_links([target.name for target in found.arm.targets], description)
+    for name, frame in zip(names, geometry.tools, strict=True):
+        made = _joint(root, f"{name}_fixed", (parent, name), frame)
         made.set("type", "fixed")
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def target_links(targets: Sequence[str], description: ArmDescription) -> list[str]:
+    """Return the names of the targets' links: a name that another has already gets a number.
+
+    Names that stand as they are come before those that are made plain.
+    """
+    joints = [joint.name for joint in description.joint]
+    taken = {_BASE, *map(_link_of, joints), *(name.removesuffix("_fixed") for name in joints)}
+    found: dict[str, str] = {}
+    for target in sorted(targets, key=lambda name: _plain(name) != name):
+        plain = _plain(target)
+        numbered = (f"{plain}_{number}" for number in count(2))
+        found[target] = plain if plain not in taken else next(name for name in numbered if name not in taken)
+        taken.add(found[target])
+    return [found[target] for target in targets]
+
+
+def _link_of(joint: str) -> str:
+    return f"{joint}_link"
 
 
 def _origin(chain: Chain, number: int) -> Floats:

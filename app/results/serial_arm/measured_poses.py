@@ -5,7 +5,7 @@ a frame where it was measured, or distances from targets to anchors.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
@@ -34,6 +34,10 @@ _ANGLES: Final = ("rx_deg", "ry_deg", "rz_deg")
 _U_EACH: Final = ("u_x_mm", "u_y_mm", "u_z_mm")
 _STATED: Final = ("u_mm", *_U_EACH, "u_deg")
 _COVARIANCES: Final = {"cov_xy_mm2": (0, 1), "cov_xz_mm2": (0, 2), "cov_yz_mm2": (1, 2)}
+
+
+_READ_ALIKE: Final = 0.01
+"""deg or mm: read-back joints of an arm at standstill scatter by less from target to target; their mean is taken."""
 
 
 @dataclass(frozen=True)
@@ -197,11 +201,12 @@ class _Poses:
 
     @classmethod
     def of(cls, tables: Sequence[_Table]) -> "_Poses":
-        places: dict[str, int] = {}
-        joints: list[Floats] = []
-        read: list[Floats | None] = []
-        sides: list[Floats] = []
-        where: list[CsvRow] = []
+        """Gather the rows of each pose.
+
+        Raises:
+            UsageError: a pose has no name, or its rows contradict each other; names both lines.
+        """
+        poses: dict[str, _Pose] = {}
         numbers: list[Ints] = []
         for table in tables:
             found = []
@@ -209,27 +214,62 @@ class _Poses:
                 name = row.cells["pose"]
                 if not name:
                     raise row.fault("the pose has no name: state one in the column pose")
-                if name not in places:
-                    places[name] = len(places)
-                    joints.append(table.joints[k])
-                    read.append(None if table.read_back is None else table.read_back[k])
-                    sides.append(table.approach[k])
-                    where.append(row)
-                elif (joints[places[name]] != table.joints[k]).any():
-                    other = where[places[name]]
-                    raise row.fault(
-                        f"pose {name!r} has other joints in {other.path}:{other.line}: give each pose its own name"
-                    )
-                found.append(places[name])
+                if name not in poses:
+                    poses[name] = _Pose(len(poses), row, table.joints[k], table.approach[k])
+                poses[name].take(name, table, k)
+                found.append(poses[name].number)
             numbers.append(np.array(found, dtype=np.int64))
-        known = [one for one in read if one is not None]
+        all_poses = list(poses.values())
+        read = [np.mean(one.read_back, axis=0) for one in all_poses if one.read_back]
         return cls(
-            tuple(places),
-            np.array(joints),
-            np.array(known) if len(known) == len(read) else None,
-            np.array(sides),
+            tuple(poses),
+            np.array([one.joints for one in all_poses]),
+            np.array(read) if len(read) == len(all_poses) else None,
+            np.array([one.approach for one in all_poses]),
             tuple(numbers),
         )
+
+
+@dataclass
+class _Pose:
+    """What the rows of one pose say of the joints; they have to agree.
+
+    Attributes:
+        number: of the pose.
+        where: its first row.
+        read_back: of each row that has it.
+    """
+
+    number: int
+    where: CsvRow
+    joints: Floats
+    approach: Floats
+    read_back: list[Floats] = field(default_factory=list)
+
+    def take(self, name: str, table: _Table, k: int) -> None:
+        """Take a row of the pose.
+
+        Raises:
+            UsageError: it contradicts the rows before.
+        """
+        row, other = table.rows[k], f"{self.where.path}:{self.where.line}"
+        if (self.joints != table.joints[k]).any():
+            raise row.fault(f"pose {name!r} has other joints in {other}: give each pose its own name")
+        if (self.approach != table.approach[k]).any():
+            raise row.fault(
+                f"pose {name!r} was approached from other sides in {other}: an arm that came twice stood at two "
+                "poses; give each its own name, or correct the directions"
+            )
+        if table.read_back is None:
+            return
+        read = table.read_back[k]
+        if self.read_back and (apart := float(np.abs(self.read_back[0] - read).max())) > _READ_ALIKE:
+            raise row.fault(
+                f"pose {name!r} has read-back joints in {other} that differ by {apart:.4g} (more than "
+                f"{_READ_ALIKE:g} deg or mm): the arm did not stand still between the rows; give each "
+                "pose its own name"
+            )
+        self.read_back.append(read)
 
 
 def _targets(tables: Sequence[_Table], nominal: SerialArm) -> tuple[SerialArm, tuple[Ints, ...]]:

@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
@@ -65,7 +66,7 @@ def pose_rows(reader: RunReader) -> list[Row]:
             f"{reader.path.name} has measured no targets: name a run of a procedure that measures targets at poses"
         )
     units = [joint.unit for joint in arm_description(cell_of_run(reader).robot.arm).joint]
-    motions = _motions(reader)
+    motions = _world(reader).motions
     stated = all(row[name] is not None for row in stored for name in _U)
     turned = all(row[name] is not None for row in stored for name in _ANGLES)
     return [_pose_row(row, units, motions, stated=stated, turned=turned) for row in stored]
@@ -119,23 +120,81 @@ def _pose_row(
     return values
 
 
-def _motions(reader: RunReader) -> dict[int | None, Floats]:
-    """Return what brings places of each round into the world frame, shape (4, 4); empty without three nests."""
+@dataclass(frozen=True)
+class _World:
+    """The world frame of a run.
+
+    Attributes:
+        motions: what brings places of each round of nests into it, shape (4, 4); empty without one.
+        note: what whoever uses the places has to know of it; empty when nothing.
+    """
+
+    motions: Mapping[int | None, Floats]
+    note: str = ""
+
+
+def frame_note(reader: RunReader) -> str:
+    """Return what is wrong with the world frame of a run and what follows; empty when nothing is."""
+    note = _world(reader).note
+    return f"{reader.path.name}: {note}" if note else ""
+
+
+def _world(reader: RunReader) -> _World:
+    """Return the world frame of the first three nests of the cell that were seen."""
     rounds, u_mm = _rounds(reader)
-    if not rounds or len(rounds[min(rounds)]) < FEWEST:
-        return {}
-    first = rounds[min(rounds)]
+    names = _nest_names(reader, rounds)
+    if len(names) < FEWEST:
+        return _World({})
+    first = rounds[min(rounds)] if rounds else {}
     drifted = {number for number, places in rounds.items() if _has_moved(first, places, u_mm)}
+    known = _known_places(names, rounds, drifted)
+    hidden = ", ".join(name for name in names if name not in known)
+    if len(known) < FEWEST:
+        return _World(
+            {},
+            f"no world frame: of the fixed nests {hidden} was hidden in every measurement, so places are in the "
+            "instrument's frame and a drift stays in them; use this run without others, and clear the line of "
+            "sight for the next",
+        )
+    world = world_frame(known)
+    motions: dict[int | None, Floats] = dict.fromkeys(rounds, world)
+    notes = []
+    for number in sorted(drifted):
+        back = motion_between(known, rounds[number])
+        if back is None:
+            notes.append(f"measurement {number} of the nests saw too few of them to take the drift since out")
+        else:
+            motions[number] = world @ back
+    if list(known)[:FEWEST] != list(names)[:FEWEST]:
+        notes.append(
+            f"the world frame lies on {', '.join(list(known)[:FEWEST])}, since {hidden} was hidden in every "
+            "measurement: it is another one than that of runs that saw it, so do not calibrate them together"
+        )
+    return _World(motions, "; ".join(notes))
+
+
+def _nest_names(reader: RunReader, rounds: Mapping[int, Places]) -> tuple[str, ...]:
+    """Return the nests in the order of the cell file: whichever are hidden, the frame of all runs is one."""
+    tracker = cell_of_run(reader).tracker
+    stated = () if tracker is None else tuple(nest.name for nest in tracker.nest)
+    seen = dict.fromkeys(name for _, places in sorted(rounds.items()) for name in places)
+    return stated if seen and seen.keys() <= set(stated) else tuple(seen)
+
+
+def _known_places(names: Sequence[str], rounds: Mapping[int, Places], drifted: set[int]) -> Places:
+    """Return the nests in the first round's frame, mm, in their order; those never seen are left out.
+
+    Nests that have not moved are known better by their mean.
+    """
     steady = [places for number, places in rounds.items() if number not in drifted]
-    # Nests that have not moved are known better by their mean.
-    mean = {name: np.mean([one[name] for one in steady if name in one], axis=0) for name in first}
-    world = world_frame(mean)
-    found: dict[int | None, Floats] = dict.fromkeys(rounds, world)
-    for number in drifted:
-        back = motion_between(mean, rounds[number])
+    seen = {name: [one[name] for one in steady if name in one] for name in names}
+    known = {name: np.asarray(np.mean(places, axis=0)) for name, places in seen.items() if places}
+    for number in sorted(drifted):
+        back = motion_between(known, rounds[number])
         if back is not None:
-            found[number] = world @ back
-    return found
+            moved = {name: back[:3, :3] @ one + back[:3, 3] for name, one in rounds[number].items()}
+            known = moved | known
+    return {name: known[name] for name in names if name in known}
 
 
 def _rounds(reader: RunReader) -> tuple[dict[int, Places], float]:

@@ -22,6 +22,7 @@ class Field:
         value: answer to begin with.
         choices: answers to choose from; empty where something is typed.
         hint: stands beside the answer.
+        secret: what is typed is not shown, and taken as it is.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Field:
     value: str
     choices: tuple[str, ...] = ()
     hint: str = ""
+    secret: bool = False
 
 
 Answers = dict[str, str]
@@ -80,7 +82,9 @@ class FormDialog(BoxDialog[Answers | None]):
                     options = [(choice, choice) for choice in field.choices]
                     yield Select(options, value=field.value, allow_blank=False, compact=True, id=field.name)
                 else:
-                    yield Input(field.value, id=field.name, compact=True, select_on_focus=False)
+                    yield Input(
+                        field.value, id=field.name, compact=True, select_on_focus=False, password=field.secret
+                    )
                 yield Label(field.hint, classes="hint", markup=False)
         yield Static("", id="fault", markup=False)
 
@@ -104,4 +108,5 @@ class FormDialog(BoxDialog[Answers | None]):
     def _value(self, field: Field) -> str:
         if field.choices:
             return str(self.query_one(f"#{field.name}", Select).value)
-        return self.query_one(f"#{field.name}", Input).value.strip()
+        typed = self.query_one(f"#{field.name}", Input).value
+        return typed if field.secret else typed.strip()

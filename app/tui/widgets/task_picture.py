@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from catseye.procedures.kit.tasks import (
     AlignOptics,
     ClearBeam,
+    ExportBallbar,
     LeadTracker,
     MountBallbar,
     MountInterferometer,
@@ -13,6 +14,7 @@ from catseye.procedures.kit.tasks import (
     PlaceReflector,
     PlaceTarget,
     ReadBallbar,
+    SeatInCup,
     SetUpScaleBar,
     TakeBallbarOff,
     Task,
@@ -41,12 +43,16 @@ def task_picture(task: Task | None, reflectors: "Sequence[ReflectorPlace]" = ())
             return ["▣━━━━━━━┫▞┣━━━━━━━◖◗   turn and shift until the signal is at its largest"]
         case ClearBeam():
             return ["▣━━━━━━━ ╳ ━━━━━━━◗   nothing may stand in the beam"]
+        case SeatInCup():
+            return [f"◉ → ◡   the ball of {task.target} into the cup, down to its seat"]
         case MountBallbar():
             return [f"◡●━━━━━━━━━●◡   from the cup to {task.target}"]
         case TakeBallbarOff():
             return ["◡   ●━━━━━━━━━●   ◡   balls out of cup and nest"]
         case ReadBallbar():
             return ["●━━━━▐ ±0.0000 ▌━━━━●   type what it shows, mm"]
+        case ExportBallbar():
+            return ["●━━━━▐ ▁▁▃▃▂▂▅▅ ▌━━━━● → CSV   one plateau a place"]
         case PlaceTarget():
             return [f"◉ → ◡   into {task.target}"]
         case LeadTracker():

@@ -18,6 +18,8 @@ ALLOWED = {
     "results/scara": "remedies of this system say which procedure to run",
     "cell/scara": "its cell file and the contributors to its budget say which procedure gives a value",
     "cell/wizard/scara": "questions about its cell file say which procedure gives a value",
+    "cell/wizard/pages.py": "one page of the wizard is called as the section of the cell file, ballbar",
+    "cell/wizard/six_axis": "questions about its cell file say which procedure gives a value",
     "cell/templates.py": "templates are found by the name of their system; one system is called resolution",
     "cell/resolution": "comments of its cell file say which procedure needs an entry",
     "cli/commands.py": "one command is called resolution",

@@ -286,6 +286,10 @@ class IdealContext:
         """Return the pose."""
         return self.pose
 
+    async def led_joints(self, rehearsed: Pose) -> Pose:
+        """Return what is rehearsed: nobody leads the arm."""
+        return rehearsed
+
     async def measure(self, settle_time_s: float, dwell_time_s: float, readings: int) -> Measurement:
         """Return the distance of the ideal arm."""
         self.waits.append((settle_time_s, dwell_time_s, readings))

@@ -11,6 +11,7 @@ from catseye.app.cell import arm
 from catseye.app.cell.arm import ArmDescription
 from catseye.app.cell.axes import axes_of
 from catseye.app.cell.bench import bench_of, scara_bench_of, system_of
+from catseye.app.cell.described import Shipped
 from catseye.app.cell.load import LoadedCell, load_cell
 from catseye.app.cell.model import Cell
 from catseye.app.cell.plausible import implausible
@@ -199,7 +200,7 @@ def test_a_description_of_six_joints_gives_six_axes() -> None:
 
 def test_a_cell_of_six_axes_is_read_as_stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "six.toml").write_text(SIX.replace('"A', '"J'), "utf-8")
-    monkeypatch.setattr(arm, "_SHIPPED", tmp_path)
+    monkeypatch.setattr(arm, "_SHIPPED", Shipped(arm.ArmDescription, "an arm", tmp_path))
     limits = "limits_deg = { j5 = [-10.0, 10.0] }"
     path = tmp_path / "cell.toml"
     path.write_text(f'{ROBOT_ALONE}arm = "six"\n{limits}\n', "utf-8")

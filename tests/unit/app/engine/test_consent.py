@@ -70,6 +70,11 @@ QUESTIONS: dict[tuple[str, str], Asked] = {
     ("procedures/serial_arm/instrument_check.py", "_bar_prompt"): Asked(
         "choice", (), ("laid", "skip"), "skip"
     ),
+    # The arm is led by hand; the run itself never moves it.
+    ("procedures/serial_arm/ballbar_cup.py", "_seat"): Asked("choice", (), ("done", "stop"), "stop"),
+    ("procedures/serial_arm/ballbar_cup.py", "_skippable"): Asked(
+        "choice", (), ("skip", "done", "stop"), "skip"
+    ),
     ("procedures/serial_arm/ballbar_run.py", "_confirmed"): Asked("choice", ("done",), ("stop",), "stop"),
     # What is typed lets the arm go on to the next place.
     ("procedures/serial_arm/ballbar_run.py", "_reading_prompt"): Asked("number", ("0.12",), ()),

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from catseye.app.errors import ConfigError, LinkFailedError
 from catseye.procedures.kit.context import Prompt
 from catseye.procedures.kit.tasks import (
     ClearBeam,
+    ExportBallbar,
     MountBallbar,
     MountInterferometer,
     PlaceReflector,
@@ -198,6 +200,21 @@ async def test_a_person_types_the_reading_themselves(room: EmulatedSerialBench) 
     hands = await hang(room)
     answer = await Operator(ManualClock(), {}, person, simulated=True, hands=hands).answer(READ)
     assert answer.text == "0.125"
+
+
+async def test_the_recording_is_written_where_it_is_typed(room: EmulatedSerialBench, tmp_path: Path) -> None:
+    hands = await hang(room)
+    typed, own = tmp_path / "bar.csv", tmp_path / "own.csv"
+    own.write_text("t_s,deviation_mm\n", encoding="utf-8")
+    asked = Prompt("lengths/nest1", "text", "Type the path.", task=ExportBallbar())
+    answers = {"lengths/nest1": str(typed), "lengths/nest1/2": str(own)}
+    operator = Operator(ManualClock(), answers, None, simulated=True, hands=hands)
+    assert (await operator.answer(asked)).done == {"op": "ballbar_recording"}
+    header, first, *_ = typed.read_text("utf-8").splitlines()
+    assert header == "t_s,deviation_mm"
+    assert float(first.split(",")[1]) == pytest.approx(float(await hands.read(ReadBallbar())), abs=0.006)
+    await operator.answer(replace(asked, id="lengths/nest1/2"))
+    assert own.read_text("utf-8") == "t_s,deviation_mm\n"
 
 
 async def test_a_reading_over_range_is_no_number(room: EmulatedSerialBench) -> None:

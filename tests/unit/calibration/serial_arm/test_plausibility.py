@@ -38,6 +38,11 @@ def renamed(rows: Measurements) -> Measurements:
         (joints(lambda q: q * np.array([1.0, 1.0, -1.0, 1.0, 1.0, 1.0])), "J3 has the opposite sign"),
         (joints(lambda q: np.roll(q, -1, axis=0)), "rows are one pose late"),
         (places(lambda x: x / 1000.0), "in m, not in mm"),
+        (joints(lambda q: np.where(np.arange(6) == 2, np.deg2rad(q), q)), "J3 is in rad, not in deg"),
+        (
+            places(lambda x: np.where(np.arange(len(x))[:, None] % 7 == 3, x / 1000.0, x)),
+            r"the places of \d+ rows are in m, not in mm \(the first: pose",
+        ),
         (places(lambda x: x / 25.4), "in inches, not in mm"),
         (places(lambda x: x * np.array([1.0, -1.0, 1.0])), "left-handed"),
         (renamed, "nest2 is nest3"),

@@ -2,15 +2,19 @@
 
 import csv
 import json
+import types
 from pathlib import Path
+from typing import cast
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
+from catseye.app.cell.arm import ArmDescription
 from catseye.app.cli import cli
 from catseye.app.errors import UsageError
+from catseye.app.results.serial_arm.export import target_links
 from catseye.calibration.core.types import Floats
 from tests.unit.app.results.serial_arm.tables import arm_file, poses_file, some_poses, tool_file
 from tests.unit.calibration.serial_arm.true_arm import COMPLIANCE, FOUND, NESTS, TrueArm
@@ -102,3 +106,10 @@ def test_urdf_of_anything_else_is_refused(tmp_path: Path) -> None:
     other: Result = CliRunner().invoke(cli, ["export", "no-such-run", "-o", str(tmp_path / "run.urdf")])
     assert isinstance(other.exception, UsageError)
     assert "URDF is of calibrated serial arms" in str(other.exception)
+
+
+def test_links_of_targets_have_names_of_their_own() -> None:
+    joints = [types.SimpleNamespace(name=name) for name in ("J1", "J2")]
+    description = cast("ArmDescription", types.SimpleNamespace(joint=joints))
+    names = ["base", "J1_link", "a b", "a_b", "N1"]
+    assert target_links(names, description) == ["base_2", "J1_link_2", "a_b_2", "a_b", "N1"]

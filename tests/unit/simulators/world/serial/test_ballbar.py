@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from catseye.procedures.serial_arm.plateaus import plateaus
 from catseye.simulators.errors import BenchError
 from catseye.simulators.survey import Place
 from catseye.simulators.world.serial.bench import SerialBench
@@ -108,3 +109,28 @@ def test_readings_scatter_by_half_a_micrometre() -> None:
     bench = mounted(surveyed(exact_but(ballbar_um=0.5)))
     readings = [bench.ballbar.reading_mm() or 0.0 for _ in range(200)]
     assert 4e-4 < np.std(readings) < 6e-4
+
+
+def test_its_recording_holds_what_is_read_at_each_place() -> None:
+    bench = mounted(surveyed(exact_but(ballbar_um=0.5)))
+    typed = []
+    for by_deg in (0.0, 0.03, -0.03, 0.06):
+        joints = (FORWARD[0], FORWARD[1] + by_deg, *FORWARD[2:])
+        bench.move_to(joints, 1.0)
+        bench.advance(bench.room.standstill_s - bench.time_s + 2.5)
+        typed.append(bench.ballbar.reading_mm() or np.nan)
+    bench.ballbar.take_off()
+    times_s, deviations_mm = bench.ballbar.recording()
+    assert np.diff(times_s) == pytest.approx(0.05)
+    # Noise of 0.5 µm.
+    found = plateaus(times_s, deviations_mm, 1.0, 0.005)
+    assert found == pytest.approx(typed, abs=0.003)
+
+
+def test_its_recording_ends_where_it_falls_off() -> None:
+    bench = mounted(surveyed())
+    bench.move_to((0.0, 15.0, *FORWARD[2:]), 10.0)
+    bench.advance(20.0)
+    times_s, deviations_mm = bench.ballbar.recording()
+    assert times_s[-1] < 10.0
+    assert np.abs(deviations_mm).max() <= 1.0

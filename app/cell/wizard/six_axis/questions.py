@@ -1,0 +1,77 @@
+"""Questions about the tracker of a serial arm, the nests on the table, and the ballbar."""
+
+from typing import Final
+
+from catseye.app.cell.tool import shipped_tools
+from catseye.app.cell.wizard.question import Question
+
+TRACKER: Final = "The instrument, where the arm stands before it, and three nests on the table."
+"""Above the questions about the tracker."""
+
+NEST: Final = "tracker.nest."
+"""Begins the keys of the nests, which are lines of a table: their number follows."""
+
+FEWEST_NESTS: Final = 3
+
+
+def tool() -> Question:
+    """Return what is asked about the tool."""
+    return Question(
+        "robot.tool",
+        "Tool",
+        f"{', '.join(shipped_tools())}, or the path of a description of your own (TOML): targets, mass, centre",
+        find_out="where the tool's nests are in the frame of the flange, to a millimetre: a drawing or a ruler",
+    )
+
+
+def places() -> list[Question]:
+    """Return what is asked about where arm, tracker and nests are; a few millimetres do."""
+    base = [
+        Question(
+            "tracker.base_mm",
+            "Arm's base, mm",
+            "x, y, z of the arm's base in the tracker's frame, roughly: the tracker is read at three places on the "
+            "arm's foot, or a ruler does; tracker-calibration finds it more exactly",
+            "numbers",
+            find_out="where the arm's base is seen from the tracker: its x, y and z, to some centimetres",
+        ),
+        Question(
+            "tracker.base_deg",
+            "Arm's base turned, deg",
+            "rx, ry, rz with R = Rz·Ry·Rx: 0, 0, rz where both stand upright; rz is the angle from the tracker's x "
+            "axis to the arm's, seen from above, against the clock",
+            "numbers",
+            find_out="by which angle the arm's x axis is turned against the tracker's, seen from above",
+        ),
+        Question(
+            "tracker.cone_deg", "Cone of a nest, deg", "a target returns the beam within this", "number"
+        ),
+    ]
+    return [*base, *map(_nest, range(FEWEST_NESTS))]
+
+
+def ballbar() -> list[Question]:
+    """Return what is asked about the ballbar."""
+    return [
+        Question("ballbar.length_mm", "Ballbar: length, mm", "in the middle of its range", "number"),
+        Question("ballbar.range_mm", "Ballbar: range, ± mm", "that it lengthens and shortens by", "number"),
+        Question(
+            "ballbar.centre_mm",
+            "Ballbar: cup, mm",
+            "x, y, z of the fixed cup in the frame of the arm's base, to a few centimetres: ballbar-cup finds it "
+            "more exactly",
+            "numbers",
+            find_out="where the cup of the ballbar shall stand, seen from the arm's base",
+        ),
+    ]
+
+
+def _nest(number: int) -> Question:
+    return Question(
+        f"{NEST}{number}",
+        f"Nest {number + 1} on the table, mm",
+        "x, y, z in the tracker's frame, to a few millimetres, as it reads them; three nests that do not move and "
+        "lie far apart, not on a line, make the world frame in which a drift of the tracker shows",
+        "numbers",
+        find_out="what the tracker reads with a retroreflector in this nest",
+    )

@@ -1,0 +1,58 @@
+"""The calibrated arm of a result, which commands of a ballbar and the place of its cup are found by."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+from catseye.procedures.kit.columns import DocumentRule
+from catseye.procedures.kit.errors import PlanError
+from catseye.procedures.serial_arm.bench import SerialBench
+
+if TYPE_CHECKING:
+    from catseye.calibration.serial_arm.geometry import Geometry
+
+RESULT: Final = DocumentRule("a calibration of a serial arm", "catseye-serial-arm/1")
+
+
+def calibrated(bench: SerialBench, result: Mapping[str, Any]) -> "Geometry":
+    """Return the arm with the parameters of a result.
+
+    Raises:
+        PlanError: the result is none of an arm with these joints and targets.
+    """
+    # The solver takes its time to import: whoever lists procedures does without.
+    from catseye.calibration.core.errors import CalibrationError
+    from catseye.calibration.serial_arm.arm import SerialArm, Target
+    from catseye.calibration.serial_arm.named_values import geometry_of
+
+    targets = tuple(Target(one.name, one.place_mm) for one in bench.targets)
+    try:
+        arm = SerialArm(bench.workspace.chain, bench.loads, targets)
+        return geometry_of(arm, _values(bench, result))
+    except CalibrationError as error:
+        raise PlanError(f"result: {error}") from error
+
+
+def _values(bench: SerialBench, result: Mapping[str, Any]) -> dict[str, float]:
+    """Return the parameters of a result by name, those of distances left out.
+
+    Raises:
+        PlanError: it is none of an arm with these joints.
+    """
+    try:
+        parts = result["parameters"]
+        values = {
+            str(part["name"]): float(part["value"]) for part in parts if not part.get("of_distances", False)
+        }
+    except (KeyError, TypeError, ValueError) as error:
+        raise PlanError(
+            f"result: its parameters cannot be read ({error}); make it anew by catseye calibrate"
+        ) from error
+    joints = [axis.name for axis in bench.arm.axes]
+    identified = {name.rpartition(".")[0] for name in values}
+    if not identified & set(joints):
+        raise PlanError(
+            f"result: it has no parameter of {', '.join(joints)}: a ballbar is led by commands of a "
+            "calibrated arm only; "
+            "calibrate with a geometric model"
+        )
+    return values

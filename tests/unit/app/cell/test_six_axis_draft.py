@@ -1,0 +1,73 @@
+"""The wizard's cell of a serial arm with a tracker: places of the arm and of the nests."""
+
+import tomllib
+
+from catseye.app.cell.model import Cell
+from catseye.app.cell.templates import SIX_AXIS, TEMPLATES
+from catseye.app.cell.wizard.draft import Draft
+
+ANSWERS = {
+    "name": "lab-6",
+    "robot.endpoint": "tcp://192.168.125.1:80",
+    "tracker.endpoint": "tcp://192.168.0.1:700",
+    "tracker.base_mm": "-2000, 100, -400",
+    "tracker.base_deg": "0, 0, 90",
+    "tracker.nest.0": "-1500, 0, -400",
+    "tracker.nest.1": "-1500, 700, -400",
+    "tracker.nest.2": "-2200, 700, -400",
+}
+
+
+def filled(**changes: str) -> Draft:
+    draft = Draft.new(SIX_AXIS)
+    for key, text in {**ANSWERS, **changes}.items():
+        draft.give(key, text)
+    return draft
+
+
+def faults(draft: Draft) -> dict[str, str]:
+    return draft.faults(lambda _cell: None)
+
+
+def test_a_new_cell_asks_for_tracker_and_nests() -> None:
+    draft = Draft.new(SIX_AXIS)
+    assert [page.name for page in draft.pages] == ["file", "robot", "tracker", "ballbar", "more", "summary"]
+    wanted = " ".join(draft.to_find_out())
+    for title in ("Arm's base, mm", "Nest 1 on the table", "Nest 3 on the table"):
+        assert title in wanted
+    assert draft.answer("tracker.base_mm") == ""
+
+
+def test_answers_make_a_cell_that_is_valid() -> None:
+    draft = filled()
+    assert faults(draft) == {}
+    cell = Cell.model_validate(tomllib.loads(draft.written()[0]))
+    assert cell.tracker is not None
+    assert [(one.name, one.x_mm, one.y_mm, one.z_mm) for one in cell.tracker.nest] == [
+        ("W1", -1500, 0, -400),
+        ("W2", -1500, 700, -400),
+        ("W3", -2200, 700, -400),
+    ]
+    assert cell.tracker.base_deg == [0, 0, 90]
+    assert cell.tracker.control is None
+
+
+def test_faults_stand_beside_the_nest() -> None:
+    draft = filled(**{"tracker.nest.1": "-1500, far, -400"})
+    page = next(page for page in draft.pages if page.name == "tracker")
+    assert "tracker.nest.1" in draft.page_faults(page, faults(draft))
+
+
+def test_nests_on_a_line_are_refused() -> None:
+    draft = filled(**{"tracker.nest.2": "-1500, 1400, -400"})
+    page = next(page for page in draft.pages if page.name == "tracker")
+    assert "lie on a line" in draft.page_faults(page, faults(draft))["tracker"]
+
+
+def test_a_file_that_is_there_shows_its_nests() -> None:
+    text = TEMPLATES[SIX_AXIS].text
+    draft = Draft.of_text(text)
+    assert draft.answer("tracker.nest.1") == "-1450.0, 650.0, -330.0"
+    draft.give("tracker.nest.1", "-1450, 655, -330")
+    assert faults(draft) == {}
+    assert [nest["y_mm"] for nest in draft.data()["tracker"]["nest"]] == [-50.0, 655, 650.0]

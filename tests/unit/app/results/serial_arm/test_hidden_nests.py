@@ -1,0 +1,55 @@
+"""The world frame of a run some of whose nests were hidden."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from catseye.app.results.serial_arm.run_poses import frame_note, pose_rows
+from catseye.app.store.reader import RunReader
+from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
+from tests.unit.app.results.serial_arm import test_run_poses
+from tests.unit.app.results.serial_arm.test_run_poses import in_world, measured, place_of
+from tests.unit.procedures.serial_arm.benches import NESTS, Room
+
+PARAMS = ValidationParams(count=8, nests_every=4, settle_s=0.2)
+
+
+@pytest.fixture(autouse=True)
+def cell_with_nests(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = test_run_poses.configuration
+
+    def configuration(folder: Path) -> Any:
+        nests = [
+            {"name": name, **dict(zip(("x_mm", "y_mm", "z_mm"), place, strict=True))}
+            for name, place in NESTS.items()
+        ]
+        tracker = {"driver": "leica-emscon", "endpoint": "tcp://127.0.0.1:700", "nest": nests}
+        return {**plain(folder), "tracker": tracker}
+
+    monkeypatch.setattr(test_run_poses, "configuration", configuration)
+
+
+async def run(tmp_path: Path, hidden: Mapping[str, int]) -> RunReader:
+    runs = tmp_path / "runs"
+    runs.mkdir(exist_ok=True)
+    room = Room(runs)
+    room.tracker.hidden = dict(hidden)
+    return RunReader(await measured(room, tmp_path, TrackerValidation(), PARAMS))
+
+
+@pytest.mark.parametrize("name", ["W1", "W2", "W3"])
+async def test_a_nest_hidden_once_changes_no_frame(tmp_path: Path, name: str) -> None:
+    reader = await run(tmp_path, {name: 1})
+    for row, stored in zip(pose_rows(reader), reader.rows("targets"), strict=True):
+        assert place_of(row) == pytest.approx(in_world(place_of(stored)), abs=1e-9)
+    assert frame_note(reader) == ""
+
+
+async def test_a_nest_never_seen_is_told(tmp_path: Path) -> None:
+    reader = await run(tmp_path, {"W2": 99})
+    assert "no world frame: of the fixed nests W2 was hidden in every measurement" in frame_note(reader)
+    for row, stored in zip(pose_rows(reader), reader.rows("targets"), strict=True):
+        assert np.array_equal(place_of(row), place_of(stored))

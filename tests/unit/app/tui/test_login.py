@@ -1,0 +1,89 @@
+"""A controller's password is typed into a masked field, and stands nowhere but in the environment."""
+
+from pathlib import Path
+
+import pytest
+from textual.app import App
+from textual.widgets import Input
+
+from catseye.app.cell.templates import SIX_AXIS, TEMPLATES
+from catseye.app.tui.dialogs.form_dialog import Answers, FormDialog
+from catseye.app.tui.login import Login
+
+SECRET = "correct horse"
+
+
+def cell(tmp_path: Path, endpoint: str = "tcp://192.168.125.1:80") -> Path:
+    path = tmp_path / "cell.toml"
+    path.write_text(TEMPLATES[SIX_AXIS].text.replace("tcp://127.0.0.1:8080", endpoint), encoding="utf-8")
+    return path
+
+
+class Shown:
+    """Answers dialogs and counts them."""
+
+    def __init__(self, answers: Answers | None) -> None:
+        self.count = 0
+        self._answers = answers
+
+    async def __call__(self, _dialog: FormDialog) -> Answers | None:
+        self.count += 1
+        return self._answers
+
+
+async def test_answers_stand_in_the_environment(tmp_path: Path) -> None:
+    environment: dict[str, str] = {}
+    login = Login(environment)
+    login.show = Shown({"user": "", "password": SECRET})
+    await login.before_engine(cell(tmp_path))
+    assert environment["CATSEYE_ABB_PASSWORD"] == SECRET
+    assert environment["CATSEYE_ABB_USER"] == "Default User"
+
+
+async def test_going_back_is_not_asked_again(tmp_path: Path) -> None:
+    environment: dict[str, str] = {}
+    login, shown = Login(environment), Shown(None)
+    login.show = shown
+    await login.before_engine(cell(tmp_path))
+    await login.before_engine(cell(tmp_path))
+    assert (shown.count, environment) == (1, {})
+
+
+@pytest.mark.parametrize(
+    ("endpoint", "environment"),
+    [("tcp://127.0.0.1:8080", {}), ("tcp://192.168.125.1:80", {"CATSEYE_ABB_PASSWORD": "x"})],
+)
+async def test_nobody_is_asked_for_what_is_known(
+    tmp_path: Path, endpoint: str, environment: dict[str, str]
+) -> None:
+    login, shown = Login(environment), Shown(None)
+    login.show = shown
+    await login.before_engine(cell(tmp_path, endpoint))
+    assert shown.count == 0
+
+
+class Empty(App[None]):
+    """Shows the dialog only."""
+
+
+async def test_what_is_typed_is_never_drawn(tmp_path: Path) -> None:
+    environment: dict[str, str] = {}
+    login, app = Login(environment), Empty()
+
+    async def show(dialog: FormDialog) -> Answers | None:
+        async with app.run_test(size=(100, 30)) as pilot:
+            answered: list[Answers | None] = []
+            await app.push_screen(dialog, answered.append)
+            await pilot.pause()
+            dialog.query_one("#password", Input).focus()
+            await pilot.press(*("space" if one == " " else one for one in SECRET))
+            drawn = app.export_screenshot()
+            assert "correct" not in drawn
+            assert "•" in drawn
+            await pilot.press("enter")
+            await pilot.pause()
+            return answered[0]
+
+    login.show = show
+    await login.before_engine(cell(tmp_path))
+    assert environment["CATSEYE_ABB_PASSWORD"] == SECRET
