@@ -9,10 +9,12 @@ import os
 import numpy as np
 
 from catseye.calibration.core.types import Floats
+from catseye.calibration.serial_arm.identification import ModelName
 from tests.unit.calibration.serial_arm.studies import (
     accuracy,
     chosen_poses,
     disturbed,
+    drifts,
     lacks_of_fit,
     plants,
 )
@@ -61,6 +63,15 @@ def test_disturbed_sets() -> None:
     assert ratio <= 1.2
     assert found.wrong[1] >= 0.95 * found.wrong[0]
     assert found.good[1] <= 0.01 * found.good[0]
+
+
+def test_drift_of_a_base_that_stands_still() -> None:
+    sets: dict[ModelName, int] = {"geometric": 300, "geometric+compliance": 300, "maps": 200}
+    found = {name: drifts(count, name) for name, count in sets.items()}
+    each = ", ".join(f"{found[name]} of {count} with {name}" for name, count in sets.items())
+    say(f"drift of a base that stands still reported in {each}")
+    # Twice the stated level of 1 % is three standard deviations of so many sets away.
+    assert sum(found.values()) <= 0.02 * sum(sets.values())
 
 
 def test_choice_of_the_model() -> None:
