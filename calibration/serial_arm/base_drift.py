@@ -45,8 +45,7 @@ def find_drift(calibration: Calibration) -> Drift | None:
 
     The likelihood gives the size alone. It takes the stated uncertainties, and what is known beforehand, for right up
     to one common factor; where they are not, or the model lacks something, poses scatter otherwise than stated, and
-    that looks like a drift to it. Whether there is one is decided by the order of the poses, which scatter of any kind
-    does not heed.
+    that looks like a drift to it. Whether there is one is decided by the order of the poses, which no scatter heeds.
     """
     model, values = calibration.model, calibration.estimate.values
     shifted = _shifted(model, values)
@@ -70,7 +69,7 @@ def find_drift(calibration: Calibration) -> Drift | None:
 def _by_chance(calibration: Calibration, shifted: Floats) -> float:
     """Return how likely residuals follow an order of the poses as much as they follow the measuring order.
 
-    What they follow it by is the slope of the likelihood where a drift begins: the square of their sums with the steps.
+    How much they do is the slope of the likelihood where a drift begins: the square of their sums with the steps.
     """
     model, found = calibration.model, calibration.estimate
     pulls = whitening_at(model, found.values).forces(found.residuals_mm)

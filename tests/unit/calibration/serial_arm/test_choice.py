@@ -8,8 +8,9 @@ import pytest
 from catseye.calibration.core.errors import RejectionError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.serial_arm.choice import Chosen, choose
+from catseye.calibration.serial_arm.fitted import without_wrong_poses
 from catseye.calibration.serial_arm.geometry import Commands
-from catseye.calibration.serial_arm.held_out import held_out, without_wrong_poses
+from catseye.calibration.serial_arm.held_out import predicted_errors_mm
 from catseye.calibration.serial_arm.identification import identify_arm
 from catseye.calibration.serial_arm.measurements import MeasuredPoints, Measurements
 from tests.unit.calibration.serial_arm.nominal import NOISE_MM, irb120, measured, validation
@@ -31,16 +32,18 @@ def mean_miss_mm(found: Chosen) -> float:
     return float(np.linalg.norm(missed, axis=1).mean())
 
 
-def test_held_out_errors_are_those_of_fits_without_the_pose() -> None:
+def test_predicted_errors_are_those_of_fits_without_the_pose() -> None:
     rows = measured(random_poses(POSES, 1), 1)
-    quick = held_out(identify_arm(irb120(), rows, "geometric+compliance"))
+    found = identify_arm(irb120(), rows, "geometric+compliance")
     for pose in (0, 17):
         kept = np.arange(POSES) != pose
+        quick = predicted_errors_mm(found.model, found.estimate.values, ~kept)
         without = identify_arm(irb120(), rows.at(kept), "geometric+compliance")
         at_it = rows.commands.some(np.array([pose]))
         missed = without.places_mm(at_it, int(rows.points.target[pose])) - rows.points.place_mm[pose]
         # The quick way is linear about the estimate.
-        assert quick.error_mm[pose] == pytest.approx(float(np.linalg.norm(missed)), rel=1e-3)
+        assert quick[pose] == pytest.approx(float(np.linalg.norm(missed)), rel=1e-3)
+        assert np.isnan(quick[kept]).all()
 
 
 def test_wrong_poses_are_named_and_no_others() -> None:
