@@ -205,7 +205,7 @@ def _trial(
             name,
             joints,
             float(means[name].mean()) if name in means else None,
-            reasons.get(name, ""),
+            reasons.get(name) or predicted.reasons.get(name, ""),
             carried.effective.get(name),
             *behind.get(name, (None, None)),
         )

@@ -36,7 +36,8 @@ _CONVENTIONS: Final = (
     "base: the arm's base in the frame of the instrument, R = Rz·Ry·Rx.",
     "A compliance is the turn of a joint for each N·mm of gravity torque about its +z.",
     "u are standard uncertainties (k = 1). A parameter that was not identified keeps its nominal value.",
-    "Left out: what all other poses predict of a pose, minus what was measured there; errors are 3-D norms.",
+    "Left out: a tenth of the poses at a time is predicted by a calibration that is made anew from the others; what it "
+    "predicts minus what was measured there, as 3-D norms.",
 )
 
 
@@ -122,6 +123,11 @@ def _verdict(result: SerialArmResult) -> list[Block]:
                 "pose to pose: the arm's repeatability, and what the model lacks. The uncertainties know it.",
             )
         )
+    said += [
+        Statement(Sign.NEUTRAL, f"The model {one.model} was not compared: {one.reason}.")
+        for one in result.candidates
+        if one.mean_mm is None and one.reason
+    ]
     return [*said, *_doubtful(result)]
 
 
@@ -247,11 +253,27 @@ def _candidates(result: SerialArmResult) -> Table:
     columns = (
         Column("model", "model"),
         Column("mean_mm", "mean error of poses left out", "mm", _MM),
-        Column("reason", "why it cannot be identified"),
+        Column("behind_mm", "beyond the least", "mm", _MM),
+        Column("u_behind_mm", "standard error", "mm", _MM),
+        Column("effective_parameters", "effective parameters", "", fixed(1)),
+        Column("reason", "why it is not taken into account"),
     )
-    rows = tuple((one.model, one.mean_mm, one.reason or None) for one in result.candidates)
+    rows = tuple(
+        (
+            one.model,
+            one.mean_mm,
+            one.behind_mm,
+            one.u_behind_mm,
+            one.effective_parameters,
+            one.reason or None,
+        )
+        for one in result.candidates
+    )
     return Table(
-        "models", "The simplest model whose predictions no other betters by 1 % is taken", columns, rows
+        "models",
+        "The simplest model within one standard error of the least error of poses left out is taken",
+        columns,
+        rows,
     )
 
 
