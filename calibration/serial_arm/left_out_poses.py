@@ -50,6 +50,20 @@ def same_command(measurements: Measurements) -> Ints:
     return np.asarray(found.ravel(), dtype=np.int64)
 
 
+def parts_of(measurements: Measurements, command: Ints) -> list[Bools]:
+    """Return flags of the poses of each part that is left out at a time, each of shape (n,).
+
+    Args:
+        command: number of each pose's command, shape (n,).
+    """
+    commands = np.unique(command[measurements.poses])
+    count = min(FOLDS, len(commands))
+    # Drawn, since an order may have a period: nests are measured in turn.
+    part = np.full(int(command.max()) + 1, -1)
+    part[np.random.default_rng(_SEED).permutation(commands)] = np.arange(len(commands)) % count
+    return [part[command] == k for k in range(count)]
+
+
 def predict_left_out(
     arm: SerialArm, measurements: Measurements, names: Sequence[ModelName], command: Ints
 ) -> Predictions:
@@ -61,7 +75,7 @@ def predict_left_out(
     """
     rows = len(measurements.points.pose) + len(measurements.distances.pose)
     found = Predictions({name: np.full(rows, np.nan) for name in names})
-    for left_out in _parts(measurements, command):
+    for left_out in parts_of(measurements, command):
         others = measurements.at(~left_out)
         richest, _ = richest_without_wrong(arm, others, names, 2.0 * MOST_REJECTED)
         others = richest.model.measurements
@@ -113,13 +127,3 @@ def by_command_mm(errors_mm: Floats, measurements: Measurements, command: Ints, 
 def pose_of_errors(measurements: Measurements) -> Ints:
     """Return the number of the pose of each point, then of each distance, shape (m,)."""
     return np.concatenate([measurements.points.pose, measurements.distances.pose])
-
-
-def _parts(measurements: Measurements, command: Ints) -> list[Bools]:
-    """Return flags of the poses of each part."""
-    commands = np.unique(command[measurements.poses])
-    count = min(FOLDS, len(commands))
-    # Drawn, since an order may have a period: nests are measured in turn.
-    part = np.full(int(command.max()) + 1, -1)
-    part[np.random.default_rng(_SEED).permutation(commands)] = np.arange(len(commands)) % count
-    return [part[command] == k for k in range(count)]

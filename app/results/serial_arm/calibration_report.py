@@ -36,8 +36,8 @@ _CONVENTIONS: Final = (
     "base: the arm's base in the frame of the instrument, R = Rz·Ry·Rx.",
     "A compliance is the turn of a joint for each N·mm of gravity torque about its +z.",
     "u are standard uncertainties (k = 1). A parameter that was not identified keeps its nominal value.",
-    "Left out: a tenth of the poses at a time is predicted by a calibration that is made anew from the others; what it "
-    "predicts minus what was measured there, as 3-D norms.",
+    "Left out: a tenth of the poses at a time is predicted by a calibration that is made anew from the others; what "
+    "it predicts minus what was measured there, as 3-D norms.",
 )
 
 
