@@ -22,7 +22,12 @@ from catseye.app.results.numbers import PROBABILITY, THREE_DIGITS, Format, count
 from catseye.app.results.origin import origin_now
 from catseye.app.results.serial_arm.certificate import certificate
 from catseye.app.results.serial_arm.figures import deviations, histograms, places
-from catseye.app.results.serial_arm.result import ParameterPart, SerialArmResult, read_serial_arm
+from catseye.app.results.serial_arm.result import (
+    CandidatePart,
+    ParameterPart,
+    SerialArmResult,
+    read_serial_arm,
+)
 
 _MM: Final = fixed(3)
 _FORMS: Final[dict[str, Format]] = {"mm": fixed(4), "deg": fixed(5)}
@@ -252,29 +257,27 @@ def _parameters(parameters: list[ParameterPart]) -> Table:
 def _candidates(result: SerialArmResult) -> Table:
     columns = (
         Column("model", "model"),
-        Column("mean_mm", "mean error of poses left out", "mm", _MM),
-        Column("behind_mm", "beyond the least", "mm", _MM),
-        Column("u_behind_mm", "standard error", "mm", _MM),
+        Column("mean_mm", "mean error", "mm", _MM),
+        Column("behind_mm", "above the least, mm"),
         Column("effective_parameters", "effective parameters", "", fixed(1)),
-        Column("reason", "why it is not taken into account"),
+        Column("reason", "why it was not compared"),
     )
     rows = tuple(
-        (
-            one.model,
-            one.mean_mm,
-            one.behind_mm,
-            one.u_behind_mm,
-            one.effective_parameters,
-            one.reason or None,
-        )
+        (one.model, one.mean_mm, _behind(one), one.effective_parameters, one.reason or None)
         for one in result.candidates
     )
     return Table(
         "models",
-        "The simplest model within one standard error of the least error of poses left out is taken",
+        "Errors of poses left out: the simplest model within one standard error of the least is taken",
         columns,
         rows,
     )
+
+
+def _behind(candidate: CandidatePart) -> str | None:
+    if candidate.behind_mm is None or candidate.u_behind_mm is None:
+        return None
+    return f"{candidate.behind_mm:.4f} ± {candidate.u_behind_mm:.4f}"
 
 
 def _rejected(result: SerialArmResult) -> Table:
