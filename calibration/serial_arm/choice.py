@@ -187,7 +187,10 @@ def _trial(
     predicted = predict_left_out(arm, rows, carried.able, command)
     determined = np.any([np.isfinite(one) for one in predicted.errors_mm.values()], axis=0)
     if not determined.any():
-        raise InsufficientPointsError(predicted.reasons[carried.able[0]])
+        why = predicted.reasons.get(
+            carried.able[0], "each pose has a target, an anchor or a segment of its own"
+        )
+        raise InsufficientPointsError(f"no pose can be predicted from the others, measure at more: {why}")
     reasons = carried.reasons | {
         name: _undetermined(errors, determined, rows, predicted.reasons.get(name, ""))
         for name, errors in predicted.errors_mm.items()

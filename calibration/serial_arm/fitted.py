@@ -11,7 +11,13 @@ from catseye.calibration.core.errors import RejectionError
 from catseye.calibration.serial_arm.arm import SerialArm
 from catseye.calibration.serial_arm.base_drift import Drift, drift_errors, find_drift
 from catseye.calibration.serial_arm.held_out import RejectedPose, most_contradicting
-from catseye.calibration.serial_arm.identification import Calibration, ModelName, identify_arm, refined
+from catseye.calibration.serial_arm.identification import (
+    Calibration,
+    ModelName,
+    estimated_again,
+    identify_arm,
+    refined,
+)
 from catseye.calibration.serial_arm.map_size import identify_maps
 from catseye.calibration.serial_arm.measurements import Measurements
 from catseye.calibration.serial_arm.model import ArmModel
@@ -81,14 +87,16 @@ def without_wrong_poses(
     seen = np.unique(measurements.poses).size
     rejected: list[RejectedPose] = []
     while True:
-        found = identified(arm, measurements.at(kept), name)
-        worst = most_contradicting(found)
-        if worst is None:
+        found, before = identified(arm, measurements.at(kept), name), len(rejected)
+        while (worst := most_contradicting(found)) is not None:
+            rejected.append(worst)
+            kept[worst.pose] = False
+            if len(rejected) > most * seen:
+                raise RejectionError(
+                    f"more than {100.0 * most:.0f} % of the poses contradict the model {name}: do not leave them "
+                    "out, look for what moved (base, tracker, tool), for joints in another order, or take a richer "
+                    "model"
+                )
+            found = estimated_again(found, replace(found.model, measurements=measurements.at(kept)))
+        if len(rejected) == before:
             return found, tuple(rejected)
-        rejected.append(worst)
-        kept[worst.pose] = False
-        if len(rejected) > most * seen:
-            raise RejectionError(
-                f"more than {100.0 * most:.0f} % of the poses contradict the model {name}: do not leave them out, "
-                "look for what moved (base, tracker, tool), for joints in another order, or take a richer model"
-            )

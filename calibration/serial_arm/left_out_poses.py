@@ -55,8 +55,13 @@ def parts_of(measurements: Measurements, command: Ints) -> list[Bools]:
 
     Args:
         command: number of each pose's command, shape (n,).
+
+    Raises:
+        InsufficientPointsError: there is one command only.
     """
     commands = np.unique(command[measurements.poses])
+    if len(commands) < 2:
+        raise InsufficientPointsError("all poses are at one command, and none shows how others are missed")
     count = min(FOLDS, len(commands))
     # Drawn, since an order may have a period: nests are measured in turn.
     part = np.full(int(command.max()) + 1, -1)

@@ -260,7 +260,7 @@ def _candidates(result: SerialArmResult) -> Table:
         Column("mean_mm", "mean error", "mm", _MM),
         Column("behind_mm", "above the least, mm"),
         Column("effective_parameters", "effective parameters", "", fixed(1)),
-        Column("reason", "why it was not compared"),
+        Column("reason", "remark"),
     )
     rows = tuple(
         (one.model, one.mean_mm, _behind(one), one.effective_parameters, one.reason or None)
