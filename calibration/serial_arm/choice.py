@@ -12,12 +12,12 @@ from catseye.calibration.core.robust import Loss, robust_estimate
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.serial_arm.arm import SerialArm
 from catseye.calibration.serial_arm.base_drift import Drift
+from catseye.calibration.serial_arm.carried_models import carried_models
 from catseye.calibration.serial_arm.fitted import identified, with_shared, without_wrong_poses
 from catseye.calibration.serial_arm.geometry import Commands
-from catseye.calibration.serial_arm.held_out import HeldOut, RejectedPose, effective_parameters
+from catseye.calibration.serial_arm.held_out import HeldOut, RejectedPose
 from catseye.calibration.serial_arm.identification import MODELS, Calibration, ModelName
 from catseye.calibration.serial_arm.left_out_poses import (
-    NOT_IDENTIFIED,
     by_command_mm,
     pose_of_errors,
     predict_left_out,
@@ -27,12 +27,6 @@ from catseye.calibration.serial_arm.left_out_poses import (
 from catseye.calibration.serial_arm.measurements import Measurements
 
 JointSource = Literal["commanded", "read back"]
-
-_ROWS_A_PARAMETER = 2.0
-"""Coordinates that each effective parameter of a model needs: with fewer, chance decides what it becomes."""
-
-_COORDINATES = 6
-"""Of a pose: more rows only repeat them."""
 
 
 @dataclass(frozen=True)
@@ -182,7 +176,7 @@ def _trial(
     Raises:
         CalibrationError: none is identified, or none predicts poses that are left out.
     """
-    carried = _carried(arm, rows, names)
+    carried = carried_models(arm, rows, names)
     wrong = [one.pose for one in richest_without_wrong(arm, rows, carried.able)[1]]
     predicted = predict_left_out(arm, rows, carried.able, command)
     determined = np.any([np.isfinite(one) for one in predicted.errors_mm.values()], axis=0)
@@ -222,55 +216,6 @@ def _behind(errors_mm: Floats, least_mm: Floats) -> tuple[float, float]:
     apart = errors_mm - least_mm
     scatter = float(np.std(apart, ddof=1)) if len(apart) > 1 else 0.0
     return float(apart.mean()), scatter / math.sqrt(len(apart))
-
-
-@dataclass(frozen=True)
-class _Carried:
-    """Which models the measurements carry.
-
-    Attributes:
-        able: those that they do, the simplest first.
-        effective: parameters that the rows pay for, of each that is identified.
-        reasons: why they do not carry others.
-    """
-
-    able: list[ModelName]
-    effective: dict[ModelName, float]
-    reasons: dict[ModelName, str]
-
-
-def _carried(arm: SerialArm, rows: Measurements, names: Sequence[ModelName]) -> _Carried:
-    """Return the models that measurements carry; the simplest that they identify is carried anyhow.
-
-    Raises:
-        CalibrationError: none is identified.
-    """
-    found, error, coordinates = _Carried([], {}, {}), None, _coordinates(rows)
-    for name in names:
-        try:
-            effective = effective_parameters(identified(arm, rows, name))
-        except NOT_IDENTIFIED as why:
-            error = error or why
-            found.reasons[name] = str(why)
-            continue
-        found.effective[name] = effective
-        if found.able and _ROWS_A_PARAMETER * effective > coordinates:
-            found.reasons[name] = (
-                f"{effective:.0f} effective parameters from {coordinates} coordinates, which carry "
-                f"{coordinates / _ROWS_A_PARAMETER:.0f}: measure at more poses"
-            )
-        else:
-            found.able.append(name)
-    if not found.able:
-        raise error or InsufficientPointsError("there is no model to identify")
-    return found
-
-
-def _coordinates(rows: Measurements) -> int:
-    """Return how many coordinates of poses were measured."""
-    threefold = np.repeat(np.concatenate([rows.points.pose, rows.orientations.pose]), 3)
-    counts = np.unique(np.concatenate([threefold, rows.distances.pose]), return_counts=True)[1]
-    return int(np.minimum(counts, _COORDINATES).sum())
 
 
 def _undetermined(errors_mm: Floats, determined: Bools, rows: Measurements, why: str) -> str:
