@@ -1,8 +1,8 @@
 """Six-axis calibration over many emulated sets: accuracy, lack of fit, disturbed sets, choice of the model.
 
 The arm is computed by screws (`tests.unit.calibration.serial_arm.true_arm`), not by the program's model.
-`CATSEYE_SIX_AXIS_DRAWS` sets draws [50], `CATSEYE_SIX_AXIS_SETS` disturbed sets [40], `CATSEYE_SIX_AXIS_FIRST` the first
-seed of disturbed sets and plants [0].
+`CATSEYE_SIX_AXIS_DRAWS` sets draws [50], `CATSEYE_SIX_AXIS_SETS` disturbed sets [40], `CATSEYE_SIX_AXIS_FIRST` the
+first seed of disturbed sets and plants [0].
 """
 
 import os
