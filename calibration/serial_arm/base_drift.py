@@ -7,6 +7,7 @@ import numpy as np
 from catseye.calibration.core.budget import Shared
 from catseye.calibration.core.model import whitening_at
 from catseye.calibration.core.restricted_likelihood import restricted_log_likelihoods
+from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Floats
 from catseye.calibration.serial_arm.identification import Calibration
 from catseye.calibration.serial_arm.model import ArmModel
@@ -20,9 +21,10 @@ _TRIED_MM = (0.01, 0.02, 0.035, 0.05, 0.07, 0.1, 0.14, 0.2, 0.35, 0.5, 1.0)
 _INTERVALS = 12
 """The drift is linear in so many intervals of the measuring order."""
 
-SIGNIFICANT_GAIN = 2.71
-"""Gain of the logarithm of the likelihood that chance exceeds once in a hundred times: half of the 0.98 quantile of
-χ² with one degree of freedom, since a size cannot be negative."""
+_ORDERS = 999
+"""Orders of the poses, drawn at random, that the measuring order is compared with."""
+
+_SEED = 1
 
 
 @dataclass(frozen=True)
@@ -31,50 +33,93 @@ class Drift:
 
     Attributes:
         size_mm: standard deviation of each coordinate between the first and the last pose.
-        gain: logarithm of the likelihood beyond that of no drift.
+        probability: of residuals that follow the measuring order so much when nothing moves.
     """
 
     size_mm: float
-    gain: float
+    probability: float
 
 
 def find_drift(calibration: Calibration) -> Drift | None:
-    """Return the likeliest drift of the base; None where none is seen beyond chance, or nothing would show it."""
+    """Return the likeliest drift of the base; None where none is seen beyond chance, or nothing would show it.
+
+    The likelihood gives the size alone. It takes the stated uncertainties, and what is known beforehand, for right up
+    to one common factor; where they are not, or the model lacks something, poses scatter otherwise than stated, and
+    that looks like a drift to it. Whether there is one is decided by the order of the poses, which no scatter heeds.
+    """
     model, values = calibration.model, calibration.estimate.values
-    unit = _of_unit_size(model, values)
-    if unit is None:
+    shifted = _shifted(model, values)
+    if shifted is None:
         return None
     sizes = (0.0, *_TRIED_MM)
     likelihoods = restricted_log_likelihoods(
         whitening_at(model, values),
         model.jacobian(values),
         calibration.estimate.residuals_mm,
-        unit.effects_mm,
+        _spread(shifted, _steps(model)),
         sizes,
     )
     best = int(np.argmax(likelihoods))
-    gain = float(likelihoods[best] - likelihoods[0])
-    return Drift(sizes[best], gain) if gain > SIGNIFICANT_GAIN else None
+    if best == 0:
+        return None
+    probability = _by_chance(calibration, shifted)
+    return Drift(sizes[best], probability) if probability <= SIGNIFICANCE else None
+
+
+def _by_chance(calibration: Calibration, shifted: Floats) -> float:
+    """Return how likely residuals follow an order of the poses as much as they follow the measuring order.
+
+    How much they do is the slope of the likelihood where a drift begins: the square of their sums with the steps.
+    """
+    model, found = calibration.model, calibration.estimate
+    pulls = whitening_at(model, found.values).forces(found.residuals_mm)
+    numbers, where = np.unique(model.pose_of_row, return_inverse=True)
+    forces = np.zeros((len(numbers), len(_SHIFTS)))
+    np.add.at(forces, where, shifted * pulls[:, None])
+    measured = numbers >= 0
+    forces, steps = forces[measured], _steps_of_poses(int(measured.sum()))
+    orders = np.random.default_rng(_SEED).permuted(np.tile(np.arange(len(forces)), (_ORDERS, 1)), axis=1)
+    by_order = np.sum((steps.T @ forces[orders]) ** 2, axis=(1, 2))
+    as_measured = np.sum((steps.T @ forces) ** 2)
+    return float((1 + np.sum(by_order >= as_measured)) / (1 + _ORDERS))
 
 
 def drift_errors(model: ArmModel, values: Floats, drift: Drift) -> Shared:
     """Return what rows share under a drift of the base."""
-    unit = _of_unit_size(model, values)
-    effects = np.zeros((model.rows, 0)) if unit is None else drift.size_mm * unit.effects_mm
-    return Shared("drift of the base", effects)
+    shifted = _shifted(model, values)
+    effects = np.zeros((model.rows, 0)) if shifted is None else _spread(shifted, _steps(model))
+    return Shared("drift of the base", drift.size_mm * effects)
 
 
-def _of_unit_size(model: ArmModel, values: Floats) -> Shared | None:
-    """Return what rows share under a drift of 1 mm; None where the base is not in the frame of an instrument."""
+def _shifted(model: ArmModel, values: Floats) -> Floats | None:
+    """Return what a shift of the base by 1 mm does to the rows, a column a coordinate, shape (n, 3).
+
+    None where the base is not in the frame of an instrument.
+    """
     shifts = [k for k, one in enumerate(model.chosen) if one.role in _SHIFTS]
-    if len(shifts) < len(_SHIFTS):
-        return None
-    moved = model.jacobian(values)[:, shifts]
-    measured = model.pose_of_row >= 0
-    numbers = np.unique(model.pose_of_row[measured])
-    place = np.interp(model.pose_of_row, numbers, np.linspace(0.0, 1.0, len(numbers)))
-    steps = np.clip(place[:, None] * _INTERVALS - np.arange(_INTERVALS), 0.0, 1.0) / np.sqrt(_INTERVALS)
+    return model.jacobian(values)[:, shifts] if len(shifts) == len(_SHIFTS) else None
+
+
+def _spread(shifted: Floats, steps: Floats) -> Floats:
+    """Return what rows share under a drift of 1 mm, shape (n, 3 intervals)."""
+    return np.asarray((shifted[:, :, None] * steps[:, None, :]).reshape(len(shifted), -1))
+
+
+def _steps(model: ArmModel) -> Floats:
+    """Return how far the base has gone at each row in each interval, shape (n, intervals)."""
+    numbers, where = np.unique(model.pose_of_row, return_inverse=True)
+    measured = numbers >= 0
+    of_pose = np.zeros((len(numbers), _INTERVALS))
+    of_pose[measured] = _steps_of_poses(int(measured.sum()))
+    steps = of_pose[where]
     # The base of the calibration is where it stood on the average.
-    steps -= steps[measured].mean(axis=0)
-    steps[~measured] = 0.0
-    return Shared("drift of the base", (moved[:, :, None] * steps[:, None, :]).reshape(len(moved), -1))
+    at_pose = measured[where]
+    steps[at_pose] -= steps[at_pose].mean(axis=0)
+    return np.asarray(steps)
+
+
+def _steps_of_poses(poses: int) -> Floats:
+    """Return the same at each pose, in measuring order, less the mean, shape (poses, intervals)."""
+    place = np.linspace(0.0, 1.0, poses)
+    steps = np.clip(place[:, None] * _INTERVALS - np.arange(_INTERVALS), 0.0, 1.0) / np.sqrt(_INTERVALS)
+    return np.asarray(steps - steps.mean(axis=0))

@@ -1,41 +1,32 @@
 """Which model, and which joints: decided by what is predicted of poses that were left out, not by hand."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from catseye.calibration.core.errors import (
-    CalibrationError,
-    ConvergenceError,
-    InsufficientPointsError,
-    UnidentifiableError,
-)
+from catseye.calibration.core.errors import CalibrationError, InsufficientPointsError
 from catseye.calibration.core.robust import Loss, robust_estimate
-from catseye.calibration.core.types import Floats
+from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.serial_arm.arm import SerialArm
-from catseye.calibration.serial_arm.base_drift import Drift, drift_errors, find_drift
+from catseye.calibration.serial_arm.base_drift import Drift
+from catseye.calibration.serial_arm.carried_models import carried_models
+from catseye.calibration.serial_arm.fitted import identified, with_shared, without_wrong_poses
 from catseye.calibration.serial_arm.geometry import Commands
-from catseye.calibration.serial_arm.held_out import HeldOut, RejectedPose, held_out, without_wrong_poses
-from catseye.calibration.serial_arm.identification import (
-    MODELS,
-    Calibration,
-    ModelName,
-    identify_arm,
-    refined,
+from catseye.calibration.serial_arm.held_out import HeldOut, RejectedPose
+from catseye.calibration.serial_arm.identification import MODELS, Calibration, ModelName
+from catseye.calibration.serial_arm.left_out_poses import (
+    by_command_mm,
+    pose_of_errors,
+    predict_left_out,
+    richest_without_wrong,
+    same_command,
 )
 from catseye.calibration.serial_arm.measurements import Measurements
-from catseye.calibration.serial_arm.pose_scatter import find_scatter, scatter_errors
 
 JointSource = Literal["commanded", "read back"]
-
-_BETTER = 0.99
-"""Mean error of held-out poses, over that of a simpler model, that makes a richer one worth its parameters."""
-
-
-_HARMONIC_SIZES_DEG = (0.003, 0.01, 0.03)
-"""Standard deviations of the maps' amplitudes that are tried."""
 
 
 @dataclass(frozen=True)
@@ -44,14 +35,20 @@ class Candidate:
 
     Attributes:
         joints: what the poses are taken to be.
-        mean_mm: mean error of the poses left out; None where the measurements do not identify it.
-        reason: why they do not.
+        mean_mm: mean error of the poses left out, the same ones of all candidates; None where it was not compared.
+        reason: why it was not.
+        effective: parameters that the rows pay for; None where the measurements do not identify it.
+        behind_mm: mean over the poses by which it misses them more than the model that misses them least.
+        u_behind_mm: standard error of that.
     """
 
     name: ModelName
     joints: JointSource
     mean_mm: float | None
     reason: str = ""
+    effective: float | None = None
+    behind_mm: float | None = None
+    u_behind_mm: float | None = None
 
 
 @dataclass(frozen=True)
@@ -88,6 +85,9 @@ def choose(
 ) -> Chosen:
     """Identify an arm with the model and the joints that predict poses best that were left out.
 
+    The simplest model is taken that misses them by no more than one standard error beyond the one that misses them
+    least, and the commanded joints unless those read back are better by more than that.
+
     Args:
         read_back: joints as the controller said them at the poses, shape (n, joints).
         name: model; the best one is found if nothing is said.
@@ -98,23 +98,18 @@ def choose(
         CalibrationError: no model can be identified; the text says why.
     """
     names = MODELS if name == "auto" else (name,)
-    joints, cleaned, rejected = _cleaned(arm, measurements, read_back, names)
-    tried = [_tried(arm, cleaned, one, joints) for one in names]
-    able = [found for found, _ in tried if found is not None]
-    if not able:
-        raise InsufficientPointsError(tried[0][1].reason)
-    best = able[0]
-    for one in able[1:]:
-        if one.errors.mean_mm < _BETTER * best.errors.mean_mm:
-            best = one
-    frames = identify_arm(arm, cleaned, "frames")
-    candidates = tuple(candidate for _, candidate in tried)
-    if loss is None:
-        return Chosen(
-            best.calibration, frames, rejected, joints, best.drift, best.scatter_mm, candidates, best.errors
-        )
-    every = _robust(arm, _with_joints(arm, measurements, read_back, joints), best.calibration, loss)
-    return Chosen(every, frames, (), joints, best.drift, best.scatter_mm, candidates, best.errors)
+    best = _best_trial(arm, measurements, read_back, names)
+    clean, rejected = without_wrong_poses(arm, best.rows, best.name)
+    found, cleaned = with_shared(clean), clean.model.measurements
+    calibration, frames = found.calibration, identified(arm, cleaned, "frames")
+    if loss is not None:
+        calibration, rejected = _robust(arm, best.rows, calibration, loss), ()
+    pose = pose_of_errors(best.rows)
+    kept = np.isin(pose, cleaned.poses)
+    held_out = HeldOut(best.errors_mm[kept], pose[kept])
+    return Chosen(
+        calibration, frames, rejected, best.joints, found.drift, found.scatter_mm, best.candidates, held_out
+    )
 
 
 def _robust(arm: SerialArm, rows: Measurements, clean: Calibration, loss: Loss) -> Calibration:
@@ -125,71 +120,108 @@ def _robust(arm: SerialArm, rows: Measurements, clean: Calibration, loss: Loss) 
     return replace(clean, model=model, estimate=found.estimate)
 
 
-def _with_joints(
-    arm: SerialArm, rows: Measurements, read_back: Floats | None, source: JointSource
-) -> Measurements:
-    if read_back is None or source == "commanded":
-        return rows
-    return replace(rows, commands=Commands.of(arm, read_back, rows.commands.approach))
-
-
 @dataclass(frozen=True)
-class _Fitted:
-    """A model with the drift and the scatter that it sees, and what it predicts of poses left out."""
+class _Trial:
+    """The models tried with one kind of joints.
 
-    calibration: Calibration
-    drift: Drift | None
-    scatter_mm: float | None
-    errors: HeldOut
+    Attributes:
+        name: of the model that is taken.
+        errors_mm: of it at points and distances left out, shape (m,).
+        scored: flags of those that models are compared by, shape (m,).
+    """
+
+    joints: JointSource
+    rows: Measurements
+    name: ModelName
+    errors_mm: Floats
+    scored: Bools
+    candidates: tuple[Candidate, ...]
 
 
-def _cleaned(
+def _best_trial(
     arm: SerialArm, measurements: Measurements, read_back: Floats | None, names: Sequence[ModelName]
-) -> tuple[JointSource, Measurements, tuple[RejectedPose, ...]]:
-    """Return the better joints, and the measurements without poses that contradict the others."""
-    known: tuple[JointSource, ...] = ("commanded",) if read_back is None else ("commanded", "read back")
-    sources = [(one, _with_joints(arm, measurements, read_back, one)) for one in known]
-    found = [(source, rows, *_without_wrong(arm, rows, names)) for source, rows in sources]
-    best = found[0]
-    for other_found in found[1:]:
-        if held_out(other_found[2]).mean_mm < _BETTER * held_out(best[2]).mean_mm:
-            best = other_found
-    source, rows, _, rejected = best
-    kept = np.ones(len(rows.commands), dtype=np.bool_)
-    kept[[one.pose for one in rejected]] = False
-    return source, rows.at(kept), rejected
-
-
-def _without_wrong(
-    arm: SerialArm, measurements: Measurements, names: Sequence[ModelName]
-) -> tuple[Calibration, tuple[RejectedPose, ...]]:
-    """Return the richest model that the poses identify, but for maps, and the poses that contradict it."""
+) -> _Trial:
+    command = same_command(measurements)
+    kinds: list[tuple[JointSource, Measurements]] = [("commanded", measurements)]
+    if read_back is not None:
+        read = Commands.of(arm, read_back, measurements.commands.approach)
+        kinds.append(("read back", replace(measurements, commands=read)))
+    best: _Trial | None = None
     error: CalibrationError | None = None
-    for name in reversed([one for one in names if one != "maps"] or ["geometric+compliance"]):
+    for joints, rows in kinds:
         try:
-            return without_wrong_poses(arm, measurements, name)
-        except (InsufficientPointsError, UnidentifiableError) as why:
+            trial = _trial(arm, rows, names, joints, command)
+        except CalibrationError as why:
             error = error or why
-    raise error or InsufficientPointsError("there is no model to identify")
+            continue
+        best = trial if best is None or _beats(trial, best, command) else best
+    if best is None:
+        raise error or InsufficientPointsError("there is nothing to identify a model from")
+    return best
 
 
-def _tried(
-    arm: SerialArm, measurements: Measurements, name: ModelName, joints: JointSource
-) -> tuple[_Fitted | None, Candidate]:
-    sizes = _HARMONIC_SIZES_DEG if name == "maps" else _HARMONIC_SIZES_DEG[:1]
-    try:
-        fitted = [_fitted(identify_arm(arm, measurements, name, harmonic_u_deg=size)) for size in sizes]
-    except (InsufficientPointsError, UnidentifiableError, ConvergenceError) as why:
-        return None, Candidate(name, joints, None, str(why))
-    best = min(fitted, key=lambda one: one.errors.mean_mm)
-    return best, Candidate(name, joints, best.errors.mean_mm)
+def _beats(trial: _Trial, simpler: _Trial, command: Ints) -> bool:
+    """Return whether other joints miss the poses less, by more than a standard error."""
+    both = trial.scored & simpler.scored
+    errors, others = (by_command_mm(one.errors_mm, one.rows, command, both) for one in (trial, simpler))
+    behind, u_behind = _behind(others, errors)
+    return behind > u_behind
 
 
-def _fitted(found: Calibration) -> _Fitted:
-    drift = find_drift(found)
-    if drift is not None:
-        found = refined(found, (drift_errors(found.model, found.estimate.values, drift),))
-    scatter_mm = find_scatter(found)
-    if scatter_mm is not None:
-        found = refined(found, (*found.model.common, scatter_errors(found.model, scatter_mm)))
-    return _Fitted(found, drift, scatter_mm, held_out(found))
+def _trial(
+    arm: SerialArm, rows: Measurements, names: Sequence[ModelName], joints: JointSource, command: Ints
+) -> _Trial:
+    """Compare models with one kind of joints.
+
+    Raises:
+        CalibrationError: none is identified, or none predicts poses that are left out.
+    """
+    carried = carried_models(arm, rows, names)
+    wrong = [one.pose for one in richest_without_wrong(arm, rows, carried.able)[1]]
+    predicted = predict_left_out(arm, rows, carried.able, command)
+    determined = np.any([np.isfinite(one) for one in predicted.errors_mm.values()], axis=0)
+    if not determined.any():
+        why = predicted.reasons.get(
+            carried.able[0], "each pose has a target, an anchor or a segment of its own"
+        )
+        raise InsufficientPointsError(f"no pose can be predicted from the others, measure at more: {why}")
+    reasons = carried.reasons | {
+        name: _undetermined(errors, determined, rows, predicted.reasons.get(name, ""))
+        for name, errors in predicted.errors_mm.items()
+        if np.isnan(errors[determined]).any()
+    }
+    compared = [name for name in carried.able if name not in reasons] or carried.able[:1]
+    scored = determined & np.isfinite(predicted.errors_mm[compared[0]])
+    scored &= ~np.isin(pose_of_errors(rows), wrong)
+    means = {name: by_command_mm(predicted.errors_mm[name], rows, command, scored) for name in compared}
+    least = min(means.values(), key=lambda one: float(one.mean()))
+    behind = {name: _behind(one, least) for name, one in means.items()}
+    taken = next(name for name, (by, u) in behind.items() if by <= u)
+    candidates = tuple(
+        Candidate(
+            name,
+            joints,
+            float(means[name].mean()) if name in means else None,
+            reasons.get(name) or predicted.reasons.get(name, ""),
+            carried.effective.get(name),
+            *behind.get(name, (None, None)),
+        )
+        for name in names
+    )
+    return _Trial(joints, rows, taken, predicted.errors_mm[taken], scored, candidates)
+
+
+def _behind(errors_mm: Floats, least_mm: Floats) -> tuple[float, float]:
+    """Return by how much a model misses the same poses more than another, and the standard error of that."""
+    apart = errors_mm - least_mm
+    scatter = float(np.std(apart, ddof=1)) if len(apart) > 1 else 0.0
+    return float(apart.mean()), scatter / math.sqrt(len(apart))
+
+
+def _undetermined(errors_mm: Floats, determined: Bools, rows: Measurements, why: str) -> str:
+    """Return what a model does not predict although another does."""
+    pose = pose_of_errors(rows)
+    unknown = np.unique(pose[determined & np.isnan(errors_mm)])
+    return (
+        f"it does not predict {len(unknown)} of {len(np.unique(pose))} poses from the others. {why}".rstrip()
+    )

@@ -7,24 +7,19 @@ import numpy as np
 from scipy import stats
 
 from catseye.calibration.core.cross_validation import Fold, Folds, cross_validation, predicted_residuals
-from catseye.calibration.core.errors import RejectionError
 from catseye.calibration.core.projection import Projection, project
 from catseye.calibration.core.significance import SIGNIFICANCE, adjusted
 from catseye.calibration.core.types import Bools, Floats, Ints
-from catseye.calibration.serial_arm.arm import SerialArm
-from catseye.calibration.serial_arm.identification import Calibration, ModelName, identify_arm
-from catseye.calibration.serial_arm.measurements import Measurements
+from catseye.calibration.serial_arm.identification import Calibration
+from catseye.calibration.serial_arm.model import ArmModel
 
 _DIRECTIONS = 2
 """Degrees of freedom of what an arm misses a pose by: errors of a few joints move it along few directions."""
 
-MOST_REJECTED = 0.2
-"""Share of wrong poses beyond which the model is in doubt, not the measurement."""
-
 
 @dataclass(frozen=True)
 class HeldOut:
-    """Errors of what the other poses predict.
+    """Errors of what calibrations without a pose predict of it.
 
     Attributes:
         error_mm: 3-D error of each point, error of each distance; NaN where the others do not say it, shape (m,).
@@ -62,52 +57,42 @@ class RejectedPose:
     probability: float
 
 
-def held_out(calibration: Calibration) -> HeldOut:
-    """Leave out each pose in turn; no fit is repeated."""
-    model, projection = calibration.model, _projection(calibration)
-    predicted = predicted_residuals(projection, _folds(calibration))
-    rows = model.measurements.points
-    size, first = len(rows.pose), 3 * (len(rows.pose) + len(model.measurements.orientations.pose))
-    along = np.linalg.norm(predicted[: 3 * size].reshape(-1, 3), axis=1)
-    distances = model.measurements.distances.pose
-    apart = np.abs(predicted[first : first + len(distances)])
-    return HeldOut(np.concatenate([along, apart]), np.concatenate([rows.pose, distances]))
+def predicted_errors_mm(model: ArmModel, values: Floats, left_out: Bools) -> Floats:
+    """Return by how much the other poses, and the errors that rows share, miss each point and each distance.
 
+    No fit is repeated: this is linear about the values, and exact where they are those of the others alone.
 
-def without_wrong_poses(
-    arm: SerialArm, measurements: Measurements, name: ModelName
-) -> tuple[Calibration, tuple[RejectedPose, ...]]:
-    """Identify, and leave out poses that contradict all others: the worst one, again and again.
+    Args:
+        values: of the parameters, shape (p,).
+        left_out: flags of the poses, shape (n,).
 
-    Raises:
-        RejectionError: more than a fifth of the poses would have to go.
+    Returns:
+        3-D errors of points, then errors of distances, shape (m,); NaN of poses that are not left out, and where the
+        others do not determine them.
     """
-    kept = np.ones(len(measurements.commands), dtype=np.bool_)
-    seen = np.unique(measurements.poses).size
-    rejected: list[RejectedPose] = []
-    while True:
-        found = identify_arm(arm, measurements.at(kept), name)
-        worst = _worst(found)
-        if worst is None:
-            return found, tuple(rejected)
-        rejected.append(worst)
-        kept[worst.pose] = False
-        if len(rejected) > MOST_REJECTED * seen:
-            raise RejectionError(
-                f"more than {100.0 * MOST_REJECTED:.0f} % of the poses contradict the model {name}: do not leave "
-                "them out, look for what moved (base, tracker, tool), for joints in another order, or take a richer "
-                "model"
-            )
+    of_row = np.where(model.pose_of_row >= 0, left_out[model.pose_of_row], False)
+    folds = _folds_of(model, values, np.where(of_row, 0, -1), ("left out",))
+    settled = project(model, values, model.residuals(values)).settled
+    predicted = predicted_residuals(settled, folds)
+    rows = model.measurements
+    size, first = len(rows.points.pose), 3 * (len(rows.points.pose) + len(rows.orientations.pose))
+    along = np.linalg.norm(predicted[: 3 * size].reshape(-1, 3), axis=1)
+    apart = np.abs(predicted[first : first + len(rows.distances.pose)])
+    errors = np.concatenate([along, apart])
+    errors[_known_nowhere_else(model, left_out)] = np.nan
+    return errors
 
 
-def wrong_flags(rejected: tuple[RejectedPose, ...], poses: int) -> Bools:
-    """Return flags of the poses that were not rejected, shape (poses,)."""
-    kept = np.ones(poses, dtype=np.bool_)
-    kept[[one.pose for one in rejected]] = False
-    return kept
+def effective_parameters(calibration: Calibration) -> float:
+    """Return how many parameters the rows pay for: the trace of the hat matrix over what was measured.
+
+    What is known beforehand of a parameter pays for a part of it, so that maps cost less than their parameters.
+    """
+    measured = _projection(calibration).orthonormal[: calibration.model.measured_rows]
+    return float(np.sum(measured**2))
 
 
-def _worst(calibration: Calibration) -> RejectedPose | None:
+def most_contradicting(calibration: Calibration) -> RejectedPose | None:
     """Return the pose that the others miss most, where chance does not explain it."""
     judged = cross_validation(_projection(calibration), _folds(calibration)).folds
     numbers = np.unique(calibration.model.measurements.poses)
@@ -159,10 +144,30 @@ def _folds(calibration: Calibration) -> Folds:
     numbers = np.unique(model.measurements.poses)
     names = tuple(model.measurements.names[k] for k in numbers)
     group = np.where(model.pose_of_row < 0, -1, np.searchsorted(numbers, model.pose_of_row))
-    touched = model.jacobian(calibration.estimate.values) != 0.0
-    own = np.zeros(len(numbers), dtype=np.int64)
+    return _folds_of(model, calibration.estimate.values, np.asarray(group), names)
+
+
+def _folds_of(model: ArmModel, values: Floats, group: Ints, names: tuple[str, ...]) -> Folds:
+    """Return folds of rows with what each alone says of parameters; −1 of rows that are in none."""
+    touched = model.jacobian(values) != 0.0
+    own = np.zeros(len(names), dtype=np.int64)
     for column in touched.T:
         alone = np.unique(group[column])
         if len(alone) == 1 and alone[0] >= 0:
             own[alone[0]] += 1
-    return Folds("one pose", names, np.asarray(group), own)
+    return Folds("one pose", names, group, own)
+
+
+def _known_nowhere_else(model: ArmModel, left_out: Bools) -> Bools:
+    """Return flags of points and distances whose target, anchor or segment no other pose says anything of."""
+    points, distances = model.measurements.points, model.measurements.distances
+    targets = np.concatenate([points.target, distances.target])
+    out = left_out[np.concatenate([points.pose, distances.pose])]
+    unsure = [k for k, one in enumerate(model.arm.targets) if one.u_mm != 0.0]
+    found = np.isin(targets, np.setdiff1d(unsure, targets[~out]))
+    apart, there = out[len(points.pose) :], ~out[len(points.pose) :]
+    loose = [k for k, one in enumerate(distances.anchors) if one.u_mm != 0.0]
+    lost = np.isin(distances.anchor, np.setdiff1d(loose, distances.anchor[there]))
+    lost |= (distances.segment >= 0) & ~np.isin(distances.segment, distances.segment[there])
+    found[len(points.pose) :] |= lost & apart
+    return np.asarray(found)

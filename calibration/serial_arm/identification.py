@@ -177,6 +177,12 @@ def _estimated(model: ArmModel, start: Floats) -> tuple[ArmModel, Estimate]:
     return model, found
 
 
+def estimated_again(found: Calibration, model: ArmModel) -> Calibration:
+    """Return a calibration with other rows, or with other knowledge of the same parameters."""
+    model, again = _estimated(model, found.estimate.values)
+    return replace(found, model=model, estimate=again)
+
+
 def refined(found: Calibration, common: tuple[Shared, ...]) -> Calibration:
     """Return a calibration with errors that rows have in common."""
     model = replace(found.model, common=common)

@@ -10,12 +10,16 @@ from catseye.calibration.core.budget import Shared
 from catseye.calibration.core.model import whitening_at
 from catseye.calibration.core.restricted_likelihood import restricted_log_likelihoods
 from catseye.calibration.core.types import Floats
-from catseye.calibration.serial_arm.base_drift import SIGNIFICANT_GAIN
 from catseye.calibration.serial_arm.identification import Calibration
 from catseye.calibration.serial_arm.model import ArmModel
 
 _TRIED_MM = (0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.14, 0.2, 0.3, 0.5, 1.0)
 """Standard deviations of a coordinate of a pose that are tried."""
+
+
+_SIGNIFICANT_GAIN = 2.71
+"""Gain of the logarithm of the likelihood that chance exceeds once in a hundred times: half of the 0.98 quantile of
+χ² with one degree of freedom, since a size cannot be negative."""
 
 
 def find_scatter(calibration: Calibration) -> float | None:
@@ -37,7 +41,7 @@ def find_scatter(calibration: Calibration) -> float | None:
         sizes,
     )
     best = int(np.argmax(likelihoods))
-    return sizes[best] if likelihoods[best] - likelihoods[0] > SIGNIFICANT_GAIN else None
+    return sizes[best] if likelihoods[best] - likelihoods[0] > _SIGNIFICANT_GAIN else None
 
 
 def scatter_errors(model: ArmModel, size_mm: float) -> Shared:

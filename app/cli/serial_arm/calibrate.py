@@ -24,41 +24,51 @@ class Model(StrEnum):
     MAPS = "maps"
 
 
+ArmName = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME|FILE", help="arm: a shipped one, irb120 for example, or a TOML; of a run its own"
+    ),
+]
+PoseTables = Annotated[
+    list[Path] | None,
+    typer.Option(metavar="FILE", help="measured poses CSV; several times for several instruments"),
+]
+Anchors = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="anchors CSV of distances; an empty place is identified"),
+]
+Tool = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="tool TOML; without it the places of targets are identified"),
+]
+ModelChoice = Annotated[
+    Model, typer.Option(help="auto: the simplest that predicts left-out poses as well as the best")
+]
+Priors = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="CSV name,value,u: what is known of parameters beforehand"),
+]
+RowLoss = Annotated[
+    Literal["squares", "huber", "soft-l1"],
+    typer.Option(help="a robust loss keeps all poses and weighs wrong ones down"),
+]
+Propagation = Annotated[
+    Literal["jacobian", "monte-carlo"], typer.Option(help="how uncertainties are propagated")
+]
+
+
 def calibrate(
     output: Output,
     run: MeasuredRuns = None,
-    arm: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME|FILE", help="arm: a shipped one, irb120 for example, or a TOML; of a run its own"
-        ),
-    ] = None,
-    poses: Annotated[
-        list[Path] | None,
-        typer.Option(metavar="FILE", help="measured poses CSV; several times for several instruments"),
-    ] = None,
-    anchors: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="anchors CSV of distances; an empty place is identified"),
-    ] = None,
-    tool: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="tool TOML; without it the places of targets are identified"),
-    ] = None,
-    model: Annotated[
-        Model, typer.Option(help="auto: the one that predicts left-out poses best")
-    ] = Model.AUTO,
-    priors: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="CSV name,value,u: what is known of parameters beforehand"),
-    ] = None,
-    loss: Annotated[
-        Literal["squares", "huber", "soft-l1"],
-        typer.Option(help="a robust loss keeps all poses and weighs wrong ones down"),
-    ] = "squares",
-    uncertainty: Annotated[
-        Literal["jacobian", "monte-carlo"], typer.Option(help="how uncertainties are propagated")
-    ] = "jacobian",
+    arm: ArmName = None,
+    poses: PoseTables = None,
+    anchors: Anchors = None,
+    tool: Tool = None,
+    model: ModelChoice = Model.AUTO,
+    priors: Priors = None,
+    loss: RowLoss = "squares",
+    uncertainty: Propagation = "jacobian",
     draws: Annotated[int, typer.Option(help="Monte Carlo draws, at least 2000")] = 10_000,
     seed: Annotated[int, typer.Option(min=0, help="of the Monte Carlo draws")] = 1,
     accept_implausible: AcceptImplausible = None,

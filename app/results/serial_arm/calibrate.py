@@ -252,7 +252,15 @@ def result_of(subject: Subject, found: Chosen, provenance: Provenance) -> Serial
         base_drift_mm=None if found.drift is None else found.drift.size_mm,
         pose_scatter_mm=found.scatter_mm,
         candidates=[
-            CandidatePart(model=one.name, mean_mm=one.mean_mm, reason=one.reason) for one in found.candidates
+            CandidatePart(
+                model=one.name,
+                mean_mm=one.mean_mm,
+                reason=one.reason,
+                effective_parameters=one.effective,
+                behind_mm=one.behind_mm,
+                u_behind_mm=one.u_behind_mm,
+            )
+            for one in found.candidates
         ],
         frames=_frames(found.frames),
         description=subject.description,

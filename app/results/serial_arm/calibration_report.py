@@ -22,7 +22,12 @@ from catseye.app.results.numbers import PROBABILITY, THREE_DIGITS, Format, count
 from catseye.app.results.origin import origin_now
 from catseye.app.results.serial_arm.certificate import certificate
 from catseye.app.results.serial_arm.figures import deviations, histograms, places
-from catseye.app.results.serial_arm.result import ParameterPart, SerialArmResult, read_serial_arm
+from catseye.app.results.serial_arm.result import (
+    CandidatePart,
+    ParameterPart,
+    SerialArmResult,
+    read_serial_arm,
+)
 
 _MM: Final = fixed(3)
 _FORMS: Final[dict[str, Format]] = {"mm": fixed(4), "deg": fixed(5)}
@@ -36,7 +41,8 @@ _CONVENTIONS: Final = (
     "base: the arm's base in the frame of the instrument, R = Rz·Ry·Rx.",
     "A compliance is the turn of a joint for each N·mm of gravity torque about its +z.",
     "u are standard uncertainties (k = 1). A parameter that was not identified keeps its nominal value.",
-    "Left out: what all other poses predict of a pose, minus what was measured there; errors are 3-D norms.",
+    "Left out: a tenth of the poses at a time is predicted by a calibration that is made anew from the others; what "
+    "it predicts minus what was measured there, as 3-D norms.",
 )
 
 
@@ -122,6 +128,11 @@ def _verdict(result: SerialArmResult) -> list[Block]:
                 "pose to pose: the arm's repeatability, and what the model lacks. The uncertainties know it.",
             )
         )
+    said += [
+        Statement(Sign.NEUTRAL, f"The model {one.model} was not compared: {one.reason}.")
+        for one in result.candidates
+        if one.mean_mm is None and one.reason
+    ]
     return [*said, *_doubtful(result)]
 
 
@@ -246,13 +257,27 @@ def _parameters(parameters: list[ParameterPart]) -> Table:
 def _candidates(result: SerialArmResult) -> Table:
     columns = (
         Column("model", "model"),
-        Column("mean_mm", "mean error of poses left out", "mm", _MM),
-        Column("reason", "why it cannot be identified"),
+        Column("mean_mm", "mean error", "mm", _MM),
+        Column("behind_mm", "above the least, mm"),
+        Column("effective_parameters", "effective parameters", "", fixed(1)),
+        Column("reason", "remark"),
     )
-    rows = tuple((one.model, one.mean_mm, one.reason or None) for one in result.candidates)
+    rows = tuple(
+        (one.model, one.mean_mm, _behind(one), one.effective_parameters, one.reason or None)
+        for one in result.candidates
+    )
     return Table(
-        "models", "The simplest model whose predictions no other betters by 1 % is taken", columns, rows
+        "models",
+        "Errors of poses left out: the simplest model within one standard error of the least is taken",
+        columns,
+        rows,
     )
+
+
+def _behind(candidate: CandidatePart) -> str | None:
+    if candidate.behind_mm is None or candidate.u_behind_mm is None:
+        return None
+    return f"{candidate.behind_mm:.4f} ± {candidate.u_behind_mm:.4f}"
 
 
 def _rejected(result: SerialArmResult) -> Table:

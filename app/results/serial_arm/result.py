@@ -68,18 +68,29 @@ class FitPart(ResultPart):
 
 
 class HeldOutPart(ResultPart):
-    """Errors of poses that the other poses predict, mm."""
+    """Errors of poses that calibrations without them predict, mm."""
 
     mean_mm: Uncertainty
     max_mm: Uncertainty
 
 
 class CandidatePart(ResultPart):
-    """A model that was tried; its mean error on poses left out, or why it could not be identified."""
+    """A model that was tried.
+
+    Attributes:
+        mean_mm: mean error of poses left out, the same ones of all models; None where it was not compared.
+        reason: why it was not, or which poses it does not predict.
+        effective_parameters: what the rows pay for; less than its parameters where something is known beforehand.
+        behind_mm: mean over the poses by which it misses them more than the model that misses them least.
+        u_behind_mm: standard error of that.
+    """
 
     model: str
     mean_mm: Uncertainty | None
     reason: str = ""
+    effective_parameters: Uncertainty | None = None
+    behind_mm: Finite | None = None
+    u_behind_mm: Uncertainty | None = None
 
 
 class RejectedPart(ResultPart):

@@ -194,7 +194,7 @@ async def test_a_door_opened_while_starting_has_to_be_acknowledged(anew: bool, s
     await starting.halted()
 
 
-async def test_a_robot_that_was_never_reached_is_not_said_to_stand() -> None:
+async def test_no_standstill_is_claimed_of_devices_not_ready() -> None:
     entered: list[tuple[ControlState, str]] = []
     starting = RunControl(ManualClock(), lambda state, reason: entered.append((state, reason)), HaltLimits())
     starting.starting()

@@ -6,6 +6,7 @@ import numpy as np
 
 from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.serial_arm.base_drift import find_drift
 from catseye.calibration.serial_arm.choice import choose
 from catseye.calibration.serial_arm.design.candidates import Rules, draw_candidates
 from catseye.calibration.serial_arm.design.exchange import select
@@ -163,6 +164,32 @@ def plants(count: int, first: int = 0) -> list[Plant]:
         ratio = _unseen_mm(taken, true) / _unseen_mm(wanted, true)
         found.append(Plant(right, taken.name, ratio))
     return found
+
+
+def drifts(sets: int, name: ModelName, size_mm: float = 0.0, first: int = 0) -> int:
+    """Return in how many sets of 45 poses a drift of the base is reported, of points that are known unevenly.
+
+    Args:
+        size_mm: by which the base moves along a line from the first pose to the last.
+    """
+    return sum(
+        find_drift(identify_arm(irb120(), _known_unevenly(seed, size_mm), name)) is not None
+        for seed in range(first, first + sets)
+    )
+
+
+def _known_unevenly(seed: int, drift_mm: float) -> Measurements:
+    """Measure a nest a pose, each place with a covariance of its own: of 8, 30 and 60 µm or so, along any axes."""
+    poses, rng = random_poses(45, seed), np.random.default_rng([seed, 17])
+    axes = np.linalg.qr(rng.standard_normal((45, 3, 3)))[0]
+    u_mm = np.array([0.008, 0.03, 0.06]) * rng.uniform(0.7, 1.4, (45, 3))
+    off = np.einsum("nij,nj->ni", axes, u_mm * rng.standard_normal((45, 3)))
+    along = rng.standard_normal(3)
+    off += np.linspace(-0.5, 0.5, 45)[:, None] * (drift_mm * along / np.linalg.norm(along))
+    one = measured_at(poses, np.arange(45) % len(NESTS), seed)
+    places = TrueArm().nests(poses, one.points.target) + off
+    covariance = np.einsum("nij,nj,nkj->nik", axes, u_mm**2, axes)
+    return replace(one, points=replace(one.points, place_mm=places, covariance_mm2=covariance))
 
 
 def _moved(rng: np.random.Generator) -> tuple[Floats, set[int]]:

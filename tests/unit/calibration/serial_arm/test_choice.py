@@ -8,9 +8,11 @@ import pytest
 from catseye.calibration.core.errors import RejectionError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.serial_arm.choice import Chosen, choose
+from catseye.calibration.serial_arm.fitted import without_wrong_poses
 from catseye.calibration.serial_arm.geometry import Commands
-from catseye.calibration.serial_arm.held_out import held_out, without_wrong_poses
-from catseye.calibration.serial_arm.identification import identify_arm
+from catseye.calibration.serial_arm.held_out import predicted_errors_mm
+from catseye.calibration.serial_arm.identification import ModelName, identify_arm
+from catseye.calibration.serial_arm.left_out_poses import parts_of, predict_left_out, same_command
 from catseye.calibration.serial_arm.measurements import MeasuredPoints, Measurements
 from tests.unit.calibration.serial_arm.nominal import NOISE_MM, irb120, measured, validation
 from tests.unit.calibration.serial_arm.true_arm import COMPLIANCE, NOMINAL, TrueArm, random_poses
@@ -31,16 +33,18 @@ def mean_miss_mm(found: Chosen) -> float:
     return float(np.linalg.norm(missed, axis=1).mean())
 
 
-def test_held_out_errors_are_those_of_fits_without_the_pose() -> None:
+def test_predicted_errors_are_those_of_fits_without_the_pose() -> None:
     rows = measured(random_poses(POSES, 1), 1)
-    quick = held_out(identify_arm(irb120(), rows, "geometric+compliance"))
+    found = identify_arm(irb120(), rows, "geometric+compliance")
     for pose in (0, 17):
         kept = np.arange(POSES) != pose
+        quick = predicted_errors_mm(found.model, found.estimate.values, ~kept)
         without = identify_arm(irb120(), rows.at(kept), "geometric+compliance")
         at_it = rows.commands.some(np.array([pose]))
         missed = without.places_mm(at_it, int(rows.points.target[pose])) - rows.points.place_mm[pose]
         # The quick way is linear about the estimate.
-        assert quick.error_mm[pose] == pytest.approx(float(np.linalg.norm(missed)), rel=1e-3)
+        assert quick[pose] == pytest.approx(float(np.linalg.norm(missed)), rel=1e-3)
+        assert np.isnan(quick[kept]).all()
 
 
 def test_wrong_poses_are_named_and_no_others() -> None:
@@ -72,6 +76,71 @@ def test_poses_that_scatter_as_a_whole_are_kept_and_weighed() -> None:
         poses, np.zeros(100, dtype=np.int64)
     )
     assert found.scatter_mm == pytest.approx(float(np.sqrt(np.mean(apart**2))), rel=0.5)
+
+
+def test_poses_at_one_command_are_left_out_together() -> None:
+    poses = np.repeat(random_poses(POSES // 2, 10), 2, axis=0)
+    rows = measured(poses, 10)
+    parts = parts_of(rows, same_command(rows))
+    assert np.sum(parts, axis=0).tolist() == [1] * POSES
+    assert all((part[::2] == part[1::2]).all() for part in parts)
+
+
+@pytest.mark.parametrize("name", ["geometric+compliance", "maps"])
+def test_pose_left_out_changes_nothing_that_predicts_it(name: ModelName) -> None:
+    rows = measured(random_poses(40, 11), 11)
+    aside = np.zeros((40, 3))
+    aside[7] = 0.0, 3.0, 4.0
+    moved = replace(rows, points=replace(rows.points, place_mm=rows.points.place_mm + aside))
+    command = same_command(rows)
+    left_out = next(part for part in parts_of(rows, command) if part[7])
+    before, after = (
+        predict_left_out(irb120(), one, (name,), command).errors_mm[name] for one in (rows, moved)
+    )
+    beside = left_out & (np.arange(40) != 7)
+    assert after[beside] == pytest.approx(before[beside], abs=1e-9)
+    assert after[7] == pytest.approx(5.0, abs=0.5)
+
+
+def test_target_that_one_pose_shows_is_not_predicted() -> None:
+    arm = irb120()
+    spare = replace(arm.targets[2], u_mm=None)
+    arm = arm.with_targets((*arm.targets[:2], spare))
+    rows = measured(random_poses(40, 12), 12)
+    nest = np.where(np.arange(40) == 5, 2, np.arange(40) % 2)
+    points = replace(rows.points, target=nest, place_mm=TrueArm().nests(random_poses(40, 12), nest))
+    rows = replace(rows, points=points)
+    predicted = predict_left_out(arm, rows, ("geometric",), same_command(rows)).errors_mm["geometric"]
+    assert np.flatnonzero(np.isnan(predicted)).tolist() == [5]
+
+
+def test_model_beyond_what_the_poses_carry_is_not_compared() -> None:
+    found = choose(irb120(), measured(random_poses(24, 13), 13))
+    maps = found.candidates[-1]
+    assert maps.mean_mm is None
+    assert maps.effective is not None
+    assert maps.effective > 36.0
+    assert "effective parameters from 72 coordinates" in maps.reason
+
+
+def test_simplest_model_within_one_standard_error_is_taken() -> None:
+    found = choose(irb120(), measured(random_poses(POSES, 6), 6))
+    within = [
+        one.name
+        for one in found.candidates
+        if one.behind_mm is not None and one.u_behind_mm is not None and one.behind_mm <= one.u_behind_mm
+    ]
+    assert found.calibration.name == within[0]
+    assert min(one.behind_mm for one in found.candidates if one.behind_mm is not None) == 0.0
+
+
+def test_wrong_pose_is_named_where_joints_have_maps() -> None:
+    wavy = TrueArm(wave_deg=np.full(6, 0.04))
+    aside = np.zeros((2 * POSES, 3))
+    aside[30] = 0.3, 0.3, -0.3
+    rows = measured(random_poses(2 * POSES, 9), 9, wavy, aside)
+    _, rejected = without_wrong_poses(irb120(), rows, "maps")
+    assert [one.name for one in rejected] == ["pose 31"]
 
 
 def test_exact_repetition_shows_no_scatter() -> None:

@@ -12,6 +12,7 @@ from tests.unit.calibration.serial_arm.studies import (
     accuracy,
     chosen_poses,
     disturbed,
+    drifts,
     lacks_of_fit,
     plants,
 )
@@ -56,3 +57,11 @@ def test_disturbed_set_costs_little_and_wrong_poses_are_named() -> None:
 
 def test_model_of_each_kind_of_plant_is_found() -> None:
     assert all(one.taken == one.right or one.ratio <= 1.02 for one in plants(3))
+
+
+def test_model_that_lacks_something_shows_no_drift() -> None:
+    assert drifts(25, "geometric") <= 2
+
+
+def test_base_that_moves_is_seen_to_move() -> None:
+    assert drifts(10, "geometric+compliance", size_mm=0.2) >= 9
