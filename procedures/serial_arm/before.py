@@ -7,6 +7,7 @@ from catseye.procedures.kit.event_text import EventText, EventTexts
 from catseye.procedures.kit.needs import After, Equipment
 from catseye.procedures.kit.procedure import Analysis, Stage
 from catseye.procedures.serial_arm.bench import SerialBench
+from catseye.procedures.serial_arm.records import PLANNED
 
 TRACKER: Final[tuple[Role, ...]] = ("tracker",)
 
@@ -58,6 +59,10 @@ def _frame_found(data: Any) -> str:
     return f"{data.get('frame')}: {data.get('shift_mm', 0.0):.2f} mm from where the files have it{turned}"
 
 
+def _poses_planned(data: Any) -> str:
+    return f"{len(data.get('names') or ())} poses are planned"
+
+
 def _nests_drift(data: Any) -> str:
     return f"nests: {data.get('nest')} has moved by {data.get('drift_mm', 0.0):.3f} mm since the beginning"
 
@@ -65,6 +70,7 @@ def _nests_drift(data: Any) -> str:
 POSE_TEXTS: Final[EventTexts] = {
     "frame-found": EventText(_frame_found),
     "nests-drift": EventText(_nests_drift, passing=True),
+    PLANNED: EventText(_poses_planned, passing=True),
 }
 
 

@@ -19,7 +19,7 @@ from catseye.procedures.kit.stored import numbers_of
 from catseye.procedures.serial_arm.axis_turns import Turn
 from catseye.procedures.serial_arm.nests import drift_mm, measure_nests
 from catseye.procedures.serial_arm.pose_plan import PlannedPose, PosePlan
-from catseye.procedures.serial_arm.records import target_record
+from catseye.procedures.serial_arm.records import PLANNED, VISITS, target_record
 from catseye.procedures.serial_arm.turning import Turned, frame_seen, near_mm, target_seen_mm, turned
 
 Floats = NDArray[np.float64]
@@ -54,11 +54,16 @@ class PoseRun:
             ArmMovedError: the arm was moved again and again while a target was measured.
             HiddenTargetsError: most targets were hidden, or those that frames come from.
         """
+        await self._ctx.event(
+            PLANNED,
+            names=[one.name for one in self._plan.poses],
+            poses=[list(one.pose) for one in self._plan.poses],
+        )
         await self._frames()
         await self._nests()
         hidden: list[PlannedPose] = []
         for number, planned in enumerate(self._plan.poses):
-            row = await self._visit(f"pose/{number:04d}", planned, planned.targets)
+            row = await self._visit(_step(VISITS[0], number), planned, planned.targets)
             hidden += [planned] if row["hidden"] else []
             self._time.passed(self._plan.pose_s, 0.0, f"pose {number + 1}/{len(self._plan.poses)}")
             if self._plan.measures_nests_after(number):
@@ -155,9 +160,9 @@ class PoseRun:
         places = {one.name: number for number, one in enumerate(self._plan.poses)}
         for planned in hidden:
             number = places[planned.name]
-            first = await self._visit(f"pose/{number:04d}", planned, planned.targets)
+            first = await self._visit(_step(VISITS[0], number), planned, planned.targets)
             names = tuple(str(name) for name in _listed(first["hidden"]))
-            row = await self._visit(f"again/{number:04d}", planned, names)
+            row = await self._visit(_step(VISITS[1], number), planned, names)
             left_out += not _listed(first["measured"]) and not _listed(row["measured"])
         return left_out
 
@@ -231,6 +236,10 @@ class PoseRun:
                 "the normals of the tool's targets are right, then begin anew"
             )
         return {"poses": poses, "left_out": left_out, "nests_drift_mm": max(drifts, default=None)}
+
+
+def _step(visit: str, number: int) -> str:
+    return f"{visit}/{number:04d}"
 
 
 def _listed(value: object) -> list[object]:

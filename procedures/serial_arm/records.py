@@ -1,10 +1,16 @@
 """What the procedures of serial arms keep."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from catseye.drivers.roles.tracker import Place, TargetPoint, TargetPose
 from catseye.procedures.kit.records import Json, Record
+
+PLANNED: Final = "poses-planned"
+"""Event with the names and joints of all poses of a run, in their order."""
+
+VISITS: Final = ("pose", "again")
+"""How the ids of steps begin that measure targets at a pose, before a slash and its number among those planned."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,6 +13,7 @@ from catseye.app.results.model import Bullets, Column, Section, Table, section
 from catseye.app.results.numbers import COUNT, fixed
 from catseye.app.results.runs.run_source import cell_of_run
 from catseye.app.results.serial_arm.figures import histograms
+from catseye.app.results.serial_arm.pose_places import places_figure
 from catseye.app.results.serial_arm.run_poses import has_pose_targets, pose_rows
 from catseye.app.store.reader import RunReader
 from catseye.calibration.core.errors import InsufficientPointsError
@@ -38,8 +39,9 @@ _COLUMNS: Final = (
 
 def poses_section(reader: RunReader) -> Section:
     """Return what a run has measured of targets at poses against the drawn arm; nothing of another run."""
+    places = places_figure(reader)
     if not has_pose_targets(reader):
-        return section("poses", "Poses", [])
+        return section("poses", "Poses", [places], brief=True)
     rows = pose_rows(reader)
     names = [str(row["target"]) for row in rows]
     drawn = _drawn_mm(reader, rows)
@@ -47,10 +49,11 @@ def poses_section(reader: RunReader) -> Section:
     try:
         frame = rigid_motion(seen, drawn)
     except InsufficientPointsError:
-        return section("poses", "Poses", [_table(names, None)], brief=True)
+        return section("poses", "Poses", [_table(names, None), places], brief=True)
     away = seen @ frame[:3, :3].T + frame[:3, 3] - drawn
     size = np.linalg.norm(away, axis=1)
     figures = [
+        places,
         _arrows(drawn, away, size),
         histograms("pose-differences", "Differences", [("as drawn", size)]),
     ]

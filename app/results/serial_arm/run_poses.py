@@ -20,15 +20,15 @@ from catseye.calibration.core.types import Floats
 from catseye.calibration.kinematics.rotations import angles_of, rotation_of
 from catseye.procedures.kit.stored import integer, number_of
 from catseye.procedures.serial_arm.nests import FEWEST, motion_between, world_frame
-from catseye.procedures.serial_arm.records import MeasuredNest, MeasuredTarget
+from catseye.procedures.serial_arm.records import VISITS, MeasuredNest, MeasuredTarget
 
 _PLACE: Final = ("x_mm", "y_mm", "z_mm")
 _U: Final = ("u_x_mm", "u_y_mm", "u_z_mm")
 _ANGLES: Final = ("rx_deg", "ry_deg", "rz_deg")
 _COVARIANCES: Final = {"cov_xy_mm2": (0, 1), "cov_xz_mm2": (0, 2), "cov_yz_mm2": (1, 2)}
 
-_AT_POSES: Final = ("pose/", "again/")
-"""How the ids of steps begin that measure targets at poses, each approached from below on every axis."""
+_AT_POSES: Final = tuple(f"{visit}/" for visit in VISITS)
+"""Targets there are measured after an approach from below on every axis."""
 
 _U_NEST_MM: Final = 0.03
 """Of a coordinate where the instrument states none: Table V of the six-axis paper, laser tracker."""

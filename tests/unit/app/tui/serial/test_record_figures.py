@@ -47,7 +47,7 @@ async def test_figures_of_the_record_are_drawn(measured: Path) -> None:
     app = Shown()
     async with app.run_test(size=(80, 30)):
         await app.show(run_of(measured), measured.parent)
-        assert app.figures == ["pose-arrows", "pose-differences"]
+        assert app.figures == ["pose-places", "pose-arrows", "pose-differences"]
         assert app.note == ""
 
 
