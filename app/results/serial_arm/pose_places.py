@@ -59,12 +59,11 @@ def _points(
 
 def _visited(reader: RunReader, count: int) -> tuple[Bools, Bools]:
     """Return which poses have a measured target, and which were visited without one, shape (count,) each."""
-    found: dict[int, bool] = defaultdict(bool)
+    seen: dict[int, bool] = defaultdict(bool)
     for step in reader.steps():
         visit, _, number = step.step_id.partition("/")
         if visit in VISITS:
-            found[int(number)] |= bool(step.result.get("measured"))
-    measured, hidden = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_)
-    for number, seen in found.items():
-        (measured if seen else hidden)[number] = True
-    return measured, hidden
+            seen[int(number)] |= bool(step.result.get("measured"))
+    measured = np.array([seen.get(number, False) for number in range(count)])
+    visited = np.array([number in seen for number in range(count)])
+    return measured, visited & ~measured
