@@ -129,6 +129,8 @@ class Orders(NumberedOrders):
         except NotReadyError:
             raise
         except RefusedError as exc:
+            # A stop that overtook the start is no refusal of the controller's.
+            permit()
             raise NotReadyError(f"{exc}: {START}", exc.number) from None
         await self._require_started(number)
 
@@ -199,6 +201,10 @@ class Orders(NumberedOrders):
             raise NotArrivedError(
                 f"{self._where}: CATSABB stopped the arm, since no sign of life came for 0.4 s: check the network "
                 "and the load of this computer"
+            )
+        if result == Result.UNDER_WAY:
+            raise NotArrivedError(
+                f"{self._where}: CATSABB was started anew before the motion was over; see where the arm stands"
             )
         if result != Result.DONE:
             raise OrderRefusedError(

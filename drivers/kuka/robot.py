@@ -292,8 +292,9 @@ class KukaVarproxy(Robot):
     async def _guarded(self, order: Order) -> None:
         motion = Motion(StopWatch(self._stops, self._main.where), self._guard, self.stop)
         async with self._guard.motion():
-            await self._restore_override(motion.permit)
             number = await self._orders.prepare(order, motion.permit)
+            # An order that is still under way, held by an override of 0, would go on: that is known by now.
+            await self._restore_override(motion.permit)
             await self._orders.carry_out(number, motion)
 
     async def _restore_override(self, permit: Callable[[], None]) -> None:

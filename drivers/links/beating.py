@@ -15,7 +15,7 @@ async def beating(beat: Callable[[], Awaitable[None]], period_s: float) -> Async
 
     Args:
         beat: says it, on a connection that nothing else waits on.
-        period_s: between two, real s.
+        period_s: from the beginning of one to that of the next, real s.
     """
     ended = asyncio.Event()
     task = asyncio.create_task(_beat(beat, period_s, ended))
@@ -28,9 +28,12 @@ async def beating(beat: Callable[[], Awaitable[None]], period_s: float) -> Async
 
 
 async def _beat(beat: Callable[[], Awaitable[None]], period_s: float, ended: asyncio.Event) -> None:
+    time_s = asyncio.get_running_loop().time
     while not ended.is_set():
+        next_s = time_s() + period_s
         with suppress(DeviceError):
             await beat()
         with suppress(TimeoutError):
-            async with asyncio.timeout(period_s):
+            # An answer that takes its time does not put the next sign of life off.
+            async with asyncio.timeout_at(next_s):
                 await ended.wait()

@@ -46,7 +46,11 @@ class Motion:
 
         Raises:
             RefusedError: a stop is the reason of the failure.
+            GuardError: the guard's stop is.
         """
         self.require_no_stop()
-        with contextlib.suppress(DeviceError):
-            await self.stop()
+        try:
+            self.guard.permit()
+        finally:
+            with contextlib.suppress(DeviceError):
+                await self.stop()

@@ -124,8 +124,8 @@ class NumberedOrders(ABC):
     async def carry_out(self, number: int, motion: Motion) -> None:
         """Begin an order that is prepared; return when its motion is over.
 
-        Where it fails, the arm is stopped before anything else is waited for. Signs of life let it move on, so there
-        are none once a stop has begun.
+        Where it fails, the arm is stopped before anything else is waited for; a connection that falls silent fails
+        when its healing is given up. Signs of life let the arm move on, so there are none once a stop has begun.
 
         Raises:
             NotReadyError: the program does not run, or was stopped.
@@ -150,6 +150,8 @@ class NumberedOrders(ABC):
         try:
             await self._write_number(number, permit)
         except DeviceError:
+            # Where a stop or the guard kept it from being written there is nothing to ask.
+            permit()
             if await self._written_number() != number and await self._revoked(number):
                 raise
 

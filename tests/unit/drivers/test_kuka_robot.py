@@ -169,6 +169,19 @@ async def test_an_override_of_0_by_somebody_else_is_left() -> None:
             await one.robot.step_axis("A1", 0.01)
 
 
+async def test_an_order_held_by_an_override_of_0_stays_held() -> None:
+    async with rig() as one:
+        motion = await one.away()
+        await one.robot.stop()
+        await failed(motion)
+        # The operator starts the program again, and its interrupts have missed the stop.
+        one.bench.controller.program.variables |= {"CATS_SEQ": 7, "CATS_TAKEN": 7, "CATS_DONE": 6}
+        before = len(one.asked("write $OV_PRO"))
+        with pytest.raises(NotReadyError, match="order 7 is still under way"):
+            await one.robot.step_axis("A1", 0.01)
+        assert len(one.asked("write $OV_PRO")) == before
+
+
 async def test_a_cancelled_motion_is_stopped() -> None:
     async with rig() as one:
         motion = await one.away()

@@ -2,11 +2,11 @@
 
 import asyncio
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pytest
 
-from catseye.drivers.links.guarding import UNGUARDED
+from catseye.drivers.links.guarding import UNGUARDED, GuardError, Unguarded
 from catseye.drivers.links.motions import Motion
 from catseye.drivers.links.orders import NumberedOrders, OrderLook, OrderRefusedError
 from catseye.drivers.links.stops import Stops, StopWatch
@@ -128,5 +128,21 @@ async def test_a_failure_by_a_stop_is_called_so() -> None:
     arm = Arm(MadeUp(LinkError("out of step")))
     motion = arm.motion
     with arm.stops.one(), pytest.raises(RefusedError, match="a stop overtook"):
+        await arm.orders.carry_out(1, motion)
+    assert arm.stops.begun == 1
+
+
+class Tripped(Unguarded):
+    """A guard that has stopped the arm."""
+
+    def permit(self) -> None:
+        raise GuardError("the guard has stopped the arm")
+
+
+async def test_a_failure_by_the_guards_stop_is_called_so() -> None:
+    arm = Arm(MadeUp(LinkError("the program stands")))
+    motion = replace(arm.motion, guard=Tripped())
+    arm.orders.written = 1
+    with pytest.raises(GuardError, match="the guard has stopped the arm"):
         await arm.orders.carry_out(1, motion)
     assert arm.stops.begun == 1
