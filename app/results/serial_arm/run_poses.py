@@ -57,6 +57,8 @@ def _pose_targets(reader: RunReader) -> list[dict[str, Any]]:
 def pose_rows(reader: RunReader) -> list[Row]:
     """Return the rows of a poses CSV: commanded and read-back joints, targets with their uncertainty.
 
+    A pose that was visited again has another name then: the arm came to it twice, and stood elsewhere each time.
+
     Raises:
         UsageError: the run has measured no targets.
     """
@@ -81,12 +83,18 @@ def pose_export(reader: RunReader) -> Export:
 
 @contextmanager
 def as_tables(readers: Sequence[RunReader]) -> Iterator[list[Path]]:
-    """Give the poses of runs as CSV files of their names, as whoever reads measured poses takes them."""
+    """Give the poses of runs as CSV files of their names, as whoever reads measured poses takes them.
+
+    Poses of several runs have the same names, and stand behind that of their run.
+    """
     with TemporaryDirectory(prefix="catseye-poses-") as folder:
         paths = []
         for reader in readers:
             path = Path(folder) / f"{reader.path.name}.csv"
-            path.write_text(table_csv(pose_rows(reader)), encoding="utf-8")
+            rows = pose_rows(reader)
+            if len(readers) > 1:
+                rows = [{**row, "pose": f"{reader.path.name}/{row['pose']}"} for row in rows]
+            path.write_text(table_csv(rows), encoding="utf-8")
             paths.append(path)
         yield paths
 
@@ -101,7 +109,8 @@ def _pose_row(
 ) -> Row:
     motion = world.motion(row["nests_round"])
     place = motion[:3, :3] @ np.array([row[name] for name in _PLACE]) + motion[:3, 3]
-    values: dict[str, Any] = {"pose": row["pose"]}
+    again = str(row["step_id"]).startswith(f"{VISITS[1]}/")
+    values: dict[str, Any] = {"pose": f"{row['pose']}/2" if again else row["pose"]}
     values |= {f"q{k}_{unit}": value for k, (unit, value) in enumerate(zip(units, row["q"], strict=True), 1)}
     values |= {
         f"q{k}_read_{unit}": value
@@ -166,8 +175,8 @@ def _world(reader: RunReader) -> _World:
     world = world_frame(known)
     motions: dict[int, Floats] = dict.fromkeys(rounds, world)
     notes = [
-        f"measurement {number} of the nests saw none of them: places after it stand in the world frame by measurement "
-        f"{_nearest(number, rounds)}, and a drift between the two stays in them"
+        f"measurement {number} of the nests saw none of them: places after it stand in the world frame by "
+        f"measurement {_nearest(number, rounds)}, and a drift between the two stays in them"
         for number in sorted(tried - rounds.keys())
     ]
     for number in sorted(drifted):
