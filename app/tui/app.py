@@ -134,6 +134,12 @@ class CatseyeApp(Program):
         self.push_screen(dialog, take)
         return await answered
 
+    def action_log_in_again(self) -> None:
+        """Forget user and password of the cell's controller; the next engine asks."""
+        if self.session.cell is not None:
+            self.keep(self.session.login.forget(self.session.cell))
+        self.notify("User and password are forgotten; they are asked for before the next engine is started.")
+
     def _look_at_settings(self) -> None:
         # The time may be over while the program ends.
         if not self._unmounted:
@@ -161,6 +167,9 @@ class CatseyeApp(Program):
         yield SystemCommand("Clear an abort", "after a look at the bench", self.action_clear)
         yield SystemCommand("Take control", "from whoever has it", self.action_take_control)
         yield SystemCommand("Give control back", "the run goes on as it is", self.action_release)
+        yield SystemCommand(
+            "Log in again", "forget user and password of the controller", self.action_log_in_again
+        )
         yield from super().get_system_commands(screen)
 
     def action_help(self) -> None:

@@ -49,9 +49,20 @@ class Login:
         self._asked.add(cell)
         known = self._environment.get(user_variable, factory_user)
         answers = await self.show(_dialog(driver, endpoint, known))
-        if answers is not None:
-            self._environment[user_variable] = answers[USER] or known
+        if answers is None:
+            return
+        user = answers[USER] or known
+        # An empty password would stand before that of the factory, which the driver knows.
+        if answers[PASSWORD] or user != known:
+            self._environment[user_variable] = user
             self._environment[password_variable] = answers[PASSWORD]
+
+    async def forget(self, cell: Path) -> None:
+        """Have the next engine of this cell ask again: user and password were wrong."""
+        self._asked.discard(cell)
+        found = await asyncio.to_thread(_wanted, cell)
+        for variable in () if found is None else found[2:4]:
+            self._environment.pop(variable, None)
 
 
 def _dialog(driver: str, endpoint: str, user: str) -> FormDialog:

@@ -46,6 +46,9 @@ def find_drift(calibration: Calibration) -> Drift | None:
     The likelihood gives the size alone. It takes the stated uncertainties, and what is known beforehand, for right up
     to one common factor; where they are not, or the model lacks something, poses scatter otherwise than stated, and
     that looks like a drift to it. Whether there is one is decided by the order of the poses, which no scatter heeds.
+
+    That takes the measuring order for exchangeable, one of many that might as well have been. Where it has a system
+    (sweeps of an axis, a grid) errors that the model lacks follow it too, and still look like a drift.
     """
     model, values = calibration.model, calibration.estimate.values
     shifted = _shifted(model, values)

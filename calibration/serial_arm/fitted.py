@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from catseye.calibration.core.errors import RejectionError
+from catseye.calibration.core.errors import RejectionError, UnidentifiableError
 from catseye.calibration.serial_arm.arm import SerialArm
 from catseye.calibration.serial_arm.base_drift import Drift, drift_errors, find_drift
 from catseye.calibration.serial_arm.held_out import RejectedPose, most_contradicting
@@ -97,6 +97,10 @@ def without_wrong_poses(
                     "out, look for what moved (base, tracker, tool), for joints in another order, or take a richer "
                     "model"
                 )
-            found = estimated_again(found, replace(found.model, measurements=measurements.at(kept)))
+            try:
+                found = estimated_again(found, replace(found.model, measurements=measurements.at(kept)))
+            except UnidentifiableError:
+                # The pose had the only rows of a target, say: what is left has other parameters.
+                break
         if len(rejected) == before:
             return found, tuple(rejected)

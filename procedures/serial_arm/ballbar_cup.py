@@ -69,6 +69,7 @@ class CupTaking(Record):
 
     table: ClassVar[str] = "cup"
     is_point: ClassVar[bool] = True
+    point_name: ClassVar[str] = "taking"
     target_column: ClassVar[str] = "nest"
     nest: str
     taking: int
@@ -228,14 +229,24 @@ class CupRun:
             if answer == "skip" and skip is not None:
                 return skip
             if answer != "done":
-                raise OutOfReachError("the operator ended the run at the cup; go on with catseye resume")
+                raise OutOfReachError(f"the operator ended the run at the cup; {self._then}")
             joints = list(await self._ctx.led_joints(self._plan.rehearsed))
             found = await look(self._place(joints), joints)
             if not isinstance(found, str):
                 return found
             complaint = found
             await self._ctx.warn(complaint.strip())
-        raise OutOfReachError(f"{complaint}Then go on with catseye resume")
+        raise OutOfReachError(f"{complaint}Then {self._then}")
+
+    @property
+    def _then(self) -> str:
+        """What goes on with an ended run, which replays the takings that are stored."""
+        if not self._taken:
+            return "go on with catseye resume"
+        return (
+            "begin anew if the first taking may be the wrong one: catseye resume keeps it. Otherwise go on with "
+            "catseye resume"
+        )
 
     @cached_property
     def _geometry(self) -> "Geometry":

@@ -188,7 +188,8 @@ class Draft:
         except ValidationError as error:
             # What follows from an answer that is missing itself is no fault of its own.
             faults = [fault for fault in error.errors() if fault["type"] != "default_factory_not_called"]
-            return {_dotted(fault["loc"]): cell_fault_text(fault) for fault in reversed(faults)}
+            found = {_dotted(fault["loc"]): cell_fault_text(fault) for fault in reversed(faults)}
+            return found | self._nest_faults()
         try:
             require_drivers(cell)
         except ConfigError as error:
@@ -278,11 +279,16 @@ class Draft:
             if typed is None and number >= len(known):
                 continue
             if typed is not None:
-                place = numbers_of(typed) if typed else []
-                one |= dict(zip(_PLACE, place if isinstance(place, list) else [typed], strict=False))
+                # The model refuses a text, and so the file.
+                one |= _place_of(typed) or {_PLACE[0]: typed}
             if typed != "":
                 nests.append(one)
         data.setdefault("tracker", {})["nest"] = nests
+
+    def _nest_faults(self) -> dict[str, str]:
+        """Return which nests were typed without exactly three numbers."""
+        typed = ((key, text) for key, text in self._typed.items() if key.startswith(NEST) and text)
+        return {key: "give three numbers: x, y, z in mm" for key, text in typed if not _place_of(text)}
 
     def _material_device(self) -> Data:
         name = _get(self._base, "material.sensor")
@@ -298,6 +304,13 @@ class Draft:
         entry = {"name": name, **{key: text for key, text in answers.items() if text}}
         others = [one for one in _tables(data, "device") if one.get("name") != name]
         data["device"] = [*others, entry]
+
+
+def _place_of(typed: str) -> Data:
+    """Return a typed place by the keys of its coordinates; nothing where there are not three."""
+    place = numbers_of(typed)
+    exact = isinstance(place, list) and len(place) == len(_PLACE)
+    return dict(zip(_PLACE, place, strict=True)) if exact else {}
 
 
 def _unanswered(system: str) -> Data:

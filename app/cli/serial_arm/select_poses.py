@@ -34,9 +34,19 @@ _Limits = Annotated[
     list[str] | None,
     typer.Option("--limit", metavar="NAME=LOW:HIGH", help="narrower range of a joint; may be repeated"),
 ]
-_Cone = Annotated[float, typer.Option(min=1.0, max=180.0, help="half angle of a target that has a normal")]
+_Cone = Annotated[
+    float | None,
+    typer.Option(
+        min=1.0, max=180.0, help="half angle of a target that has a normal [30, or what --cell has]"
+    ),
+]
 _Face = Annotated[
-    float, typer.Option(min=1.0, max=90.0, help="likewise of a plate of marks, with --measured poses")
+    float | None,
+    typer.Option(
+        min=1.0,
+        max=90.0,
+        help="likewise of a plate of marks, with --measured poses [15, or what --cell has]",
+    ),
 ]
 _Measured = Annotated[
     Literal["points", "poses"] | None,
@@ -69,8 +79,8 @@ def select_poses(
         typer.Option(help="whose parameters the poses are to show"),
     ] = "geometric+compliance",
     station: _Station = None,
-    cone_deg: _Cone = 30.0,
-    face_deg: _Face = 15.0,
+    cone_deg: _Cone = None,
+    face_deg: _Face = None,
     measured: _Measured = None,
     targets_per_pose: _PerPose = 1,
     limit: _Limits = None,
@@ -123,9 +133,11 @@ def _setup(arm: str | None, tool: Path | None, cell: Path | None, asked: "Asked"
     from catseye.app.results.serial_arm.pose_setup import setup_of, setup_of_cell
 
     if cell is not None:
-        if arm is not None or tool is not None or asked.station_mm is not None or not asked.with_bodies:
+        beside = (arm, tool, asked.station_mm, asked.cone_deg, asked.face_deg)
+        if any(one is not None for one in beside) or not asked.with_bodies:
             raise UsageError(
-                "--cell has arm, tool, instrument and bodies: leave out --arm, --tool, --station, --no-bodies"
+                "--cell has arm, tool, instrument and bodies: leave out --arm, --tool, --station, --cone-deg, "
+                "--face-deg, --no-bodies"
             )
         known = load_cell(cell).cell
         return setup_of_cell(known, asked), known.name

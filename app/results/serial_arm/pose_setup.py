@@ -23,7 +23,7 @@ from catseye.calibration.serial_arm.design.observability import Index
 from catseye.calibration.serial_arm.identification import ModelName
 from catseye.calibration.serial_arm.sight import View
 from catseye.procedures.kit.motion.clear_way import scene_of
-from catseye.procedures.serial_arm.bench import SerialBench
+from catseye.procedures.serial_arm.bench import Instrument, SerialBench
 from catseye.procedures.serial_arm.pose_params import PoseParams, measured_of
 from catseye.procedures.serial_arm.pose_plan import Measured
 from catseye.procedures.serial_arm.sight import view_of
@@ -41,7 +41,8 @@ class Asked:
         model: whose parameters the poses are to show.
         starts: random choices to begin with.
         station_mm: the instrument in the frame of the arm's base; None: it sees the targets everywhere.
-        cone_deg: largest angle between where a nest looks and the line of sight.
+        cone_deg: largest angle between where a nest looks and the line of sight; None: what cells have by
+            default, or this one says.
         face_deg: likewise of a plate with marks on both faces.
         measured: points of a tracker or whole frames of an optical CMM; None: what the cell's instrument can do.
         targets_per_pose: that are measured at one, as far as they are seen.
@@ -57,8 +58,8 @@ class Asked:
     starts: int = 3
     seed: int = 1
     station_mm: Point | None = None
-    cone_deg: float = 30.0
-    face_deg: float = 15.0
+    cone_deg: float | None = None
+    face_deg: float | None = None
     measured: Measured | None = None
     targets_per_pose: int = 1
     limits: dict[str, tuple[float, float]] = field(default_factory=dict)
@@ -96,7 +97,9 @@ def setup_of(description: ArmDescription, tool: ToolDescription, asked: Asked) -
     normals = tuple(None if one.normal is None else point_of(one.normal) for one in tool.target)
     sight = None
     if asked.station_mm is not None:
-        within_deg = asked.face_deg if frames else asked.cone_deg
+        stated_deg = asked.face_deg if frames else asked.cone_deg
+        usual_deg = Instrument.face_deg if frames else Instrument.cone_deg
+        within_deg = usual_deg if stated_deg is None else stated_deg
         sight = Sight(View(asked.station_mm, within_deg, frames, bodies), normals)
     scene = Scene(arm.chain, bodies) if bodies else None
     units = tuple(joint.unit for joint in description.joint)

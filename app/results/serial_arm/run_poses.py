@@ -1,7 +1,7 @@
 """Targets of a run as a poses CSV (docs/files.md), in the world frame of its fixed nests where it has three."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -57,6 +57,8 @@ def _pose_targets(reader: RunReader) -> list[dict[str, Any]]:
 def pose_rows(reader: RunReader) -> list[Row]:
     """Return the rows of a poses CSV: commanded and read-back joints, targets with their uncertainty.
 
+    A pose that was visited again has another name then: the arm came to it twice, and stood elsewhere each time.
+
     Raises:
         UsageError: the run has measured no targets.
     """
@@ -66,10 +68,10 @@ def pose_rows(reader: RunReader) -> list[Row]:
             f"{reader.path.name} has measured no targets: name a run of a procedure that measures targets at poses"
         )
     units = [joint.unit for joint in arm_description(cell_of_run(reader).robot.arm).joint]
-    motions = _world(reader).motions
+    world = _world(reader)
     stated = all(row[name] is not None for row in stored for name in _U)
     turned = all(row[name] is not None for row in stored for name in _ANGLES)
-    return [_pose_row(row, units, motions, stated=stated, turned=turned) for row in stored]
+    return [_pose_row(row, units, world, stated=stated, turned=turned) for row in stored]
 
 
 def pose_export(reader: RunReader) -> Export:
@@ -81,12 +83,18 @@ def pose_export(reader: RunReader) -> Export:
 
 @contextmanager
 def as_tables(readers: Sequence[RunReader]) -> Iterator[list[Path]]:
-    """Give the poses of runs as CSV files of their names, as whoever reads measured poses takes them."""
+    """Give the poses of runs as CSV files of their names, as whoever reads measured poses takes them.
+
+    Poses of several runs have the same names, and stand behind that of their run.
+    """
     with TemporaryDirectory(prefix="catseye-poses-") as folder:
         paths = []
         for reader in readers:
             path = Path(folder) / f"{reader.path.name}.csv"
-            path.write_text(table_csv(pose_rows(reader)), encoding="utf-8")
+            rows = pose_rows(reader)
+            if len(readers) > 1:
+                rows = [{**row, "pose": f"{reader.path.name}/{row['pose']}"} for row in rows]
+            path.write_text(table_csv(rows), encoding="utf-8")
             paths.append(path)
         yield paths
 
@@ -94,14 +102,15 @@ def as_tables(readers: Sequence[RunReader]) -> Iterator[list[Path]]:
 def _pose_row(
     row: Mapping[str, Any],
     units: Sequence[str],
-    motions: Mapping[int | None, Floats],
+    world: "_World",
     *,
     stated: bool,
     turned: bool,
 ) -> Row:
-    motion = motions.get(row["nests_round"], np.eye(4))
+    motion = world.motion(row["nests_round"])
     place = motion[:3, :3] @ np.array([row[name] for name in _PLACE]) + motion[:3, 3]
-    values: dict[str, Any] = {"pose": row["pose"]}
+    again = str(row["step_id"]).startswith(f"{VISITS[1]}/")
+    values: dict[str, Any] = {"pose": f"{row['pose']}/2" if again else row["pose"]}
     values |= {f"q{k}_{unit}": value for k, (unit, value) in enumerate(zip(units, row["q"], strict=True), 1)}
     values |= {
         f"q{k}_read_{unit}": value
@@ -129,8 +138,14 @@ class _World:
         note: what whoever uses the places has to know of it; empty when nothing.
     """
 
-    motions: Mapping[int | None, Floats]
+    motions: Mapping[int, Floats]
     note: str = ""
+
+    def motion(self, number: int | None) -> Floats:
+        """Return what brings places after a measurement of the nests into it, by the nearest one that saw nests."""
+        if not self.motions:
+            return np.eye(4)
+        return self.motions[_nearest(number or 0, self.motions)]
 
 
 def frame_note(reader: RunReader) -> str:
@@ -142,7 +157,8 @@ def frame_note(reader: RunReader) -> str:
 def _world(reader: RunReader) -> _World:
     """Return the world frame of the first three nests of the cell that were seen."""
     rounds, u_mm = _rounds(reader)
-    names = _nest_names(reader, rounds)
+    tried = {row["nests_round"] for row in _pose_targets(reader)} - {None}
+    names = _nest_names(reader, rounds, measured=bool(tried))
     if len(names) < FEWEST:
         return _World({})
     first = rounds[min(rounds)] if rounds else {}
@@ -157,8 +173,12 @@ def _world(reader: RunReader) -> _World:
             "sight for the next",
         )
     world = world_frame(known)
-    motions: dict[int | None, Floats] = dict.fromkeys(rounds, world)
-    notes = []
+    motions: dict[int, Floats] = dict.fromkeys(rounds, world)
+    notes = [
+        f"measurement {number} of the nests saw none of them: places after it stand in the world frame by "
+        f"measurement {_nearest(number, rounds)}, and a drift between the two stays in them"
+        for number in sorted(tried - rounds.keys())
+    ]
     for number in sorted(drifted):
         back = motion_between(known, rounds[number])
         if back is None:
@@ -173,12 +193,16 @@ def _world(reader: RunReader) -> _World:
     return _World(motions, "; ".join(notes))
 
 
-def _nest_names(reader: RunReader, rounds: Mapping[int, Places]) -> tuple[str, ...]:
+def _nearest(number: int, rounds: Iterable[int]) -> int:
+    return min(rounds, key=lambda seen: abs(seen - number))
+
+
+def _nest_names(reader: RunReader, rounds: Mapping[int, Places], *, measured: bool) -> tuple[str, ...]:
     """Return the nests in the order of the cell file: whichever are hidden, the frame of all runs is one."""
     tracker = cell_of_run(reader).tracker
     stated = () if tracker is None else tuple(nest.name for nest in tracker.nest)
     seen = dict.fromkeys(name for _, places in sorted(rounds.items()) for name in places)
-    return stated if seen and seen.keys() <= set(stated) else tuple(seen)
+    return stated if measured and seen.keys() <= set(stated) else tuple(seen)
 
 
 def _known_places(names: Sequence[str], rounds: Mapping[int, Places], drifted: set[int]) -> Places:

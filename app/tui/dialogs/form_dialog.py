@@ -88,9 +88,14 @@ class FormDialog(BoxDialog[Answers | None]):
                 yield Label(field.hint, classes="hint", markup=False)
         yield Static("", id="fault", markup=False)
 
-    def on_input_submitted(self) -> None:
-        """Answer."""
-        self.action_answer()
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Answer, or go on to a secret that is not typed yet."""
+        secrets = (self.query_one(f"#{field.name}", Input) for field in self._fields if field.secret)
+        empty = next((one for one in secrets if not one.value and one is not event.input), None)
+        if empty is None:
+            self.action_answer()
+        else:
+            empty.focus()
 
     def action_answer(self) -> None:
         """Take the answers, if nothing is wrong with them."""

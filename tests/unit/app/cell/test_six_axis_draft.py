@@ -2,6 +2,8 @@
 
 import tomllib
 
+import pytest
+
 from catseye.app.cell.model import Cell
 from catseye.app.cell.templates import SIX_AXIS, TEMPLATES
 from catseye.app.cell.wizard.draft import Draft
@@ -56,6 +58,14 @@ def test_faults_stand_beside_the_nest() -> None:
     draft = filled(**{"tracker.nest.1": "-1500, far, -400"})
     page = next(page for page in draft.pages if page.name == "tracker")
     assert "tracker.nest.1" in draft.page_faults(page, faults(draft))
+
+
+@pytest.mark.parametrize("typed", ["-1450, 655", "-1450, 655, -330, 7", "here"])
+def test_a_nest_wants_three_numbers(typed: str) -> None:
+    draft = Draft.of_text(TEMPLATES[SIX_AXIS].text)
+    draft.give("tracker.nest.1", typed)
+    page = next(page for page in draft.pages if page.name == "tracker")
+    assert draft.page_faults(page, faults(draft)) == {"tracker.nest.1": "give three numbers: x, y, z in mm"}
 
 
 def test_nests_on_a_line_are_refused() -> None:

@@ -217,6 +217,16 @@ def test_poses_of_a_cell_name_every_seen_target(tmp_path: Path) -> None:
     assert 12 < len(rows) <= 36
 
 
+@pytest.mark.parametrize("option", ["--cone-deg", "--face-deg"])
+def test_angles_of_sight_beside_a_cell_are_refused(tmp_path: Path, option: str) -> None:
+    cell = tmp_path / "cell.toml"
+    cell.write_text(BY_ARM["irb120"], "utf-8")
+    words = ["--cell", str(cell), option, "20", "--count", "12", "--candidates", "300"]
+    done = CliRunner().invoke(cli, ["select-poses", *words, "-o", str(tmp_path / "c.csv")])
+    assert isinstance(done.exception, UsageError)
+    assert option in str(done.exception)
+
+
 def test_a_cell_beside_an_arm_is_refused(tmp_path: Path) -> None:
     words = ["--cell", str(tmp_path / "cell.toml"), "--arm", "irb120", "--count", "12"]
     done = CliRunner().invoke(cli, ["select-poses", *words, "-o", str(tmp_path / "c.csv")])

@@ -40,6 +40,26 @@ async def test_answers_stand_in_the_environment(tmp_path: Path) -> None:
     assert environment["CATSEYE_ABB_USER"] == "Default User"
 
 
+async def test_an_empty_password_leaves_that_of_the_factory(tmp_path: Path) -> None:
+    environment: dict[str, str] = {}
+    login = Login(environment)
+    login.show = Shown({"user": "Default User", "password": ""})
+    await login.before_engine(cell(tmp_path))
+    assert environment == {}
+
+
+async def test_a_wrong_password_can_be_typed_again(tmp_path: Path) -> None:
+    environment: dict[str, str] = {}
+    login, path = Login(environment), cell(tmp_path)
+    login.show = Shown({"user": "somebody", "password": "wrong"})
+    await login.before_engine(path)
+    await login.forget(path)
+    assert environment == {}
+    login.show = Shown({"user": "somebody", "password": SECRET})
+    await login.before_engine(path)
+    assert environment["CATSEYE_ABB_PASSWORD"] == SECRET
+
+
 async def test_going_back_is_not_asked_again(tmp_path: Path) -> None:
     environment: dict[str, str] = {}
     login, shown = Login(environment), Shown(None)
@@ -87,3 +107,25 @@ async def test_what_is_typed_is_never_drawn(tmp_path: Path) -> None:
     login.show = show
     await login.before_engine(cell(tmp_path))
     assert environment["CATSEYE_ABB_PASSWORD"] == SECRET
+
+
+async def test_enter_in_the_user_field_goes_on_to_the_password(tmp_path: Path) -> None:
+    environment: dict[str, str] = {}
+    login, app = Login(environment), Empty()
+
+    async def show(dialog: FormDialog) -> Answers | None:
+        async with app.run_test(size=(100, 30)) as pilot:
+            answered: list[Answers | None] = []
+            await app.push_screen(dialog, answered.append)
+            await pilot.pause()
+            dialog.query_one("#user", Input).focus()
+            await pilot.press("enter")
+            await pilot.pause()
+            assert answered == []
+            await pilot.press("x", "enter")
+            await pilot.pause()
+            return answered[0]
+
+    login.show = show
+    await login.before_engine(cell(tmp_path))
+    assert environment == {"CATSEYE_ABB_USER": "Default User", "CATSEYE_ABB_PASSWORD": "x"}

@@ -55,6 +55,22 @@ def test_wrong_poses_are_named_and_no_others() -> None:
     assert sorted(one.name for one in rejected) == ["pose 4", "pose 41"]
 
 
+def test_wrong_pose_with_the_only_rows_of_a_target_goes() -> None:
+    arm = irb120()
+    arm = arm.with_targets((*arm.targets[:2], replace(arm.targets[2], u_mm=None)))
+    poses = random_poses(POSES, 2)
+    pose, nest = np.append(np.arange(POSES), 5), np.append(np.arange(POSES) % 2, 2)
+    places = TrueArm().nests(poses[pose], nest)
+    places = places + NOISE_MM * np.random.default_rng(2).standard_normal(places.shape)
+    places[5] += 0.0, 5.0, 0.0
+    covariance = np.tile(NOISE_MM**2 * np.eye(3), (len(pose), 1, 1))
+    names = tuple(f"pose {k + 1}" for k in range(POSES))
+    rows = Measurements(Commands.of(arm, poses), names, MeasuredPoints(pose, nest, places, covariance))
+    found, rejected = without_wrong_poses(arm, rows, "geometric+compliance")
+    assert [one.name for one in rejected] == ["pose 6"]
+    assert not any(one.name.startswith("nest3") for one in found.model.chosen)
+
+
 def of_all_nests(poses: Floats, real: Floats, seed: int) -> Measurements:
     """Measure three nests at each pose; the arm stands at other joints than commanded."""
     pose, nest = np.repeat(np.arange(len(poses)), 3), np.tile(np.arange(3), len(poses))

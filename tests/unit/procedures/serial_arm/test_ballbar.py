@@ -190,6 +190,20 @@ async def test_resumption_takes_the_bar_off_first(tmp_path: Path) -> None:
     assert len(RunReader(outcome.path).rows("ballbar")) == 6
 
 
+@pytest.mark.parametrize("seen", [7, 8])
+async def test_a_slow_recording_shows_its_plateaus(tmp_path: Path, seen: int) -> None:
+    room, bar = Room(tmp_path), tmp_path / "bar.csv"
+    levels = [0.1, -0.2, 0.05, 0.0, 0.3, -0.1]
+    # 4 readings a second, 2 s at a place; the arm stops for half a second on its way.
+    values = [value for level in levels for value in ([level] * seen + [9.0, 8.0, 8.0, 9.0])]
+    rows = [f"{0.25 * number:.2f},{value}" for number, value in enumerate(values)]
+    bar.write_text("\n".join(["t_s,deviation_mm", *rows]) + "\n", encoding="utf-8")
+    room.answers = {"lengths/N1": str(bar)}
+    outcome = await carried_out(room, BallbarTest(), plan_of(readings="file", dwell_s=2.0))
+    assert (outcome.status, outcome.text) == ("complete", "")
+    assert [row["error_mm"] for row in RunReader(outcome.path).rows("ballbar")] == pytest.approx(levels)
+
+
 async def test_lengths_come_from_the_plateaus_of_a_file(tmp_path: Path) -> None:
     room = Room(tmp_path)
     levels = [0.1, -0.2, 0.05, 0.0, 0.3, -0.1]

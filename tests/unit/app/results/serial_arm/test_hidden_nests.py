@@ -53,3 +53,21 @@ async def test_a_nest_never_seen_is_told(tmp_path: Path) -> None:
     assert "no world frame: of the fixed nests W2 was hidden in every measurement" in frame_note(reader)
     for row, stored in zip(pose_rows(reader), reader.rows("targets"), strict=True):
         assert np.array_equal(place_of(row), place_of(stored))
+
+
+async def test_a_round_that_saw_no_nest_takes_the_nearest(tmp_path: Path) -> None:
+    reader = await run(tmp_path, {"W1": 1, "W2": 1, "W3": 1})
+    stored = reader.rows("targets")
+    assert {row["nests_round"] for row in stored} == {0, 1}
+    assert {row["nests_round"] for row in reader.rows("nests")} == {1, 2}
+    for row, one in zip(pose_rows(reader), stored, strict=True):
+        assert place_of(row) == pytest.approx(in_world(place_of(one)), abs=1e-9)
+    assert (
+        "measurement 0 of the nests saw none of them: places after it stand in the world frame by measurement 1"
+        in (frame_note(reader))
+    )
+
+
+async def test_nests_that_no_round_saw_are_told(tmp_path: Path) -> None:
+    reader = await run(tmp_path, dict.fromkeys(NESTS, 99))
+    assert "of the fixed nests W1, W2, W3 was hidden in every measurement" in frame_note(reader)
