@@ -289,4 +289,4 @@ async def recorder_at_work(recorder: Recorder) -> AsyncIterator[None]:
         try:
             await cancel(task)
         finally:
-            await uncancelled(recorder.keep_what_came())
+            await recorder.keep_what_came()

@@ -23,6 +23,7 @@ from catseye.procedures.kit.tasks import (
     SetUpScaleBar,
     TakeBallbarOff,
     Task,
+    TaskInTheRoom,
     TurnScrew,
 )
 
@@ -39,17 +40,7 @@ NO_READING = "none"
 """What is typed where an instrument shows no number."""
 
 
-_InTheRoom = (
-    SetUpScaleBar
-    | PlaceTarget
-    | LeadTracker
-    | SeatInCup
-    | MountBallbar
-    | TakeBallbarOff
-    | ReadBallbar
-    | ExportBallbar
-)
-_SingleGrip = TurnScrew | PlaceReflector | MountInterferometer | MountOptics | ClearBeam | _InTheRoom
+_SingleGrip = TurnScrew | PlaceReflector | MountInterferometer | MountOptics | ClearBeam | TaskInTheRoom
 
 
 class SimulatedOperator:
@@ -182,7 +173,7 @@ class SimulatedOperator:
         return answer
 
 
-def _in_the_room(task: _InTheRoom) -> dict[str, Json]:
+def _in_the_room(task: TaskInTheRoom) -> dict[str, Json]:
     match task:
         case SetUpScaleBar():
             x_mm, y_mm, z_mm = task.place_mm

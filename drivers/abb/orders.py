@@ -203,9 +203,7 @@ class Orders(NumberedOrders):
                 "and the load of this computer"
             )
         if result == Result.UNDER_WAY:
-            raise NotArrivedError(
-                f"{self._where}: CATSABB was started anew before the motion was over; see where the arm stands"
-            )
+            raise self._begun_anew()
         if result != Result.DONE:
             raise OrderRefusedError(
                 f"{self._where}: CATSABB took the order after it was taken back, or another program writes its data "

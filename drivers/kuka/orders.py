@@ -133,9 +133,7 @@ class Orders(NumberedOrders):
             case Result.STOPPED | Result.STOP_STANDS:
                 return OrderRefusedError(f"{where}: a stop ended the motion", int(result))
             case Result.UNDER_WAY:
-                return NotArrivedError(
-                    f"{where}: CATSKUKA was started anew before the motion was over; see where the arm stands"
-                )
+                return self._begun_anew()
             case Result.NO_HEARTBEAT:
                 return NotArrivedError(
                     f"{where}: the program stopped the arm, since no sign of life came for 0.5 s: check the network "

@@ -15,7 +15,13 @@ from typing import Final, Protocol
 from catseye.drivers.links.beating import beating
 from catseye.drivers.links.motions import Motion
 from catseye.drivers.roles.clock import Clock
-from catseye.drivers.roles.errors import DeviceError, LinkTimeoutError, NotReadyError, RefusedError
+from catseye.drivers.roles.errors import (
+    DeviceError,
+    LinkTimeoutError,
+    NotArrivedError,
+    NotReadyError,
+    RefusedError,
+)
 
 _FEWEST_LOOKS: Final = 10
 """Answers that say that an order is not taken: on a busy machine time passes in which nobody looks."""
@@ -120,6 +126,12 @@ class NumberedOrders(ABC):
         """Return a number above all that are known; one that was lost may arrive yet, and is not used again."""
         self._latest = max(self._latest, *known) + 1
         return self._latest
+
+    def _begun_anew(self) -> NotArrivedError:
+        """Return that the program began again and called an order done whose motion was not over."""
+        return NotArrivedError(
+            f"{self._where}: {self._program} was started anew before the motion was over; see where the arm stands"
+        )
 
     async def carry_out(self, number: int, motion: Motion) -> None:
         """Begin an order that is prepared; return when its motion is over.

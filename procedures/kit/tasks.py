@@ -154,14 +154,8 @@ class ExportBallbar:
     do: Literal["export-ballbar"] = "export-ballbar"
 
 
-Task = (
-    TurnScrew
-    | PlaceReflector
-    | MountInterferometer
-    | MountOptics
-    | AlignOptics
-    | ClearBeam
-    | SetUpScaleBar
+TaskInTheRoom = (
+    SetUpScaleBar
     | PlaceTarget
     | LeadTracker
     | SeatInCup
@@ -169,4 +163,9 @@ Task = (
     | TakeBallbarOff
     | ReadBallbar
     | ExportBallbar
+)
+"""What a person does with a tracker, its targets and a ballbar around an arm."""
+
+Task = (
+    TurnScrew | PlaceReflector | MountInterferometer | MountOptics | AlignOptics | ClearBeam | TaskInTheRoom
 )

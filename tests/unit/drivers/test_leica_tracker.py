@@ -326,7 +326,8 @@ async def test_a_busy_tracker_is_waited_for() -> None:
     async with rig(busy_timeout_s=60.0) as one, other_client(one) as writer:
         writer.write(command(7))
         await one.reaches(7)
-        await one.point("nest1")
+        point = await one.point("nest1")
+        assert point.place_mm == pytest.approx(near(one.bench, "nest1"), abs=1.0)
 
 
 async def test_a_cold_laser_is_reported() -> None:

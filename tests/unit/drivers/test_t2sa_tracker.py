@@ -213,7 +213,7 @@ async def test_a_simulation_that_does_not_end_is_refused() -> None:
 async def test_a_busy_spatialanalyzer_is_waited_for_at_the_start(command: str) -> None:
     async with saying(command, b"ERR-201 busy\r\n", b"ACK-300 READY\r\n") as endpoint:
         tracker = T2sa.at(endpoint, SystemClock(100.0), working_frame="WORLD")
-        await tracker.connect()
+        assert (await tracker.connect()).model
         await tracker.close()
 
 

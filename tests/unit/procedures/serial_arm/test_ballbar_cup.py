@@ -122,7 +122,7 @@ async def test_nests_farther_apart_than_the_bar_are_refused(tmp_path: Path) -> N
     assert "310.0 mm apart, and the bar is 300 ± 1 mm long" in outcome.text
 
 
-async def test_a_cup_that_the_bar_cannot_go_about_is_told(tmp_path: Path) -> None:
+async def test_a_cup_that_the_bar_cannot_go_about_is_reported(tmp_path: Path) -> None:
     far = np.add(CUP, [110.0, 0.0, 0.0])
     bench = replace(BENCH, ballbar=replace(BENCH.ballbar, centre_mm=tuple(far.tolist())))  # type: ignore[type-var]  # it has one
     plan = BallbarCup().plan(bench, CupParams(result=RESULT))

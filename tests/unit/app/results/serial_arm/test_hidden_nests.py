@@ -48,7 +48,7 @@ async def test_a_nest_hidden_once_changes_no_frame(tmp_path: Path, name: str) ->
     assert frame_note(reader) == ""
 
 
-async def test_a_nest_never_seen_is_told(tmp_path: Path) -> None:
+async def test_a_nest_never_seen_is_reported(tmp_path: Path) -> None:
     reader = await run(tmp_path, {"W2": 99})
     assert "no world frame: of the fixed nests W2 was hidden in every measurement" in frame_note(reader)
     for row, stored in zip(pose_rows(reader), reader.rows("targets"), strict=True):
@@ -68,6 +68,6 @@ async def test_a_round_that_saw_no_nest_takes_the_nearest(tmp_path: Path) -> Non
     )
 
 
-async def test_nests_that_no_round_saw_are_told(tmp_path: Path) -> None:
+async def test_nests_that_no_round_saw_are_reported(tmp_path: Path) -> None:
     reader = await run(tmp_path, dict.fromkeys(NESTS, 99))
     assert "of the fixed nests W1, W2, W3 was hidden in every measurement" in frame_note(reader)
