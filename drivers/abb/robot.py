@@ -19,7 +19,7 @@ from catseye.drivers.abb.masking import masked
 from catseye.drivers.abb.orders import Orders
 from catseye.drivers.abb.service import Cookies, Service
 from catseye.drivers.abb.settings import FACTORY, PASSWORD_VARIABLE, USER_VARIABLE, AbbSettings, login_of
-from catseye.drivers.abb.state import status_of
+from catseye.drivers.abb.state import StateReader
 from catseye.drivers.abb.values import JOINTS, number_of
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import UNGUARDED, LinkGuard
@@ -88,6 +88,7 @@ class AbbRws(Robot):
             for use, transport in zip(USES, transports, strict=True)
         )
         self._orders = Orders(self._main, self._beat, self._stop_side, clock, self._settings)
+        self._state = StateReader(self._side, self._settings.task)
         self._stops = Stops()
 
     @classmethod
@@ -140,6 +141,7 @@ class AbbRws(Robot):
             LinkError: unreachable or silent.
         """
         self._orders.forget()
+        self._state.forget()
         try:
             for service in self._services:
                 await service.link.open()
@@ -164,7 +166,7 @@ class AbbRws(Robot):
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        return await status_of(self._side, self._settings.task)
+        return await self._state.status()
 
     async def servo(self, *, on: bool) -> None:
         """Switch the motors; return when they are so.
