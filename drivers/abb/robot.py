@@ -12,12 +12,13 @@ from contextlib import asynccontextmanager
 from typing import Any, ClassVar, Final, Self
 
 from catseye.drivers.abb import names
+from catseye.drivers.abb.cookies import Cookies
 from catseye.drivers.abb.digest import Login
 from catseye.drivers.abb.examining import examination_of, system_of
 from catseye.drivers.abb.halt import STILL_DEG, AbbStopper, joints_of
 from catseye.drivers.abb.masking import masked
 from catseye.drivers.abb.orders import Orders
-from catseye.drivers.abb.service import Cookies, Service
+from catseye.drivers.abb.service import Service
 from catseye.drivers.abb.settings import FACTORY, PASSWORD_VARIABLE, USER_VARIABLE, AbbSettings, login_of
 from catseye.drivers.abb.state import StateReader
 from catseye.drivers.abb.values import JOINTS, number_of

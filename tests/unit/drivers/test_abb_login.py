@@ -10,13 +10,10 @@ from catseye.drivers.abb.robot import USES, AbbRws
 from catseye.drivers.abb.settings import AbbSettings
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.roles.clock import SystemClock
-from catseye.drivers.roles.errors import (
-    LinkError,
-    RefusedError,
-    WrongDeviceError,
-)
+from catseye.drivers.roles.errors import LinkError, RefusedError, WrongDeviceError
 from catseye.simulators.abb.failing import Failing
-from tests.unit.drivers.abb_rig import AWAY, STRICT, failed, rig
+from tests.patience import until
+from tests.unit.drivers.abb_rig import AWAY, STRICT, Rig, failed, rig
 from tests.unit.simulators.abb.benches import BENT, abb_bench
 
 
@@ -121,6 +118,32 @@ async def test_all_sessions_in_use_are_named() -> None:
         other = AbbRws.at(one.bench.endpoints[0].endpoint, SystemClock())
         with pytest.raises(RefusedError, match="all sessions"):
             await other.connect()
+
+
+async def forgotten(one: Rig, life_s: float) -> None:
+    """Wait until the controller has forgotten sessions that were silent."""
+    end_s = one.bench.keeper.sync() + 1.1 * life_s
+    await until(lambda: one.bench.keeper.sync() > end_s)
+
+
+async def test_sessions_in_use_after_a_restart_are_named_with_a_remedy() -> None:
+    async with rig({"sessions": 1, "life_s": 0.5}) as one:
+        await forgotten(one, 0.5)
+        # Somebody else has begun the only session since.
+        other = AbbRws.at(one.bench.endpoints[0].endpoint, SystemClock())
+        await other.connect()
+        with pytest.raises(RefusedError, match=r"503.*all its sessions are in use.*connect again"):
+            await one.robot.joints()
+        await other.close()
+
+
+async def test_sessions_begun_at_once_are_all_ended() -> None:
+    async with rig({"sessions": 2, "life_s": 0.5}) as one:
+        await forgotten(one, 0.5)
+        # Each connection asks with the session that is forgotten, and is given one of its own.
+        await asyncio.gather(one.robot.joints(), one.robot.set_override(50))
+        await one.robot.close()
+        assert len(one.asked("GET /logout")) == 2
 
 
 async def test_four_connections_share_one_session() -> None:
