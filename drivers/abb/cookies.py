@@ -32,7 +32,7 @@ class Cookies:
         Args:
             sent: what the request said of the session.
         """
-        found = {}
+        found: dict[str, str] = {}
         for text in answer.values("set-cookie"):
             jar: SimpleCookie = SimpleCookie()
             try:

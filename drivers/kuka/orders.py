@@ -3,8 +3,9 @@
 CATS_SEQ is the number, CATS_TAKEN and CATS_DONE answer with it, and CATS_FOR = 0 takes an order back.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 from catseye.drivers.kuka import names
@@ -12,6 +13,7 @@ from catseye.drivers.kuka.names import Command, Result
 from catseye.drivers.kuka.proxy import Proxy
 from catseye.drivers.kuka.settings import KukaSettings
 from catseye.drivers.kuka.values import symbol_of, whole_of
+from catseye.drivers.links.beating import Beat
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.orders import NumberedOrders, OrderLook, OrderRefusedError
 from catseye.drivers.roles.clock import Clock
@@ -82,8 +84,8 @@ class Orders(NumberedOrders):
     async def _take_back(self) -> None:
         await self._proxy.write(_REVOKED)
 
-    async def _beat(self, permit: Callable[[], None]) -> None:
-        await self._signs.write({names.BEAT: "TRUE"}, repeat=Repeat.NEVER, permit=permit)
+    def _beats(self, permit: Callable[[], None]) -> Sequence[Beat]:
+        return (partial(self._signs.write, {names.BEAT: "TRUE"}, repeat=Repeat.NEVER, permit=permit),)
 
     def _require_done(self, result: int) -> None:
         if (known := self._known(result)) is not Result.DONE:

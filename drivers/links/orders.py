@@ -7,12 +7,11 @@ an order before it looks whether that was taken back: one that is not taken by t
 
 import asyncio
 from abc import ABC, abstractmethod
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Final, Protocol, TypeVar
 
-from catseye.drivers.links.beating import beating
+from catseye.drivers.links.beating import Beat, beating
 from catseye.drivers.links.motions import Motion, seen_in_time
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import (
@@ -116,8 +115,8 @@ class NumberedOrders(ABC):
         """Take an order back: the program refuses it from then on."""
 
     @abstractmethod
-    async def _beat(self, permit: Callable[[], None]) -> None:
-        """Give a sign of life, once."""
+    def _beats(self, permit: Callable[[], None]) -> Sequence[Beat]:
+        """Return what gives a sign of life, once, on each connection for them."""
 
     @abstractmethod
     def _require_done(self, result: int) -> None:
@@ -154,7 +153,7 @@ class NumberedOrders(ABC):
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        async with beating(partial(self._beat, motion.require_no_stop), self._times.heartbeat_s):
+        async with beating(self._beats(motion.require_no_stop), self._times.heartbeat_s):
             try:
                 await self._in_time(self._begin(number, motion.permit))
                 await self._require_taken(number)

@@ -1,4 +1,4 @@
-"""STOP at random moments of a robot's motion, each with a random fault on one of its four connections."""
+"""STOP at random moments of a robot's motion, each with a random fault on one of its connections."""
 
 import asyncio
 import contextlib
@@ -19,7 +19,6 @@ Trouble = Literal["lost", "garbled", "flood", "stalled", "half-closed", "none"]
 
 OVERRIDE_PERCENT: Final = 2
 FAR_DEG: Final = 100.0
-CONNECTIONS: Final = 4
 WAITS_S: Final = (0.0, 0.6)
 
 
@@ -46,7 +45,7 @@ class Figures:
 
 @asynccontextmanager
 async def behind(make: Make, proxies: list[Proxy]) -> AsyncIterator[Any]:
-    """A robot whose four connections each lead through a proxy of their own."""
+    """A robot whose connections each lead through a proxy of their own."""
     robot = make.behind(*(open_transport(proxy.endpoint) for proxy in proxies))
     try:
         await robot.connect()
@@ -81,7 +80,7 @@ async def one_stop(
     trouble = source.choice(get_args(Trouble))
     before_s, after_s = source.uniform(*WAITS_S), source.uniform(0.0, 0.3)
     with contextlib.ExitStack() as stack:
-        proxies = [stack.enter_context(threads.proxy((target.host, target.port))) for _ in range(CONNECTIONS)]
+        proxies = [stack.enter_context(threads.proxy((target.host, target.port))) for _ in make.uses]
         spoiled = source.choice(proxies)
         async with behind(make, proxies) as robot:
             goal = FAR_DEG if bench.bench.joints[0] < 0.0 else -FAR_DEG
@@ -105,7 +104,7 @@ async def unseen_s(make: Make, bench: AnyBench, threads: ProxyThread) -> float:
     target = parse_endpoint(bench.endpoints[0].endpoint)
     assert isinstance(target, TcpEndpoint)
     with contextlib.ExitStack() as stack:
-        proxies = [stack.enter_context(threads.proxy((target.host, target.port))) for _ in range(CONNECTIONS)]
+        proxies = [stack.enter_context(threads.proxy((target.host, target.port))) for _ in make.uses]
         async with behind(make, proxies) as robot:
             motion = asyncio.create_task(robot.move_joints((FAR_DEG, *make.pose[1:])))
             await until(lambda: bench.keeper.sync() > 0.0 and bench.bench.moving)

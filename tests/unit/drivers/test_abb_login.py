@@ -146,7 +146,7 @@ async def test_sessions_begun_at_once_are_all_ended() -> None:
         assert len(one.asked("GET /logout")) == 2
 
 
-async def test_four_connections_share_one_session() -> None:
+async def test_all_connections_share_one_session() -> None:
     async with rig({"sessions": 1}) as one:
         await one.robot.move_joints((0.5, *BENT[1:]))
         assert one.j1_deg == pytest.approx(0.5, abs=1e-4)
@@ -176,9 +176,9 @@ def test_a_login_shows_no_password() -> None:
 
 async def test_a_login_may_be_given_by_a_program() -> None:
     async with abb_bench(options={"password": "other"}) as bench:
-        first, second, third, fourth = (open_transport(bench.endpoints[0].endpoint) for _ in USES)
+        first, second, third, fourth, fifth = (open_transport(bench.endpoints[0].endpoint) for _ in USES)
         login = Login("Default User", "other")
-        robot = AbbRws((first, second, third, fourth), SystemClock(), login=login)
+        robot = AbbRws((first, second, third, fourth, fifth), SystemClock(), login=login)
         try:
             assert (await robot.connect()).simulated
         finally:

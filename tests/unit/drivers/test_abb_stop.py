@@ -1,16 +1,17 @@
 """What stops the arm: on request, by the guard, for want of a sign of life, and when something fails."""
 
 import asyncio
+from itertools import pairwise
 
 import pytest
 
-from catseye.drivers.abb.robot import AbbRws
+from catseye.app.testing.faulty import Fault, FaultyTransport
+from catseye.drivers.abb.robot import USES, AbbRws
+from catseye.drivers.abb.settings import AbbSettings
+from catseye.drivers.links.endpoint import open_transport
+from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import SystemClock
-from catseye.drivers.roles.errors import (
-    LinkError,
-    NotReadyError,
-    RefusedError,
-)
+from catseye.drivers.roles.errors import LinkError, NotReadyError, RefusedError
 from catseye.simulators.abb.failing import Failing
 from catseye.simulators.abb.program import Result
 from catseye.simulators.config import Option
@@ -136,6 +137,30 @@ async def test_the_arm_stops_when_the_heartbeat_ends() -> None:
         for port in one.bench.reach.ports_of("robot"):
             port.stalled_until_s = 0.0
         await failed(motion)
+
+
+SLOW_S = 0.4
+
+
+async def test_slow_answers_to_signs_of_life_stop_nothing() -> None:
+    async with abb_bench() as bench:
+        links: dict[str, Transport] = {use: open_transport(bench.endpoints[0].endpoint) for use in USES}
+        slow = [Fault(at, "delay", amount_s=SLOW_S) for at in range(1000)]
+        for use in ("heartbeat", "second heartbeat"):
+            links[use] = FaultyTransport(links[use], slow)
+        first, second, third, fourth, fifth = links.values()
+        # At this period one connection would leave 0.4 s between two signs, of which CATSABB bears no more.
+        settings = AbbSettings(heartbeat_s=0.2)
+        robot = AbbRws((first, second, third, fourth, fifth), SystemClock(), settings)
+        try:
+            await robot.connect()
+            await robot.set_override(2)
+            await robot.move_joints((8.0, *BENT[1:]))
+        finally:
+            await robot.close()
+        beats = [e.time_s for e in bench.journal.entries("robot") if "cats_beat" in e.text]
+    assert len(beats) > 5
+    assert max(late - early for early, late in pairwise(beats)) < SLOW_S
 
 
 async def test_a_stop_that_nobody_hears_is_reported() -> None:

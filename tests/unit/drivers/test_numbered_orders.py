@@ -1,11 +1,13 @@
 """Orders to a program of ours on a controller, in front of one that is made up."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import pytest
 
+from catseye.drivers.links.beating import Beat
 from catseye.drivers.links.guarding import UNGUARDED, GuardError, Unguarded
 from catseye.drivers.links.motions import Motion
 from catseye.drivers.links.orders import NumberedOrders, OrderLook, OrderRefusedError
@@ -71,6 +73,9 @@ class MadeUp(NumberedOrders):
 
     async def _take_back(self) -> None:
         pass
+
+    def _beats(self, permit: Callable[[], None]) -> Sequence[Beat]:
+        return (partial(self._beat, permit),)
 
     async def _beat(self, permit: Callable[[], None]) -> None:
         permit()
