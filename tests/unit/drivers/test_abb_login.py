@@ -126,7 +126,7 @@ async def forgotten(one: Rig, life_s: float) -> None:
     await until(lambda: one.bench.keeper.sync() > end_s)
 
 
-async def test_sessions_in_use_after_a_restart_are_named_with_a_remedy() -> None:
+async def test_sessions_in_use_after_a_restart_are_named() -> None:
     async with rig({"sessions": 1, "life_s": 0.5}) as one:
         await forgotten(one, 0.5)
         # Somebody else has begun the only session since.
