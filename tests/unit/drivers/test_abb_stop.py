@@ -34,6 +34,24 @@ async def test_stop_overtakes_a_motion_and_the_next_starts(options: dict[str, Op
         assert one.j1_deg == pytest.approx(stood + 0.5, abs=1e-4)
 
 
+async def test_a_refused_stop_of_what_stands_is_confirmed() -> None:
+    async with rig(stop_timeout_s=2.0) as one:
+        motion = await one.away()
+        one.bench.controller.failing = Failing("action=stop", carried_out=True, left=100_000)
+        await one.robot.stop()
+        assert not one.bench.bench.moving
+        await failed(motion)
+
+
+async def test_a_refused_stop_of_what_runs_is_reported() -> None:
+    async with rig(stop_timeout_s=1.0) as one:
+        motion = await one.away()
+        one.bench.controller.failing = Failing("action=stop", carried_out=False, left=100_000)
+        with pytest.raises(LinkError, match="PRESS THE EMERGENCY STOP"):
+            await one.robot.stop()
+        await failed(motion)
+
+
 async def test_a_cancelled_motion_is_stopped() -> None:
     async with rig() as one:
         motion = await one.away()
