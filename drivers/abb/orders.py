@@ -56,7 +56,7 @@ class Orders(NumberedOrders):
         self._known = False
 
     async def prepare(self, target: Pose, permit: Callable[[], None]) -> int:
-        """Write all of an order but what begins it; return its number. Nothing moves yet.
+        """Write all of an order but what begins it, see that STOP is ready; return its number. Nothing moves yet.
 
         Args:
             permit: asked right before anything is written that lets the arm move.
@@ -74,12 +74,14 @@ class Orders(NumberedOrders):
         number = await self._free_number()
         await self._take_back()
         await self._write(names.GOAL, goal_text(target))
+        # Nothing moves that could not be stopped on this connection.
+        await self._stop.renew()
         await self._write(names.PREPARED, str(number), permit=permit)
         return number
 
     async def carry_out(self, number: int, motion: Motion) -> None:
         """Carry out an order as all are; STOP is kept ready meanwhile."""
-        async with beating((self._stop.renew,), self._settings.renewal_s):
+        async with beating((self._stop.renew,), self._settings.renewal_s, at_once=False):
             await super().carry_out(number, motion)
 
     async def is_running(self) -> bool:

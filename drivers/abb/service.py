@@ -127,15 +127,10 @@ class Service:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        async with self._turn:
-            await self.link.ensure()
-            sent = self._cookies.headers
-            data = names.CONTROL_STATE.encoded(self._host, sent)
-            self._learn(await self.link.request(data, AnswerDecoder, self._settings.answer_timeout_s), sent)
-            self._arm(ahead=1)
+        await self.link.repeated(self._challenged)
         await self.ask(names.CONTROL_STATE)
         # A server ends a connection behind so many requests: then another one is opened at once.
-        await self.link.ensure()
+        await self.link.repeated(self.link.ensure)
 
     async def log_out(self) -> None:
         """End the session of all connections, and those that were left over.
@@ -173,6 +168,15 @@ class Service:
         if answer.last:
             self.link.distrust("the server has ended the connection")
         return answer
+
+    async def _challenged(self) -> None:
+        """Ask without a proof, which is answered by a new challenge."""
+        async with self._turn:
+            await self.link.ensure()
+            sent = self._cookies.headers
+            data = names.CONTROL_STATE.encoded(self._host, sent)
+            self._learn(await self.link.request(data, AnswerDecoder, self._settings.answer_timeout_s), sent)
+            self._arm(ahead=1)
 
     def _next(self, request: Request, session: Mapping[str, str]) -> bytes:
         """Return a request with the next proof; before it is sent the guard has the STOP that fits behind it."""

@@ -11,8 +11,8 @@ Beat = Callable[[], Awaitable[None]]
 
 
 @asynccontextmanager
-async def beating(beats: Sequence[Beat], period_s: float) -> AsyncIterator[None]:
-    """Do something at once and then again and again until the context is left.
+async def beating(beats: Sequence[Beat], period_s: float, *, at_once: bool = True) -> AsyncIterator[None]:
+    """Do something again and again until the context is left.
 
     One that fails is tried again: what counts is what arrives. One that still waits for its answer does not put the
     next one off as long as another connection is free.
@@ -20,8 +20,9 @@ async def beating(beats: Sequence[Beat], period_s: float) -> AsyncIterator[None]
     Args:
         beats: say it, each on a connection of its own; they take turns.
         period_s: from the beginning of one to that of the next, real s.
+        at_once: the first is due at once; otherwise after a period.
     """
-    pulse = _Pulse(period_s)
+    pulse = _Pulse(period_s, at_once=at_once)
     tasks = [asyncio.create_task(_beat(beat, pulse)) for beat in beats]
     try:
         yield
@@ -34,12 +35,12 @@ async def beating(beats: Sequence[Beat], period_s: float) -> AsyncIterator[None]
 class _Pulse:
     """When the next one is due."""
 
-    def __init__(self, period_s: float) -> None:
+    def __init__(self, period_s: float, *, at_once: bool) -> None:
         self.ended = asyncio.Event()
         self._period_s = period_s
         self._turn = asyncio.Lock()
         self._time_s = asyncio.get_running_loop().time
-        self._next_s = self._time_s()
+        self._next_s = self._time_s() + (0.0 if at_once else period_s)
 
     async def next(self) -> None:
         """Wait until the next one is due, or all is over; who comes first has the first turn."""

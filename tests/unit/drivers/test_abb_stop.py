@@ -1,6 +1,8 @@
 """What stops the arm: on request, by the guard, for want of a sign of life, and when something fails."""
 
 import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from itertools import pairwise
 
 import pytest
@@ -9,13 +11,13 @@ from catseye.app.testing.faulty import Fault, FaultyTransport
 from catseye.drivers.abb.robot import USES, AbbRws
 from catseye.drivers.abb.settings import AbbSettings
 from catseye.drivers.links.endpoint import open_transport
-from catseye.drivers.links.transport import Transport
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import LinkError, NotReadyError, RefusedError
 from catseye.simulators.abb.failing import Failing
 from catseye.simulators.abb.program import Result
 from catseye.simulators.config import Option
-from tests.unit.drivers.abb_rig import AWAY, STOP, STRICT, Rig, failed, rig
+from catseye.simulators.emulated_bench import EmulatedAbbBench
+from tests.unit.drivers.abb_rig import AWAY, ORDER, STOP, STRICT, Rig, failed, rig
 from tests.unit.drivers.guards import RecordingGuard
 from tests.unit.simulators.abb.benches import BENT, abb_bench
 
@@ -157,25 +159,47 @@ async def test_the_arm_stops_when_the_heartbeat_ends() -> None:
         await failed(motion)
 
 
+@asynccontextmanager
+async def behind(
+    bench: EmulatedAbbBench, faults: dict[str, list[Fault]], settings: AbbSettings
+) -> AsyncIterator[AbbRws]:
+    """A driver of which some connections go wrong."""
+    endpoint = bench.endpoints[0].endpoint
+    first, second, third, fourth, fifth = (
+        FaultyTransport(open_transport(endpoint), faults.get(use, [])) for use in USES
+    )
+    robot = AbbRws((first, second, third, fourth, fifth), SystemClock(), settings)
+    try:
+        await robot.connect()
+        yield robot
+    finally:
+        await robot.close()
+
+
+async def test_nothing_moves_without_a_connection_for_stop() -> None:
+    # Its login needs two answers; then whatever it says is lost.
+    silent = [Fault(at, "drop") for at in range(2, 1000)]
+    async with (
+        abb_bench() as bench,
+        behind(bench, {"stop": silent}, AbbSettings(answer_timeout_s=0.1)) as robot,
+    ):
+        with pytest.raises(LinkError, match="stop connection"):
+            await robot.move_joints(AWAY)
+        assert not [e for e in bench.journal.entries("robot") if e.text.startswith(ORDER)]
+        assert bench.bench.joints == BENT
+
+
 SLOW_S = 0.4
 
 
 async def test_slow_answers_to_signs_of_life_stop_nothing() -> None:
+    slow = [Fault(at, "delay", amount_s=SLOW_S) for at in range(1000)]
+    # At this period one connection would leave 0.4 s between two signs, of which CATSABB bears no more.
+    settings = AbbSettings(heartbeat_s=0.2)
     async with abb_bench() as bench:
-        links: dict[str, Transport] = {use: open_transport(bench.endpoints[0].endpoint) for use in USES}
-        slow = [Fault(at, "delay", amount_s=SLOW_S) for at in range(1000)]
-        for use in ("heartbeat", "second heartbeat"):
-            links[use] = FaultyTransport(links[use], slow)
-        first, second, third, fourth, fifth = links.values()
-        # At this period one connection would leave 0.4 s between two signs, of which CATSABB bears no more.
-        settings = AbbSettings(heartbeat_s=0.2)
-        robot = AbbRws((first, second, third, fourth, fifth), SystemClock(), settings)
-        try:
-            await robot.connect()
+        async with behind(bench, {"heartbeat": slow, "second heartbeat": slow}, settings) as robot:
             await robot.set_override(2)
             await robot.move_joints((8.0, *BENT[1:]))
-        finally:
-            await robot.close()
         beats = [e.time_s for e in bench.journal.entries("robot") if "cats_beat" in e.text]
     assert len(beats) > 5
     assert max(late - early for early, late in pairwise(beats)) < SLOW_S

@@ -33,11 +33,13 @@ class Signs:
         return beat
 
 
-def said_within(duration_s: float, signs: Signs, *beats: Beat) -> list[tuple[float, str]]:
+def said_within(
+    duration_s: float, signs: Signs, *beats: Beat, at_once: bool = True
+) -> list[tuple[float, str]]:
     """Return what is said in a time, to hundredths of a second."""
 
     async def work() -> None:
-        async with beating(beats, PERIOD_S):
+        async with beating(beats, PERIOD_S, at_once=at_once):
             await asyncio.sleep(duration_s)
 
     run(work())
@@ -78,3 +80,9 @@ def test_a_beat_that_fails_is_tried_again() -> None:
 def test_no_beat_follows_the_end() -> None:
     signs = Signs()
     assert said_within(0.05, signs, signs.on("a", 0.3), signs.on("b", 0.3)) == [(0.0, "a")]
+
+
+def test_the_first_beat_may_be_due_after_a_period() -> None:
+    signs = Signs()
+    said = said_within(0.25, signs, signs.on("a", 0.01), at_once=False)
+    assert [time_s for time_s, _ in said] == [0.1, 0.2]
