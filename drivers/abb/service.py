@@ -166,7 +166,7 @@ class Service:
             if answer.status != _UNAUTHORISED:
                 break
         if answer.last:
-            self.link.distrust("the server has ended the connection")
+            self.link.expect_end("the server has ended the connection")
         return answer
 
     async def _challenged(self) -> None:

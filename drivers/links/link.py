@@ -249,6 +249,11 @@ class RequestLink:
         self._losses.lost()
         self._doubt = why
 
+    def expect_end(self, why: str) -> None:
+        """Have the link opened again before the next request: the other side ends it, and nothing is lost."""
+        self._ended = True
+        self._doubt = why
+
     async def exchange(self, data: bytes, decoder: Decoder[T], timeout_s: float) -> T:
         """Send and receive while the link is held; for `greet` only, others use `request`.
 

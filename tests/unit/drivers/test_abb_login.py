@@ -12,6 +12,7 @@ from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import LinkError, RefusedError, WrongDeviceError
 from catseye.simulators.abb.failing import Failing
+from catseye.simulators.ports.lossy import Lossy
 from tests.patience import until
 from tests.unit.drivers.abb_rig import AWAY, STRICT, Rig, failed, rig
 from tests.unit.simulators.abb.benches import BENT, abb_bench
@@ -25,6 +26,27 @@ async def test_connections_that_end_after_requests_are_renewed() -> None:
         await one.robot.stop()
         await failed(motion)
         assert not one.bench.bench.moving
+
+
+class LosesOne(Lossy):
+    """Loses the next answer only."""
+
+    def __init__(self) -> None:
+        super().__init__(0.0, 1)
+        self.lost = False
+
+    def passed(self, answer: bytes) -> bytes:
+        self.lost, lost_before = True, self.lost
+        return answer if lost_before else b""
+
+
+async def test_connections_that_end_count_as_no_losses() -> None:
+    async with rig({"requests": 2}, answer_timeout_s=0.2) as one:
+        for _ in range(12):
+            await one.robot.joints()
+        (port,) = one.bench.reach.ports_of("robot")
+        port.lossy = LosesOne()
+        assert len(await one.robot.joints()) == 6
 
 
 async def test_proofs_and_sessions_that_grow_old_are_renewed() -> None:
