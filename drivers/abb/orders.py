@@ -67,9 +67,11 @@ class Orders(NumberedOrders):
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        if not self._known:
+        running = await self.is_running()
+        if not (running and self._known):
+            # Modules are loaded where RAPID stands.
             await self._require_module()
-        if not await self.is_running():
+        if not running:
             await self._started(permit)
         number = await self._free_number()
         await self._take_back()

@@ -105,6 +105,15 @@ async def test_a_module_of_another_version_is_named() -> None:
         assert "version 7" in (await one.robot.examine()).advice[0]
 
 
+async def test_a_module_that_was_replaced_meanwhile_is_named() -> None:
+    async with rig() as one:
+        await one.robot.move_joints((0.5, *BENT[1:]))
+        one.bench.controller.press("stop")
+        one.bench.controller.program.data["cats_version"] = 7.0
+        with pytest.raises(NotReadyError, match="version 7"):
+            await one.robot.move_joints(AWAY)
+
+
 async def test_the_motors_are_switched() -> None:
     async with rig() as one:
         await one.robot.servo(on=False)
