@@ -42,7 +42,7 @@ from catseye.drivers.roles.errors import (
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.drivers.roles.robot import Robot, RobotAbilities, RobotStatus
 
-USES: Final = ("", "stop", "heartbeat", "second heartbeat", "questions")
+USES: Final = ("", "stop", "heartbeat", "second-heartbeat", "questions")
 """What the connections are for, in their order; the first is for orders."""
 
 _STOP: Final = USES[1]

@@ -41,14 +41,14 @@ class Orders(NumberedOrders):
 
     Args:
         proxy: connection for orders and for the questions about them.
-        beat: connection for signs of life.
+        beats: connections for signs of life.
         clock: time of the polls.
     """
 
-    def __init__(self, proxy: Proxy, beat: Proxy, clock: Clock, settings: KukaSettings) -> None:
+    def __init__(self, proxy: Proxy, beats: Sequence[Proxy], clock: Clock, settings: KukaSettings) -> None:
         super().__init__(proxy.where, names.PROGRAM, _START, clock, settings)
         self._proxy = proxy
-        self._signs = beat
+        self._signs = beats
 
     async def prepare(self, order: Order, permit: Callable[[], None]) -> int:
         """Write all of an order but what begins it; return its number. Nothing moves yet.
@@ -85,7 +85,8 @@ class Orders(NumberedOrders):
         await self._proxy.write(_REVOKED)
 
     def _beats(self, permit: Callable[[], None]) -> Sequence[Beat]:
-        return (partial(self._signs.write, {names.BEAT: "TRUE"}, repeat=Repeat.NEVER, permit=permit),)
+        sign = {names.BEAT: "TRUE"}
+        return [partial(proxy.write, sign, repeat=Repeat.NEVER, permit=permit) for proxy in self._signs]
 
     def _require_done(self, result: int) -> None:
         if (known := self._known(result)) is not Result.DONE:

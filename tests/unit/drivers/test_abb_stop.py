@@ -197,7 +197,7 @@ async def test_slow_answers_to_signs_of_life_stop_nothing() -> None:
     # At this period one connection would leave 0.4 s between two signs, of which CATSABB bears no more.
     settings = AbbSettings(heartbeat_s=0.2)
     async with abb_bench() as bench:
-        async with behind(bench, {"heartbeat": slow, "second heartbeat": slow}, settings) as robot:
+        async with behind(bench, {"heartbeat": slow, "second-heartbeat": slow}, settings) as robot:
             await robot.set_override(2)
             await robot.move_joints((8.0, *BENT[1:]))
         beats = [e.time_s for e in bench.journal.entries("robot") if "cats_beat" in e.text]

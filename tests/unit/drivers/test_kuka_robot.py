@@ -236,6 +236,31 @@ async def test_a_motion_survives_lost_answers_and_is_given_once() -> None:
             assert one.a1_deg == pytest.approx(0.01 * (number + 1), abs=1e-5)
 
 
+class LosesSigns(Lossy):
+    """Loses the answer to the first sign of life."""
+
+    def __init__(self) -> None:
+        super().__init__(0.0, 1)
+        self.lost = 0
+
+    def passed(self, answer: bytes) -> bytes:
+        if b"TRUE" not in answer or self.lost:
+            return answer
+        self.lost += 1
+        return b""
+
+
+async def test_a_lost_answer_to_a_sign_of_life_stops_nothing() -> None:
+    async with rig(answer_timeout_s=1.0) as one:
+        await one.robot.set_override(5)
+        (port,) = one.bench.reach.ports_of("robot")
+        port.lossy = lossy = LosesSigns()
+        # It lasts longer than the program waits for a sign, and than the answer is waited for.
+        await one.robot.move_joints((10.0, *UPRIGHT[1:]))
+        assert lossy.lost == 1
+        assert one.a1_deg == 10.0
+
+
 async def test_a_program_that_does_not_run_is_named() -> None:
     async with rig() as one:
         one.bench.controller.press("stop")
