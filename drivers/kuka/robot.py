@@ -74,7 +74,7 @@ class KukaVarproxy(Robot):
             )
             for use, transport in zip(USES, transports, strict=True)
         )
-        self._orders = Orders(self._main, beats, clock, self._settings)
+        self._orders = Orders(self._main, beats, self._stop_side, clock, self._settings)
         self._state = StateReader(self._settings)
         self._stops = Stops()
         self._override_percent: int | None = None
