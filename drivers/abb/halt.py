@@ -6,7 +6,7 @@ from catseye.drivers.abb import names
 from catseye.drivers.abb.service import Service
 from catseye.drivers.abb.values import JOINTS, number_of, states_of
 from catseye.drivers.links.link import RequestLink
-from catseye.drivers.roles.errors import ProtocolError
+from catseye.drivers.roles.errors import ProtocolError, RefusedError
 from catseye.drivers.roles.pose import Pose
 
 STILL_DEG: Final = 1e-3
@@ -48,10 +48,17 @@ class AbbStopper:
         return self._service.stop_bytes()
 
     async def stop(self) -> None:
-        """Stop RAPID."""
-        await self._service.ask(names.STOP)
+        """Stop RAPID; a controller may refuse to stop what stands already."""
+        try:
+            await self._service.ask(names.STOP)
+        except RefusedError:
+            if await self._runs():
+                raise
 
     async def look(self) -> tuple[Pose, bool]:
         """Return where the joints are, and whether a program may still move them."""
-        running = await self._service.value(names.EXECUTION, "ctrlexecstate")
-        return await joints_of(self._service, self._unit), running == names.RUNNING
+        running = await self._runs()
+        return await joints_of(self._service, self._unit), running
+
+    async def _runs(self) -> bool:
+        return await self._service.value(names.EXECUTION, "ctrlexecstate") == names.RUNNING

@@ -4,7 +4,8 @@ cats_seq is the number, cats_taken and cats_done answer with it, and cats_for = 
 """
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Final
 
 from catseye.drivers.abb import names
@@ -13,7 +14,7 @@ from catseye.drivers.abb.service import Service
 from catseye.drivers.abb.settings import AbbSettings
 from catseye.drivers.abb.state import mains_of, own_main
 from catseye.drivers.abb.values import goal_text, whole_of
-from catseye.drivers.links.beating import beating
+from catseye.drivers.links.beating import Beat, beating
 from catseye.drivers.links.healing import Repeat
 from catseye.drivers.links.motions import Motion
 from catseye.drivers.links.orders import NumberedOrders, OrderLook, OrderRefusedError
@@ -34,20 +35,20 @@ class Orders(NumberedOrders):
 
     Args:
         orders: connection for orders and for the questions about them.
-        beat: connection for signs of life.
+        beats: connections for signs of life.
         stop: connection on which STOP is kept ready.
         clock: time of the polls.
     """
 
     def __init__(
-        self, orders: Service, beat: Service, stop: Service, clock: Clock, settings: AbbSettings
+        self, orders: Service, beats: Sequence[Service], stop: Service, clock: Clock, settings: AbbSettings
     ) -> None:
         super().__init__(orders.where, names.MODULE, START, clock, settings)
         self._service = orders
-        self._signs = beat
+        self._signs = beats
         self._stop = stop
         self._settings = settings
-        self._beats = 0
+        self._beat_count = 0
         self._known = False
 
     def forget(self) -> None:
@@ -55,7 +56,7 @@ class Orders(NumberedOrders):
         self._known = False
 
     async def prepare(self, target: Pose, permit: Callable[[], None]) -> int:
-        """Write all of an order but what begins it; return its number. Nothing moves yet.
+        """Write all of an order but what begins it, see that STOP is ready; return its number. Nothing moves yet.
 
         Args:
             permit: asked right before anything is written that lets the arm move.
@@ -66,19 +67,23 @@ class Orders(NumberedOrders):
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        if not self._known:
+        running = await self.is_running()
+        if not (running and self._known):
+            # Modules are loaded where RAPID stands.
             await self._require_module()
-        if not await self.is_running():
+        if not running:
             await self._started(permit)
         number = await self._free_number()
         await self._take_back()
         await self._write(names.GOAL, goal_text(target))
+        # Nothing moves that could not be stopped on this connection.
+        await self._stop.renew()
         await self._write(names.PREPARED, str(number), permit=permit)
         return number
 
     async def carry_out(self, number: int, motion: Motion) -> None:
         """Carry out an order as all are; STOP is kept ready meanwhile."""
-        async with beating(self._stop.renew, self._settings.renewal_s):
+        async with beating((self._stop.renew,), self._settings.renewal_s, at_once=False):
             await super().carry_out(number, motion)
 
     async def is_running(self) -> bool:
@@ -191,10 +196,13 @@ class Orders(NumberedOrders):
     async def _take_back(self) -> None:
         await self._write(names.PREPARED, "0")
 
-    async def _beat(self, permit: Callable[[], None]) -> None:
-        self._beats = self._beats % names.LARGEST_NUMBER + 1
-        request = names.data_set(self._settings.task, names.BEAT, str(self._beats))
-        await self._signs.ask(request, repeat=Repeat.NEVER, permit=permit)
+    def _beats(self, permit: Callable[[], None]) -> Sequence[Beat]:
+        return [partial(self._beat, service, permit) for service in self._signs]
+
+    async def _beat(self, service: Service, permit: Callable[[], None]) -> None:
+        self._beat_count = self._beat_count % names.LARGEST_NUMBER + 1
+        request = names.data_set(self._settings.task, names.BEAT, str(self._beat_count))
+        await service.ask(request, repeat=Repeat.NEVER, permit=permit)
 
     def _require_done(self, result: int) -> None:
         if result == Result.NO_HEARTBEAT:

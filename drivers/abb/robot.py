@@ -1,7 +1,7 @@
 """An ABB robot with an IRC5 over Robot Web Services 1.0, moved by the module CATSABB on its controller.
 
-Four connections are held in one session: the first for orders and questions about them, the second for STOP, the
-third for signs of life, the fourth for questions while the arm moves.
+Five connections are held in one session: the first for orders and questions about them, the second for STOP, two for
+signs of life, so that a slow answer to one does not delay the next, the last for questions while the arm moves.
 """
 
 import asyncio
@@ -12,14 +12,15 @@ from contextlib import asynccontextmanager
 from typing import Any, ClassVar, Final, Self
 
 from catseye.drivers.abb import names
+from catseye.drivers.abb.cookies import Cookies
 from catseye.drivers.abb.digest import Login
 from catseye.drivers.abb.examining import examination_of, system_of
 from catseye.drivers.abb.halt import STILL_DEG, AbbStopper, joints_of
 from catseye.drivers.abb.masking import masked
 from catseye.drivers.abb.orders import Orders
-from catseye.drivers.abb.service import Cookies, Service
+from catseye.drivers.abb.service import Service
 from catseye.drivers.abb.settings import FACTORY, PASSWORD_VARIABLE, USER_VARIABLE, AbbSettings, login_of
-from catseye.drivers.abb.state import status_of
+from catseye.drivers.abb.state import StateReader
 from catseye.drivers.abb.values import JOINTS, number_of
 from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.links.guarding import UNGUARDED, LinkGuard
@@ -41,7 +42,7 @@ from catseye.drivers.roles.errors import (
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.drivers.roles.robot import Robot, RobotAbilities, RobotStatus
 
-USES: Final = ("", "stop", "heartbeat", "questions")
+USES: Final = ("", "stop", "heartbeat", "second-heartbeat", "questions")
 """What the connections are for, in their order; the first is for orders."""
 
 _STOP: Final = USES[1]
@@ -51,7 +52,7 @@ class AbbRws(Robot):
     """Robot driver.
 
     Args:
-        transports: four connections to the controller's web server, in the order of `USES`.
+        transports: five connections to the controller's web server, in the order of `USES`.
         clock: time of the polls.
         guard: of the arm; None for tests and for whoever guards it otherwise.
         login: user and password; None: as the environment says.
@@ -64,7 +65,7 @@ class AbbRws(Robot):
 
     def __init__(
         self,
-        transports: tuple[Transport, Transport, Transport, Transport],
+        transports: tuple[Transport, Transport, Transport, Transport, Transport],
         clock: Clock,
         settings: AbbSettings | None = None,
         *,
@@ -76,7 +77,7 @@ class AbbRws(Robot):
         self._guard = guard or UNGUARDED
         self._login = login or login_of()
         cookies = Cookies()
-        self._main, self._stop_side, self._beat, self._side = self._services = tuple(
+        self._main, self._stop_side, *beats, self._side = self._services = tuple(
             Service(
                 transport,
                 self._settings,
@@ -87,7 +88,8 @@ class AbbRws(Robot):
             )
             for use, transport in zip(USES, transports, strict=True)
         )
-        self._orders = Orders(self._main, self._beat, self._stop_side, clock, self._settings)
+        self._orders = Orders(self._main, beats, self._stop_side, clock, self._settings)
+        self._state = StateReader(self._side, self._settings.task)
         self._stops = Stops()
 
     @classmethod
@@ -116,7 +118,7 @@ class AbbRws(Robot):
         checked = AbbSettings(**settings)
         if not endpoint.startswith("tcp://"):
             raise LinkError(f"{endpoint}: Robot Web Services answer over TCP: write tcp://host:80")
-        orders, stop, beat, questions = (
+        orders, stop, beat, second_beat, questions = (
             open_transport(
                 endpoint,
                 connect_timeout_s=checked.connect_timeout_s,
@@ -124,7 +126,7 @@ class AbbRws(Robot):
             )
             for _ in USES
         )
-        return cls((orders, stop, beat, questions), clock, checked, guard=guard)
+        return cls((orders, stop, beat, second_beat, questions), clock, checked, guard=guard)
 
     @property
     def own_program(self) -> str:
@@ -140,6 +142,7 @@ class AbbRws(Robot):
             LinkError: unreachable or silent.
         """
         self._orders.forget()
+        self._state.forget()
         try:
             for service in self._services:
                 await service.link.open()
@@ -164,7 +167,7 @@ class AbbRws(Robot):
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        return await status_of(self._side, self._settings.task)
+        return await self._state.status()
 
     async def servo(self, *, on: bool) -> None:
         """Switch the motors; return when they are so.

@@ -2,12 +2,12 @@
 
 import asyncio
 import secrets
-from collections.abc import Callable
-from http.cookies import CookieError, SimpleCookie
+from collections.abc import Callable, Mapping
 from typing import Final
 from urllib.parse import urlsplit
 
 from catseye.drivers.abb import names
+from catseye.drivers.abb.cookies import Cookies
 from catseye.drivers.abb.digest import Digest, Login, challenge_of
 from catseye.drivers.abb.http import Answer, AnswerDecoder, Request
 from catseye.drivers.abb.masking import shown
@@ -22,33 +22,6 @@ from catseye.drivers.roles.errors import ProtocolError, RefusedError
 _UNAUTHORISED: Final = 401
 _FULL: Final = 503
 _NAME: Final = "robot"
-
-
-class Cookies:
-    """Keys of the session that all connections share: mastership belongs to a session."""
-
-    def __init__(self) -> None:
-        self._values: dict[str, str] = {}
-
-    @property
-    def headers(self) -> dict[str, str]:
-        """What a request says of the session."""
-        text = "; ".join(f"{name}={value}" for name, value in self._values.items())
-        return {"Cookie": text} if text else {}
-
-    def keep(self, answer: Answer) -> None:
-        """Take what the server sets."""
-        for text in answer.values("set-cookie"):
-            jar: SimpleCookie = SimpleCookie()
-            try:
-                jar.load(text)
-            except CookieError:
-                continue
-            self._values |= {name: morsel.value for name, morsel in jar.items()}
-
-    def forget(self) -> None:
-        """Begin another session with the next request."""
-        self._values.clear()
 
 
 class Service:
@@ -139,7 +112,7 @@ class Service:
 
     def stop_bytes(self) -> bytes:
         """Return STOP with a proof that was not used yet, and count it as used."""
-        data = self._encoded(names.STOP, ahead=1)
+        data = self._encoded(names.STOP, self._cookies.headers, ahead=1)
         if self._digest is not None:
             self._digest.count += 1
         return data
@@ -154,48 +127,61 @@ class Service:
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        async with self._turn:
-            await self.link.ensure()
-            data = names.CONTROL_STATE.encoded(self._host, self._cookies.headers)
-            self._learn(await self.link.request(data, AnswerDecoder, self._settings.answer_timeout_s))
-            self._arm(ahead=1)
+        await self.link.repeated(self._challenged)
         await self.ask(names.CONTROL_STATE)
         # A server ends a connection behind so many requests: then another one is opened at once.
-        await self.link.ensure()
+        await self.link.repeated(self.link.ensure)
 
     async def log_out(self) -> None:
-        """End the session of all connections, if there is one.
+        """End the session of all connections, and those that were left over.
 
         Raises:
             RefusedError: the controller refuses.
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        if self._cookies.headers:
-            await self.ask(names.LOGOUT, repeat=Repeat.NEVER)
-            self._cookies.forget()
+        for session in self._cookies.all_headers:
+            async with self._turn:
+                answer = await self._answer(names.LOGOUT, None, session)
+            self._require_success(names.LOGOUT, answer)
+        self._cookies.forget()
 
-    async def _answer(self, request: Request, permit: Callable[[], None] | None) -> Answer:
-        """Ask; where the proof has grown old, which means that nothing was done, ask once more."""
+    async def _answer(
+        self, request: Request, permit: Callable[[], None] | None, session: Mapping[str, str] | None = None
+    ) -> Answer:
+        """Ask; where the proof has grown old, which means that nothing was done, ask once more.
+
+        Args:
+            session: what is said of it; None: it is the shared one.
+        """
         for _ in range(2):
             if permit is not None:
                 # A stop may have left the link out of step, and is the reason that counts.
                 permit()
             await self.link.ensure()
-            data = self._next(request)
-            timeout_s = self._settings.answer_timeout_s
+            sent = self._cookies.headers if session is None else session
+            data, timeout_s = self._next(request, sent), self._settings.answer_timeout_s
             answer = await self.link.request(data, AnswerDecoder, timeout_s, permit=permit)
-            self._learn(answer)
+            self._learn(answer, sent)
             if answer.status != _UNAUTHORISED:
                 break
         if answer.last:
-            self.link.distrust("the server has ended the connection")
+            self.link.expect_end("the server has ended the connection")
         return answer
 
-    def _next(self, request: Request) -> bytes:
+    async def _challenged(self) -> None:
+        """Ask without a proof, which is answered by a new challenge."""
+        async with self._turn:
+            await self.link.ensure()
+            sent = self._cookies.headers
+            data = names.CONTROL_STATE.encoded(self._host, sent)
+            self._learn(await self.link.request(data, AnswerDecoder, self._settings.answer_timeout_s), sent)
+            self._arm(ahead=1)
+
+    def _next(self, request: Request, session: Mapping[str, str]) -> bytes:
         """Return a request with the next proof; before it is sent the guard has the STOP that fits behind it."""
         self._arm(ahead=2)
-        data = self._encoded(request, ahead=1)
+        data = self._encoded(request, session, ahead=1)
         if self._digest is not None:
             self._digest.count += 1
         return data
@@ -203,19 +189,20 @@ class Service:
     def _arm(self, *, ahead: int) -> None:
         if self._guarded is not None:
             # A session outlives the program that dies, and nobody else gets an order through before it ends.
-            release = self._encoded(names.RELEASE_MASTERSHIP, ahead=ahead + 1)
-            self._guarded.protect(self._encoded(names.STOP, ahead=ahead) + release)
+            session = self._cookies.headers
+            release = self._encoded(names.RELEASE_MASTERSHIP, session, ahead=ahead + 1)
+            self._guarded.protect(self._encoded(names.STOP, session, ahead=ahead) + release)
 
-    def _encoded(self, request: Request, *, ahead: int) -> bytes:
-        headers = self._cookies.headers
+    def _encoded(self, request: Request, session: Mapping[str, str], *, ahead: int) -> bytes:
+        headers = dict(session)
         if self._digest is not None:
             proof = self._digest.proof(request.method, request.target, ahead=ahead)
             headers = {"Authorization": proof, **headers}
         return request.encoded(self._host, headers)
 
-    def _learn(self, answer: Answer) -> None:
-        """Take session and challenge from an answer."""
-        self._cookies.keep(answer)
+    def _learn(self, answer: Answer, sent: Mapping[str, str]) -> None:
+        """Take session and challenge from the answer to a request that said this of the session."""
+        self._cookies.keep(answer, sent)
         if answer.status == _UNAUTHORISED:
             challenge = challenge_of(answer.values("www-authenticate"))
             self._digest = Digest(challenge, self._login, secrets.token_hex(8))
@@ -235,9 +222,10 @@ class Service:
     async def _greeted(self) -> Answer:
         """Ask the controller's state; once more where it wants a proof, or a newer one."""
         for _ in range(2):
-            data = self._next(names.CONTROL_STATE)
+            sent = self._cookies.headers
+            data = self._next(names.CONTROL_STATE, sent)
             answer = await self.link.exchange(data, AnswerDecoder(), self._settings.answer_timeout_s)
-            self._learn(answer)
+            self._learn(answer, sent)
             if answer.status != _UNAUTHORISED:
                 break
         return answer
@@ -258,6 +246,10 @@ class Service:
                 "ask it, or wait until it forgets those that were not ended",
                 number,
             )
-        raise RefusedError(
-            f"{self.where}: {request.method} {request.path}: refused ({answer.status}): {text}", number
-        )
+        refused = f"{self.where}: {request.method} {request.path}: refused ({answer.status}): {text}"
+        if answer.status == _FULL:
+            refused += (
+                "; the controller is overloaded or, if it has restarted meanwhile, all its sessions are in use: wait "
+                "a moment, end other programs that ask it, and connect again"
+            )
+        raise RefusedError(refused, number)

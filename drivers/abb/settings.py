@@ -26,7 +26,11 @@ class AbbSettings(DeviceSettings):
     )
     mechanical_unit: str = Field(default="ROB_1", pattern=r"^\w+$", description="of the arm.")
     connect_timeout_s: float = Field(default=5.0, gt=0, description="for connecting.")
-    answer_timeout_s: float = Field(default=1.0, gt=0, description="for one answer.")
+    answer_timeout_s: float = Field(
+        default=1.0,
+        gt=0,
+        description="for one answer; an arm that moves is stopped where nothing is seen of it for this and 1 s more.",
+    )
     taken_timeout_s: float = Field(
         default=5.0,
         gt=0,

@@ -1,17 +1,22 @@
 """The controller's state from its panel and its program."""
 
+import asyncio
 from dataclasses import dataclass
 from typing import Final
 
 from catseye.drivers.abb import names
 from catseye.drivers.abb.service import Service
 from catseye.drivers.abb.values import number_of, states_of, value_of, whole_of
-from catseye.drivers.roles.errors import ProtocolError, RefusedError
+from catseye.drivers.links.healing import Repeat
+from catseye.drivers.roles.errors import LinkTimeoutError, ProtocolError, RefusedError
 from catseye.drivers.roles.robot import RobotStatus
 
 FAILURE: Final = 1
 GUARD_STOP: Final = 2
 """Alarm numbers of states: the controller tells no number with them."""
+
+SEARCHED_S: Final = 10.0
+"""For so long whose main runs is not searched again, real s."""
 
 _TEXTS: Final = {
     FAILURE: "the system has failed: read the event log at the pendant, remove the cause and restart",
@@ -42,14 +47,17 @@ async def module_of(service: Service, task: str) -> Module | None:
     return Module(whole_of(taken), whole_of(done))
 
 
-async def mains_of(service: Service, task: str) -> list[str]:
+async def mains_of(service: Service, task: str, *, repeat: Repeat = Repeat.HARMLESS) -> list[str]:
     """Return where procedures called main of a task stand, in small letters; none where the controller does not say.
+
+    Args:
+        repeat: what may be done when the answer is lost.
 
     Raises:
         LinkError: lost or silent.
     """
     try:
-        found = states_of(await service.ask(names.main_search(task)))
+        found = states_of(await service.ask(names.main_search(task), repeat=repeat))
     except (RefusedError, ProtocolError):
         return []
     places = [str(state.get("symburl", "")).lower() for state in found]
@@ -61,37 +69,67 @@ def own_main(task: str) -> str:
     return f"RAPID/{task}/{names.MODULE}/main".lower()
 
 
-async def status_of(service: Service, task: str) -> RobotStatus:
-    """Return the state.
+class StateReader:
+    """Reads the state of one controller.
 
-    Raises:
-        RefusedError: the controller does not say.
-        LinkError: lost or silent.
-        ProtocolError: garbage came.
+    Whose program runs without an order takes a search through all symbols of the task. What that finds holds until
+    RAPID is seen to stand, and for `SEARCHED_S` at most.
     """
-    state = await service.value(names.CONTROL_STATE, "ctrlstate")
-    mode = await service.value(names.MODE, "opmode")
-    ratio = value_of(await service.ask(names.SPEED_RATIO), "speedratio")
-    executes = await service.value(names.EXECUTION, "ctrlexecstate") == names.RUNNING
-    module = await module_of(service, task)
-    manual = mode in names.MANUAL
-    alarm = FAILURE if state == "sysfail" else GUARD_STOP if state == "guardstop" and not manual else 0
-    return RobotStatus(
-        servo_on=state == names.MOTORS_ON,
-        running=executes and await _may_move(service, task, module),
-        operation_enabled=mode == names.AUTO and module is not None,
-        teach_mode=manual,
-        emergency_stop=state in names.EMERGENCY,
-        override_percent=number_of(ratio),
-        alarm_number=alarm,
-        alarm_text=_TEXTS.get(alarm, ""),
-        program=names.MODULE if module is not None else "",
-    )
 
+    def __init__(self, service: Service, task: str) -> None:
+        self._service = service
+        self._task = task
+        self._mains: list[str] | None = None
+        self._searched_s = 0.0
 
-async def _may_move(service: Service, task: str, module: Module | None) -> bool:
-    """Return whether the program that runs may move the arm: CATSABB with an order does, another one at any time."""
-    if module is None or module.taken != module.done:
-        return True
-    mains = await mains_of(service, task)
-    return bool(mains) and own_main(task) not in mains
+    def forget(self) -> None:
+        """Search anew before the next answer: the controller may be another one."""
+        self._mains = None
+
+    async def status(self) -> RobotStatus:
+        """Return the state.
+
+        Raises:
+            RefusedError: the controller does not say.
+            LinkError: lost or silent.
+            ProtocolError: garbage came.
+        """
+        service = self._service
+        state = await service.value(names.CONTROL_STATE, "ctrlstate")
+        mode = await service.value(names.MODE, "opmode")
+        ratio = value_of(await service.ask(names.SPEED_RATIO), "speedratio")
+        executes = await service.value(names.EXECUTION, "ctrlexecstate") == names.RUNNING
+        module = await module_of(service, self._task)
+        manual = mode in names.MANUAL
+        alarm = FAILURE if state == "sysfail" else GUARD_STOP if state == "guardstop" and not manual else 0
+        if not executes:
+            self.forget()
+        return RobotStatus(
+            servo_on=state == names.MOTORS_ON,
+            running=executes and await self._may_move(module),
+            operation_enabled=mode == names.AUTO and module is not None,
+            teach_mode=manual,
+            emergency_stop=state in names.EMERGENCY,
+            override_percent=number_of(ratio),
+            alarm_number=alarm,
+            alarm_text=_TEXTS.get(alarm, ""),
+            program=names.MODULE if module is not None else "",
+        )
+
+    async def _may_move(self, module: Module | None) -> bool:
+        """Return whether the program that runs may move the arm: CATSABB with an order does, another one always."""
+        if module is None or module.taken != module.done:
+            return True
+        mains = await self._known_mains()
+        return bool(mains) and own_main(self._task) not in mains
+
+    async def _known_mains(self) -> list[str]:
+        now_s = asyncio.get_running_loop().time()
+        if self._mains is None or now_s - self._searched_s > SEARCHED_S:
+            try:
+                self._mains = await mains_of(self._service, self._task, repeat=Repeat.NEVER)
+            except LinkTimeoutError:
+                # A long search is no fault of the link: whose program it is stays unknown.
+                self._mains = []
+            self._searched_s = now_s
+        return self._mains

@@ -3,8 +3,9 @@
 CATS_SEQ is the number, CATS_TAKEN and CATS_DONE answer with it, and CATS_FOR = 0 takes an order back.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
 from catseye.drivers.kuka import names
@@ -12,12 +13,17 @@ from catseye.drivers.kuka.names import Command, Result
 from catseye.drivers.kuka.proxy import Proxy
 from catseye.drivers.kuka.settings import KukaSettings
 from catseye.drivers.kuka.values import symbol_of, whole_of
+from catseye.drivers.links.beating import Beat, beating
 from catseye.drivers.links.healing import Repeat
+from catseye.drivers.links.motions import Motion
 from catseye.drivers.links.orders import NumberedOrders, OrderLook, OrderRefusedError
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import NotArrivedError, NotReadyError, ProtocolError, RefusedError
 
 _START: Final = "start CATSKUKA on the controller in AUT or EX, see docs/kuka.md"
+_ALIVE_S: Final = 10.0
+"""Between two questions on the connection for STOP: an old proxy closes one that is silent for 30 s. Real s."""
+
 _REVOKED: Final = {names.PREPARED: "0"}
 
 
@@ -39,17 +45,21 @@ class Orders(NumberedOrders):
 
     Args:
         proxy: connection for orders and for the questions about them.
-        beat: connection for signs of life.
+        beats: connections for signs of life.
+        stop: connection on which STOP is kept ready.
         clock: time of the polls.
     """
 
-    def __init__(self, proxy: Proxy, beat: Proxy, clock: Clock, settings: KukaSettings) -> None:
+    def __init__(
+        self, proxy: Proxy, beats: Sequence[Proxy], stop: Proxy, clock: Clock, settings: KukaSettings
+    ) -> None:
         super().__init__(proxy.where, names.PROGRAM, _START, clock, settings)
         self._proxy = proxy
-        self._signs = beat
+        self._signs = beats
+        self._stop = stop
 
     async def prepare(self, order: Order, permit: Callable[[], None]) -> int:
-        """Write all of an order but what begins it; return its number. Nothing moves yet.
+        """Write all of an order but what begins it, see that STOP is ready; return its number. Nothing moves yet.
 
         Args:
             permit: asked right before anything is written that lets the arm move.
@@ -63,8 +73,15 @@ class Orders(NumberedOrders):
         await self._proxy.write(_REVOKED)
         await self._proxy.write({names.STOP: "FALSE"}, permit=permit)
         await self._proxy.write({names.COMMAND: str(int(order.command)), **order.values})
+        # Nothing moves that could not be stopped on this connection.
+        await self._ask_stop()
         await self._proxy.write({names.PREPARED: str(number)}, permit=permit)
         return number
+
+    async def carry_out(self, number: int, motion: Motion) -> None:
+        """Carry out an order as all are; the connection for STOP is kept alive meanwhile."""
+        async with beating((self._ask_stop,), _ALIVE_S, at_once=False):
+            await super().carry_out(number, motion)
 
     async def look(self) -> OrderLook:
         """Ask for the program's state and the numbers that it answers with."""
@@ -72,6 +89,9 @@ class Orders(NumberedOrders):
         state, *numbers = await self._proxy.read_all(asked)
         taken, done, result = map(whole_of, numbers)
         return OrderLook(symbol_of(state) == names.ACTIVE, state, taken, done, result)
+
+    async def _ask_stop(self) -> None:
+        await self._stop.read(names.STOP)
 
     async def _write_number(self, number: int, permit: Callable[[], None]) -> None:
         await self._proxy.write({names.SEQUENCE: str(number)}, repeat=Repeat.NEVER, permit=permit)
@@ -82,8 +102,9 @@ class Orders(NumberedOrders):
     async def _take_back(self) -> None:
         await self._proxy.write(_REVOKED)
 
-    async def _beat(self, permit: Callable[[], None]) -> None:
-        await self._signs.write({names.BEAT: "TRUE"}, repeat=Repeat.NEVER, permit=permit)
+    def _beats(self, permit: Callable[[], None]) -> Sequence[Beat]:
+        sign = {names.BEAT: "TRUE"}
+        return [partial(proxy.write, sign, repeat=Repeat.NEVER, permit=permit) for proxy in self._signs]
 
     def _require_done(self, result: int) -> None:
         if (known := self._known(result)) is not Result.DONE:

@@ -1,7 +1,8 @@
 """A KUKA robot over KUKAVARPROXY or C3 Bridge, moved by the program CATSKUKA on its controller.
 
-The proxy only reads and writes variables. Four connections are held: the first for orders and questions about them,
-the second for STOP, the third for signs of life, the fourth for questions while the arm moves.
+The proxy only reads and writes variables. Five connections are held: the first for orders and questions about them,
+the second for STOP, two for signs of life, so that a lost answer to one does not delay the next, the last for
+questions while the arm moves.
 """
 
 import math
@@ -35,7 +36,7 @@ from catseye.drivers.roles.errors import (
 from catseye.drivers.roles.pose import Pose, is_at
 from catseye.drivers.roles.robot import Robot, RobotAbilities, RobotStatus
 
-USES: Final = ("orders", "stop", "heartbeat", "questions")
+USES: Final = ("orders", "stop", "heartbeat", "second-heartbeat", "questions")
 """What the connections are for, in their order."""
 
 
@@ -43,7 +44,7 @@ class KukaVarproxy(Robot):
     """Robot driver.
 
     Args:
-        transports: four connections to the proxy, in the order of `USES`.
+        transports: five connections to the proxy, in the order of `USES`.
         clock: time of the polls.
         guard: of the arm; None for tests and for whoever guards it otherwise.
     """
@@ -56,7 +57,7 @@ class KukaVarproxy(Robot):
 
     def __init__(
         self,
-        transports: tuple[Transport, Transport, Transport, Transport],
+        transports: tuple[Transport, Transport, Transport, Transport, Transport],
         clock: Clock,
         settings: KukaSettings | None = None,
         *,
@@ -65,7 +66,7 @@ class KukaVarproxy(Robot):
         self._settings = settings or KukaSettings()
         self._clock = clock
         self._guard = guard or UNGUARDED
-        self._main, self._stop_side, self._beat, self._side = self._proxies = tuple(
+        self._main, self._stop_side, *beats, self._side = self._proxies = tuple(
             Proxy(
                 guarded(transport, guard, use, STOP_BYTES),
                 self._settings,
@@ -73,7 +74,7 @@ class KukaVarproxy(Robot):
             )
             for use, transport in zip(USES, transports, strict=True)
         )
-        self._orders = Orders(self._main, self._beat, clock, self._settings)
+        self._orders = Orders(self._main, beats, self._stop_side, clock, self._settings)
         self._state = StateReader(self._settings)
         self._stops = Stops()
         self._override_percent: int | None = None
@@ -105,10 +106,10 @@ class KukaVarproxy(Robot):
         checked = KukaSettings(**settings)
         if not endpoint.startswith("tcp://"):
             raise LinkError(f"{endpoint}: the proxy answers over TCP: write tcp://host:7000")
-        orders, stop, beat, questions = (
+        orders, stop, beat, second_beat, questions = (
             open_transport(endpoint, connect_timeout_s=checked.connect_timeout_s, sink=sink) for _ in USES
         )
-        return cls((orders, stop, beat, questions), clock, checked, guard=guard)
+        return cls((orders, stop, beat, second_beat, questions), clock, checked, guard=guard)
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -22,7 +22,10 @@ class KukaSettings(DeviceSettings):
     )
     connect_timeout_s: float = Field(default=5.0, gt=0, description="for connecting.")
     answer_timeout_s: float = Field(
-        default=0.5, gt=0, description="for one answer of the proxy; 5 to 15 ms are typical."
+        default=0.5,
+        gt=0,
+        description="for one answer of the proxy; 5 to 15 ms are typical. An arm that moves is stopped where nothing "
+        "is seen of it for this and 1 s more.",
     )
     taken_timeout_s: float = Field(
         default=5.0,

@@ -3,7 +3,7 @@
 import asyncio
 import contextlib
 import math
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from typing import ClassVar, TypeVar
 
 from catseye.drivers.leica import codec, setup
@@ -223,19 +223,22 @@ class LeicaEmscon(LinkDriver, Tracker):
 
     async def _measure(self, target: str, dwell_s: float) -> StationaryResult:
         """Measure once. A measurement without an end is stopped before anything else is asked, by `_recognise`."""
-        self._measuring = True
+        timeout_s = self._settings.measure_timeout_s + dwell_s
         try:
-            result = await self._sent_once(
-                codec.encode(Command.START_MEASUREMENT),
-                ResultDecoder,
-                self._settings.measure_timeout_s + dwell_s,
-            )
+            return await self._unless_busy(lambda: self._begun_and_ended(timeout_s))
         except LinkTimeoutError:
             if await self._tracker_state() == TRACKER_NOT_READY:
                 raise self._hidden(target, "the beam was broken while it was measured") from None
             raise
+
+    async def _begun_and_ended(self, timeout_s: float) -> StationaryResult:
+        request = codec.encode(Command.START_MEASUREMENT)
+        result = await self._sent_once(request, ResultDecoder, timeout_s, begun=self._begin_measuring)
         self._measuring = False
         return result
+
+    def _begin_measuring(self) -> None:
+        self._measuring = True
 
     async def _failure(self, target: str, command: Command, status: int) -> DeviceError:
         """Return why something failed: a tracker that is not ready for no other known reason sees no target."""
@@ -275,28 +278,45 @@ class LeicaEmscon(LinkDriver, Tracker):
     async def _carried_out(
         self, command: Command, layout: str = "", *values: float, timeout_s: float
     ) -> codec.Reply:
-        """Return the reply to an order; one that a busy tracker has put off is given again."""
+        """Return the reply to an order."""
         data = codec.encode(command, layout, *values)
+        return await self._unless_busy(
+            lambda: self._sent_once(data, lambda: codec.ReplyDecoder(command), timeout_s)
+        )
+
+    async def _unless_busy(self, ask: Callable[[], Awaitable[T]]) -> T:
+        """Return the answer of a tracker that is not busy: what it has put off is asked again, for a while."""
         until_s = self._clock.monotonic_s() + self._settings.busy_timeout_s
         while True:
-            reply = await self._sent_once(data, lambda: codec.ReplyDecoder(command), timeout_s)
-            if reply.status != BUSY or self._clock.monotonic_s() >= until_s:
-                return reply
+            answer = await ask()
+            busy = isinstance(answer, codec.Reply | StationaryResult) and answer.status == BUSY
+            if not busy or self._clock.monotonic_s() >= until_s:
+                return answer
             await self._clock.sleep(_BUSY_PAUSE_S)
 
-    async def _sent_once(self, data: bytes, decoder: Callable[[], Decoder[T]], timeout_s: float) -> T:
+    async def _sent_once(
+        self,
+        data: bytes,
+        decoder: Callable[[], Decoder[T]],
+        timeout_s: float,
+        *,
+        begun: Callable[[], None] | None = None,
+    ) -> T:
         """Send something at most once; what was kept back, since packets came that nobody asked for, was not sent."""
         for _ in range(_KEPT_BACK - 1):
             with contextlib.suppress(NotSentError):
-                return await self._link.request(data, decoder, timeout_s)
-        return await self._link.request(data, decoder, timeout_s)
+                return await self._link.request(data, decoder, timeout_s, begun=begun)
+        return await self._link.request(data, decoder, timeout_s, begun=begun)
 
     async def _require(self, command: Command, layout: str = "", *values: float) -> codec.Reply:
         return await setup.require(self._ask, self._link.where, command, layout, *values)
 
     async def _ask(self, data: bytes, decoder: Callable[[], Decoder[T]]) -> T:
         """Ask a question, or set what may be set any number of times."""
-        return await self._link.request(data, decoder, self._settings.timeout_s, repeat=Repeat.HARMLESS)
+        timeout_s = self._settings.timeout_s
+        return await self._unless_busy(
+            lambda: self._link.request(data, decoder, timeout_s, repeat=Repeat.HARMLESS)
+        )
 
     async def _exchange(self, data: bytes, decoder: Callable[[], Decoder[T]]) -> T:
         """Ask while the link is held; what an earlier connection had switched on may still come unasked."""

@@ -1,39 +1,59 @@
 """What is said again and again while something goes on, such as a sign of life."""
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import asynccontextmanager, suppress
 
 from catseye.drivers.roles.errors import DeviceError
 
+Beat = Callable[[], Awaitable[None]]
+"""Says it once, on a connection that nothing else waits on."""
+
 
 @asynccontextmanager
-async def beating(beat: Callable[[], Awaitable[None]], period_s: float) -> AsyncIterator[None]:
-    """Do something at once and then again and again until the context is left.
+async def beating(beats: Sequence[Beat], period_s: float, *, at_once: bool = True) -> AsyncIterator[None]:
+    """Do something again and again until the context is left.
 
-    One that fails is tried again: what counts is what arrives.
+    One that fails is tried again: what counts is what arrives. One that still waits for its answer does not put the
+    next one off as long as another connection is free.
 
     Args:
-        beat: says it, on a connection that nothing else waits on.
+        beats: say it, each on a connection of its own; they take turns.
         period_s: from the beginning of one to that of the next, real s.
+        at_once: the first is due at once; otherwise after a period.
     """
-    ended = asyncio.Event()
-    task = asyncio.create_task(_beat(beat, period_s, ended))
+    pulse = _Pulse(period_s, at_once=at_once)
+    tasks = [asyncio.create_task(_beat(beat, pulse)) for beat in beats]
     try:
         yield
     finally:
-        ended.set()
-        # The last exchange is finished, so that the connection stays in step.
-        await task
+        pulse.ended.set()
+        # The last exchanges are finished, so that the connections stay in step.
+        await asyncio.gather(*tasks)
 
 
-async def _beat(beat: Callable[[], Awaitable[None]], period_s: float, ended: asyncio.Event) -> None:
-    time_s = asyncio.get_running_loop().time
-    while not ended.is_set():
-        next_s = time_s() + period_s
+class _Pulse:
+    """When the next one is due."""
+
+    def __init__(self, period_s: float, *, at_once: bool) -> None:
+        self.ended = asyncio.Event()
+        self._period_s = period_s
+        self._turn = asyncio.Lock()
+        self._time_s = asyncio.get_running_loop().time
+        self._next_s = self._time_s() + (0.0 if at_once else period_s)
+
+    async def next(self) -> None:
+        """Wait until the next one is due, or all is over; who comes first has the first turn."""
+        async with self._turn:
+            with suppress(TimeoutError):
+                async with asyncio.timeout_at(self._next_s):
+                    await self.ended.wait()
+            self._next_s = self._time_s() + self._period_s
+
+
+async def _beat(beat: Beat, pulse: _Pulse) -> None:
+    await pulse.next()
+    while not pulse.ended.is_set():
         with suppress(DeviceError):
             await beat()
-        with suppress(TimeoutError):
-            # An answer that takes its time does not put the next sign of life off.
-            async with asyncio.timeout_at(next_s):
-                await ended.wait()
+        await pulse.next()

@@ -157,6 +157,7 @@ class RequestLink:
         *,
         repeat: Repeat = Repeat.NEVER,
         permit: Callable[[], None] | None = None,
+        begun: Callable[[], None] | None = None,
     ) -> T:
         """Send a request and return its answer.
 
@@ -165,6 +166,7 @@ class RequestLink:
             repeat: what may be done when the answer does not come or is garbage.
             permit: is asked when the request's turn has come, and again after a healing; what it raises keeps it
                 from being sent.
+            begun: is called once nothing keeps the request from being sent any more, right before it is.
 
         Raises:
             LinkTimeoutError: no answer; the link is out of step until the next request heals it.
@@ -179,6 +181,8 @@ class RequestLink:
                 await self._get_in_step(heal=repeat is not Repeat.BOUND, permit=permit)
                 if permit is not None:
                     permit()
+                if begun is not None:
+                    begun()
                 return await self._exchanged(data, decoder(), timeout_s)
 
         return await self.repeated(once) if repeat is Repeat.HARMLESS else await once()
@@ -243,6 +247,11 @@ class RequestLink:
     def distrust(self, why: str) -> None:
         """Have the link healed before the next request, since an answer made no sense."""
         self._losses.lost()
+        self._doubt = why
+
+    def expect_end(self, why: str) -> None:
+        """Have the link opened again before the next request: the other side ends it, and nothing is lost."""
+        self._ended = True
         self._doubt = why
 
     async def exchange(self, data: bytes, decoder: Decoder[T], timeout_s: float) -> T:

@@ -7,13 +7,12 @@ an order before it looks whether that was taken back: one that is not taken by t
 
 import asyncio
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
-from typing import Final, Protocol
+from typing import Final, Protocol, TypeVar
 
-from catseye.drivers.links.beating import beating
-from catseye.drivers.links.motions import Motion
+from catseye.drivers.links.beating import Beat, beating
+from catseye.drivers.links.motions import Motion, seen_in_time
 from catseye.drivers.roles.clock import Clock
 from catseye.drivers.roles.errors import (
     DeviceError,
@@ -22,6 +21,8 @@ from catseye.drivers.roles.errors import (
     NotReadyError,
     RefusedError,
 )
+
+T = TypeVar("T")
 
 _FEWEST_LOOKS: Final = 10
 """Answers that say that an order is not taken: on a busy machine time passes in which nobody looks."""
@@ -52,6 +53,11 @@ class OrderLook:
 
 class OrderSettings(Protocol):
     """Times of orders; real seconds, except `poll_s`."""
+
+    @property
+    def answer_timeout_s(self) -> float:
+        """For one answer."""
+        ...
 
     @property
     def taken_timeout_s(self) -> float:
@@ -109,8 +115,8 @@ class NumberedOrders(ABC):
         """Take an order back: the program refuses it from then on."""
 
     @abstractmethod
-    async def _beat(self, permit: Callable[[], None]) -> None:
-        """Give a sign of life, once."""
+    def _beats(self, permit: Callable[[], None]) -> Sequence[Beat]:
+        """Return what gives a sign of life, once, on each connection for them."""
 
     @abstractmethod
     def _require_done(self, result: int) -> None:
@@ -137,7 +143,8 @@ class NumberedOrders(ABC):
         """Begin an order that is prepared; return when its motion is over.
 
         Where it fails, the arm is stopped before anything else is waited for; a connection that falls silent fails
-        when its healing is given up. Signs of life let the arm move on, so there are none once a stop has begun.
+        before it is healed for long, see `seen_in_time`. Signs of life let the arm move on, so there are none once a
+        stop has begun.
 
         Raises:
             NotReadyError: the program does not run, or was stopped.
@@ -146,16 +153,19 @@ class NumberedOrders(ABC):
             LinkError: lost or silent.
             ProtocolError: garbage came.
         """
-        async with beating(partial(self._beat, motion.require_no_stop), self._times.heartbeat_s):
+        async with beating(self._beats(motion.require_no_stop), self._times.heartbeat_s):
             try:
-                await self._begin(number, motion.permit)
+                await self._in_time(self._begin(number, motion.permit))
                 await self._require_taken(number)
                 self._require_done(await self._result_in_time(number))
             except OrderRefusedError:
                 raise
-            except Exception:
-                await motion.stop_after_failure()
+            except Exception as exc:
+                await motion.stop_after(exc)
                 raise
+
+    async def _in_time(self, look: Awaitable[T]) -> T:
+        return await seen_in_time(look, self._times.answer_timeout_s, self._where)
 
     async def _begin(self, number: int, permit: Callable[[], None]) -> None:
         """Write the number; where the reply is lost or an error, ask whether it was written."""
@@ -181,14 +191,14 @@ class NumberedOrders(ABC):
         time_s = asyncio.get_running_loop().time
         end_s, looks = time_s() + self._times.taken_timeout_s, 0
         while time_s() < end_s or looks < _FEWEST_LOOKS:
-            seen = await self.look()
+            seen = await self._in_time(self.look())
             if seen.taken == number:
                 return
             if not seen.active:
                 break
             looks += 1
             await self._clock.sleep(self._times.poll_s)
-        if await self._revoked(number):
+        if await self._in_time(self._revoked(number)):
             raise NotReadyError(
                 f"{self._where}: {self._program} has not taken order {number} ({looks} looks in "
                 f"{self._times.taken_timeout_s:g} s; the program is {seen.state}); it is taken back and moves "
@@ -213,7 +223,7 @@ class NumberedOrders(ABC):
             NotReadyError: the program stands.
         """
         while True:
-            seen = await self.look()
+            seen = await self._in_time(self.look())
             if seen.done == number:
                 return seen.result
             if not seen.active:

@@ -15,8 +15,9 @@ class DeviceError(Exception):
     """Root of the errors of the drivers room; what an instrument said in its own words is harmless in their texts."""
 
     def __str__(self) -> str:
-        """Return what happened, where and what to do, on one line."""
-        return harmless(super().__str__(), _LONGEST)
+        """Return what happened, where and what to do, on one line; what was noted meanwhile stands behind it."""
+        text = "; ".join([super().__str__(), *getattr(self, "__notes__", ())])
+        return harmless(text, _LONGEST)
 
 
 class LinkError(DeviceError):

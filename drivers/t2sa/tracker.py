@@ -106,7 +106,7 @@ class T2sa(LinkDriver, Tracker):
         self._clock = clock
         self._turn = asyncio.Lock()
         self._hello = ""
-        self._interrupted = False
+        self._measuring = False
         self._link = RequestLink(transport, name=MODEL, greet=self._greet, quiet_s=self._settings.quiet_s)
 
     @property
@@ -245,13 +245,20 @@ class T2sa(LinkDriver, Tracker):
 
     async def _measured(self, command: str, target: str, dwell_s: float) -> codec.Reply:
         """Have something measured; one that is interrupted is halted before anything else is asked."""
-        self._interrupted = True
-        reply = await self._accepted(command, target, timeout_s=self._settings.measure_timeout_s + dwell_s)
-        self._interrupted = False
-        return reply
+        timeout_s = self._settings.measure_timeout_s + dwell_s
+        return await self._accepted(command, target, timeout_s=timeout_s, begun=self._begin_measuring)
+
+    def _begin_measuring(self) -> None:
+        self._measuring = True
 
     async def _accepted(
-        self, command: str, target: str, *, repeat: Repeat = Repeat.NEVER, timeout_s: float | None = None
+        self,
+        command: str,
+        target: str,
+        *,
+        repeat: Repeat = Repeat.NEVER,
+        timeout_s: float | None = None,
+        begun: Callable[[], None] | None = None,
     ) -> codec.Reply:
         """Return the answer to a command; while SpatialAnalyzer is busy, which is no answer, it is given again.
 
@@ -261,13 +268,14 @@ class T2sa(LinkDriver, Tracker):
         """
         until_s = self._clock.monotonic_s() + self._settings.busy_timeout_s
         while True:
-            reply = await self._ask(command, repeat=repeat, timeout_s=timeout_s)
+            reply = await self._ask(command, repeat=repeat, timeout_s=timeout_s, begun=begun)
+            # Whatever was begun has ended.
+            self._measuring = False
             if reply.ok:
                 return reply
             if reply.code != codec.BUSY or self._clock.monotonic_s() >= until_s:
                 break
             await self._clock.sleep(_BUSY_PAUSE_S)
-        self._interrupted = False
         if reply.code in codec.HIDDEN:
             raise self._hidden(target, f"ERR-{reply.code} {reply.text}")
         raise RefusedError(
@@ -277,10 +285,15 @@ class T2sa(LinkDriver, Tracker):
         )
 
     async def _ask(
-        self, command: str, *, repeat: Repeat = Repeat.HARMLESS, timeout_s: float | None = None
+        self,
+        command: str,
+        *,
+        repeat: Repeat = Repeat.HARMLESS,
+        timeout_s: float | None = None,
+        begun: Callable[[], None] | None = None,
     ) -> codec.Reply:
-        wait_s = self._settings.timeout_s if timeout_s is None else timeout_s
-        return await self._link.request(codec.encode(command), codec.ReplyDecoder, wait_s, repeat=repeat)
+        data, wait_s = codec.encode(command), self._settings.timeout_s if timeout_s is None else timeout_s
+        return await self._link.request(data, codec.ReplyDecoder, wait_s, repeat=repeat, begun=begun)
 
     def _parsed(self, parse: Callable[[str], T], text: str) -> T:
         try:
@@ -306,9 +319,9 @@ class T2sa(LinkDriver, Tracker):
     async def _greet(self) -> None:
         """Halt what an earlier connection left unfinished, set simulation and frame, see who is there."""
         try:
-            if self._interrupted:
+            if self._measuring:
                 await self._exchange("!HALT")
-                self._interrupted = False
+                self._measuring = False
             self._hello = (await self._set(f"!SET_SIM:{int(self._settings.simulates)}", "simulates")).text
             await self._exchange("?STAT")
         except (ProtocolError, LinkTimeoutError) as exc:

@@ -43,7 +43,7 @@ class AbbController:
         self.keeper = keeper
         self.control = ArmControl(bench, keeper.changed)
         self.events = EventLog(lambda: bench.time_s)
-        self.program = CatsAbb(arm, self.control, lambda: keeper.speed, self.events.add)
+        self.program = CatsAbb(arm, self.control, keeper, self.events.add)
         self.symbols = Symbols(TASK)
         self.name = f"{arm.name.replace(' ', '_').upper()}_EMULATOR"
         self.screws = ScrewArm(arm.joints)

@@ -8,6 +8,7 @@ from typing import Final
 from catseye.simulators.abb.arm_control import ArmControl
 from catseye.simulators.abb.rapid import UNUSED, Value
 from catseye.simulators.config import Joints, SerialArm
+from catseye.simulators.world.timekeeper import TimeKeeper
 
 MODULE: Final = "CATSABB"
 TASK: Final = "T_ROB1"
@@ -54,7 +55,7 @@ class CatsAbb:
     Args:
         arm: that it moves.
         control: of the arm.
-        speed: returns bench seconds in one real second: a PC's heartbeat lives in real time.
+        keeper: bench time; a PC's heartbeat lives in real time.
         note: called with number and text of an event.
 
     Attributes:
@@ -66,7 +67,7 @@ class CatsAbb:
         self,
         arm: SerialArm,
         control: ArmControl,
-        speed: Callable[[], float],
+        keeper: TimeKeeper,
         note: Callable[[int, str], None],
     ) -> None:
         self.data = declarations()
@@ -74,7 +75,7 @@ class CatsAbb:
         self._arm = arm
         self._control = control
         self._bench = control.bench
-        self._speed = speed
+        self._keeper = keeper
         self._note = note
         self._at_main = False
         self._under_way = False
@@ -88,6 +89,7 @@ class CatsAbb:
     def written(self) -> None:
         """Take note that a client has written data: the program sees it when it looks next."""
         self._bench.call_at(self._bench.time_s + POLL_S, self._look)
+        self._keeper.stay_awake(self._has_order)
 
     def reset_pointer(self) -> None:
         """Set the program pointer to main: what was under way is given up."""
@@ -113,8 +115,11 @@ class CatsAbb:
             self._note(10125, "Program stopped")
         self.running = False
 
+    def _has_order(self) -> bool:
+        return self.running and (self._under_way or self.data["cats_seq"] != self.data["cats_taken"])
+
     def _look(self) -> None:
-        if not self.running or self._under_way or self.data["cats_seq"] == self.data["cats_taken"]:
+        if self._under_way or not self._has_order():
             return
         if self._bench.moving:
             self._bench.call_at(self._bench.standstill_s, self._look)
@@ -150,7 +155,7 @@ class CatsAbb:
 
     def _listen(self, order: int) -> None:
         """Have the trap of the timer look, for as long as an order is under way."""
-        self._bench.call_at(self._bench.time_s + TICK_S * self._speed(), partial(self._tick, order))
+        self._bench.call_at(self._bench.time_s + TICK_S * self._keeper.speed, partial(self._tick, order))
 
     def _tick(self, order: int) -> None:
         if order != self._order or not self.running or not self._under_way or self._halting:

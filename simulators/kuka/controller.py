@@ -42,7 +42,7 @@ class KukaController:
 
     def __init__(self, bench: SerialBench, arm: SerialArm, keeper: TimeKeeper) -> None:
         self.control = ArmControl(bench, keeper.changed)
-        self.program = CatsKuka(arm, self.control, lambda: keeper.speed)
+        self.program = CatsKuka(arm, self.control, keeper)
         self.variables = Variables()
         self._bench = bench
         self._tool = self._base = frame()

@@ -1,7 +1,6 @@
 """The program CATSKUKA of the driver, carried out without an interpreter: it moves the arm on the orders of a PC."""
 
 import math
-from collections.abc import Callable
 from enum import IntEnum
 from functools import partial
 from typing import Final
@@ -13,6 +12,7 @@ from catseye.simulators.kuka.arm_control import ArmControl
 from catseye.simulators.kuka.kinematics import Kinematics, UnsolvableError
 from catseye.simulators.kuka.values import AXES, Structure, Value, e6axis, single
 from catseye.simulators.world.serial.held_arm import Begin
+from catseye.simulators.world.timekeeper import TimeKeeper
 from catseye.simulators.world.types import Floats
 
 CYCLE_S: Final = 0.012
@@ -96,20 +96,20 @@ class CatsKuka:
     Args:
         arm: that it moves.
         control: of the arm.
-        speed: returns bench seconds in one real second: a PC's heartbeat lives in real time.
+        keeper: bench time; a PC's heartbeat lives in real time.
 
     Attributes:
         variables: its own, by name.
         running: it was started and neither held nor ended.
     """
 
-    def __init__(self, arm: SerialArm, control: ArmControl, speed: Callable[[], float]) -> None:
+    def __init__(self, arm: SerialArm, control: ArmControl, keeper: TimeKeeper) -> None:
         self.variables = declarations()
         self.running = True
         self._arm = arm
         self._control = control
         self._bench = control.bench
-        self._speed = speed
+        self._keeper = keeper
         self._kinematics = Kinematics(arm)
         self._alive_until_s = -math.inf
         self._under_way = False
@@ -121,6 +121,7 @@ class CatsKuka:
         """Take note that a client has written a variable: the program sees it in its next cycle."""
         cycle = math.floor(self._bench.time_s / CYCLE_S) + 1
         self._bench.call_at(cycle * CYCLE_S, self._look)
+        self._keeper.stay_awake(self._has_order)
 
     def start(self) -> None:
         """Go on, as after the start key; a motion that was held is continued."""
@@ -132,12 +133,15 @@ class CatsKuka:
         self.running = False
 
     def _look(self) -> None:
-        if not self.running:
-            return
-        if self._under_way:
+        if self.running and self._under_way:
             self._watch()
-        elif self.variables["CATS_SEQ"] != self.variables["CATS_TAKEN"]:
+        elif self._has_order():
             self._take()
+
+    def _has_order(self) -> bool:
+        return self.running and (
+            self._under_way or self.variables["CATS_SEQ"] != self.variables["CATS_TAKEN"]
+        )
 
     def _watch(self) -> None:
         """Do what the interrupts do while the arm moves."""
@@ -153,7 +157,7 @@ class CatsKuka:
             self._halt(Result.NO_HEARTBEAT)
 
     def _hear(self) -> None:
-        self._alive_until_s = self._bench.time_s + HEARTBEAT_S * self._speed()
+        self._alive_until_s = self._bench.time_s + HEARTBEAT_S * self._keeper.speed
         self._bench.call_at(self._alive_until_s, self._look)
 
     def _take(self) -> None:

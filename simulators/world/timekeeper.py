@@ -3,6 +3,9 @@
 Physics takes real time. Where it takes more than there is, the bench falls behind its speed: nothing is left out,
 bench time passes more slowly, and `behind_s` says by how much. No stretch of calculation keeps requests, timers and
 signals waiting for long.
+
+A process that does not run, on a loaded machine, reads nothing, where a real controller goes on reading. As long as a
+controller watches for something that has to come in time (`stay_awake`), the bench stands still meanwhile.
 """
 
 import asyncio
@@ -28,6 +31,12 @@ _MOST_LATE_S = 0.25
 
 _LONGEST_PART_S = 3600.0
 
+_AWAKE_S = 0.02
+"""Between two looks at the time as long as something has to come from outside, real s."""
+
+_ASLEEP_S = 0.1
+"""Between two looks at the time: for longer, this process did not run. Real s."""
+
 
 class TimeKeeper:
     """Maps wall time to bench time and wakes those who wait for a moment of bench time.
@@ -52,6 +61,8 @@ class TimeKeeper:
         self._anchor = (clock(), bench.time_s)
         self._part_s = _PART_S * speed
         self._waiters: set[asyncio.Future[None]] = set()
+        self._needed: Callable[[], bool] | None = None
+        self._awake_s = 0.0
 
     @property
     def speed(self) -> float:
@@ -76,6 +87,23 @@ class TimeKeeper:
             if not waiter.done():
                 waiter.set_result(None)
 
+    def stay_awake(self, needed: Callable[[], bool]) -> None:
+        """Look at the time again and again, as long as something has to come from outside in time: signs of life.
+
+        Where nobody is served, since no event loop runs, whoever sets the time is responsible.
+
+        Args:
+            needed: whether it still is.
+        """
+        try:
+            loop = asyncio.get_running_loop()
+        except RuntimeError:
+            return
+        asleep, self._needed = self._needed is None, needed
+        if asleep:
+            self._awake_s = self._clock()
+            loop.call_later(_AWAKE_S, self._stay_awake, loop)
+
     async def wait(self, due: Callable[[], float | None]) -> None:
         """Wait for a moment of bench time that may change while waiting.
 
@@ -91,9 +119,22 @@ class TimeKeeper:
             else:
                 self.sync()
 
+    def _stay_awake(self, loop: asyncio.AbstractEventLoop) -> None:
+        self.sync()
+        if self._needed is not None and self._needed():
+            loop.call_later(_AWAKE_S, self._stay_awake, loop)
+        else:
+            self._needed = None
+
     def _now_s(self) -> float:
+        now_s = self._clock()
+        slept_s, self._awake_s = now_s - self._awake_s, now_s
         wall_s, bench_s = self._anchor
-        return bench_s + (self._clock() - wall_s) * self._speed
+        if self._needed is not None and slept_s > _ASLEEP_S:
+            self._anchor = wall_s, bench_s = wall_s + slept_s, bench_s
+            self._fall_behind(slept_s * self._speed)
+            self.changed()
+        return bench_s + (now_s - wall_s) * self._speed
 
     def _advance_to(self, time_s: float) -> None:
         """Advance the bench to a moment, or as far towards it as a stretch of calculation leads."""
@@ -107,8 +148,11 @@ class TimeKeeper:
         late_s = self._now_s() - self.bench.time_s
         if late_s > _MOST_LATE_S * self._speed:
             self._anchor = (now_s, self.bench.time_s)
-            self.behind_s += late_s
-            self.on_behind(self.behind_s)
+            self._fall_behind(late_s)
+
+    def _fall_behind(self, late_s: float) -> None:
+        self.behind_s += late_s
+        self.on_behind(self.behind_s)
 
     def _learn(self, took_s: float) -> None:
         factor = min(2.0, max(0.5, _PART_S / took_s)) if took_s > 0.0 else 2.0

@@ -1,4 +1,4 @@
-"""STOP at random moments of a robot's motion, each with a random fault on one of its four connections."""
+"""STOP at random moments of a robot's motion, each with a random fault on one of its connections."""
 
 import asyncio
 import contextlib
@@ -11,14 +11,14 @@ from typing import Any, Final, Literal, get_args
 
 from catseye.app.testing.proxy import Proxy, ProxyThread
 from catseye.drivers.links.endpoint import TcpEndpoint, open_transport, parse_endpoint
-from catseye.drivers.roles.errors import DeviceError, LinkError
+from catseye.drivers.roles.errors import DeviceError, LinkError, LinkTimeoutError
+from tests.patience import until
 from tests.system.makes import AnyBench, Make
 
 Trouble = Literal["lost", "garbled", "flood", "stalled", "half-closed", "none"]
 
 OVERRIDE_PERCENT: Final = 2
 FAR_DEG: Final = 100.0
-CONNECTIONS: Final = 4
 WAITS_S: Final = (0.0, 0.6)
 
 
@@ -45,7 +45,7 @@ class Figures:
 
 @asynccontextmanager
 async def behind(make: Make, proxies: list[Proxy]) -> AsyncIterator[Any]:
-    """A robot whose four connections each lead through a proxy of their own."""
+    """A robot whose connections each lead through a proxy of their own."""
     robot = make.behind(*(open_transport(proxy.endpoint) for proxy in proxies))
     try:
         await robot.connect()
@@ -80,7 +80,7 @@ async def one_stop(
     trouble = source.choice(get_args(Trouble))
     before_s, after_s = source.uniform(*WAITS_S), source.uniform(0.0, 0.3)
     with contextlib.ExitStack() as stack:
-        proxies = [stack.enter_context(threads.proxy((target.host, target.port))) for _ in range(CONNECTIONS)]
+        proxies = [stack.enter_context(threads.proxy((target.host, target.port))) for _ in make.uses]
         spoiled = source.choice(proxies)
         async with behind(make, proxies) as robot:
             goal = FAR_DEG if bench.bench.joints[0] < 0.0 else -FAR_DEG
@@ -99,6 +99,29 @@ async def one_stop(
     bench.controller.control.brake()
 
 
+async def unseen_s(make: Make, bench: AnyBench, threads: ProxyThread) -> float:
+    """Have the connection for orders fall silent in mid-motion; return after which bench time the arm brakes, s."""
+    target = parse_endpoint(bench.endpoints[0].endpoint)
+    assert isinstance(target, TcpEndpoint)
+    with contextlib.ExitStack() as stack:
+        proxies = [stack.enter_context(threads.proxy((target.host, target.port))) for _ in make.uses]
+        async with behind(make, proxies) as robot:
+            motion = asyncio.create_task(robot.move_joints((FAR_DEG, *make.pose[1:])))
+            await until(lambda: bench.keeper.sync() > 0.0 and bench.bench.moving)
+            silent_s, proxies[0].muted = bench.bench.time_s, True
+            with contextlib.suppress(LinkTimeoutError):
+                await motion
+            proxies[0].muted = False
+    assert not bench.bench.moving
+    return next(at_s for at_s in _brakes_s(bench) if at_s >= silent_s) - silent_s
+
+
+def _brakes_s(bench: AnyBench) -> list[float]:
+    """Return the bench times at which the arm began to brake."""
+    entries = bench.journal.entries("robot")
+    return [entry.time_s for entry in entries if entry.text.startswith("stop towards")]
+
+
 async def _stopped(bench: AnyBench, robot: Any, found: Figures) -> None:
     bench.keeper.sync()
     asked_s, asked_at = bench.bench.time_s, time.perf_counter()
@@ -112,11 +135,7 @@ async def _stopped(bench: AnyBench, robot: Any, found: Figures) -> None:
         bench.keeper.sync()
         found.moving += bench.bench.moving
     bench.keeper.sync()
-    brakes = [
-        entry.time_s
-        for entry in bench.journal.entries("robot")
-        if entry.text.startswith("stop towards") and entry.time_s >= asked_s
-    ]
+    brakes = [at_s for at_s in _brakes_s(bench) if at_s >= asked_s]
     if moved and brakes:
         found.brakes_s.append(brakes[0] - asked_s)
     found.deaf += bench.bench.moving

@@ -6,8 +6,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
+from catseye.drivers.abb import robot as abb
 from catseye.drivers.abb.robot import AbbRws
 from catseye.drivers.abb.settings import AbbSettings
+from catseye.drivers.kuka import robot as kuka
 from catseye.drivers.kuka.robot import KukaVarproxy
 from catseye.drivers.kuka.settings import KukaSettings
 from catseye.drivers.roles.clock import SystemClock
@@ -27,7 +29,8 @@ class Make:
 
     Attributes:
         example: cell file.
-        driver: class of the driver, which has four connections.
+        driver: class of the driver.
+        uses: what its connections are for, in their order.
         impatient: settings with which nothing is waited for long.
         bench: makes its emulated bench.
         pose: joints away from limits and singularities, deg.
@@ -38,6 +41,7 @@ class Make:
 
     example: Path
     driver: Any
+    uses: tuple[str, ...]
     impatient: Any
     bench: Callable[[], AnyBench]
     pose: Joints
@@ -54,6 +58,7 @@ MAKES: Final = {
     "kuka": Make(
         EXAMPLES / "kuka.toml",
         KukaVarproxy,
+        kuka.USES,
         KukaSettings(answer_timeout_s=0.3, stop_timeout_s=3.0),
         kuka_bench,
         UPRIGHT,
@@ -64,6 +69,7 @@ MAKES: Final = {
     "abb": Make(
         EXAMPLES / "abb.toml",
         AbbRws,
+        abb.USES,
         AbbSettings(answer_timeout_s=0.5, stop_timeout_s=5.0),
         # A session whose end a fault swallows stays for minutes: a campaign leaves more than the usual 70.
         partial(abb_bench, options={"sessions": 1000}),

@@ -15,8 +15,9 @@ from pathlib import Path
 import pytest
 
 from catseye.app.testing.proxy import ProxyThread
+from catseye.drivers.links.motions import HEALING_S
 from tests.patience import HANG_S
-from tests.system.arm_stops import Figures, one_stop
+from tests.system.arm_stops import Figures, one_stop, unseen_s
 from tests.system.command import Emulated, catseye, emulated, environment, own_runtime
 from tests.system.guarded import until
 from tests.system.kuka_kills import EXAMPLE, REST_WITHIN_S, SLOW, killed, measuring, newest
@@ -28,6 +29,9 @@ KILLS = 2
 MOVER = "tests.system.arm_mover"
 GUARD_S = 0.25
 """A guard says STOP when its engine's end of a pipe closes, which takes a moment; controller and program follow."""
+
+LATE_S = 1.0
+"""What a busy machine may add; the healing of a silent connection would go on for ten seconds."""
 
 HEARTBEAT_S = 0.5
 """After the last sign of life a program on a controller stops the arm at the latest (docs/kuka.md, docs/abb.md)."""
@@ -85,6 +89,16 @@ async def test_stop_is_heard_whatever_a_link_does(make: Make) -> None:
                 await one_stop(make, bench, source, threads, found)
     assert (found.unconfirmed, found.moving, found.deaf, found.twice) == (0, 0, 0, 0)
     assert max(found.brakes_s) < 0.5
+
+
+@pytest.mark.parametrize("make", MAKES.values(), ids=MAKES)
+async def test_an_arm_that_is_not_seen_is_stopped(make: Make) -> None:
+    with ProxyThread("proxies") as threads:
+        async with make.bench() as bench:
+            unseen = await unseen_s(make, bench, threads)
+    # It is stopped for that, neither by the end of signs of life nor once the healing is given up.
+    assert unseen > HEARTBEAT_S
+    assert unseen < make.impatient.answer_timeout_s + HEALING_S + LATE_S
 
 
 @pytest.mark.parametrize("how", ["guarded", "alone"])

@@ -8,9 +8,12 @@ from typing import Any
 
 import pytest
 
+from catseye.app.testing.faulty import Fault, FaultyTransport
+from catseye.drivers.kuka import orders
 from catseye.drivers.kuka.halt import STOP_BYTES
-from catseye.drivers.kuka.robot import KukaVarproxy
+from catseye.drivers.kuka.robot import USES, KukaVarproxy
 from catseye.drivers.kuka.settings import KukaSettings
+from catseye.drivers.links.endpoint import open_transport
 from catseye.drivers.roles.clock import SystemClock
 from catseye.drivers.roles.errors import (
     LinkError,
@@ -234,6 +237,61 @@ async def test_a_motion_survives_lost_answers_and_is_given_once() -> None:
         for number in range(4):
             await one.robot.step_axis("A1", 0.01)
             assert one.a1_deg == pytest.approx(0.01 * (number + 1), abs=1e-5)
+
+
+async def test_nothing_moves_without_a_connection_for_stop() -> None:
+    async with kuka_bench() as bench:
+        # Its greeting needs two answers; then whatever it says is lost.
+        silent = [Fault(at, "drop") for at in range(2, 1000)]
+        first, second, third, fourth, fifth = (
+            FaultyTransport(open_transport(bench.endpoints[0].endpoint), silent if use == "stop" else [])
+            for use in USES
+        )
+        settings = KukaSettings(answer_timeout_s=0.1)
+        robot = KukaVarproxy((first, second, third, fourth, fifth), SystemClock(), settings)
+        try:
+            await robot.connect()
+            with pytest.raises(LinkError, match="stop connection"):
+                await robot.step_axis("A1", 0.01)
+        finally:
+            await robot.close()
+        assert not [e for e in bench.journal.entries("robot") if e.text.startswith("write CATS_SEQ")]
+        assert bench.bench.joints == UPRIGHT
+
+
+async def test_the_connection_for_stop_is_kept_alive(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(orders, "_ALIVE_S", 0.2)
+    async with rig() as one:
+        motion = await one.away()
+        before = len(one.asked("read CATS_STOP"))
+        await until(lambda: len(one.asked("read CATS_STOP")) > before + 1)
+        await one.robot.stop()
+        await failed(motion)
+
+
+class LosesSigns(Lossy):
+    """Loses the answer to the first sign of life."""
+
+    def __init__(self) -> None:
+        super().__init__(0.0, 1)
+        self.lost = 0
+
+    def passed(self, answer: bytes) -> bytes:
+        if b"TRUE" not in answer or self.lost:
+            return answer
+        self.lost += 1
+        return b""
+
+
+async def test_a_lost_answer_to_a_sign_of_life_stops_nothing() -> None:
+    async with rig(answer_timeout_s=1.0) as one:
+        await one.robot.set_override(5)
+        (port,) = one.bench.reach.ports_of("robot")
+        port.lossy = lossy = LosesSigns()
+        # It lasts longer than the program waits for a sign, and than the answer is waited for.
+        await one.robot.move_joints((10.0, *UPRIGHT[1:]))
+        assert lossy.lost == 1
+        assert one.a1_deg == 10.0
 
 
 async def test_a_program_that_does_not_run_is_named() -> None:

@@ -21,6 +21,8 @@ from catseye.drivers.roles.errors import (
 from catseye.drivers.roles.tracker import Place, TargetPoint
 from catseye.simulators.config import Joints, Option
 from catseye.simulators.emulated_bench import EmulatedSerialBench
+from catseye.simulators.leica import packets
+from catseye.simulators.leica.server import BUSY, Said, Server
 from catseye.simulators.ports.lossy import Lossy
 from catseye.simulators.survey import SurveyConfig
 from tests.unit.drivers.peers import loopback
@@ -328,6 +330,55 @@ async def test_a_busy_tracker_is_waited_for() -> None:
         await one.reaches(7)
         point = await one.point("nest1")
         assert point.place_mm == pytest.approx(near(one.bench, "nest1"), abs=1.0)
+
+
+def busy(monkeypatch: pytest.MonkeyPatch, number: int, times: int) -> None:
+    """Have the server put a command off so many times once a measurement has been started."""
+    carry_out, left = Server.carry_out, [times]
+
+    def put_off(server: Server, asked: packets.Command) -> Said:
+        if asked.number == number and server.instrument.locked and left[0] > 0:
+            left[0] -= 1
+            return packets.reply(number, BUSY)
+        return carry_out(server, asked)
+
+    monkeypatch.setattr(Server, "carry_out", put_off)
+
+
+@pytest.mark.parametrize(
+    "number", [6, 25, 41, 48, 98], ids=["units", "mode", "reflector", "settings", "face"]
+)
+async def test_a_check_that_is_put_off_is_repeated(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    async with rig() as one:
+        await one.point("nest1")
+        busy(monkeypatch, number, 3)
+        before = one.asked(number)
+        await one.point("nest1")
+        # Twice for each point, before and behind it.
+        assert one.asked(number) - before == 2 + 3
+
+
+async def test_a_tracker_that_stays_busy_is_called_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with rig(busy_timeout_s=1.0) as one:
+        await one.point("nest1")
+        busy(monkeypatch, 98, 1_000_000)
+        with pytest.raises(RefusedError, match="FACE was refused: the tracker is busy"):
+            await one.point("nest1")
+
+
+async def test_a_measurement_that_was_not_begun_is_not_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    carry_out = Server.carry_out
+
+    def with_another_answer(server: Server, asked: packets.Command) -> Said:
+        said = carry_out(server, asked)
+        return said + packets.reply(98, 0) if asked.number == 2 and isinstance(said, bytes) else said
+
+    async with rig() as one:
+        monkeypatch.setattr(Server, "carry_out", with_another_answer)
+        # The link is healed before the measurement is begun.
+        await one.point("nest1")
+        assert one.asked(49) == 1
+        assert not one.asked(52)
 
 
 async def test_a_cold_laser_is_reported() -> None:

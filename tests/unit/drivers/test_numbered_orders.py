@@ -1,25 +1,36 @@
 """Orders to a program of ours on a controller, in front of one that is made up."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import pytest
 
+from catseye.drivers.links.beating import Beat
 from catseye.drivers.links.guarding import UNGUARDED, GuardError, Unguarded
 from catseye.drivers.links.motions import Motion
 from catseye.drivers.links.orders import NumberedOrders, OrderLook, OrderRefusedError
 from catseye.drivers.links.stops import Stops, StopWatch
-from catseye.drivers.roles.clock import SystemClock
-from catseye.drivers.roles.errors import DeviceError, LinkError, NotArrivedError, ProtocolError, RefusedError
+from catseye.drivers.roles.clock import Clock, SystemClock
+from catseye.drivers.roles.errors import (
+    DeviceError,
+    LinkError,
+    LinkTimeoutError,
+    NotArrivedError,
+    ProtocolError,
+    RefusedError,
+)
+from tests.unit.drivers.virtual_time import VirtualClock, run
 
 DONE, REFUSED, ENDED_EARLY = 0, 1, 2
 
 
 @dataclass(frozen=True)
 class Times:
+    answer_timeout_s: float = 0.5
     taken_timeout_s: float = 1.0
-    move_timeout_s: float = 1.0
+    move_timeout_s: float = 10.0
     heartbeat_s: float = 0.01
     poll_s: float = 0.001
 
@@ -27,15 +38,24 @@ class Times:
 class MadeUp(NumberedOrders):
     """A program that takes every order at once and ends it with a result, or fails with an error."""
 
-    def __init__(self, ending: int | Exception) -> None:
-        super().__init__("robot", "PROGRAM", "start it", SystemClock(), Times())
+    def __init__(self, ending: int | Exception, clock: Clock | None = None) -> None:
+        super().__init__("robot", "PROGRAM", "start it", clock or SystemClock(), Times())
         self.ending = ending
+        self.silent: set[str] = set()
         self.written = 0
+        self.looks = 0
         self.beats = 0
         self.answered = asyncio.Event()
         self.answered.set()
 
+    async def heard(self, question: str) -> None:
+        """Wait for ever for an answer that does not come."""
+        if question in self.silent:
+            await asyncio.get_running_loop().create_future()
+
     async def look(self) -> OrderLook:
+        await self.heard("taken" if self.looks == 0 else "done")
+        self.looks += 1
         if isinstance(self.ending, Exception):
             await asyncio.sleep(0)
             raise self.ending
@@ -44,12 +64,18 @@ class MadeUp(NumberedOrders):
     async def _write_number(self, number: int, permit: Callable[[], None]) -> None:
         permit()
         self.written = number
+        if "written" in self.silent:
+            raise LinkTimeoutError("no answer")
 
     async def _written_number(self) -> int:
+        await self.heard("written")
         return self.written
 
     async def _take_back(self) -> None:
         pass
+
+    def _beats(self, permit: Callable[[], None]) -> Sequence[Beat]:
+        return (partial(self._beat, permit),)
 
     async def _beat(self, permit: Callable[[], None]) -> None:
         permit()
@@ -70,6 +96,8 @@ class Arm:
     orders: MadeUp
     stops: Stops = field(default_factory=Stops)
     beats_at_stop: int = -1
+    stopped_s: float = -1.0
+    unconfirmed: str = ""
 
     @property
     def motion(self) -> Motion:
@@ -78,9 +106,12 @@ class Arm:
     async def stop(self) -> None:
         with self.stops.one():
             self.beats_at_stop = self.orders.beats
+            self.stopped_s = asyncio.get_running_loop().time()
             await asyncio.sleep(0.05)
             # A sign of life whose answer is awaited yet.
             self.orders.answered.set()
+            if self.unconfirmed:
+                raise LinkError(self.unconfirmed)
 
 
 async def failure_of(arm: Arm) -> Exception:
@@ -130,6 +161,39 @@ async def test_a_failure_by_a_stop_is_called_so() -> None:
     with arm.stops.one(), pytest.raises(RefusedError, match="a stop overtook"):
         await arm.orders.carry_out(1, motion)
     assert arm.stops.begun == 1
+
+
+@pytest.mark.parametrize("question", ["written", "taken", "done"])
+def test_an_arm_nobody_sees_is_stopped_soon(question: str) -> None:
+    arm = Arm(MadeUp(DONE, VirtualClock()))
+    arm.orders.silent = {question}
+    error = run(failure_of(arm))
+    assert isinstance(error, LinkTimeoutError)
+    # An answer of 0.5 s, and a second to heal the connection.
+    assert arm.stopped_s == pytest.approx(1.5, abs=0.01)
+    assert arm.orders.beats == arm.beats_at_stop
+
+
+def test_looks_that_succeed_now_and_then_go_on() -> None:
+    class Slow(MadeUp):
+        async def look(self) -> OrderLook:
+            await asyncio.sleep(0.4)
+            self.looks += 1
+            return OrderLook(True, "running", 1, int(self.looks == 3), DONE)
+
+    arm = Arm(Slow(DONE, VirtualClock()))
+    run(arm.orders.carry_out(1, arm.motion))
+    assert arm.stops.begun == 0
+
+
+@pytest.mark.parametrize("guard", ["holds", "tripped"])
+async def test_an_unconfirmed_stop_stands_in_the_error(guard: str) -> None:
+    arm = Arm(MadeUp(LinkError("lost")), unconfirmed="PRESS THE EMERGENCY STOP")
+    arm.orders.written = 1
+    motion = arm.motion if guard == "holds" else replace(arm.motion, guard=Tripped())
+    expected = r"(lost|the guard has stopped the arm); PRESS THE EMERGENCY STOP"
+    with pytest.raises(DeviceError, match=expected):
+        await arm.orders.carry_out(1, motion)
 
 
 class Tripped(Unguarded):

@@ -22,7 +22,8 @@ from catseye.drivers.t2sa.tracker import T2sa
 from catseye.simulators.config import Joints, Option
 from catseye.simulators.emulated_bench import EmulatedSerialBench
 from catseye.simulators.ports.lossy import Lossy
-from tests.unit.drivers.peers import loopback
+from tests.patience import until
+from tests.unit.drivers.peers import loopback, settled
 from tests.unit.simulators.trackers import near, tracker_bench
 from tests.unit.simulators.world.serial.surveyed import FORWARD
 
@@ -173,6 +174,44 @@ async def test_a_measurement_without_end_is_halted_and_never_repeated() -> None:
         assert one.asked("!MEAS_SINGLE_POINT:A;catseye;nest1") == 1
         await one.tracker.examine()
         assert one.asked("!HALT") == 1
+
+
+async def test_a_measurement_that_was_not_sent_is_not_halted() -> None:
+    async with rig(has_laser=False, timeout_s=0.3) as one:
+        (port,) = one.bench.reach.ports_of("tracker")
+        port.muted = True
+        # The link is held by a question without an answer.
+        asking = asyncio.create_task(one.tracker.examine())
+        await one.reaches("?STAT")
+        measuring = asyncio.create_task(one.tracker.point("nest1", 0.0))
+        await asyncio.sleep(0)
+        measuring.cancel()
+        await asyncio.wait({measuring})
+        port.muted = False
+        await asking
+        await one.tracker.point("nest1", 0.0)
+        assert not one.asked("!HALT")
+
+
+async def test_a_measurement_cancelled_while_busy_is_not_halted() -> None:
+    asked: list[bytes] = []
+
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        while line := await reader.readline():
+            asked.append(line)
+            writer.write(b"ERR-201 busy\r\n" if line.startswith(b"!MEAS") else b"ACK-300 READY\r\n")
+
+    async with loopback(serve) as port:
+        tracker = T2sa.at(f"tcp://127.0.0.1:{port}", SystemClock(), has_laser=False)
+        await tracker.connect()
+        measuring = asyncio.create_task(tracker.point("nest1", 0.0))
+        await until(lambda: asked[-1].startswith(b"!MEAS"))
+        await settled()
+        measuring.cancel()
+        await asyncio.wait({measuring})
+        await tracker.connect()
+        await tracker.close()
+    assert b"!HALT\r\n" not in asked
 
 
 async def test_a_working_frame_is_set_at_the_start() -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from catseye.simulators.world.timed_bench import TimedBench
 from catseye.simulators.world.timekeeper import TimeKeeper
-from tests.patience import HANG_S
+from tests.patience import HANG_S, until
 from tests.unit.simulators.benches import quiet_bench
 
 
@@ -117,3 +117,39 @@ async def test_nothing_to_wait_for_returns_at_once() -> None:
     keeper = TimeKeeper(quiet_bench(), 1.0, Wall())
     await asyncio.wait_for(keeper.wait(lambda: None), HANG_S)
     assert keeper.bench.time_s == 0.0
+
+
+async def test_a_process_that_slept_lets_the_bench_stand_still() -> None:
+    wall = Wall()
+    keeper = TimeKeeper(quiet_bench(), 10.0, wall)
+    keeper.stay_awake(lambda: True)
+    for slept_s, bench_s in ((0.05, 0.5), (0.7, 0.5), (0.05, 1.0)):
+        wall.time_s += slept_s
+        assert keeper.sync() == pytest.approx(bench_s)
+    assert keeper.behind_s == pytest.approx(7.0)
+
+
+async def test_who_waits_over_a_sleep_waits_for_the_rest() -> None:
+    wall = Wall()
+    keeper = TimeKeeper(quiet_bench(), 1.0, wall)
+    keeper.stay_awake(lambda: True)
+    waiting = asyncio.create_task(keeper.wait(lambda: 0.5 if keeper.bench.time_s < 0.5 else None))
+    await asyncio.sleep(0)
+    wall.time_s += 0.7
+    assert keeper.sync() == 0.0
+    for _ in range(6):
+        assert not waiting.done()
+        wall.time_s += 0.09
+        keeper.sync()
+    await asyncio.wait_for(waiting, HANG_S)
+    assert keeper.bench.time_s == pytest.approx(0.54)
+
+
+async def test_a_sleep_that_nobody_minds_is_caught_up() -> None:
+    wall = Wall()
+    keeper = TimeKeeper(quiet_bench(), 1.0, wall)
+    needed = [True, False]
+    keeper.stay_awake(lambda: needed.pop(0))
+    await until(lambda: not needed)
+    wall.time_s += 0.7
+    assert keeper.sync() == pytest.approx(0.7)
