@@ -150,7 +150,7 @@ class CupRun:
         count = self._plan.takings
         for number in range(1, count + 1):
             title = f"the cup, {number} of {count}"
-            row = await self._ctx.step(f"cup/{number}", title, partial(self._take, number))
+            row = await self._ctx.step(f"cup/{number - 1}", title, partial(self._take, number))
             self._taken.append(np.array([number_of(row, name) for name in _PLACE]))
         centre = np.mean(self._taken, axis=0)
         bar = await self._ctx.step("bar", "the bar's length", partial(self._compare, centre))

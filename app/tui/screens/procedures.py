@@ -13,7 +13,6 @@ from textual.widgets import Button, ContentSwitcher, Log, OptionList
 from textual.widgets.option_list import Option
 
 from catseye.app.render.text import block_lines, table_text
-from catseye.app.results.model import Report
 from catseye.app.results.readiness.need import Need, links_need
 from catseye.app.results.readiness.survey_report import need_statement, readiness, worst_sign
 from catseye.app.results.rehearsal import rehearsal_report
@@ -21,11 +20,11 @@ from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.screens.base import MainScreen
 from catseye.app.tui.session import Session
-from catseye.app.tui.start_text import rehearsed_lines
+from catseye.app.tui.start_text import motion_lines
 from catseye.app.tui.widgets.parameter_form import ParameterForm, Schema, with_run_fields
 from catseye.app.tui.widgets.report_content import sign_content, statement_content
 from catseye.app.tui.widgets.static_text import StaticText, lines
-from catseye.app.tui.widgets.status_bar import override_text
+from catseye.app.tui.widgets.way_text import way_content
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
@@ -33,7 +32,8 @@ if TYPE_CHECKING:
     from catseye.app.protocol.requests import Start
     from catseye.app.results.readiness.survey_document import ProcedureEntry, SurveyDocument
 
-_STAGE_SIGNS: Final = {"done": "✓", "next": "→", "later": "·", "left out": "–"}
+_LOOKING: Final = "looking at cell and runs …"
+_WAIT: Final = "cell and runs are being looked at: wait a moment"
 
 _WALK_LINES: Final = (
     "Its motions at 10 % and 250 mm/s at most; nothing is measured.",
@@ -138,6 +138,7 @@ class ProceduresScreen(MainScreen):
         self._ended: object = None
         self._cell: Path | None = None
         self._looking = False
+        self._listed: str | None = None
         self._fields: Schema = {}
 
     def body(self) -> ComposeResult:
@@ -213,7 +214,7 @@ class ProceduresScreen(MainScreen):
         """Choose the next sensible procedure."""
         stage = None if self._survey is None else self._survey.next
         if self._looking:
-            self.notify("cell and runs are being looked at: wait a moment", severity="warning")
+            self.notify(_WAIT, severity="warning")
         elif stage is None:
             self.notify("every stage is done")
         elif stage.procedure:
@@ -282,8 +283,10 @@ class ProceduresScreen(MainScreen):
     async def _update(self) -> None:
         cell = self.session.cell
         where = () if cell is None else ("--cell", cell, "--runs", self.session.root)
-        self._say("looking at cell and runs …")
+        self._say(_LOOKING)
         self._looking = True
+        if self._survey is None:
+            self.run_worker(self._list(), group="list", exclusive=True, exit_on_error=False)
         done = await self.session.work.do("procedures", *where, "--json")
         self._looking = False
         self._say("")
@@ -298,10 +301,25 @@ class ProceduresScreen(MainScreen):
         self._survey = SurveyDocument.of_lines(done.out)
         self._show_list()
 
+    async def _list(self) -> None:
+        """Show what can be run while it is looked at what the cell is ready for: every plan is tried for that."""
+        done = await self.session.work.do("procedures", "--json")
+        if done.code or self._survey is not None or not self._looking:
+            return
+        from catseye.app.results.readiness.survey_document import SurveyDocument
+
+        self._survey = SurveyDocument.of_lines(done.out)
+        self._show_list()
+        self._listed = self._chosen
+
     def _show_list(self) -> None:
         survey, options = self._survey, self.query_one("#list", OptionList)
         entries = () if survey is None else survey.procedures
         following = None if survey is None else survey.next
+        if self._chosen == self._listed:
+            # Nobody has chosen another one while the next step was unknown.
+            self._chosen = ""
+        self._listed = None
         chosen = self._chosen or ("" if following is None else following.name)
         options.clear_options()
         for entry in entries:
@@ -348,15 +366,14 @@ class ProceduresScreen(MainScreen):
 
     def _show_way(self) -> None:
         stages = () if self._survey is None else self._survey.stages
-        way = [
-            Content.styled(f"{_STAGE_SIGNS[stage.state]} {stage.name}", _stage_style(stage.state))
-            for stage in stages
-        ]
-        self.query_one("#way", StaticText).set_text(lines(*way))
+        self.query_one("#way", StaticText).set_text(way_content(stages))
 
     def _show_needs(self) -> None:
         procedure = self._procedure
         if procedure is None:
+            return
+        if not self._cell_name and self._looking:
+            self.query_one("#needed", StaticText).set_text(Content(_LOOKING))
             return
         devices = () if self._devices is None else (self._devices,)
         shown = readiness((*procedure.needs, *devices), procedure.last)
@@ -371,10 +388,9 @@ class ProceduresScreen(MainScreen):
         form = self.query_one(ParameterForm)
         if self.session.cell is None:
             self.notify("there is no cell file yet: set one up (F10)", severity="warning")
-        elif not self._chosen or form.procedure != self._chosen:
-            wait = "cell and runs are being looked at: wait a moment"
+        elif not self._cell_name or form.procedure != self._chosen:
             self.notify(
-                wait if self._looking else "nothing is known of the cell: u looks again", severity="warning"
+                _WAIT if self._looking else "nothing is known of the cell: u looks again", severity="warning"
             )
         elif form.faults:
             self.notify("\n".join(form.faults), title="not possible", severity="error", markup=False)
@@ -414,21 +430,14 @@ class ProceduresScreen(MainScreen):
         shown += [f"  {text}" for text in self._params()] or ["  every parameter at its default"]
         if procedure is not None and procedure.needs_aim:
             shown.append(f"  aim: {request.search}")
-        shown += self._motion_lines(request)
+        rehearsed = self._rehearsed if self._rehearsed and self._rehearsed[0] == request else None
+        shown += motion_lines(self.session.link.engine.robot, None if rehearsed is None else rehearsed[1])
         if request.speed != 1.0:
             shown.append(f"  {request.speed:g} bench seconds in one real second")
         needs = () if procedure is None else procedure.needs
         devices = () if self._devices is None else (self._devices,)
         open_needs = (need_statement(need) for need in (*needs, *devices) if need.met != "met")
         return [*shown, *(line for statement in open_needs for line in block_lines(statement))]
-
-    def _motion_lines(self, request: "Start") -> list[str]:
-        """Say where the arm goes first, how fast, at which override, as far as anybody knows."""
-        robot, shown = self.session.link.engine.robot, list[str]()
-        if robot is not None:
-            shown = [f"  override {override_text(robot)}, at most {robot.override_cap_percent:g} %"]
-        rehearsed = self._rehearsed if self._rehearsed and self._rehearsed[0] == request else None
-        return [*shown, *rehearsed_lines(None if rehearsed is None else rehearsed[1])]
 
     def _begin(self, request: "Start", permission: Permission | None) -> None:
         if permission is None:
@@ -477,8 +486,10 @@ class ProceduresScreen(MainScreen):
             outcome = lines(*map(statement_content, report.statements()))
             head_line, _, *rows = table_text(report.table("steps")).splitlines()
             head.set_text(Content(head_line))
-            table.write_lines(rows, scroll_end=False)
-            _add_questions(table, report)
+            questions = report.section("questions").blocks
+            table.write_lines(
+                [*rows, *(line for one in questions for line in block_lines(one))], scroll_end=False
+            )
         finally:
             self._rehearsing = False
             totals.set_text(outcome)
@@ -486,13 +497,3 @@ class ProceduresScreen(MainScreen):
     def _say(self, text: str) -> None:
         self.query_one("#doing", StaticText).set_text(Content(text))
         self.query_one("#list-panel").border_subtitle = "wait …" if text else ""
-
-
-def _add_questions(table: Log, report: Report) -> None:
-    """Write below the steps what will be asked."""
-    questions = report.section("questions").blocks
-    table.write_lines((line for block in questions for line in block_lines(block)), scroll_end=False)
-
-
-def _stage_style(state: str) -> str:
-    return {"done": "$success", "next": "bold $primary", "left out": "dim"}.get(state, "")
