@@ -9,22 +9,24 @@ from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
-from textual.widgets import Button, ContentSwitcher, Log, OptionList
+from textual.widgets import Button, ContentSwitcher, OptionList
 from textual.widgets.option_list import Option
 
-from catseye.app.render.text import block_lines, table_text
+from catseye.app.render.text import block_lines
 from catseye.app.results.readiness.need import Need, links_need
 from catseye.app.results.readiness.survey_report import need_statement, readiness, worst_sign
-from catseye.app.results.rehearsal import rehearsal_report
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.screens.base import MainScreen
+from catseye.app.tui.serial.pose_choice import POSES, choose_poses, takes_chosen_poses
 from catseye.app.tui.session import Session
 from catseye.app.tui.start_text import motion_lines
 from catseye.app.tui.widgets.parameter_form import ParameterForm, Schema, with_run_fields
+from catseye.app.tui.widgets.rehearsal_view import RehearsalView
 from catseye.app.tui.widgets.report_content import sign_content, statement_content
 from catseye.app.tui.widgets.static_text import StaticText, lines
 from catseye.app.tui.widgets.way_text import way_content
+from catseye.app.tui.work import Done
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
@@ -62,9 +64,6 @@ class ProceduresScreen(MainScreen):
     ProceduresScreen #buttons { height: 1; }
     ProceduresScreen #buttons Button { height: 1; min-width: 13; border: none; margin-right: 1; }
     ProceduresScreen #buttons StaticText { width: 1fr; color: $text-muted; }
-    ProceduresScreen #totals { height: auto; max-height: 7; }
-    ProceduresScreen #head-line { height: 1; color: $primary; }
-    ProceduresScreen #table { height: 1fr; scrollbar-size: 1 1; background: $background; }
     ProceduresScreen.-low #needs.rehearsal { display: none; }
     ProceduresScreen.-narrow #left { width: 26; }
     """
@@ -98,6 +97,9 @@ class ProceduresScreen(MainScreen):
             "view",
             id="procedures.view",
             tooltip="parameters, or what the rehearsal found",
+        ),
+        Binding(
+            "p", "poses", "poses …", id="procedures.poses", tooltip="choose those that identify the arm best"
         ),
         Binding(
             "n",
@@ -159,10 +161,7 @@ class ProceduresScreen(MainScreen):
                         with Vertical(id="form"):
                             yield ParameterForm()
                             yield StaticText(id="described")
-                        with Vertical(id="rehearsal"):
-                            yield StaticText(id="totals")
-                            yield StaticText(id="head-line")
-                            yield Log(id="table", auto_scroll=False)
+                        yield RehearsalView(id="rehearsal")
                     with Horizontal(id="buttons"):
                         yield Button("Rehearse r", id="rehearse", action="screen.rehearse", compact=True)
                         yield Button("Walk … t", id="walk", action="screen.walk", compact=True)
@@ -175,6 +174,8 @@ class ProceduresScreen(MainScreen):
         yield SystemCommand("Start the procedure", "shows first what begins", self.action_start)
         yield SystemCommand("Walk the procedure through", "slowly, nothing measured", self.action_walk)
         yield SystemCommand("Parameters or rehearsal", "show the other one", self.action_view)
+        if self.check_action("poses", ()):
+            yield SystemCommand("Choose poses", "and see the index against their number", self.action_poses)
         yield SystemCommand("Choose the next step", "that is sensible on this cell", self.action_next)
         yield SystemCommand("End the rehearsal", "or back to the list", self.action_back)
         yield SystemCommand("Look at cell and runs again", "needs, last runs, next step", self.action_update)
@@ -209,6 +210,16 @@ class ProceduresScreen(MainScreen):
         # What was rehearsed before may be another motion now.
         self._rehearsed = None
         self.run_worker(self._update(), group="update", exclusive=True, exit_on_error=False)
+
+    def check_action(self, action: str, _parameters: tuple[object, ...]) -> bool | None:
+        """Offer poses where a procedure takes chosen ones."""
+        return action != "poses" or (bool(self._cell_name) and takes_chosen_poses(self._procedure))
+
+    def action_poses(self) -> None:
+        """Choose poses, and take them for the procedure."""
+        if self._cell is not None:
+            take = partial(self.query_one(ParameterForm).fill, POSES)
+            choose_poses(self._cell, self.session, self.app, take)
 
     def action_next(self) -> None:
         """Choose the next sensible procedure."""
@@ -351,6 +362,7 @@ class ProceduresScreen(MainScreen):
         if procedure is None:
             return
         changed, self._chosen = name != self._chosen, name
+        self.refresh_bindings()
         self.query_one("#needs").border_title = procedure.title
         self._show_needs()
         if changed:
@@ -465,34 +477,20 @@ class ProceduresScreen(MainScreen):
         arguments += ["--search", request.search, "--dry-run", "--json"]
         for text in self._params():
             arguments += ["--param", text]
-        table, totals, head = (
-            self.query_one(Log),
-            self.query_one("#totals", StaticText),
-            self.query_one("#head-line", StaticText),
-        )
-        table.clear()
-        head.set_text(Content(""))
-        totals.set_text(Content("going through it …  Esc ends that"))
+        view = self.query_one(RehearsalView)
+        view.begin()
         self._rehearsing = True
-        outcome = Content("ended before it was complete")
+        done: Done | None = None
         try:
             done = await self.session.work.do(*arguments)
-            if done.code:
-                outcome = Content.styled(f"✗ {done.fault}", "$error")
-                return
-            rehearsal = Rehearsal.model_validate_json(done.out)
-            self._rehearsed = request, rehearsal
-            report = rehearsal_report(rehearsal)
-            outcome = lines(*map(statement_content, report.statements()))
-            head_line, _, *rows = table_text(report.table("steps")).splitlines()
-            head.set_text(Content(head_line))
-            questions = report.section("questions").blocks
-            table.write_lines(
-                [*rows, *(line for one in questions for line in block_lines(one))], scroll_end=False
-            )
         finally:
             self._rehearsing = False
-            totals.set_text(outcome)
+            if done is None or done.code:
+                view.show_fault("" if done is None else done.fault)
+        if not done.code:
+            rehearsal = Rehearsal.model_validate_json(done.out)
+            self._rehearsed = request, rehearsal
+            view.show(rehearsal)
 
     def _say(self, text: str) -> None:
         self.query_one("#doing", StaticText).set_text(Content(text))

@@ -142,6 +142,12 @@ class ParameterForm(VerticalScroll):
             )
         self.procedure = procedure
 
+    def fill(self, parameter: str, text: str) -> None:
+        """Put a text into a field, as if it were typed."""
+        for row in self.rows:
+            if row.parameter == parameter:
+                row.query_one(Input).value = text
+
     @property
     def rows(self) -> list[ParameterRow]:
         """The fields."""
