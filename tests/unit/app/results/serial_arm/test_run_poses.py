@@ -131,13 +131,14 @@ async def test_a_run_is_exported_calibrated_and_validated(tmp_path: Path) -> Non
     assert document["arm"] == "irb120"
     assert document["provenance"]["runs"] == [first.name]
     assert document["provenance"]["simulated"] is True
-    command = ["validate", str(result), "--measured", second.name, "--runs", str(runs), "--json"]
-    done = runner.invoke(cli, command)
-    assert done.exit_code == 0, done.output
-    found = json.loads(done.stdout)
-    # The scripted arm is as it is drawn.
-    assert found["n"] == 8
-    assert found["calibrated"]["max_mm"] < 1e-6
+    # A run by its name, and by its folder, as it was printed at its end.
+    for measured_at in ([second.name, "--runs", str(runs)], [str(second)]):
+        done = runner.invoke(cli, ["validate", str(result), "--measured", *measured_at, "--json"])
+        assert done.exit_code == 0, done.output
+        found = json.loads(done.stdout)
+        # The scripted arm is as it is drawn.
+        assert found["n"] == 8
+        assert found["calibrated"]["max_mm"] < 1e-6
 
 
 def test_nothing_to_calibrate_with_is_refused(tmp_path: Path) -> None:
