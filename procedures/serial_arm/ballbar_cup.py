@@ -35,6 +35,9 @@ _PLACE: Final = ("x_mm", "y_mm", "z_mm")
 _Look = Callable[[Floats, list[float]], Awaitable[Row | str]]
 """Given the place of the nest and the joints: the row of it, or why it cannot be true."""
 
+_TURNED_DEG: Final = 5.0
+"""By which some joint has moved, where a taking says more than the one before."""
+
 _MOST_TRIES: Final = 3
 """Of one taking, before the run ends."""
 
@@ -140,6 +143,7 @@ class CupRun:
         self._ctx = ctx
         self._plan = plan
         self._taken: list[Floats] = []
+        self._stood: list[list[float]] = []
 
     async def run(self) -> None:
         """Take the place of the cup.
@@ -173,6 +177,14 @@ class CupRun:
         """Return the row of a taking, or why it cannot be true."""
         if fault := self._fault(place):
             return fault
+        if any(
+            max(abs(a - b) for a, b in zip(one, joints, strict=True)) < _TURNED_DEG for one in self._stood
+        ):
+            await self._ctx.warn(
+                f"the arm stands as at a taking before, so that this one cannot disagree and proves nothing: lead "
+                f"{self._plan.nest} into the cup with the tool turned by 30° or more"
+            )
+        self._stood.append(joints)
         values = dict(zip(_PLACE, (float(value) for value in place), strict=True))
         extra: dict[str, Json] = {"q": list(joints)}
         self._ctx.record(CupTaking(nest=self._plan.nest, taking=number, extra=extra, **values))

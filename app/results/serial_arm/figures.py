@@ -36,7 +36,7 @@ def _histogram(state: str, error_mm: Floats) -> Panel:
         Bars(edges, height.astype(np.float64), Role.SCATTER),
         Level(float(error_mm.mean()), Role.EXPECTED, vertical=True, dash="dashed"),
     )
-    return Panel(state, Axis("error / mm", low=0.0), Axis("rows"), marks)
+    return Panel(state, Axis("error / mm", low=0.0), Axis("measurements"), marks)
 
 
 def deviations(names: Sequence[str], values: Floats, u: Floats, unit: str) -> Figure:
