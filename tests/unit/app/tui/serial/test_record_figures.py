@@ -63,6 +63,15 @@ async def test_figures_of_the_record_are_drawn(measured: Path) -> None:
         assert app.note == ""
 
 
+async def test_a_record_that_is_being_read_is_not_empty(measured: Path) -> None:
+    app = Shown()
+    async with app.run_test(size=(80, 30)):
+        app.query_one(RecordFigures).show(run_of(measured), measured.parent)
+        assert app.note == "reading the record …"
+        await app.workers.wait_for_complete()
+        assert (bool(app.figures), app.note) == (True, "")
+
+
 async def test_a_run_that_begins_has_no_figures(measured: Path) -> None:
     app = Shown()
     async with app.run_test(size=(80, 30)):

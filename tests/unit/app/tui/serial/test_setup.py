@@ -12,6 +12,8 @@ from textual.widgets import Input, Select
 from catseye.app.cell.load import load_cell
 from catseye.app.cell.templates import SIX_AXIS
 from catseye.app.tui.app import CatseyeApp
+from catseye.app.tui.session import EMULATED_TRACKER
+from catseye.app.tui.setup.emulators import emulated_cell, free_file, is_emulated
 from catseye.app.tui.setup.question_row import QuestionRow
 from catseye.app.tui.setup.wizard import Wizard
 from tests.unit.app.tui.screens.test_setup import begin, first_start, judged, settled, to_page, type_answer
@@ -109,3 +111,14 @@ async def test_wrong_answers_are_marked(page: str, key: str, typed: str, said: s
         await pilot.press("ctrl+s")
         await settled(app, pilot)
         assert not (folder / "cell.toml").exists()
+
+
+def test_the_emulated_tracker_has_a_cell_file_of_its_own(folder: Path) -> None:
+    path = free_file(folder, SIX_AXIS)
+    assert path.name == f"{EMULATED_TRACKER}.toml"
+    path.write_text(emulated_cell(SIX_AXIS), encoding="utf-8")
+    assert is_emulated(path, SIX_AXIS)
+    cell = load_cell(path).cell
+    assert cell.tracker is not None
+    places = {cell.robot.endpoint, cell.tracker.endpoint, cell.tracker.control}
+    assert len({str(place).rpartition(":")[2] for place in places} - {"8080", "10700", "10099"}) == 3
