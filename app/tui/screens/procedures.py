@@ -62,7 +62,7 @@ class ProceduresScreen(MainScreen):
     ProceduresScreen ContentSwitcher, ProceduresScreen #form, ProceduresScreen #rehearsal { height: 1fr; }
     ProceduresScreen #described { height: 2; color: $text-muted; }
     ProceduresScreen #buttons { height: 1; }
-    ProceduresScreen #buttons Button { height: 1; min-width: 13; border: none; margin-right: 1; }
+    ProceduresScreen #buttons Button { height: 1; min-width: 10; border: none; margin-right: 1; }
     ProceduresScreen #buttons StaticText { width: 1fr; color: $text-muted; }
     ProceduresScreen.-low #needs.rehearsal { display: none; }
     ProceduresScreen.-narrow #left { width: 26; }
@@ -99,7 +99,12 @@ class ProceduresScreen(MainScreen):
             tooltip="parameters, or what the rehearsal found",
         ),
         Binding(
-            "p", "poses", "poses …", id="procedures.poses", tooltip="choose those that identify the arm best"
+            "p",
+            "poses",
+            "poses …",
+            show=False,
+            id="procedures.poses",
+            tooltip="choose those that identify the arm best",
         ),
         Binding(
             "n",
@@ -166,6 +171,7 @@ class ProceduresScreen(MainScreen):
                         yield Button("Rehearse r", id="rehearse", action="screen.rehearse", compact=True)
                         yield Button("Walk … t", id="walk", action="screen.walk", compact=True)
                         yield Button("Start … s", id="start", action="screen.start", compact=True)
+                        yield Button("Poses … p", id="poses", action="screen.poses", compact=True)
                         yield StaticText(id="doing")
 
     def commands(self) -> Iterable[SystemCommand]:
@@ -174,8 +180,7 @@ class ProceduresScreen(MainScreen):
         yield SystemCommand("Start the procedure", "shows first what begins", self.action_start)
         yield SystemCommand("Walk the procedure through", "slowly, nothing measured", self.action_walk)
         yield SystemCommand("Parameters or rehearsal", "show the other one", self.action_view)
-        if self.check_action("poses", ()):
-            yield SystemCommand("Choose poses", "and see the index against their number", self.action_poses)
+        yield SystemCommand("Choose poses", "and see the index against their number", self.action_poses)
         yield SystemCommand("Choose the next step", "that is sensible on this cell", self.action_next)
         yield SystemCommand("End the rehearsal", "or back to the list", self.action_back)
         yield SystemCommand("Look at cell and runs again", "needs, last runs, next step", self.action_update)
@@ -211,13 +216,11 @@ class ProceduresScreen(MainScreen):
         self._rehearsed = None
         self.run_worker(self._update(), group="update", exclusive=True, exit_on_error=False)
 
-    def check_action(self, action: str, _parameters: tuple[object, ...]) -> bool | None:
-        """Offer poses where a procedure takes chosen ones."""
-        return action != "poses" or (bool(self._cell_name) and takes_chosen_poses(self._procedure))
-
     def action_poses(self) -> None:
         """Choose poses, and take them for the procedure."""
-        if self._cell is not None:
+        if self._cell is None or not self._cell_name or not takes_chosen_poses(self._procedure):
+            self.notify("poses are chosen for tracker-calibration: choose it in the list", severity="warning")
+        else:
             take = partial(self.query_one(ParameterForm).fill, POSES)
             choose_poses(self._cell, self.session, self.app, take)
 
@@ -362,8 +365,8 @@ class ProceduresScreen(MainScreen):
         if procedure is None:
             return
         changed, self._chosen = name != self._chosen, name
-        self.refresh_bindings()
         self.query_one("#needs").border_title = procedure.title
+        self.query_one("#poses").display = takes_chosen_poses(procedure)
         self._show_needs()
         if changed:
             self._show_part("form")
@@ -373,8 +376,7 @@ class ProceduresScreen(MainScreen):
             # Somebody may be typing there.
             return
         self._fields = fields
-        form = self.query_one(ParameterForm).show_parameters(name, fields, self._typed.get(name, {}))
-        self.run_worker(form, group="form", exclusive=True, exit_on_error=False)
+        self.query_one(ParameterForm).show_parameters(name, fields, self._typed.get(name, {}))
 
     def _show_way(self) -> None:
         stages = () if self._survey is None else self._survey.stages

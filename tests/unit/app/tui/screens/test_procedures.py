@@ -431,3 +431,27 @@ async def test_typed_parameters_are_not_kept_for_another_cell() -> None:
         text = await settled(app, pilot)
         assert "aim: auto" in text
         assert "other.toml" in text
+
+
+async def test_arrows_faster_than_forms_end_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    cancelled: list[str] = []
+    mounted = ParameterForm.mount_all
+
+    async def slow(form: ParameterForm, *widgets: Any, **named: Any) -> None:
+        try:
+            await asyncio.sleep(0)
+            await mounted(form, *widgets, **named)
+        except asyncio.CancelledError:
+            cancelled.append(form.procedure)
+            raise
+
+    monkeypatch.setattr(ParameterForm, "mount_all", slow)
+    async with procedures() as (app, pilot, _link):
+        await settled(app, pilot)
+        options = app.screen.query_one("#list", OptionList)
+        for _ in range(7):
+            options.action_cursor_up()
+            await asyncio.sleep(0)
+        await settled(app, pilot)
+        assert cancelled == []
+        assert app.screen.query_one(ParameterForm).procedure == chosen(app) == "beam-to-j4"
