@@ -1,6 +1,6 @@
 """Draws the pictures of the terminal user interface: python docs/screens.py; real screens on emulated benches.
 
-Without arguments both systems are shown; `scara` or `resolution` draws the pictures of one.
+Without arguments all systems are shown; `scara`, `resolution` or `six-axis` draws the pictures of one.
 """
 
 import asyncio
@@ -12,15 +12,17 @@ from pathlib import Path
 from typing import Any, Final
 
 from textual.pilot import Pilot
-from textual.widgets import DataTable
+from textual.widgets import DataTable, Input, OptionList
 
-from catseye.app.cell.templates import RESOLUTION
+from catseye.app.cell.templates import RESOLUTION, SIX_AXIS
 from catseye.app.protocol.requests import Start, request_of
 from catseye.app.service.emulation import emulator_process
 from catseye.app.tui.app import CatseyeApp
 from catseye.app.tui.link import EngineLink
 from catseye.app.tui.session import Session
 from catseye.app.tui.setup.emulators import emulated_cell
+from catseye.app.tui.widgets.figure_view import FigureView
+from catseye.app.tui.widgets.static_text import StaticText
 from catseye.app.tui.work import Commands
 from catseye.drivers.roles.clock import SystemClock
 
@@ -32,6 +34,8 @@ _ARM_SIZE: Final = (120, 40)
 _SPEED: Final = 80.0
 _ARM_SPEED: Final = 8.0
 """The counter of this bench is asked for its value: a bench that is faster than that leaves gaps in recordings."""
+
+_TRACKER_SPEED: Final = 20.0
 
 _ARM_SERIES: Final = {
     "joints": ["A1"],
@@ -101,6 +105,43 @@ async def _visit_arm(app: CatseyeApp, pilot: Pilot[Any], _folder: Path) -> None:
     await _take(app, pilot, "bench", "bench-arm")
 
 
+async def _visit_tracker(app: CatseyeApp, pilot: Pilot[Any], folder: Path) -> None:
+    engine = app.session.link.engine
+    await _questions_of_tracker(app, pilot)
+    app.action_go("procedures")
+    await pilot.pause(_STRIP_S)
+    # What comes next is chosen when every plan has been tried.
+    await _until(pilot, lambda: not app.screen.query_one("#doing", StaticText).text.plain)
+    procedures = app.screen.query_one("#list", OptionList)
+    procedures.highlighted = procedures.get_option_index("tracker-calibration")
+    await pilot.pause(1.0)
+    await pilot.press("p")
+    await _until(pilot, lambda: bool(app.screen.query("#candidates")))
+    app.screen.query_one("#file", Input).value = str(folder / "poses.csv")
+    await pilot.press("enter")
+    await _until(pilot, lambda: app.screen.has_class("chosen"))
+    await _drawn(app, pilot, "six-axis-poses")
+    await pilot.press("escape")
+    before = engine.run
+    await app.session.take_free_control()
+    await app.session.link.request(Start(procedure="tracker-calibration", speed=app.session.speed))
+    await _until(pilot, lambda: engine.run is not before)
+    await _answering(app, pilot, lambda: _share(app) > 0.6)
+    app.action_go("run")
+    await _until(pilot, lambda: any(view.figures for view in app.screen.query(FigureView)))
+    await _drawn(app, pilot, "six-axis-run")
+
+
+async def _questions_of_tracker(app: CatseyeApp, pilot: Pilot[Any]) -> None:
+    app.action_go("setup")
+    await pilot.pause(1.0)
+    await pilot.press("c")
+    await _until(pilot, lambda: bool(app.screen.query("Wizard")))
+    await pilot.press("pagedown", "pagedown")
+    await _drawn(app, pilot, "six-axis-setup")
+    await pilot.press("escape")
+
+
 async def _answering(app: CatseyeApp, pilot: Pilot[Any], ready: Callable[[], bool]) -> None:
     """Wait, and answer each question as somebody does who has done what it asks for."""
     link = app.session.link
@@ -167,6 +208,11 @@ def _share(app: CatseyeApp) -> float:
 
 async def _take(app: CatseyeApp, pilot: Pilot[Any], place: str, name: str) -> None:
     app.action_go(place)
+    await _drawn(app, pilot, name)
+
+
+async def _drawn(app: CatseyeApp, pilot: Pilot[Any], name: str) -> None:
+    """Write the picture of what is shown."""
     await pilot.pause(2.0)
     svg = app.export_screenshot(title="catseye")
     # The picture stands alone: the reader's own font for monospaced text does.
@@ -185,6 +231,7 @@ Visit = Callable[[CatseyeApp, Pilot[Any], Path], Awaitable[None]]
 _SYSTEMS: Final[dict[str, tuple[float, tuple[int, int], Visit]]] = {
     "scara": (_SPEED, _SIZE, _visit_scara),
     RESOLUTION: (_ARM_SPEED, _ARM_SIZE, _visit_arm),
+    SIX_AXIS: (_TRACKER_SPEED, _ARM_SIZE, _visit_tracker),
 }
 """Speed of bench time, size of the screen, and what is shown."""
 

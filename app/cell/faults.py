@@ -21,6 +21,9 @@ def fault_text(fault: ErrorDetails, unknown: Callable[[], str]) -> str:
             return "this key is missing"
         case "value_error":
             return fault["msg"].removeprefix("Value error, ")
+        case "too_short" | "too_long":
+            wanted = fault["ctx"].get("min_length", fault["ctx"].get("max_length"))
+            return f"give {wanted} values, not {fault['ctx']['actual_length']}: {_shown(fault['input'])}"
         case _:
             return f"{fault['msg']}, not {_shown(fault['input'])}"
 

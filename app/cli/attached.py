@@ -210,7 +210,7 @@ class People(Front):
         """Take an answer or a command."""
         self._narrator.entered()
         asked = self._asked if self._control else None
-        command = command_of(line, asked=asked is not None)
+        command = command_of(line, asked)
         if command == "q":
             self.begin(self._release_and_leave())
         elif command in _REQUESTS:

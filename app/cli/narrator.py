@@ -13,6 +13,7 @@ from catseye.app.protocol.run_events import (
     DrivesLeft,
     ErrorReported,
     FirstMotionShown,
+    Happened,
     LiveShown,
     Progressed,
     PromptAnswered,
@@ -22,7 +23,7 @@ from catseye.app.protocol.run_events import (
     WarningIssued,
 )
 from catseye.app.protocol.state import ENDING, ControlState
-from catseye.app.results.runs.event_text import first_motion_text
+from catseye.app.results.runs.event_text import first_motion_text, texts_of
 from catseye.drivers.roles.text import harmless_lines
 
 _SHOWN_STATES: Final = ENDING | {
@@ -45,9 +46,10 @@ class Narrator:
         interactive: questions are answered at this terminal.
     """
 
-    def __init__(self, title: str, as_json: bool, go_on: str | None = None) -> None:
+    def __init__(self, procedure: str, as_json: bool, go_on: str | None = None) -> None:
         self.interactive = False
-        self._bar = ProgressBar(title)
+        self._procedure = procedure
+        self._bar = ProgressBar(procedure)
         self._question = QuestionLine()
         self._as_json = as_json
         self._go_on = go_on or f"Ctrl-C again stops the run; kill -USR1 {os.getpid()} lets it go on"
@@ -76,6 +78,8 @@ class Narrator:
                 self._live(live_text(event.data))
             case DrivesLeft():
                 self.show(event.data.text)
+            case Happened() if (phrase := texts_of(self._procedure).get(event.kind)) and phrase.shown:
+                self.show(phrase.text(event.data))
             case FirstMotionShown():
                 self.show(first_motion_text(event.data.json_object()))
             case StateChanged():

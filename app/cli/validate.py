@@ -59,7 +59,8 @@ def validate(
                 f"{result} is of a serial arm: its reference is the arm as drawn, its limit --limit-mm; leave "
                 "--reference and --limit-um away"
             )
-        names = [] if measured.exists() else [str(measured)]
+        # The folder of a run is a run, as everywhere.
+        names = [] if measured.is_file() else [str(measured)]
         with measured_runs(names, runs) as given:
             table = given.tables[0] if given.tables else measured
             return validate_poses(result, table, anchors, output, limit_mm, as_json=as_json)

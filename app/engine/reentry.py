@@ -104,8 +104,8 @@ class Reentry:
             id=REFLECTORS_PROMPT,
             kind="choice",
             text=(
-                "Has a reflector or the interferometer been moved or touched, beyond what the run asked for, since "
-                f"{_time_text(self.since_utc)} (untouched, or moved{anew})?"
+                "Has a reflector, a nest or the instrument been moved or touched, beyond what the run asked for, "
+                f"since {_time_text(self.since_utc)} (untouched, or moved{anew})?"
             ),
             choices=("untouched", "moved"),
             # After "untouched" the run drives on at once, after "moved" never, or not without another question.

@@ -253,7 +253,8 @@ def _(mark: Stems, axes: Axes) -> None:
 @draw.register
 def _(mark: Level, axes: Axes) -> None:
     line = axes.axvline if mark.vertical else axes.axhline
-    line(mark.at, color=look_of(mark.ink).colour, linewidth=mark.width, linestyle=_DASHES[mark.dash])
+    colour, dash = look_of(mark.ink).colour, _DASHES[mark.dash]
+    line(mark.at, color=colour, linewidth=mark.width, linestyle=dash, label=mark.label)
 
 
 @draw.register

@@ -127,13 +127,14 @@ class Stems:
 
 @dataclass(frozen=True)
 class Level:
-    """Straight line through the whole panel: at y, or at x."""
+    """Straight line through the whole panel: at y, or at x; `label` in the legend, empty for none."""
 
     at: float
     ink: Ink
     vertical: bool = False
     dash: Dash = "solid"
     width: float = 0.8
+    label: str = ""
 
 
 @dataclass(frozen=True)

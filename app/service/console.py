@@ -6,6 +6,7 @@ from catseye.app.service.client_registry import ClientRegistry
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.questions import answer_of
 from catseye.app.service.steering import Steering
+from catseye.procedures.kit.context import Prompt
 
 KEYS = "h hold · g go on · s stop · a abort"
 SLASH = "/"
@@ -13,16 +14,18 @@ _COMMANDS = {"hold": "h", "go": "g", "stop": "s", "abort": "a", "quit": "q"}
 _COMMANDS |= {letter: letter for letter in _COMMANDS.values()}
 
 
-def command_of(line: str, *, asked: bool) -> str:
+def command_of(line: str, asked: Prompt | None) -> str:
     """Return the command letter of a typed line; empty when it is none, "?" when it is not understood.
 
     Args:
         line: as typed.
-        asked: a question is open, so that a command begins with a slash.
+        asked: the open question, beside which a command begins with a slash; None without one.
     """
     text = line.strip().lower()
     if text.startswith(SLASH):
-        return _COMMANDS.get(text[1:], "?")
+        # The path of a file begins with a slash, too.
+        path = asked is not None and asked.kind == "text"
+        return _COMMANDS.get(text[1:], "" if path else "?")
     return "" if asked or not text else _COMMANDS.get(text, "?")
 
 
@@ -38,7 +41,7 @@ class Console:
     def take(self, line: str) -> None:
         """Take a typed line: the answer to the open question, or a command."""
         prompt = self._registry.broker.open
-        command = command_of(line, asked=prompt is not None)
+        command = command_of(line, prompt)
         try:
             if command:
                 self._command(command)

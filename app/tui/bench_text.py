@@ -8,7 +8,7 @@ from textual.content import Content
 from catseye.app.results.numbers import duration_text, fixed, number
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.serial.range_bar import range_bar
-from catseye.app.tui.session import EMULATED_ARM, EMULATED_BENCH
+from catseye.app.tui.session import EMULATED_ARM, EMULATED_BENCH, EMULATED_TRACKER
 from catseye.app.tui.widgets.progress_line import bar
 from catseye.app.tui.widgets.status_bar import LITTLE_BYTES, STALE_S, age_style, override_text
 from catseye.app.tui.words import bytes_text
@@ -120,7 +120,7 @@ def _without_emulators(bench: "BenchStatus") -> str:
     here = all("://127.0.0.1:" in device.endpoint for device in devices)
     if not devices or not here or any(device.link != "lost" for device in devices):
         return ""
-    if bench.cell in {EMULATED_BENCH, EMULATED_ARM}:
+    if bench.cell in {EMULATED_BENCH, EMULATED_ARM, EMULATED_TRACKER}:
         return "nobody answers on this machine; F10 starts the emulators again"
     return "nobody answers on this machine; where this cell is emulated, start them: catseye emulate CELL"
 

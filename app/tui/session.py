@@ -15,6 +15,7 @@ DEMO_FOLDER: Final = Path("catseye-demo")
 
 EMULATED_BENCH: Final = "emulated-bench"
 EMULATED_ARM: Final = "emulated-arm"
+EMULATED_TRACKER: Final = "emulated-tracker"
 """Name of a cell that was written for emulators of this program, and of its file."""
 
 

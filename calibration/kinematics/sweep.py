@@ -57,6 +57,11 @@ class _Intervals:
     low: Floats
     high: Floats
 
+    @classmethod
+    def whole(cls, legs: Ints) -> "_Intervals":
+        """Return whole legs."""
+        return cls(legs, np.zeros(len(legs)), np.ones(len(legs)))
+
     def select(self, rows: Bools) -> "_Intervals":
         return _Intervals(self.leg[rows], self.low[rows], self.high[rows])
 
@@ -97,25 +102,65 @@ def first_contact(
         needed += gaps.levers @ cut_corners(way, passed).T
     for first in range(0, len(steps), _MOST_AT_ONCE):
         legs = np.arange(first, min(first + _MOST_AT_ONCE, len(steps)))
-        found = _first_blocked(gaps, way, needed, legs)
+        found = _first_blocked(gaps, way, steps, needed, legs)
         if found is not None:
             leg, share = found
             return _contact(gaps, way[leg], steps[leg], needed[:, leg], leg, share)
     return None
 
 
-def _first_blocked(gaps: Gaps, way: Floats, needed: Floats, legs: Ints) -> tuple[int, float] | None:
+def clear_legs(gaps: Gaps, start: Floats, end: Floats, clearance_mm: float) -> Bools:
+    """Return which of many straight legs are clear, each by itself, as `first_contact` decides it.
+
+    Args:
+        start: where they begin, deg or mm, shape (n, joints).
+        end: where they end, likewise.
+        clearance_mm: what is kept between any two bodies.
+
+    Returns:
+        Shape (n,).
+    """
+    clear = np.ones(len(start), dtype=np.bool_)
+    if not gaps.pairs:
+        return clear
+    step = end - start
+    for first in range(0, len(start), _MOST_AT_ONCE):
+        todo = _Intervals.whole(np.arange(first, min(first + _MOST_AT_ONCE, len(start))))
+        while todo.leg.size:
+            open_, shut, hit = _looked_at(gaps, start, step, np.array(clearance_mm), todo)
+            clear[todo.leg[shut | hit]] = False
+            todo = todo.select(open_ & clear[todo.leg]).halved()
+    return clear
+
+
+def _looked_at(
+    gaps: Gaps, start: Floats, step: Floats, needed: Floats, todo: _Intervals
+) -> tuple[Bools, Bools, Bools]:
+    """Return which intervals have to be halved, which cannot be shown to be clear, and which are blocked.
+
+    Args:
+        start: of all legs, shape (n, joints).
+        step: from there to their ends, likewise.
+        needed: distance that is kept on each of `todo`, broadcast against shape (pairs, intervals).
+    """
+    along = step[todo.leg]
+    middle = start[todo.leg] + (0.5 * (todo.low + todo.high))[:, None] * along
+    bound = gaps.levers @ (np.abs(along) * (0.5 * (todo.high - todo.low))[:, None]).T
+    spare = gaps.at(middle) - needed
+    unknown = spare < bound
+    shut: Bools = np.any(unknown & (bound < RESOLUTION_MM), axis=0)
+    return np.any(unknown, axis=0), shut, np.any(spare < 0.0, axis=0)
+
+
+def _first_blocked(
+    gaps: Gaps, way: Floats, step: Floats, needed: Floats, legs: Ints
+) -> tuple[int, float] | None:
     """Return leg and share up to which everything is clear; None when all legs are."""
-    todo = _Intervals(legs, np.zeros(len(legs)), np.ones(len(legs)))
+    todo = _Intervals.whole(legs)
     blocked: tuple[int, float] | None = None
     while todo.leg.size:
-        start, step = way[todo.leg], way[todo.leg + 1] - way[todo.leg]
-        middle = start + (0.5 * (todo.low + todo.high))[:, None] * step
-        bound = gaps.levers @ (np.abs(step) * (0.5 * (todo.high - todo.low))[:, None]).T
-        spare = gaps.at(middle) - needed[:, todo.leg]
-        open_: Bools = np.any(spare < bound, axis=0)
-        shut: Bools = np.any((spare < bound) & (bound < RESOLUTION_MM), axis=0)
-        hits = np.flatnonzero(shut | np.any(spare < 0.0, axis=0))
+        open_, shut, hit = _looked_at(gaps, way, step, needed[:, todo.leg], todo)
+        hits = np.flatnonzero(shut | hit)
         if hits.size:
             # What comes later on the way does not matter any more; what comes before may be blocked too.
             first = int(hits[0])

@@ -17,10 +17,12 @@ class EventText:
     Attributes:
         text: returns a sentence; empty where another line says it.
         passing: it says how far a quantity has got: of several in a row the last one counts.
+        shown: it is what a run is made for, so a person at the terminal reads it at once.
     """
 
     text: Callable[[Data], str]
     passing: bool = False
+    shown: bool = False
 
 
 EventTexts = Mapping[str, EventText]

@@ -17,7 +17,7 @@ from catseye.procedures.kit.motion.motion_time import way_time_s
 from catseye.procedures.kit.needs import Needs
 from catseye.procedures.kit.procedure import Procedure
 from catseye.procedures.kit.records import Row
-from catseye.procedures.serial_arm.axis_turns import FEWEST, Turn, drivable, turn_over
+from catseye.procedures.serial_arm.axis_turns import FEWEST, Turn, drivable, turns_over
 from catseye.procedures.serial_arm.before import AXIS_TEXTS, TARGETS, TRACKER, TURNING
 from catseye.procedures.serial_arm.bench import SerialBench, ToolTarget
 from catseye.procedures.serial_arm.pose_params import rest_of
@@ -165,18 +165,17 @@ def _joints(bench: SerialBench, names: list[str]) -> list[int]:
 def _turn(bench: SerialBench, params: AxisParams, joint: int, rest: Pose) -> Turn:
     targets = bench.chosen(params.targets)
     best: Turn | None = None
-    for pose in _standing(bench, params, targets, rest):
-        for target in targets:
-            turn = turn_over(
-                bench,
-                pose,
-                joint,
-                target,
-                params.step_deg,
-                params.reach_deg,
-                params.approach_deg,
-                both_ways=True,
-            )
+    for turns in turns_over(
+        bench,
+        _standing(bench, params, targets, rest),
+        joint,
+        targets,
+        params.step_deg,
+        params.reach_deg,
+        params.approach_deg,
+        both_ways=True,
+    ):
+        for turn in turns:
             longer = len(turn.values_deg) > (len(best.values_deg) if best else FEWEST - 1)
             if longer and drivable(bench, turn, rest):
                 best = turn

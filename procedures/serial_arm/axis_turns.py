@@ -1,5 +1,6 @@
 """One joint turned by itself before the instrument: where, over which range, and in which order."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -10,7 +11,7 @@ from catseye.drivers.roles.pose import Pose, out_of_range, with_axis
 from catseye.procedures.kit.errors import PlanError
 from catseye.procedures.kit.motion.clear_way import clear_poses, way_refusal
 from catseye.procedures.serial_arm.bench import SerialBench, ToolTarget
-from catseye.procedures.serial_arm.sight import best_seen, seen
+from catseye.procedures.serial_arm.sight import best_seen, sight_deg
 
 Floats = NDArray[np.float64]
 
@@ -20,6 +21,9 @@ FEWEST: Final = 7
 _STEP_DEG: Final = 5.0
 _REACH_DEG: Final = 60.0
 """To either side, for frames."""
+
+_AT_ONCE: Final = 4096
+"""Places that are looked at together: memory stays bounded with the smallest steps."""
 
 _TRIED: Final = 60
 """Ways of standing among which the one is chosen from which both joints turn farthest in sight."""
@@ -123,11 +127,12 @@ def _pair(
     best: tuple[Turn, Turn] | None = None
     tried = poses[:_TRIED]
     looking = best_seen(bench, tried, targets)
-    for pose, number in zip(tried.tolist(), looking.tolist(), strict=True):
-        one, other = (
-            turn_over(bench, tuple(pose), joint, targets[number], _STEP_DEG, _REACH_DEG, approach_deg)
-            for joint in joints
-        )
+    standing = [tuple(pose) for pose in tried.tolist()]
+    turns = (
+        turns_over(bench, standing, joint, targets, _STEP_DEG, _REACH_DEG, approach_deg) for joint in joints
+    )
+    for ones, others, number in zip(*turns, looking.tolist(), strict=True):
+        one, other = ones[number], others[number]
         size = min(len(one.values_deg), len(other.values_deg))
         longer = size >= FEWEST and (best is None or size > min(len(turn.values_deg) for turn in best))
         if longer and drivable(bench, one, rest) and drivable(bench, other, rest):
@@ -149,34 +154,44 @@ def drivable(bench: SerialBench, turn: Turn, rest: Pose) -> bool:
     return way_refusal((rest, *turn.way, rest), bench) is None
 
 
-def turn_over(
+def turns_over(
     bench: SerialBench,
-    standing: Pose,
+    standing: Sequence[Pose],
     joint: int,
-    target: ToolTarget,
+    targets: tuple[ToolTarget, ...],
     step_deg: float,
     reach_deg: float,
     approach_deg: float,
     *,
     both_ways: bool = False,
-) -> Turn:
-    """Return a turn over as much of the range around a pose as the instrument sees without a gap.
+) -> Iterator[tuple[Turn, ...]]:
+    """Yield turns over as much of the range around each pose as the instrument sees without a gap, one a target.
 
     Args:
         reach_deg: to either side of the pose, at most.
         approach_deg: that has to be left within the limits at the ends.
     """
-    axis, middle = bench.arm.axes[joint - 1], standing[joint - 1]
-    count = int(reach_deg // step_deg)
-    values = middle + step_deg * np.arange(-count, count + 1)
-    poses = np.array([with_axis(standing, joint - 1, float(value)) for value in values])
+    axis, count = bench.arm.axes[joint - 1], int(reach_deg // step_deg)
+    offsets = step_deg * np.arange(-count, count + 1)
     above = approach_deg if both_ways else 0.0
-    fits = (values >= axis.low + approach_deg - 1e-9) & (values <= axis.high - above + 1e-9)
-    good = fits & clear_poses(poses, bench) & seen(bench, poses, target)
-    kept = _around(good, count)
-    return Turn(
-        joint, axis.name, target.name, standing, tuple(values[kept].tolist()), approach_deg, both_ways
-    )
+    at_once = max(1, _AT_ONCE // len(offsets))
+    for first in range(0, len(standing), at_once):
+        block = standing[first : first + at_once]
+        poses = np.repeat(np.array(block), len(offsets), axis=0)
+        poses[:, joint - 1] += np.tile(offsets, len(block))
+        values = poses[:, joint - 1]
+        fits = (values >= axis.low + approach_deg - 1e-9) & (values <= axis.high - above + 1e-9)
+        fits[fits] = clear_poses(poses[fits], bench)
+        good = np.zeros((len(targets), len(poses)), dtype=np.bool_)
+        good[:, fits] = np.isfinite(sight_deg(bench, poses[fits], targets))
+        along = good.reshape(len(targets), len(block), -1)
+        for number, pose in enumerate(block):
+            own = values[number * len(offsets) :][: len(offsets)]
+            kept = [own[_around(one, count)].tolist() for one in along[:, number]]
+            yield tuple(
+                Turn(joint, axis.name, target.name, pose, tuple(seen_deg), approach_deg, both_ways)
+                for target, seen_deg in zip(targets, kept, strict=True)
+            )
 
 
 def _around(good: NDArray[np.bool_], middle: int) -> slice:

@@ -35,6 +35,9 @@ _PLACE: Final = ("x_mm", "y_mm", "z_mm")
 _Look = Callable[[Floats, list[float]], Awaitable[Row | str]]
 """Given the place of the nest and the joints: the row of it, or why it cannot be true."""
 
+_TURNED_DEG: Final = 5.0
+"""By which some joint has moved, where a taking says more than the one before."""
+
 _MOST_TRIES: Final = 3
 """Of one taking, before the run ends."""
 
@@ -140,6 +143,7 @@ class CupRun:
         self._ctx = ctx
         self._plan = plan
         self._taken: list[Floats] = []
+        self._stood: list[list[float]] = []
 
     async def run(self) -> None:
         """Take the place of the cup.
@@ -150,7 +154,7 @@ class CupRun:
         count = self._plan.takings
         for number in range(1, count + 1):
             title = f"the cup, {number} of {count}"
-            row = await self._ctx.step(f"cup/{number}", title, partial(self._take, number))
+            row = await self._ctx.step(f"cup/{number - 1}", title, partial(self._take, number))
             self._taken.append(np.array([number_of(row, name) for name in _PLACE]))
         centre = np.mean(self._taken, axis=0)
         bar = await self._ctx.step("bar", "the bar's length", partial(self._compare, centre))
@@ -173,6 +177,14 @@ class CupRun:
         """Return the row of a taking, or why it cannot be true."""
         if fault := self._fault(place):
             return fault
+        if any(
+            max(abs(a - b) for a, b in zip(one, joints, strict=True)) < _TURNED_DEG for one in self._stood
+        ):
+            await self._ctx.warn(
+                f"the arm stands as at a taking before, so that this one cannot disagree and proves nothing: lead "
+                f"{self._plan.nest} into the cup with the tool turned by 30° or more"
+            )
+        self._stood.append(joints)
         values = dict(zip(_PLACE, (float(value) for value in place), strict=True))
         extra: dict[str, Json] = {"q": list(joints)}
         self._ctx.record(CupTaking(nest=self._plan.nest, taking=number, extra=extra, **values))

@@ -93,7 +93,7 @@ class BallbarRun:
             rows = []
             for count, number in enumerate(path.measured, 1):
                 title = f"{path.nest}, place {count} of {len(path.measured)}"
-                step_id = f"bar/{path.nest}/{count:04d}"
+                step_id = f"bar/{path.nest}/{count - 1:04d}"
                 rows.append(await self._ctx.step(step_id, title, partial(self._read, path, count, number)))
                 self._time.passed(self._plan.path_s(path) / len(path.measured), 0.0, title)
             await self._ctx.step(f"off/{path.nest}", f"{path.nest}: bar off", partial(self._off, path))

@@ -128,5 +128,5 @@ CHECK_TEXTS: Final[EventTexts] = {
     "length-checked": EventText(_length_checked),
 }
 WARM_TEXTS: Final[EventTexts] = {"warmed": EventText(_warmed)}
-BAR_TEXTS: Final[EventTexts] = {"ballbar": EventText(_ballbar)}
-CUP_TEXTS: Final[EventTexts] = {"cup-found": EventText(_cup_found)}
+BAR_TEXTS: Final[EventTexts] = {"ballbar": EventText(_ballbar, shown=True)}
+CUP_TEXTS: Final[EventTexts] = {"cup-found": EventText(_cup_found, shown=True)}

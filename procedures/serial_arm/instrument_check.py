@@ -132,7 +132,7 @@ class InstrumentCheck(Procedure):
                 f"{NEST}{nest.name}", f"nest {nest.name}", partial(check.nest, nest.name, nest.place_mm)
             )
         for place in range(1, plan.params.bar_places + 1 if plan.params.bar_mm else 1):
-            await ctx.step(f"bar/{place}", f"scale bar, place {place}", partial(check.bar, place))
+            await ctx.step(f"bar/{place - 1}", f"scale bar, place {place}", partial(check.bar, place))
         if len(plan.bench.targets) > 1:
             await ctx.step("tool", "distances on the tool", check.tool)
 
@@ -254,8 +254,8 @@ def _bar_prompt(place: int, params: CheckParams, laid: SetUpScaleBar) -> Prompt:
     return Prompt(
         f"bar/{place}",
         "choice",
-        f"Lay the scale bar of {params.bar_mm:g} mm at its place {place} of {params.bar_places}: level, its middle "
-        f"about at {x_mm:.0f}, {y_mm:.0f}, {z_mm:.0f} mm from the arm's base, from {params.bar_ends[0]} to "
+        f"Lay the scale bar of {params.bar_mm:.10g} mm at its place {place} of {params.bar_places}: level, its "
+        f"middle about at {x_mm:.0f}, {y_mm:.0f}, {z_mm:.0f} mm from the arm's base, from {params.bar_ends[0]} to "
         f"{params.bar_ends[1]} turned by {laid.turn_deg:.0f}° about z, both nests in sight. Laid (laid), or leave it "
         "out (skip)?",
         choices=("laid", "skip"),

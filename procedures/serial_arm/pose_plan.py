@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from catseye.calibration.serial_arm.sight import straightest
 from catseye.drivers.roles.pose import Pose, out_of_range
 from catseye.procedures.kit.errors import PlanError, PlanLimitError
-from catseye.procedures.kit.motion.clear_way import clear_poses, way_refusal
+from catseye.procedures.kit.motion.clear_way import clear_poses, clear_ways, way_refusal
 from catseye.procedures.kit.motion.motion_time import way_time_s
 from catseye.procedures.serial_arm.axis_turns import FramesPlan
 from catseye.procedures.serial_arm.bench import SerialBench, ToolTarget
@@ -201,23 +201,31 @@ class PoseFinder:
             return "; ".join(dict.fromkeys(wrong))
         return way_refusal((self._rest, approach, pose), self._bench)
 
+    def reached(self, poses: Sequence[Pose]) -> list[bool]:
+        """Return which of many poses can be reached; see `refusal`."""
+        axes = self._bench.arm.axes
+        approaches = [approach_of(pose, self._approach_deg) for pose in poses]
+        ways = [(self._rest, *way) for way in zip(approaches, poses, strict=True)]
+        inside = [not any(out_of_range(axes, end) for end in way[1:]) for way in ways]
+        clear = iter(clear_ways([way for way, kept in zip(ways, inside, strict=True) if kept], self._bench))
+        return [kept and next(clear) for kept in inside]
+
     def linked(self, named: Sequence[tuple[str, Pose]], most: int) -> tuple[PlannedPose, ...]:
         """Return poses with their ways; all of them can be reached from the rest pose.
 
         Args:
             most: targets that are measured at one pose.
         """
-        found: list[PlannedPose] = []
-        before = self._rest
         # All at once: each by itself takes as long as hundreds together.
-        seen = self.all_seen(np.array([pose for _, pose in named]), most)
-        for (name, pose), numbers in zip(named, seen.tolist(), strict=True):
-            approach = approach_of(pose, self._approach_deg)
-            free = way_refusal((before, approach), self._bench) is None
-            free_from = before if free else None
-            found.append(PlannedPose(name, pose, approach, free_from, self._named(numbers)))
-            before = pose
-        return tuple(found)
+        poses = [pose for _, pose in named]
+        seen = self.all_seen(np.array(poses), most).tolist()
+        before = [self._rest, *poses][: len(poses)]
+        approaches = [approach_of(pose, self._approach_deg) for pose in poses]
+        free = clear_ways(list(zip(before, approaches, strict=True)), self._bench)
+        return tuple(
+            PlannedPose(name, pose, approaches[k], before[k] if free[k] else None, self._named(seen[k]))
+            for k, (name, pose) in enumerate(named)
+        )
 
     def require(self, named: Sequence[tuple[str, Pose]]) -> None:
         """Refuse poses that were given and cannot be measured.

@@ -117,10 +117,11 @@ def chosen_poses(bench: SerialBench, params: CalibrationParams, finder: PoseFind
             chosen = left[
                 select(shown.rows[left], params.count, starts=1, seed=params.seed, known=shown.known).chosen
             ]
-            refused = [k for k in chosen.tolist() if finder.refusal(tuple(poses[k].tolist())) is not None]
-            if not refused:
-                return [tuple(poses[k].tolist()) for k in chosen]
-            reachable[refused] = False
+            named = [tuple(poses[k].tolist()) for k in chosen]
+            reached = np.array(finder.reached(named))
+            if reached.all():
+                return named
+            reachable[chosen[~reached]] = False
     except CalibrationError as error:
         raise PlanError(str(error)) from error
     raise PlanError(

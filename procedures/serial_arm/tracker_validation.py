@@ -1,5 +1,6 @@
 """Targets at random poses, which show what a calibration is worth (six-axis paper, section 6.2: 1000 of them)."""
 
+from itertools import compress
 from typing import Annotated
 
 from pydantic import Field
@@ -90,7 +91,8 @@ def reachable(finder: PoseFinder, count: int, seed: int) -> list[tuple[str, Pose
     while len(found) < count:
         # A block that brings nothing ends in the error of `drawn`, which counts what it refuses.
         drawn = finder.drawn(count - len(found) + 20, seed + 1_000_003 * block)
-        found += [tuple(pose) for pose in drawn.tolist() if finder.refusal(tuple(pose)) is None]
+        poses = [tuple(pose) for pose in drawn.tolist()]
+        found += compress(poses, finder.reached(poses))
         block += 1
         finder.require_some(found, block)
     return [(name_of(number), pose) for number, pose in enumerate(found[:count], 1)]

@@ -233,15 +233,17 @@ def _more(answer: Answer) -> list[Question]:
     return [*asked, *(_material() if material else [])]
 
 
-def _tracker(answer: Answer) -> list[Question]:
+def _tracker(answer: Answer, before: str = "  ", *, places: Sequence[Question] = ()) -> list[Question]:
+    """Return what is asked about a tracker; what every bench has of its own comes before settings with defaults."""
     return [
-        Question("tracker.driver", "  Driver", "of the tracker", "choice", drivers_of("tracker")),
+        Question("tracker.driver", f"{before}Driver", "of the tracker", "choice", drivers_of("tracker")),
         Question(
             "tracker.endpoint",
-            "  Endpoint",
+            f"{before}Endpoint",
             "tcp://192.168.0.1:700, file:///folder/readings.csv, or an emulated bench's control port",
             find_out="the tracker's address, or the file into which its own program writes",
         ),
+        *places,
         *setting_questions("tracker", answer("tracker.driver"), frozenset()),
     ]
 
@@ -278,7 +280,7 @@ PAGES: Final = (
         "tracker",
         "Tracker",
         six_axis.TRACKER,
-        lambda answer: [*_tracker(answer), *six_axis.places()],
+        lambda answer: _tracker(answer, "", places=six_axis.places()),
         "tracker",
         SIX_AXIS,
     ),

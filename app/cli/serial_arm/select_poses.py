@@ -153,7 +153,8 @@ def _write(found: "ChosenPoses", name: str, output: Path, page: Path | None, *, 
     write_atomically(output, found.csv())
     report = selection_report(found, name)
     if as_json:
-        write_json({"output": str(output), **found.document()})
+        document = found.document().model_copy(update={"output": str(output)})
+        write_json(document.model_dump(mode="json"))
     else:
         write_tables(report)
     note_statements(report)

@@ -259,7 +259,7 @@ def _runs_of(path: Path) -> list[str]:
         return []
     kind = str(data.get("format", "")).partition("/")[0]
     maps = kind == "catseye-result" and data.get("model") == "error-map"
-    if not (maps or kind == "catseye-resolution"):
+    if not (maps or kind in {"catseye-resolution", "catseye-serial-arm"}):
         return []
     provenance = data.get("provenance")
     runs = provenance.get("runs") if isinstance(provenance, dict) else None

@@ -29,8 +29,9 @@ def summary(reader: RunReader) -> list[Entry]:
     entries = [
         ("procedure", f"{meta.get('procedure')} on cell {meta.get('cell')}, operator {meta.get('operator')}"),
         ("params", json.dumps(_short(meta.get("params", {})), ensure_ascii=False)),
-        ("aim", f"from {meta.get('aim')}"),
     ]
+    if declared is None or declared.needs.basis is not None:
+        entries.append(("aim", f"from {meta.get('aim')}"))
     entries += [(name, device_text(facts)) for name, facts in (meta.get("devices") or {}).items()]
     tables = ("steps", *(table.name for table in reader.tables()))
     counts = ", ".join(f"{count} {name}" for name in tables if (count := reader.count(name)))
@@ -42,9 +43,14 @@ def summary(reader: RunReader) -> list[Entry]:
 
 
 def _short(params: dict[str, Any]) -> dict[str, Any]:
-    """Return parameters with the rows of a file counted instead of listed."""
-    rows = {name: value for name, value in params.items() if isinstance(value, list) and len(value) > _FEW}
-    return {**params, **{name: f"{len(value)} rows" for name, value in rows.items()}}
+    """Return parameters with the rows of a file counted instead of listed, and a result named instead of copied."""
+    return {name: _named(value) for name, value in params.items()}
+
+
+def _named(value: Any) -> Any:
+    if isinstance(value, list) and len(value) > _FEW:
+        return f"{len(value)} rows"
+    return value.get("format", value) if isinstance(value, dict) else value
 
 
 def _interruptions(reader: RunReader) -> list[Entry]:

@@ -5,6 +5,7 @@ import numpy as np
 from catseye.app.results.model import Bullets, Cell, Column, Section, Table, section
 from catseye.app.results.numbers import COUNT, fixed
 from catseye.app.results.serial_arm.figures import signed_by_target
+from catseye.app.results.serial_arm.length_scatter import scatter_of
 from catseye.app.store.reader import RunReader
 from catseye.calibration.core.types import Floats
 from catseye.procedures.kit.stored import number_of
@@ -42,7 +43,7 @@ def _table(of_nest: dict[str, Floats]) -> Table:
         Column("max_mm", "largest", "mm", _MM),
     )
     rows: list[tuple[Cell, ...]] = [
-        (nest, len(errors), float(errors.mean()), float(errors.std()), float(np.abs(errors).max()))
+        (nest, len(errors), float(errors.mean()), scatter_of(errors), float(np.abs(errors).max()))
         for nest, errors in of_nest.items()
     ]
     return Table("ballbar", "Errors of length at compensated commands", columns, tuple(rows))

@@ -1,5 +1,6 @@
 """Figures of calibrated serial arms: histograms of errors, lengths along a path, parameters, poses in space."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -36,7 +37,7 @@ def _histogram(state: str, error_mm: Floats) -> Panel:
         Bars(edges, height.astype(np.float64), Role.SCATTER),
         Level(float(error_mm.mean()), Role.EXPECTED, vertical=True, dash="dashed"),
     )
-    return Panel(state, Axis("error / mm", low=0.0), Axis("rows"), marks)
+    return Panel(state, Axis("error / mm", low=0.0), Axis("measurements"), marks)
 
 
 def deviations(names: Sequence[str], values: Floats, u: Floats, unit: str) -> Figure:
@@ -48,7 +49,9 @@ def deviations(names: Sequence[str], values: Floats, u: Floats, unit: str) -> Fi
     )
     caption = f"Identified minus nominal parameters in {unit}; bars: standard uncertainty (k = 1)."
     aspect = _ROW_ASPECT * len(panels)
-    return Figure(f"deviations-{unit}", f"Deviations in {unit}", caption, panels, aspect=aspect)
+    # The key begins the names of marks in the picture, and these stand in addresses.
+    key = re.sub(r"[^a-z]+", "-", f"deviations-{unit}".lower()).strip("-")
+    return Figure(key, f"Deviations in {unit}", caption, panels, aspect=aspect)
 
 
 def by_name(

@@ -6,6 +6,7 @@ import numpy as np
 
 from catseye.app.results.model import Bullets, Cell, Column, Section, Table, section
 from catseye.app.results.numbers import COUNT, fixed
+from catseye.app.results.serial_arm.length_scatter import scatter_of
 from catseye.app.store.reader import RunReader
 from catseye.procedures.kit.records import Row
 from catseye.procedures.kit.stored import number_of
@@ -62,7 +63,7 @@ def _kinds(lengths: Sequence[Row]) -> Table:
     for what in dict.fromkeys(str(row["what"]) for row in lengths):
         errors = np.array([number_of(row, "error_mm") for row in lengths if row["what"] == what])
         rows.append(
-            (what, len(errors), float(errors.mean()), float(errors.std()), float(np.abs(errors).max()))
+            (what, len(errors), float(errors.mean()), scatter_of(errors), float(np.abs(errors).max()))
         )
     return Table("length-errors", "Errors of length", columns, tuple(rows))
 

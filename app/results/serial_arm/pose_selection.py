@@ -2,16 +2,15 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from catseye.app.files.csv_text import csv_text
-from catseye.app.results.figures import Axis, Figure, Level, Panel, Points, Role
 from catseye.app.results.model import Block, Column, Report, Sign, Statement, Table, section
 from catseye.app.results.numbers import COUNT, THREE_DIGITS, fixed
 from catseye.app.results.origin import origin_now
 from catseye.app.results.serial_arm.pose_setup import Asked, PoseSetup
+from catseye.app.results.serial_arm.selection_document import ADVICE, IndexOfCount, SelectionDocument
 from catseye.calibration.core.types import Floats, Ints
 from catseye.calibration.serial_arm.design.candidates import DIGITS, draw_candidates
 from catseye.calibration.serial_arm.design.exchange import Selection, fewest_poses, growth, select
@@ -52,22 +51,23 @@ class ChosenPoses:
         )
         return csv_text(header, body)
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> SelectionDocument:
         """Return the JSON output."""
-        return {
-            "index": self.asked.index,
-            "value": self.selection.value,
-            "count": self.asked.count,
-            "measurements": sum(map(len, self.targets)),
-            "candidates": self.asked.candidates,
-            "drawn": self.drawn,
-            "exchanges": self.selection.exchanges,
-            "parameters": list(self.parameters),
-            "index_of_count": [
-                {"count": int(count), "value": float(value)}
+        return SelectionDocument(
+            index=self.asked.index,
+            value=self.selection.value,
+            count=self.asked.count,
+            measurements=sum(map(len, self.targets)),
+            candidates=self.asked.candidates,
+            drawn=self.drawn,
+            exchanges=self.selection.exchanges,
+            model=self.asked.model,
+            parameters=self.parameters,
+            index_of_count=tuple(
+                IndexOfCount(count=int(count), value=float(value))
                 for count, value in zip(self.counts, self.values, strict=True)
-            ],
-        }
+            ),
+        )
 
 
 def select_poses(setup: PoseSetup, asked: Asked, progress: Progress) -> ChosenPoses:
@@ -120,41 +120,17 @@ def _growth(shown: PoseRows, asked: Asked, progress: Progress) -> tuple[Ints, Fl
 
 def selection_report(found: ChosenPoses, arm: str) -> Report:
     """Return what is said of a choice."""
-    asked = found.asked
-    measured = sum(map(len, found.targets))
-    several = "" if measured == asked.count else f" with {measured} measurements of targets"
-    said = Statement(
-        Sign.GOOD,
-        f"{asked.count} poses{several} of {asked.candidates} candidates, "
-        f"{asked.index} {found.selection.value:.4g} after "
-        f"{found.selection.exchanges} exchanges; they show {len(found.parameters)} parameters of the "
-        f"model {asked.model}.",
-    )
-    advice = (
-        "Drive to each pose from lower joints, as the choice assumes, and measure the targets that it names."
-    )
+    known = found.document()
     columns = (
         Column("count", "poses", "", COUNT),
-        Column("value", asked.index, "", THREE_DIGITS),
+        Column("value", known.index, "", THREE_DIGITS),
         Column("share", "of the chosen number's", "", fixed(2)),
     )
-    rows = tuple(
-        (int(count), float(value), float(value / found.selection.value))
-        for count, value in zip(found.counts, found.values, strict=True)
-    )
+    rows = tuple((one.count, one.value, one.value / known.value) for one in known.index_of_count)
     table = Table("growth", "Index against the number of poses, one start each", columns, rows)
-    blocks: list[Block] = [said, Statement(Sign.NEUTRAL, advice), table, growth_figure(found)]
+    said = (Statement(Sign.GOOD, known.text), Statement(Sign.NEUTRAL, ADVICE))
+    blocks: list[Block] = [*said, table, known.figure()]
     return Report(f"Poses for {arm}", origin_now(), (section("poses", "Poses", blocks, brief=True),))
-
-
-def growth_figure(found: ChosenPoses) -> Figure:
-    """Return the index against the number of poses."""
-    marks = (
-        Points(found.counts.astype(np.float64), found.values, Role.CHOSEN, found.asked.index, joined=True),
-        Level(float(found.asked.count), Role.COMMAND, vertical=True, dash="dashed"),
-    )
-    panel = Panel("", Axis("number of poses"), Axis(f"index {found.asked.index}"), marks)
-    return Figure("growth", "Index against the number of poses", "Index against poses.", ((panel,),))
 
 
 def _counts(count: int, fewest: int, candidates: int) -> Ints:

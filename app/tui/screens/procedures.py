@@ -9,23 +9,24 @@ from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
-from textual.widgets import Button, ContentSwitcher, Log, OptionList
+from textual.widgets import Button, ContentSwitcher, OptionList
 from textual.widgets.option_list import Option
 
-from catseye.app.render.text import block_lines, table_text
-from catseye.app.results.model import Report
+from catseye.app.render.text import block_lines
 from catseye.app.results.readiness.need import Need, links_need
 from catseye.app.results.readiness.survey_report import need_statement, readiness, worst_sign
-from catseye.app.results.rehearsal import rehearsal_report
 from catseye.app.tui.dialogs.start_dialog import Permission, StartDialog
 from catseye.app.tui.engine_state import EngineState
 from catseye.app.tui.screens.base import MainScreen
+from catseye.app.tui.serial.pose_choice import POSES, choose_poses, takes_chosen_poses
 from catseye.app.tui.session import Session
-from catseye.app.tui.start_text import rehearsed_lines
+from catseye.app.tui.start_text import motion_lines
 from catseye.app.tui.widgets.parameter_form import ParameterForm, Schema, with_run_fields
+from catseye.app.tui.widgets.rehearsal_view import RehearsalView
 from catseye.app.tui.widgets.report_content import sign_content, statement_content
 from catseye.app.tui.widgets.static_text import StaticText, lines
-from catseye.app.tui.widgets.status_bar import override_text
+from catseye.app.tui.widgets.way_text import way_content
+from catseye.app.tui.work import Done
 
 if TYPE_CHECKING:
     # The first screen is painted before this is imported.
@@ -33,7 +34,8 @@ if TYPE_CHECKING:
     from catseye.app.protocol.requests import Start
     from catseye.app.results.readiness.survey_document import ProcedureEntry, SurveyDocument
 
-_STAGE_SIGNS: Final = {"done": "✓", "next": "→", "later": "·", "left out": "–"}
+_LOOKING: Final = "looking at cell and runs …"
+_WAIT: Final = "cell and runs are being looked at: wait a moment"
 
 _WALK_LINES: Final = (
     "Its motions at 10 % and 250 mm/s at most; nothing is measured.",
@@ -60,11 +62,8 @@ class ProceduresScreen(MainScreen):
     ProceduresScreen ContentSwitcher, ProceduresScreen #form, ProceduresScreen #rehearsal { height: 1fr; }
     ProceduresScreen #described { height: 2; color: $text-muted; }
     ProceduresScreen #buttons { height: 1; }
-    ProceduresScreen #buttons Button { height: 1; min-width: 13; border: none; margin-right: 1; }
+    ProceduresScreen #buttons Button { height: 1; min-width: 10; border: none; margin-right: 1; }
     ProceduresScreen #buttons StaticText { width: 1fr; color: $text-muted; }
-    ProceduresScreen #totals { height: auto; max-height: 7; }
-    ProceduresScreen #head-line { height: 1; color: $primary; }
-    ProceduresScreen #table { height: 1fr; scrollbar-size: 1 1; background: $background; }
     ProceduresScreen.-low #needs.rehearsal { display: none; }
     ProceduresScreen.-narrow #left { width: 26; }
     """
@@ -98,6 +97,14 @@ class ProceduresScreen(MainScreen):
             "view",
             id="procedures.view",
             tooltip="parameters, or what the rehearsal found",
+        ),
+        Binding(
+            "p",
+            "poses",
+            "poses …",
+            show=False,
+            id="procedures.poses",
+            tooltip="choose those that identify the arm best",
         ),
         Binding(
             "n",
@@ -138,6 +145,7 @@ class ProceduresScreen(MainScreen):
         self._ended: object = None
         self._cell: Path | None = None
         self._looking = False
+        self._listed: str | None = None
         self._fields: Schema = {}
 
     def body(self) -> ComposeResult:
@@ -158,14 +166,12 @@ class ProceduresScreen(MainScreen):
                         with Vertical(id="form"):
                             yield ParameterForm()
                             yield StaticText(id="described")
-                        with Vertical(id="rehearsal"):
-                            yield StaticText(id="totals")
-                            yield StaticText(id="head-line")
-                            yield Log(id="table", auto_scroll=False)
+                        yield RehearsalView(id="rehearsal")
                     with Horizontal(id="buttons"):
                         yield Button("Rehearse r", id="rehearse", action="screen.rehearse", compact=True)
                         yield Button("Walk … t", id="walk", action="screen.walk", compact=True)
                         yield Button("Start … s", id="start", action="screen.start", compact=True)
+                        yield Button("Poses … p", id="poses", action="screen.poses", compact=True)
                         yield StaticText(id="doing")
 
     def commands(self) -> Iterable[SystemCommand]:
@@ -174,6 +180,7 @@ class ProceduresScreen(MainScreen):
         yield SystemCommand("Start the procedure", "shows first what begins", self.action_start)
         yield SystemCommand("Walk the procedure through", "slowly, nothing measured", self.action_walk)
         yield SystemCommand("Parameters or rehearsal", "show the other one", self.action_view)
+        yield SystemCommand("Choose poses", "and see the index against their number", self.action_poses)
         yield SystemCommand("Choose the next step", "that is sensible on this cell", self.action_next)
         yield SystemCommand("End the rehearsal", "or back to the list", self.action_back)
         yield SystemCommand("Look at cell and runs again", "needs, last runs, next step", self.action_update)
@@ -209,11 +216,19 @@ class ProceduresScreen(MainScreen):
         self._rehearsed = None
         self.run_worker(self._update(), group="update", exclusive=True, exit_on_error=False)
 
+    def action_poses(self) -> None:
+        """Choose poses, and take them for the procedure."""
+        if self._cell is None or not self._cell_name or not takes_chosen_poses(self._procedure):
+            self.notify("poses are chosen for tracker-calibration: choose it in the list", severity="warning")
+        else:
+            take = partial(self.query_one(ParameterForm).fill, POSES)
+            choose_poses(self._cell, self.session, self.app, take)
+
     def action_next(self) -> None:
         """Choose the next sensible procedure."""
         stage = None if self._survey is None else self._survey.next
         if self._looking:
-            self.notify("cell and runs are being looked at: wait a moment", severity="warning")
+            self.notify(_WAIT, severity="warning")
         elif stage is None:
             self.notify("every stage is done")
         elif stage.procedure:
@@ -282,8 +297,10 @@ class ProceduresScreen(MainScreen):
     async def _update(self) -> None:
         cell = self.session.cell
         where = () if cell is None else ("--cell", cell, "--runs", self.session.root)
-        self._say("looking at cell and runs …")
+        self._say(_LOOKING)
         self._looking = True
+        if self._survey is None:
+            self.run_worker(self._list(), group="list", exclusive=True, exit_on_error=False)
         done = await self.session.work.do("procedures", *where, "--json")
         self._looking = False
         self._say("")
@@ -298,10 +315,25 @@ class ProceduresScreen(MainScreen):
         self._survey = SurveyDocument.of_lines(done.out)
         self._show_list()
 
+    async def _list(self) -> None:
+        """Show what can be run while it is looked at what the cell is ready for: every plan is tried for that."""
+        done = await self.session.work.do("procedures", "--json")
+        if done.code or self._survey is not None or not self._looking:
+            return
+        from catseye.app.results.readiness.survey_document import SurveyDocument
+
+        self._survey = SurveyDocument.of_lines(done.out)
+        self._show_list()
+        self._listed = self._chosen
+
     def _show_list(self) -> None:
         survey, options = self._survey, self.query_one("#list", OptionList)
         entries = () if survey is None else survey.procedures
         following = None if survey is None else survey.next
+        if self._chosen == self._listed:
+            # Nobody has chosen another one while the next step was unknown.
+            self._chosen = ""
+        self._listed = None
         chosen = self._chosen or ("" if following is None else following.name)
         options.clear_options()
         for entry in entries:
@@ -334,6 +366,7 @@ class ProceduresScreen(MainScreen):
             return
         changed, self._chosen = name != self._chosen, name
         self.query_one("#needs").border_title = procedure.title
+        self.query_one("#poses").display = takes_chosen_poses(procedure)
         self._show_needs()
         if changed:
             self._show_part("form")
@@ -343,20 +376,18 @@ class ProceduresScreen(MainScreen):
             # Somebody may be typing there.
             return
         self._fields = fields
-        form = self.query_one(ParameterForm).show_parameters(name, fields, self._typed.get(name, {}))
-        self.run_worker(form, group="form", exclusive=True, exit_on_error=False)
+        self.query_one(ParameterForm).show_parameters(name, fields, self._typed.get(name, {}))
 
     def _show_way(self) -> None:
         stages = () if self._survey is None else self._survey.stages
-        way = [
-            Content.styled(f"{_STAGE_SIGNS[stage.state]} {stage.name}", _stage_style(stage.state))
-            for stage in stages
-        ]
-        self.query_one("#way", StaticText).set_text(lines(*way))
+        self.query_one("#way", StaticText).set_text(way_content(stages))
 
     def _show_needs(self) -> None:
         procedure = self._procedure
         if procedure is None:
+            return
+        if not self._cell_name and self._looking:
+            self.query_one("#needed", StaticText).set_text(Content(_LOOKING))
             return
         devices = () if self._devices is None else (self._devices,)
         shown = readiness((*procedure.needs, *devices), procedure.last)
@@ -371,10 +402,9 @@ class ProceduresScreen(MainScreen):
         form = self.query_one(ParameterForm)
         if self.session.cell is None:
             self.notify("there is no cell file yet: set one up (F10)", severity="warning")
-        elif not self._chosen or form.procedure != self._chosen:
-            wait = "cell and runs are being looked at: wait a moment"
+        elif not self._cell_name or form.procedure != self._chosen:
             self.notify(
-                wait if self._looking else "nothing is known of the cell: u looks again", severity="warning"
+                _WAIT if self._looking else "nothing is known of the cell: u looks again", severity="warning"
             )
         elif form.faults:
             self.notify("\n".join(form.faults), title="not possible", severity="error", markup=False)
@@ -414,21 +444,14 @@ class ProceduresScreen(MainScreen):
         shown += [f"  {text}" for text in self._params()] or ["  every parameter at its default"]
         if procedure is not None and procedure.needs_aim:
             shown.append(f"  aim: {request.search}")
-        shown += self._motion_lines(request)
+        rehearsed = self._rehearsed if self._rehearsed and self._rehearsed[0] == request else None
+        shown += motion_lines(self.session.link.engine.robot, None if rehearsed is None else rehearsed[1])
         if request.speed != 1.0:
             shown.append(f"  {request.speed:g} bench seconds in one real second")
         needs = () if procedure is None else procedure.needs
         devices = () if self._devices is None else (self._devices,)
         open_needs = (need_statement(need) for need in (*needs, *devices) if need.met != "met")
         return [*shown, *(line for statement in open_needs for line in block_lines(statement))]
-
-    def _motion_lines(self, request: "Start") -> list[str]:
-        """Say where the arm goes first, how fast, at which override, as far as anybody knows."""
-        robot, shown = self.session.link.engine.robot, list[str]()
-        if robot is not None:
-            shown = [f"  override {override_text(robot)}, at most {robot.override_cap_percent:g} %"]
-        rehearsed = self._rehearsed if self._rehearsed and self._rehearsed[0] == request else None
-        return [*shown, *rehearsed_lines(None if rehearsed is None else rehearsed[1])]
 
     def _begin(self, request: "Start", permission: Permission | None) -> None:
         if permission is None:
@@ -456,43 +479,21 @@ class ProceduresScreen(MainScreen):
         arguments += ["--search", request.search, "--dry-run", "--json"]
         for text in self._params():
             arguments += ["--param", text]
-        table, totals, head = (
-            self.query_one(Log),
-            self.query_one("#totals", StaticText),
-            self.query_one("#head-line", StaticText),
-        )
-        table.clear()
-        head.set_text(Content(""))
-        totals.set_text(Content("going through it …  Esc ends that"))
+        view = self.query_one(RehearsalView)
+        view.begin()
         self._rehearsing = True
-        outcome = Content("ended before it was complete")
+        done: Done | None = None
         try:
             done = await self.session.work.do(*arguments)
-            if done.code:
-                outcome = Content.styled(f"✗ {done.fault}", "$error")
-                return
-            rehearsal = Rehearsal.model_validate_json(done.out)
-            self._rehearsed = request, rehearsal
-            report = rehearsal_report(rehearsal)
-            outcome = lines(*map(statement_content, report.statements()))
-            head_line, _, *rows = table_text(report.table("steps")).splitlines()
-            head.set_text(Content(head_line))
-            table.write_lines(rows, scroll_end=False)
-            _add_questions(table, report)
         finally:
             self._rehearsing = False
-            totals.set_text(outcome)
+            if done is None or done.code:
+                view.show_fault("" if done is None else done.fault)
+        if not done.code:
+            rehearsal = Rehearsal.model_validate_json(done.out)
+            self._rehearsed = request, rehearsal
+            view.show(rehearsal)
 
     def _say(self, text: str) -> None:
         self.query_one("#doing", StaticText).set_text(Content(text))
         self.query_one("#list-panel").border_subtitle = "wait …" if text else ""
-
-
-def _add_questions(table: Log, report: Report) -> None:
-    """Write below the steps what will be asked."""
-    questions = report.section("questions").blocks
-    table.write_lines((line for block in questions for line in block_lines(block)), scroll_end=False)
-
-
-def _stage_style(state: str) -> str:
-    return {"done": "$success", "next": "bold $primary", "left out": "dim"}.get(state, "")

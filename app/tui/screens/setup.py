@@ -154,6 +154,10 @@ class SetupScreen(WorkScreen):
         """Write a cell file for emulators of a six-axis arm with its optics and start them."""
         self.spawn(partial(self._emulate, "resolution"), "emulate", exclusive=True)
 
+    def action_emulated_tracker(self) -> None:
+        """Write a cell file for emulators of a six-axis arm before a tracker and start them."""
+        self.spawn(partial(self._emulate, "six-axis"), "emulate", exclusive=True)
+
     def action_demo(self) -> None:
         """Run the demo as a process, then show its results."""
         self.let_work(

@@ -9,7 +9,7 @@ from textual.containers import Vertical
 from textual.content import Content
 
 from catseye.app.tui.run_state import RunState
-from catseye.app.tui.widgets.figure_view import Figures
+from catseye.app.tui.widgets.figure_view import Figures, FigureView
 from catseye.app.tui.widgets.static_text import StaticText
 
 if TYPE_CHECKING:
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 
 _NOTHING: Final = "nothing measured yet"
+_READING: Final = "reading the record …"
 
 _PARTS: Final = 25
 
@@ -55,6 +56,8 @@ class RecordFigures(Vertical):
         if not done:
             self._shown((), _NOTHING)
             return
+        if not self.query_one(FigureView).figures:
+            self._shown((), _READING)
         path = Path(run.path) if run.path else root / run.name
         self.run_worker(self._read(path), group="record", exclusive=True, exit_on_error=False)
 

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Final
 
 from catseye.app.cell.rewriting import rewritten
-from catseye.app.cell.templates import RESOLUTION, SCARA, TEMPLATES
+from catseye.app.cell.templates import RESOLUTION, SCARA, SIX_AXIS, TEMPLATES
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import read_toml
-from catseye.app.tui.session import EMULATED_ARM, EMULATED_BENCH
+from catseye.app.tui.session import EMULATED_ARM, EMULATED_BENCH, EMULATED_TRACKER
 
-_NAMES: Final = {SCARA: EMULATED_BENCH, RESOLUTION: EMULATED_ARM}
+_NAMES: Final = {SCARA: EMULATED_BENCH, RESOLUTION: EMULATED_ARM, SIX_AXIS: EMULATED_TRACKER}
 """Of the cells, by system."""
 
 _PLACES: Final = (
@@ -19,6 +19,7 @@ _PLACES: Final = (
     ("interferometer", "endpoint"),
     ("environment", "endpoint"),
     ("tracker", "endpoint"),
+    ("tracker", "control"),
 )
 
 
@@ -31,7 +32,7 @@ def emulated_cell(system: str) -> str:
     template = TEMPLATES[system].text
     data = tomllib.loads(template)
     data["name"] = _NAMES[system]
-    places = [(section, key) for section, key in _PLACES if section in data]
+    places = [(section, key) for section, key in _PLACES if key in data.get(section, {})]
     for (section, key), port in zip(places, _free_ports(len(places)), strict=True):
         data[section][key] = f"tcp://127.0.0.1:{port}"
     return rewritten(template, data)

@@ -27,10 +27,15 @@ CHOICES: Final = {
     ),
     "emulated_arm": (
         "r",
-        "Six-axis emulated bench",
-        f"{SIMULATION}: a KUKA with optics for its motion resolution; likewise",
+        "KUKA bench, emulated",
+        f"{SIMULATION}: a KR 210 with optics for its motion resolution; likewise",
     ),
-    "demo": ("d", "Demo", f"{SIMULATION}: the whole job on emulators, about a minute; then its results"),
+    "emulated_tracker": (
+        "t",
+        "IRB bench, emulated",
+        f"{SIMULATION}: an IRB 120 before a laser tracker; likewise",
+    ),
+    "demo": ("d", "Demo", f"{SIMULATION}: the whole job on emulators; then its results"),
 }
 """By name: key, title, what it does."""
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catseye.app.render.palette import look_of
-from catseye.app.results.figures import Dash, Line, Mark, Points, Shape
+from catseye.app.results.figures import Dash, Level, Line, Mark, Points, Shape
 from catseye.app.tui.widgets.braille import Floats
 from catseye.app.tui.widgets.chart import Chart
 
@@ -45,6 +45,8 @@ def sample(mark: Mark) -> str:
     match mark:
         case Line():
             return _SAMPLES[mark.dash] + _line_glyph(mark)
+        case Level():
+            return _SAMPLES[mark.dash]
         case Points():
             return glyph(mark)
         case Shape():

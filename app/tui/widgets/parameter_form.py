@@ -7,6 +7,7 @@ from textual.containers import Horizontal, VerticalScroll
 from textual.events import DescendantFocus
 from textual.message import Message
 from textual.widgets import Input, Label, Select
+from textual.worker import Worker
 
 from catseye.app.protocol.parameters import default_text, param_text, range_text, short_text, typed_fault
 from catseye.app.tui.widgets.static_text import StaticText
@@ -132,15 +133,34 @@ class ParameterForm(VerticalScroll):
             super().__init__()
             self.text = text
 
-    async def show_parameters(self, procedure: str, schema: Schema, typed: dict[str, str]) -> None:
-        """Show the fields of a procedure."""
-        self.procedure = ""
-        with self.app.batch_update():
-            await self.remove_children()
-            await self.mount_all(
-                ParameterRow(name, facts, typed.get(name, "")) for name, facts in schema.items()
-            )
-        self.procedure = procedure
+    def __init__(self) -> None:
+        super().__init__()
+        self._wanted: tuple[str, Schema, dict[str, str]] | None = None
+        self._filling: Worker[None] | None = None
+
+    def show_parameters(self, procedure: str, schema: Schema, typed: dict[str, str]) -> None:
+        """Show the fields of a procedure soon; of several that are wanted in a row, those of the last one."""
+        self.procedure, self._wanted = "", (procedure, schema, typed)
+        if self._filling is None or self._filling.is_finished:
+            self._filling = self.run_worker(self._fill(), exit_on_error=False)
+
+    async def _fill(self) -> None:
+        # Never given up half-way: a widget that is cancelled while it is mounted takes the program with it.
+        while self._wanted is not None:
+            (procedure, schema, typed), self._wanted = self._wanted, None
+            with self.app.batch_update():
+                await self.remove_children()
+                await self.mount_all(
+                    ParameterRow(name, facts, typed.get(name, "")) for name, facts in schema.items()
+                )
+            if self._wanted is None:
+                self.procedure = procedure
+
+    def fill(self, parameter: str, text: str) -> None:
+        """Put a text into a field, as if it were typed."""
+        for row in self.rows:
+            if row.parameter == parameter:
+                row.query_one(Input).value = text
 
     @property
     def rows(self) -> list[ParameterRow]:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catseye.calibration.kinematics.bodies import Box, Gaps, Scene, Table
-from catseye.calibration.kinematics.sweep import Contact, first_contact
+from catseye.calibration.kinematics.sweep import Contact, clear_legs, first_contact
 from catseye.drivers.roles.pose import Axes, Pose, between, pose_text
 from catseye.procedures.kit.bench import Bench, Stand, Workspace
 from catseye.procedures.kit.errors import PlanError
@@ -84,6 +84,20 @@ def way_refusal(way: Sequence[Pose], bench: Bench) -> str | None:
     """Return why a way is not clear; None when it is. See `require_clear_way`."""
     contact = _contact(way, bench)
     return None if contact is None else _refusal(contact, way, bench)
+
+
+def clear_ways(ways: Sequence[Sequence[Pose]], bench: Bench) -> list[bool]:
+    """Return which of many ways of two targets or more are clear; `way_refusal` of each takes far longer."""
+    known = _known(bench)
+    legs = [set(pairwise(way)) for way in ways]
+    asked = list(set().union(*legs) - known.clear)
+    _require_places([pose for leg in asked for pose in leg], bench.arm.axes)
+    ends = np.array(asked, dtype=np.float64).reshape(-1, 2, len(bench.arm.axes))
+    clear = clear_legs(known.gaps, ends[:, 0], ends[:, 1], bench.workspace.clearance_mm)
+    found = {leg for leg, free in zip(asked, clear.tolist(), strict=True) if free}
+    if len(known.clear) + len(found) <= _MOST_REMEMBERED:
+        known.clear.update(found)
+    return [all(leg in found or leg in known.clear for leg in own) for own in legs]
 
 
 def refused_target(way: Sequence[Pose], bench: Bench) -> tuple[int, str] | None:

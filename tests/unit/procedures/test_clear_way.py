@@ -10,7 +10,13 @@ import pytest
 from catseye.calibration.kinematics.bodies import Box
 from catseye.drivers.roles.pose import Pose
 from catseye.procedures.kit.errors import PlanError
-from catseye.procedures.kit.motion.clear_way import clear_part, legs_refusal, require_clear_way, way_refusal
+from catseye.procedures.kit.motion.clear_way import (
+    clear_part,
+    clear_ways,
+    legs_refusal,
+    require_clear_way,
+    way_refusal,
+)
 from catseye.procedures.scara.bench import ScaraBench
 from catseye.procedures.scara.open_loop.open_loop_plan import plan_open_loop
 from catseye.procedures.scara.path.path_plan import plan_path
@@ -55,6 +61,22 @@ def test_a_box_between_two_targets_is_found_with_its_distance() -> None:
     refusal = way_refusal(ends, boxed)
     assert refusal is not None
     assert "the keep-out box press stands in the arm's way" in refusal
+
+
+def test_many_ways_are_judged_as_each_by_itself() -> None:
+    x, y = arm_xy(20.0, 0.0)
+    box = Box("press", (x - 1.0, y - 1.0, 0.0), (x + 1.0, y + 1.0, 300.0))
+    workspace = replace(bench().workspace, keep_out=(box,))
+    drawn = np.random.default_rng(3).uniform(
+        (-90.0, -120.0, 0.0, -90.0), (90.0, 120.0, 25.0, 90.0), (120, 3, 4)
+    )
+    ways = [[tuple(pose) for pose in way] for way in drawn.tolist()]
+    # Benches that are equal remember each other's clear legs.
+    each = [way_refusal(way, replace(bench(), workspace=workspace)) is None for way in ways]
+    other = replace(workspace, clearance_mm=workspace.clearance_mm + 1e-9)
+    assert 20 < sum(each) < 100
+    assert clear_ways(ways, replace(bench(), workspace=other)) == each
+    assert clear_ways([], bench()) == []
 
 
 def test_a_distance_below_the_clearance_is_given_in_mm() -> None:

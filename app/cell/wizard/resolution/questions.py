@@ -34,8 +34,8 @@ def _limits(name: str) -> list[Question]:
     return [
         Question(
             f"robot.limits_deg.{joint.name.lower()}",
-            f"Limits of {joint.name}",
-            "two numbers, lowest and highest, deg or mm; narrower than the arm's own, and mind the cables",
+            f"Limits of {joint.name}, {'deg' if joint.type == 'revolute' else 'mm'}",
+            "two numbers, lowest and highest; narrower than the arm's own, and mind the cables",
             "numbers",
             default=f"{joint.range[0]:g}, {joint.range[1]:g}",
         )

@@ -5,7 +5,7 @@ from typing import Final
 from catseye.app.cell.tool import shipped_tools
 from catseye.app.cell.wizard.question import Question
 
-TRACKER: Final = "The instrument, where the arm stands before it, and three nests on the table."
+TRACKER: Final = "Tracker, the arm before it, three nests on the table."
 """Above the questions about the tracker."""
 
 NEST: Final = "tracker.nest."

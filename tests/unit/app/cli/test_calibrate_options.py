@@ -184,8 +184,12 @@ def test_unknown_arm_is_a_usage_error(tmp_path: Path) -> None:
 def test_selected_poses_are_written_with_targets_and_index(tmp_path: Path) -> None:
     words = ["--count", "14", "--candidates", "300", "--starts", "1", "--limit", "J2=0:110", "--json"]
     known = ["--arm", str(arm_file(tmp_path)), "--tool", str(tool_file(tmp_path))]
+    page = tmp_path / "chosen.html"
+    words += ["--report", str(page)]
     done = CliRunner().invoke(cli, ["select-poses", *known, *words, "-o", str(tmp_path / "chosen.csv")])
     assert done.exit_code == 0, done.output
+    # The line across the curve has a name.
+    assert "the 14 poses chosen" in page.read_text("utf-8")
     rows = list(csv.DictReader((tmp_path / "chosen.csv").read_text("utf-8").splitlines()))
     said = json.loads(done.stdout)
     assert len(rows) == 14

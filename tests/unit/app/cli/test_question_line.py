@@ -7,6 +7,7 @@ import pytest
 from catseye.app.cli.narrator import Narrator
 from catseye.app.cli.question_line import live_text
 from catseye.app.protocol.run_events import (
+    Happened,
     LiveData,
     LiveShown,
     PromptAnswered,
@@ -105,3 +106,12 @@ def test_what_is_typed_stays_while_the_value_above_it_changes(capsys: pytest.Cap
         "answer to stage/1: yes (Ada)",
         "",
     ]
+
+
+def test_what_a_run_is_made_for_is_read_at_once(capsys: pytest.CaptureFixture[str]) -> None:
+    narrator = Narrator("ballbar-cup", as_json=False)
+    data = {"nest": "nest1", "centre_mm": [1.0, 2.0, 3.0], "apart_mm": 0.02}
+    narrator.publish(Happened(state=ControlState.EXECUTE, kind="cup-found", data=data))
+    assert "--param centre_mm=[1.000,2.000,3.000]" in capsys.readouterr().err
+    narrator.publish(Happened(state=ControlState.EXECUTE, kind="frame-found", data={"what": "base"}))
+    assert capsys.readouterr().err == ""

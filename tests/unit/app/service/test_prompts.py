@@ -15,7 +15,7 @@ from catseye.app.engine.request import RunOutcome
 from catseye.app.protocol.events import encode_event, event_of
 from catseye.app.protocol.prompts import MotionAfter
 from catseye.app.protocol.run_events import PromptAsked, RunEvent
-from catseye.app.service.console import Console
+from catseye.app.service.console import Console, command_of
 from catseye.app.service.errors import RefusedError
 from catseye.app.service.prompt_broker import PromptBroker
 from catseye.app.service.questions import answer_of, hint
@@ -48,6 +48,14 @@ async def test_only_the_open_question_takes_a_valid_answer() -> None:
     assert await waiting == Answer("12.5", "Ada")
     with pytest.raises(RefusedError, match="no question is open"):
         broker.answer("height", "13", "Ben")
+
+
+def test_a_typed_path_is_no_command() -> None:
+    path = Prompt("lengths", "text", "Type the path.")
+    assert command_of("/bench/bar.csv", path) == ""
+    assert command_of("/s", path) == "s"
+    assert command_of("/bench/bar.csv", HEIGHT) == "?"
+    assert command_of("/bench/bar.csv", None) == "?"
 
 
 async def test_a_question_whose_time_is_over_is_no_longer_open() -> None:

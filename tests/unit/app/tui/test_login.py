@@ -9,6 +9,7 @@ from textual.widgets import Input
 from catseye.app.cell.templates import SIX_AXIS, TEMPLATES
 from catseye.app.tui.dialogs.form_dialog import Answers, FormDialog
 from catseye.app.tui.login import Login
+from tests.unit.app.tui.scripted import changed_screen, screen_text
 
 SECRET = "correct horse"
 
@@ -80,6 +81,23 @@ async def test_nobody_is_asked_for_what_is_known(
     login.show = shown
     await login.before_engine(cell(tmp_path, endpoint))
     assert shown.count == 0
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_the_dialog_as_it_is_seen(tmp_path: Path, size: tuple[int, int]) -> None:
+    login, app = Login({}), Empty()
+
+    async def show(dialog: FormDialog) -> Answers | None:
+        async with app.run_test(size=size) as pilot:
+            await app.push_screen(dialog)
+            password = dialog.query_one("#password", Input)
+            password.value, password.cursor_blink = "hunter2", False
+            await pilot.pause()
+            assert not changed_screen(f"login-{size[0]}x{size[1]}", screen_text(app))
+        return None
+
+    login.show = show
+    await login.before_engine(cell(tmp_path))
 
 
 class Empty(App[None]):

@@ -81,6 +81,14 @@ async def test_a_taking_apart_from_the_first_is_asked_again(tmp_path: Path) -> N
     assert "2.00 mm from the first taking" in next(one.text for one in room.asked if one.id == "cup/2/2")
 
 
+async def test_a_taking_with_the_same_joints_proves_nothing(tmp_path: Path) -> None:
+    room = led(tmp_path, cup_1=pose_at(CUP), cup_2=pose_at(CUP))
+    room.answers["bar"] = "skip"
+    outcome = await carried_out(room, BallbarCup(), plan_of())
+    assert outcome.status == "complete"
+    assert ["proves nothing" in str(one["text"]) for one in said(outcome.path, "warning")].count(True) == 1
+
+
 async def test_takings_that_disagree_are_to_be_begun_anew(tmp_path: Path) -> None:
     room = led(tmp_path, cup_1=pose_at(np.add(CUP, [0.0, 0.0, 2.0])), cup_2=pose_at(CUP))
     outcome = await carried_out(room, BallbarCup(), plan_of())

@@ -13,8 +13,9 @@ from catseye.calibration.serial_arm import sight
 from catseye.procedures.kit.errors import PlanError, PlanLimitError
 from catseye.procedures.kit.motion.clear_way import way_refusal
 from catseye.procedures.kit.system import System
+from catseye.procedures.serial_arm.axis_turns import turns_over
 from catseye.procedures.serial_arm.bench import SerialBench, ToolTarget
-from catseye.procedures.serial_arm.pose_params import PoseParams
+from catseye.procedures.serial_arm.pose_params import PoseParams, finder_of
 from catseye.procedures.serial_arm.sight import seen, sighted, view_of
 from catseye.procedures.serial_arm.tracker_calibration import CalibrationParams, TrackerCalibration
 from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
@@ -200,3 +201,27 @@ def test_from_any_other_pose_the_way_leads_over_rest() -> None:
             way = plan.way_to(planned, other.pose)
             assert way == (other.approach, plan.rest, planned.approach)
             assert way_refusal((other.pose, *way, planned.pose), SIX) is None
+
+
+def test_many_poses_are_reached_as_each_by_itself() -> None:
+    # The gap between bodies that a bench knows to be clear is not asked for twice: each of these is another bench.
+    one, other = (
+        replace(SIX, workspace=replace(SIX.workspace, clearance_mm=SIX.workspace.clearance_mm + more_mm))
+        for more_mm in (0.0, 1e-9)
+    )
+    low, high = np.array([axis.range for axis in SIX.arm.axes]).T
+    poses = [tuple(pose) for pose in np.random.default_rng(4).uniform(low - 10.0, high, (150, 6)).tolist()]
+    refusals = [finder_of(one, PoseParams()).refusal(pose) for pose in poses]
+    assert {refusal is None for refusal in refusals} == {True, False}
+    assert finder_of(other, PoseParams()).reached(poses) == [refusal is None for refusal in refusals]
+
+
+def test_turns_over_many_poses_are_those_of_each() -> None:
+    standing = [tuple(pose) for pose in finder_of(SIX, PoseParams()).drawn(4, 5).tolist()]
+    together = list(turns_over(SIX, standing, 6, SIX.targets, 2.0, 300.0, 5.0))
+    alone = [next(turns_over(SIX, [pose], 6, SIX.targets, 2.0, 300.0, 5.0)) for pose in standing]
+    assert together == alone
+    for turn in (turn for turns in together for turn in turns if turn.values_deg):
+        poses = np.array([turn.pose(value) for value in turn.values_deg])
+        assert seen(SIX, poses, SIX.target(turn.target)).all()
+        assert all(SIX.arm.axes[5].allows(value - 5.0) for value in turn.values_deg)

@@ -326,3 +326,10 @@ def test_a_run_of_steps_is_advised_to_be_evaluated(tmp_path: Path, procedure: st
     first = after_run(procedure, "complete", run, tmp_path / "runs")[0]
     assert (first.kind, first.command[:2]) == ("analyse", ("resolution", run))
     assert first.writes == tmp_path / "result-00beef.json"
+
+
+def test_a_calibrated_arm_counts_as_the_result_of_its_run(tmp_path: Path) -> None:
+    run = "20261121T080000Z_tracker-calibration_00beef"
+    result = {"format": "catseye-serial-arm/1", "provenance": {"runs": [run]}}
+    (tmp_path / "arm.json").write_text(json.dumps(result), encoding="utf-8")
+    assert results_in([tmp_path]) == {run: tmp_path / "arm.json"}

@@ -35,9 +35,9 @@ def test_errors_of_length_by_nest() -> None:
     (table,) = [block for block in blocks if isinstance(block, Table)]
     first, second = table.rows
     assert first[:2] == ("nest1", 3)
-    assert first[2:] == pytest.approx((0.0, 0.02**0.5, 0.2))
+    assert first[2:] == pytest.approx((0.0, 0.03**0.5, 0.2))
     assert second[:2] == ("nest2", 2)
-    assert second[2:] == pytest.approx((0.4, 0.1, 0.5))
+    assert second[2:] == pytest.approx((0.4, 0.02**0.5, 0.5))
 
 
 def test_errors_are_drawn_in_their_order_by_nest() -> None:

@@ -76,7 +76,7 @@ def test_deviations_are_drawn_by_unit(report: Report) -> None:
     assert [figure.key for figure in report.figures("deviations")] == [
         "deviations-mm",
         "deviations-deg",
-        "deviations-rad/(N·mm)",
+        "deviations-rad-n-mm",
     ]
 
 

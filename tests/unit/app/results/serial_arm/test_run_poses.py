@@ -10,11 +10,14 @@ from typer.testing import CliRunner
 
 from catseye.app.cell.model import Cell
 from catseye.app.cli import cli
+from catseye.app.results.runs.summary import summary
 from catseye.app.results.serial_arm.run_poses import pose_rows
 from catseye.app.store.reader import RunReader
+from catseye.procedures.serial_arm.ballbar import BallbarTest
 from catseye.procedures.serial_arm.tracker_calibration import CalibrationParams, TrackerCalibration
 from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
 from tests.unit.procedures.serial_arm.benches import NESTS, SIX, TARGETS, Room, carried_out
+from tests.unit.procedures.serial_arm.test_ballbar import plan_of as ballbar_plan
 
 TOOL = "\n".join(
     [
@@ -131,13 +134,25 @@ async def test_a_run_is_exported_calibrated_and_validated(tmp_path: Path) -> Non
     assert document["arm"] == "irb120"
     assert document["provenance"]["runs"] == [first.name]
     assert document["provenance"]["simulated"] is True
-    command = ["validate", str(result), "--measured", second.name, "--runs", str(runs), "--json"]
-    done = runner.invoke(cli, command)
-    assert done.exit_code == 0, done.output
-    found = json.loads(done.stdout)
-    # The scripted arm is as it is drawn.
-    assert found["n"] == 8
-    assert found["calibrated"]["max_mm"] < 1e-6
+    # A run by its name, and by its folder, as it was printed at its end.
+    for measured_at in ([second.name, "--runs", str(runs)], [str(second)]):
+        done = runner.invoke(cli, ["validate", str(result), "--measured", *measured_at, "--json"])
+        assert done.exit_code == 0, done.output
+        found = json.loads(done.stdout)
+        # The scripted arm is as it is drawn.
+        assert found["n"] == 8
+        assert found["calibrated"]["max_mm"] < 1e-6
+
+
+async def test_a_summary_names_results_and_leaves_out_the_aim(tmp_path: Path) -> None:
+    (tmp_path / "runs").mkdir()
+    procedure, result = BallbarTest(), {"format": "catseye-serial-arm/1", "parameters": []}
+    meta = {"procedure": procedure.name, "params": {"result": result, "nests": []}, "aim": "cell file"}
+    outcome = await carried_out(Room(tmp_path / "runs"), procedure, ballbar_plan(), meta=meta)
+    shown = dict(summary(RunReader(outcome.path)))
+    assert shown["params"] == '{"result": "catseye-serial-arm/1", "nests": []}'
+    # Nothing aims a beam on this bench.
+    assert "aim" not in shown
 
 
 def test_nothing_to_calibrate_with_is_refused(tmp_path: Path) -> None:

@@ -99,7 +99,7 @@ def test_nests_and_lengths_of_an_instrument() -> None:
     assert found["nests"].rows == (("W1", 0.01, 0.02),)
     (errors,) = found["length-errors"].rows
     assert errors[:2] == ("scale bar", 2)
-    assert errors[2:] == pytest.approx((0.01, 0.02, 0.03))
+    assert errors[2:] == pytest.approx((0.01, 0.0008**0.5, 0.03))
 
 
 def test_a_warm_up_shows_its_drift_and_limit() -> None:

@@ -125,7 +125,7 @@ async def test_needs_last_run_and_next_step(size: tuple[int, int]) -> None:
         assert "2 h ago" in text
         assert not changed_screen(f"procedures-{size[0]}x{size[1]}", text)
         words = ("procedures", "--cell", "/bench/cell.toml", "--runs", "/bench/catseye-runs", "--json")
-        assert work_of(app).done == [words]
+        assert sorted(work_of(app).done) == [words, ("procedures", "--json")]
 
 
 @pytest.mark.parametrize("size", SIZES)
@@ -163,11 +163,11 @@ async def test_a_fault_is_shown_beside_its_field_and_nothing_begins() -> None:
         focused = app.focused
         assert isinstance(focused, Input)
         # The end of a run has everything looked at again, but leaves the field that somebody types in.
-        assert len(work_of(app).done) == 1
+        looked_at = len(work_of(app).done)
         link.publish("run-started", procedure="warmup", title="Warm-up", run=RUN)
         link.publish("run-ended", status="complete", exit_code=0, text="", path="", drives_on=False, run=RUN)
         await settled(app, pilot)
-        assert [words[0] for words in work_of(app).done] == ["procedures", "procedures"]
+        assert [words[0] for words in work_of(app).done[looked_at:]] == ["procedures"]
         assert app.focused is focused
         await pilot.press("tab", "tab", "tab", "9", "9")
         text = await settled(app, pilot)
@@ -354,6 +354,53 @@ class SlowWork(ScriptedWork):
         raise AssertionError
 
 
+class SlowSurvey(ScriptedWork):
+    """What the cell is ready for is known when a test says so."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.known = asyncio.Event()
+
+    async def do(self, *arguments: str | Path, heard: Callable[[CommandEvent], None] | None = None) -> Done:
+        del heard
+        if "--cell" not in arguments:
+            listed = "\n".join(json.dumps({**each, "needs": [], "last": None}) for each in LISTED)
+            return Done((), 0, listed, "")
+        await self.known.wait()
+        return Done((), 0, lines(WAY), "")
+
+
+async def test_procedures_are_listed_before_their_plans_are_known() -> None:
+    app = make_app(ScriptedLink(), "procedures")
+    work = SlowSurvey()
+    app.session.work = work
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await pilot.pause()
+        text = await shown(app, pilot)
+        assert "open-loop" in text
+        assert "looking at cell and runs" in text
+        await pilot.press("s")
+        assert "wait a moment" in await shown(app, pilot)
+        assert not isinstance(app.screen, StartDialog)
+        work.known.set()
+        text = await settled(app, pilot)
+        assert chosen(app) == "open-loop"
+        assert "2 h ago" in text
+
+
+async def test_a_choice_made_while_plans_are_unknown_stays() -> None:
+    app = make_app(ScriptedLink(), "procedures")
+    work = SlowSurvey()
+    app.session.work = work
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.pause()
+        await pilot.press("down", "down")
+        assert chosen(app) == "reflector-search"
+        work.known.set()
+        assert "P2 is too near" in await settled(app, pilot)
+        assert chosen(app) == "reflector-search"
+
+
 async def test_a_rehearsal_is_ended_by_escape() -> None:
     app = make_app(ScriptedLink(), "procedures")
     work = SlowWork(lines(WAY))
@@ -384,3 +431,27 @@ async def test_typed_parameters_are_not_kept_for_another_cell() -> None:
         text = await settled(app, pilot)
         assert "aim: auto" in text
         assert "other.toml" in text
+
+
+async def test_arrows_faster_than_forms_end_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    cancelled: list[str] = []
+    mounted = ParameterForm.mount_all
+
+    async def slow(form: ParameterForm, *widgets: Any, **named: Any) -> None:
+        try:
+            await asyncio.sleep(0)
+            await mounted(form, *widgets, **named)
+        except asyncio.CancelledError:
+            cancelled.append(form.procedure)
+            raise
+
+    monkeypatch.setattr(ParameterForm, "mount_all", slow)
+    async with procedures() as (app, pilot, _link):
+        await settled(app, pilot)
+        options = app.screen.query_one("#list", OptionList)
+        for _ in range(7):
+            options.action_cursor_up()
+            await asyncio.sleep(0)
+        await settled(app, pilot)
+        assert cancelled == []
+        assert app.screen.query_one(ParameterForm).procedure == chosen(app) == "beam-to-j4"

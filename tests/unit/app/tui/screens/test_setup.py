@@ -91,7 +91,8 @@ async def begin(app: CatseyeApp, pilot: Pilot[Any]) -> Wizard:
 
 
 async def to_page(app: CatseyeApp, pilot: Pilot[Any], name: str) -> None:
-    await wizard_of(app).show_page(next(page for page in pages_of(SCARA) if page.name == name))
+    wizard = wizard_of(app)
+    await wizard.show_page(next(page for page in wizard.draft.pages if page.name == name))
     app.screen.refresh_bindings()
     await pilot.pause()
 

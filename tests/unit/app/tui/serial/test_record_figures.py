@@ -2,15 +2,27 @@
 
 import asyncio
 from pathlib import Path
+from typing import cast
 
 import pytest
 from textual.app import App, ComposeResult
+from textual.pilot import Pilot
 
+from catseye.app.results.figures import Figure
+from catseye.app.results.serial_arm.axis_report import axis_section
+from catseye.app.results.serial_arm.ballbar_report import ballbar_section
+from catseye.app.store.reader import RunReader
 from catseye.app.tui.run_state import RunState, Step
 from catseye.app.tui.serial.record_figures import RecordFigures
-from catseye.app.tui.widgets.figure_view import FigureView
+from catseye.app.tui.widgets.figure_view import Figures, FigureView
 from catseye.app.tui.widgets.static_text import StaticText
+from tests.unit.app.results.serial_arm.test_ballbar_report import Readings
 from tests.unit.app.results.serial_arm.test_run_poses import validated
+from tests.unit.app.results.serial_arm.test_run_report import turned
+from tests.unit.app.tui.scripted import changed_screen, screen_text
+from tests.unit.procedures.serial_arm.benches import Room
+
+SIZES = [(80, 24), (120, 40)]
 
 
 class Shown(App[None]):
@@ -49,6 +61,15 @@ async def test_figures_of_the_record_are_drawn(measured: Path) -> None:
         await app.show(run_of(measured), measured.parent)
         assert app.figures == ["pose-places", "pose-arrows", "pose-differences"]
         assert app.note == ""
+
+
+async def test_a_record_that_is_being_read_is_not_empty(measured: Path) -> None:
+    app = Shown()
+    async with app.run_test(size=(80, 30)):
+        app.query_one(RecordFigures).show(run_of(measured), measured.parent)
+        assert app.note == "reading the record …"
+        await app.workers.wait_for_complete()
+        assert (bool(app.figures), app.note) == (True, "")
 
 
 async def test_a_run_that_begins_has_no_figures(measured: Path) -> None:
@@ -109,3 +130,39 @@ async def test_a_record_that_cannot_be_read_says_why(tmp_path: Path) -> None:
         await app.show(run_of(tmp_path / "none"), tmp_path)
         assert app.figures == []
         assert "none" in app.note
+
+
+async def looked_at(
+    app: Shown, pilot: Pilot[None], figures: tuple[Figure, ...], size: tuple[int, int]
+) -> None:
+    """Compare each figure, drawn alone, with its golden screen."""
+    view = app.query_one(Figures)
+    view.display = True
+    for figure in figures:
+        view.show(figure)
+        await pilot.pause()
+        assert not changed_screen(f"record-{figure.key}-{size[0]}x{size[1]}", screen_text(app))
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_places_arrows_and_differences_as_seen(tmp_path: Path, size: tuple[int, int]) -> None:
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    room = Room(runs)
+    # An arm that is as it is drawn would show nothing but rounding.
+    room.tracker.drift_mm = {number: 0.4 * (-1) ** number * number for number in range(4, 20)}
+    measured = await validated(tmp_path, room)
+    app = Shown()
+    async with app.run_test(size=size) as pilot:
+        await app.show(run_of(measured), measured.parent)
+        await looked_at(app, pilot, app.query_one(FigureView).figures, size)
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_errors_of_joints_and_ballbar_as_seen(size: tuple[int, int]) -> None:
+    sections = axis_section(cast("RunReader", turned())), ballbar_section(cast("RunReader", Readings()))
+    figures = tuple(block for one in sections for block in one.blocks if isinstance(block, Figure))
+    app = Shown()
+    async with app.run_test(size=size) as pilot:
+        app.query_one("#record-note").display = False
+        await looked_at(app, pilot, figures, size)
