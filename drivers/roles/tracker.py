@@ -37,10 +37,12 @@ class TargetPoint:
     Attributes:
         place_mm: x, y, z.
         u_mm: standard uncertainty of x, y and z, as the instrument states or scatters it; None where it says nothing.
+        covariance_mm2: of x with y, x with z and y with z; None where it states none, which does not mean zero.
     """
 
     place_mm: Place
     u_mm: Place | None = None
+    covariance_mm2: Place | None = None
 
 
 @dataclass(frozen=True)

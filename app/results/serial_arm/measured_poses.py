@@ -32,8 +32,8 @@ from catseye.procedures.kit.columns import ColumnRule, Columns, TableRule
 _PLACE: Final = ("x_mm", "y_mm", "z_mm")
 _ANGLES: Final = ("rx_deg", "ry_deg", "rz_deg")
 _U_EACH: Final = ("u_x_mm", "u_y_mm", "u_z_mm")
-_STATED: Final = ("u_mm", *_U_EACH, "u_deg")
 _COVARIANCES: Final = {"cov_xy_mm2": (0, 1), "cov_xz_mm2": (0, 2), "cov_yz_mm2": (1, 2)}
+_STATED: Final = ("u_mm", *_U_EACH, *_COVARIANCES, "u_deg")
 
 
 _READ_ALIKE: Final = 0.01
@@ -115,6 +115,7 @@ class _Table:
         read = _all_or_none(
             path, columns, [f"q{k}_read_{unit}" for k, unit in enumerate(units, 1)], "read-back joints"
         )
+        _all_or_none(path, columns, list(_COVARIANCES), "covariances")
         sides = _all_or_none(path, columns, _directions(len(units)), "directions of approach")
         return cls(rows, columns, joints, read, np.ones_like(joints) if sides is None else sides)
 

@@ -70,8 +70,10 @@ def pose_rows(reader: RunReader) -> list[Row]:
     units = [joint.unit for joint in arm_description(cell_of_run(reader).robot.arm).joint]
     world = _world(reader)
     stated = all(row[name] is not None for row in stored for name in _U)
+    correlated = bool(world.motions) or not _without_covariances(stored)
     turned = all(row[name] is not None for row in stored for name in _ANGLES)
-    return [_pose_row(row, units, world, stated=stated, turned=turned) for row in stored]
+    names = (*(_U if stated else ()), *(_COVARIANCES if stated and correlated else ()))
+    return [_pose_row(row, units, world, names, turned=turned) for row in stored]
 
 
 def pose_export(reader: RunReader) -> Export:
@@ -103,8 +105,8 @@ def _pose_row(
     row: Mapping[str, Any],
     units: Sequence[str],
     world: "_World",
+    stated: Sequence[str],
     *,
-    stated: bool,
     turned: bool,
 ) -> Row:
     motion = world.motion(row["nests_round"])
@@ -118,15 +120,35 @@ def _pose_row(
     }
     values |= {"target": row["target"], **dict(zip(_PLACE, place.tolist(), strict=True))}
     if stated:
-        covariance = motion[:3, :3] @ np.diag([row[name] ** 2 for name in _U]) @ motion[:3, :3].T
-        values |= dict(zip(_U, np.sqrt(np.diag(covariance)).tolist(), strict=True))
-        values |= {name: float(covariance[i, j]) for name, (i, j) in _COVARIANCES.items()}
+        covariance = motion[:3, :3] @ _covariance(row) @ motion[:3, :3].T
+        known = dict(zip(_U, np.sqrt(np.diag(covariance)).tolist(), strict=True))
+        known |= {name: float(covariance[i, j]) for name, (i, j) in _COVARIANCES.items()}
+        values |= {name: known[name] for name in stated}
     if turned:
         rotation = motion[:3, :3] @ rotation_of(np.array([row[name] for name in _ANGLES]))
         values |= dict(zip(_ANGLES, angles_of(rotation).tolist(), strict=True))
         if row["u_deg"] is not None:
             values["u_deg"] = row["u_deg"]
     return values
+
+
+def _covariance(row: Mapping[str, Any]) -> Floats:
+    """Return the covariance of a place in the instrument's frame, mm²; what it does not state counts as none."""
+    found = np.diag([row[name] ** 2 for name in _U])
+    for name, (i, j) in _COVARIANCES.items():
+        found[i, j] = found[j, i] = row.get(name) or 0.0
+    return found
+
+
+def _without_covariances(stored: Sequence[Mapping[str, Any]]) -> int:
+    """Return how many targets have uncertainties of which nobody states whether they are correlated.
+
+    One uncertainty of all coordinates is the same along any axes.
+    """
+    return sum(
+        len({row[name] for name in _U} - {None}) > 1 and any(row.get(name) is None for name in _COVARIANCES)
+        for row in stored
+    )
 
 
 @dataclass(frozen=True)
@@ -148,10 +170,18 @@ class _World:
         return self.motions[_nearest(number or 0, self.motions)]
 
 
-def frame_note(reader: RunReader) -> str:
-    """Return what is wrong with the world frame of a run and what follows; empty when nothing is."""
-    note = _world(reader).note
-    return f"{reader.path.name}: {note}" if note else ""
+def pose_notes(reader: RunReader) -> list[str]:
+    """Return what whoever uses the places of a run has to know of its world frame and of their uncertainties."""
+    stored = _pose_targets(reader)
+    alone = _without_covariances(stored)
+    notes = [
+        _world(reader).note,
+        f"the instrument states no covariances for {alone} of {len(stored)} places: errors of their coordinates are "
+        "taken as independent along its axes"
+        if alone
+        else "",
+    ]
+    return [f"{reader.path.name}: {note}" for note in notes if note]
 
 
 def _world(reader: RunReader) -> _World:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from catseye.app.results.serial_arm.run_poses import frame_note, pose_rows
+from catseye.app.results.serial_arm.run_poses import pose_notes, pose_rows
 from catseye.app.store.reader import RunReader
 from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
 from tests.unit.app.results.serial_arm import test_run_poses
@@ -45,12 +45,12 @@ async def test_a_nest_hidden_once_changes_no_frame(tmp_path: Path, name: str) ->
     reader = await run(tmp_path, {name: 1})
     for row, stored in zip(pose_rows(reader), reader.rows("targets"), strict=True):
         assert place_of(row) == pytest.approx(in_world(place_of(stored)), abs=1e-9)
-    assert frame_note(reader) == ""
+    assert not pose_notes(reader)
 
 
 async def test_a_nest_never_seen_is_reported(tmp_path: Path) -> None:
     reader = await run(tmp_path, {"W2": 99})
-    assert "no world frame: of the fixed nests W2 was hidden in every measurement" in frame_note(reader)
+    assert "no world frame: of the fixed nests W2 was hidden in every measurement" in pose_notes(reader)[0]
     for row, stored in zip(pose_rows(reader), reader.rows("targets"), strict=True):
         assert np.array_equal(place_of(row), place_of(stored))
 
@@ -64,10 +64,10 @@ async def test_a_round_that_saw_no_nest_takes_the_nearest(tmp_path: Path) -> Non
         assert place_of(row) == pytest.approx(in_world(place_of(one)), abs=1e-9)
     assert (
         "measurement 0 of the nests saw none of them: places after it stand in the world frame by measurement 1"
-        in (frame_note(reader))
+        in pose_notes(reader)[0]
     )
 
 
 async def test_nests_that_no_round_saw_are_reported(tmp_path: Path) -> None:
     reader = await run(tmp_path, dict.fromkeys(NESTS, 99))
-    assert "of the fixed nests W1, W2, W3 was hidden in every measurement" in frame_note(reader)
+    assert "of the fixed nests W1, W2, W3 was hidden in every measurement" in pose_notes(reader)[0]

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from catseye.app.cell.model import Cell
 from catseye.app.cli import cli
-from catseye.app.results.serial_arm.run_poses import pose_rows
+from catseye.app.results.serial_arm.run_poses import pose_notes, pose_rows
 from catseye.app.store.reader import RunReader
 from catseye.procedures.serial_arm.tracker_calibration import CalibrationParams, TrackerCalibration
 from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
@@ -85,6 +85,44 @@ async def test_places_stand_in_the_world_frame(tmp_path: Path) -> None:
         assert [row[f"q{k}_read_deg"] for k in range(1, 7)] == stored["q_read"]
     # Axes of the world are those of the tracker, exchanged: variances go along.
     assert [rows[0][name] for name in ("u_x_mm", "u_y_mm", "u_z_mm")] == pytest.approx([0.03, 0.02, 0.04])
+
+
+async def test_stated_covariances_turn_into_the_world_frame(tmp_path: Path) -> None:
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    room = Room(runs)
+    room.tracker.covariance_mm2 = (1e-4, -2e-4, 3e-4)
+    reader = RunReader(await validated(tmp_path, room))
+    stated = np.array([[4e-4, 1e-4, -2e-4], [1e-4, 9e-4, 3e-4], [-2e-4, 3e-4, 16e-4]])
+    # Three places in the world whose differences are the axes of the tracker.
+    axes = np.array([in_world(one) - in_world(np.zeros(3)) for one in np.eye(3)]).T
+    wanted = axes @ stated @ axes.T
+    for row in pose_rows(reader):
+        names = (("u_x_mm", 0), ("u_y_mm", 1), ("u_z_mm", 2))
+        assert [row[name] for name, _ in names] == pytest.approx([wanted[k, k] ** 0.5 for _, k in names])
+        found = [row[name] for name in ("cov_xy_mm2", "cov_xz_mm2", "cov_yz_mm2")]
+        assert found == pytest.approx([wanted[0, 1], wanted[0, 2], wanted[1, 2]])
+    assert not pose_notes(reader)
+
+
+async def test_covariances_that_nobody_states_are_named(tmp_path: Path) -> None:
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    room = Room(runs)
+    room.tracker.covariance_mm2 = None
+    (note,) = pose_notes(RunReader(await validated(tmp_path, room)))
+    assert "states no covariances for 8 of 8 places" in note
+
+
+async def test_unstated_covariances_are_no_columns(tmp_path: Path) -> None:
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    room = Room(runs)
+    room.tracker.covariance_mm2, room.tracker.hidden = None, {"W2": 99}
+    row = pose_rows(RunReader(await validated(tmp_path, room)))[0]
+    # In the instrument's frame nothing turns them.
+    assert [row[name] for name in ("u_x_mm", "u_y_mm", "u_z_mm")] == [0.02, 0.03, 0.04]
+    assert "cov_xy_mm2" not in row
 
 
 async def test_a_drift_of_the_instrument_is_taken_out(tmp_path: Path) -> None:
