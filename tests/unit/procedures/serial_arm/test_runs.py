@@ -178,6 +178,41 @@ async def test_an_arm_that_is_moved_is_measured_again(tmp_path: Path) -> None:
     assert any("somebody has moved it" in str(one["text"]) for one in room.said("warning"))
 
 
+@pytest.mark.parametrize(("off", "status"), [(0.05, "complete"), (0.2, "failed")])
+async def test_a_read_back_beside_the_command_is_no_push(tmp_path: Path, off: float, status: str) -> None:
+    room = Room(tmp_path)
+    joints = room.robot.joints
+
+    async def beside() -> tuple[float, ...]:
+        first, *rest = await joints()
+        return (first + off, *rest)
+
+    room.robot.joints = beside  # type: ignore[method-assign]  # an encoder that is off by so much
+    outcome = await carried_out(room, TrackerValidation(), plan_of())
+    assert outcome.status == status
+    if status == "failed":
+        assert "more than 0.1 deg off" in outcome.text
+        assert "--param read_back_limit" in outcome.text
+
+
+async def test_a_small_push_shows_between_two_readings(tmp_path: Path) -> None:
+    room, plan = Room(tmp_path), plan_of()
+    measure = room.tracker.point
+    pushed: list[object] = []
+
+    async def pushing(*args: object, **kwargs: object) -> object:
+        found = await measure(*args, **kwargs)  # type: ignore[arg-type]  # passed on as they come
+        if args[0] not in NESTS and not pushed:
+            pushed.append(args[0])
+            room.robot.pose = tuple(value + 0.06 for value in room.robot.pose)
+        return found
+
+    room.tracker.point = pushing  # type: ignore[method-assign,assignment]  # pushes once
+    outcome = await carried_out(room, TrackerValidation(), plan)
+    assert outcome.status == "complete"
+    assert any("more than 0.03 deg off" in str(one["text"]) for one in room.said("warning"))
+
+
 async def test_frames_of_an_optical_cmm_carry_their_orientation(tmp_path: Path) -> None:
     room = Room(tmp_path)
     plan = TrackerCalibration().plan(
