@@ -1,5 +1,6 @@
 """What may be chosen for measuring targets at poses, and the plan that follows from it."""
 
+from itertools import groupby
 from typing import Annotated, Final
 
 import numpy as np
@@ -37,8 +38,12 @@ class PoseParams(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     targets: list[str] = Field([], description="names of the tool's targets; all when empty")
-    targets_per_pose: int = Field(
-        1, ge=1, le=20, description="targets measured at a pose, those first that look at the instrument"
+    targets_per_pose: int | None = Field(
+        None,
+        ge=1,
+        le=20,
+        description="targets measured at a pose, those first that look at the instrument; by default as many as a "
+        "pose has rows in a given CSV, else 1",
     )
     measured: Measured | None = Field(
         None, description="points of a tracker or poses of an optical CMM; by default what the driver can do"
@@ -113,8 +118,13 @@ def measured_of(bench: SerialBench, params: PoseParams) -> Measured:
     return wanted
 
 
-def pose_plan(bench: SerialBench, params: PoseParams, named: list[tuple[str, Pose]]) -> PosePlan:
+def pose_plan(
+    bench: SerialBench, params: PoseParams, named: list[tuple[str, Pose]], rows: list[list[float]]
+) -> PosePlan:
     """Return the plan of poses that can all be measured.
+
+    Args:
+        rows: of a given CSV, one a target; none where the poses were chosen.
 
     Raises:
         PlanError: frames are asked for and cannot be found by turning axes.
@@ -131,7 +141,7 @@ def pose_plan(bench: SerialBench, params: PoseParams, named: list[tuple[str, Pos
         bench=bench,
         measured=measured,
         rest=rest,
-        poses=finder.linked(named, params.targets_per_pose),
+        poses=finder.linked(named, most_targets(params, rows)),
         frames=frames,
         settle_s=params.settle_s,
         dwell_s=params.dwell_s,
@@ -142,6 +152,11 @@ def pose_plan(bench: SerialBench, params: PoseParams, named: list[tuple[str, Pos
     )
 
 
+def most_targets(params: PoseParams, rows: list[list[float]]) -> int:
+    """Return how many targets are measured at a pose: as asked for, else as many as a given pose has rows."""
+    return params.targets_per_pose or max((len(list(same)) for _, same in groupby(rows)), default=1)
+
+
 def given_poses(bench: SerialBench, rows: list[list[float]]) -> list[tuple[str, Pose]]:
     """Return poses that were given, with names; rows of the same pose, one a target, are one.
 
@@ -150,15 +165,11 @@ def given_poses(bench: SerialBench, rows: list[list[float]]) -> list[tuple[str, 
     """
     try:
         return [
-            (name_of(number), pose_of(bench.arm.axes, row)) for number, row in enumerate(_each_once(rows), 1)
+            (name_of(number), pose_of(bench.arm.axes, row))
+            for number, (row, _) in enumerate(groupby(rows), 1)
         ]
     except ValueError as error:
         raise PlanError(f"poses: {error}; give one value for each axis") from error
-
-
-def _each_once(rows: list[list[float]]) -> list[list[float]]:
-    """Return rows without those that repeat the one before."""
-    return [row for row, before in zip(rows, [None, *rows], strict=False) if row != before]
 
 
 def name_of(number: int) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from catseye.app.files.csv_text import csv_text
 from catseye.app.results.figures import Axis, Figure, Level, Panel, Points, Role
 from catseye.app.results.model import Block, Column, Report, Sign, Statement, Table, section
-from catseye.app.results.numbers import COUNT, THREE_DIGITS, fixed
+from catseye.app.results.numbers import COUNT, THREE_DIGITS, counted, fixed
 from catseye.app.results.origin import origin_now
 from catseye.app.results.serial_arm.pose_setup import Asked, PoseSetup
 from catseye.calibration.core.types import Floats, Ints
@@ -126,9 +126,8 @@ def selection_report(found: ChosenPoses, arm: str) -> Report:
     said = Statement(
         Sign.GOOD,
         f"{asked.count} poses{several} of {asked.candidates} candidates, "
-        f"{asked.index} {found.selection.value:.4g} after "
-        f"{found.selection.exchanges} exchanges; they show {len(found.parameters)} parameters of the "
-        f"model {asked.model}.",
+        f"{asked.index} {found.selection.value:.4g} after {found.selection.exchanges} exchanges in the best of "
+        f"{counted(asked.starts, 'start')}; they show {len(found.parameters)} parameters of the model {asked.model}.",
     )
     advice = (
         "Drive to each pose from lower joints, as the choice assumes, and measure the targets that it names."

@@ -19,7 +19,7 @@ from catseye.app.store.reader import RunReader
 from catseye.calibration.core.types import Floats
 from catseye.calibration.kinematics.rotations import angles_of, rotation_of
 from catseye.procedures.kit.stored import integer, number_of
-from catseye.procedures.serial_arm.nests import FEWEST, motion_between, world_frame
+from catseye.procedures.serial_arm.nests import FEWEST, frame_nests, motion_between, world_frame
 from catseye.procedures.serial_arm.records import VISITS, MeasuredNest, MeasuredTarget
 
 _PLACE: Final = ("x_mm", "y_mm", "z_mm")
@@ -185,7 +185,7 @@ def pose_notes(reader: RunReader) -> list[str]:
 
 
 def _world(reader: RunReader) -> _World:
-    """Return the world frame of the first three nests of the cell that were seen."""
+    """Return the world frame of the first three nests of the cell that were seen and do not lie on a line."""
     rounds, u_mm = _rounds(reader)
     tried = {row["nests_round"] for row in _pose_targets(reader)} - {None}
     names = _nest_names(reader, rounds, measured=bool(tried))
@@ -195,14 +195,16 @@ def _world(reader: RunReader) -> _World:
     drifted = {number for number, places in rounds.items() if _has_moved(first, places, u_mm)}
     known = _known_places(names, rounds, drifted)
     hidden = ", ".join(name for name in names if name not in known)
-    if len(known) < FEWEST:
+    frame = frame_nests(known)
+    if frame is None:
+        left = f", and {', '.join(known)} lie on a line" if len(known) >= FEWEST else ""
         return _World(
             {},
-            f"no world frame: of the fixed nests {hidden} was hidden in every measurement, so places are in the "
-            "instrument's frame and a drift stays in them; use this run without others, and clear the line of "
-            "sight for the next",
+            f"no world frame: of the fixed nests {hidden or 'none'} was hidden in every measurement{left}, so places "
+            "are in the instrument's frame and a drift stays in them; use this run without others, and clear the "
+            "line of sight for the next",
         )
-    world = world_frame(known)
+    world = world_frame(*(known[name] for name in frame))
     motions: dict[int, Floats] = dict.fromkeys(rounds, world)
     notes = [
         f"measurement {number} of the nests saw none of them: places after it stand in the world frame by "
@@ -215,9 +217,9 @@ def _world(reader: RunReader) -> _World:
             notes.append(f"measurement {number} of the nests saw too few of them to take the drift since out")
         else:
             motions[number] = world @ back
-    if list(known)[:FEWEST] != list(names)[:FEWEST]:
+    if hidden and frame != tuple(names[:FEWEST]):
         notes.append(
-            f"the world frame lies on {', '.join(list(known)[:FEWEST])}, since {hidden} was hidden in every "
+            f"the world frame lies on {', '.join(frame)}, since {hidden} was hidden in every "
             "measurement: it is another one than that of runs that saw it, so do not calibrate them together"
         )
     return _World(motions, "; ".join(notes))

@@ -200,3 +200,15 @@ def test_from_any_other_pose_the_way_leads_over_rest() -> None:
             way = plan.way_to(planned, other.pose)
             assert way == (other.approach, plan.rest, planned.approach)
             assert way_refusal((other.pose, *way, planned.pose), SIX) is None
+
+
+def test_given_rows_of_a_pose_say_how_many_targets_it_has() -> None:
+    # All nests look the same way.
+    alike = tuple(replace(one, normal=SIX.targets[0].normal) for one in SIX.targets)
+    bench = replace(SIX, targets=alike)
+    chosen = TrackerValidation().plan(bench, SMALL.model_copy(update={"targets_per_pose": 3})).poses
+    assert max(len(one.targets) for one in chosen) == 3
+    rows = [list(one.pose) for one in chosen for _ in one.targets]
+    assert TrackerCalibration().plan(bench, CalibrationParams(poses=rows)).poses == chosen
+    alone = TrackerCalibration().plan(bench, CalibrationParams(poses=rows, targets_per_pose=1)).poses
+    assert [one.targets for one in alone] == [one.targets[:1] for one in chosen]

@@ -12,6 +12,7 @@ from catseye.app.cell.model import Cell
 from catseye.app.cli import cli
 from catseye.app.results.serial_arm.run_poses import pose_notes, pose_rows
 from catseye.app.store.reader import RunReader
+from catseye.procedures.serial_arm.bench import SerialBench
 from catseye.procedures.serial_arm.tracker_calibration import CalibrationParams, TrackerCalibration
 from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
 from tests.unit.procedures.serial_arm.benches import NESTS, SIX, TARGETS, Room, carried_out
@@ -47,8 +48,8 @@ def configuration(folder: Path) -> Any:
     return Cell.model_validate(cell).model_dump(mode="json")
 
 
-async def measured(room: Room, folder: Path, procedure: Any, params: Any) -> Path:
-    plan = procedure.plan(SIX, params)
+async def measured(room: Room, folder: Path, procedure: Any, params: Any, bench: SerialBench = SIX) -> Path:
+    plan = procedure.plan(bench, params)
     meta = {"configuration": configuration(folder), "procedure": procedure.name}
     outcome = await carried_out(room, procedure, plan, meta=meta)
     assert (outcome.status, outcome.text) == ("complete", "")
