@@ -72,9 +72,12 @@ class MeasuredRuns:
 
 @contextmanager
 def measured_runs(
-    names: Sequence[str], folder: Path | None, *, unverified: bool = False
+    names: Sequence[str], folder: Path | None, *, unverified: bool = False, beside: bool = False
 ) -> Iterator[MeasuredRuns]:
     """Give runs by their names, with their poses as tables.
+
+    Args:
+        beside: other tables are read with them.
 
     Raises:
         UsageError: there is no such run, or it has measured no targets.
@@ -90,5 +93,5 @@ def measured_runs(
     ]
     for text in chain.from_iterable(map(pose_notes, readers)):
         warn(text)
-    with as_tables(readers) as tables:
+    with as_tables(readers, beside=beside) as tables:
         yield MeasuredRuns(readers, tables)

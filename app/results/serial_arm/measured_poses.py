@@ -65,9 +65,12 @@ def read_measured_poses(
         anchors: known beforehand, by name.
 
     Raises:
-        UsageError: a file is missing, a column is missing, a value is wrong, a name is unknown, or rows of one pose
-            have other joints; names file and line.
+        UsageError: a file is missing or given twice, a column is missing, a value is wrong, a name is unknown, or
+            rows of one pose have other joints; names file and line.
     """
+    places = [path.resolve() for path in paths]
+    if twice := [path for path, place in zip(paths, places, strict=True) if places.count(place) > 1]:
+        raise UsageError(f"{twice[0]} is given twice: its rows would count as two measurements; give it once")
     units = [joint.unit for joint in description.joint]
     tables = [_Table.read(path, units) for path in paths]
     poses = _Poses.of(tables)

@@ -84,17 +84,26 @@ def pose_export(reader: RunReader) -> Export:
 
 
 @contextmanager
-def as_tables(readers: Sequence[RunReader]) -> Iterator[list[Path]]:
+def as_tables(readers: Sequence[RunReader], *, beside: bool = False) -> Iterator[list[Path]]:
     """Give the poses of runs as CSV files of their names, as whoever reads measured poses takes them.
 
-    Poses of several runs have the same names, and stand behind that of their run.
+    Names of several runs, and of tables beside them, are alike: each pose stands behind the name of its run.
+
+    Args:
+        beside: other tables are read with them.
+
+    Raises:
+        UsageError: a run is given twice.
     """
+    names = [reader.path.name for reader in readers]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise UsageError(f"{twice[0]} is given twice: it would count as two measurements; name it once")
     with TemporaryDirectory(prefix="catseye-poses-") as folder:
         paths = []
         for reader in readers:
             path = Path(folder) / f"{reader.path.name}.csv"
             rows = pose_rows(reader)
-            if len(readers) > 1:
+            if len(readers) > 1 or beside:
                 rows = [{**row, "pose": f"{reader.path.name}/{row['pose']}"} for row in rows]
             path.write_text(table_csv(rows), encoding="utf-8")
             paths.append(path)

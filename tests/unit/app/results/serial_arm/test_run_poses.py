@@ -10,7 +10,8 @@ from typer.testing import CliRunner
 
 from catseye.app.cell.model import Cell
 from catseye.app.cli import cli
-from catseye.app.results.serial_arm.run_poses import pose_notes, pose_rows
+from catseye.app.errors import UsageError
+from catseye.app.results.serial_arm.run_poses import pose_export, pose_notes, pose_rows
 from catseye.app.store.reader import RunReader
 from catseye.procedures.serial_arm.bench import SerialBench
 from catseye.procedures.serial_arm.tracker_calibration import CalibrationParams, TrackerCalibration
@@ -48,8 +49,10 @@ def configuration(folder: Path) -> Any:
     return Cell.model_validate(cell).model_dump(mode="json")
 
 
-async def measured(room: Room, folder: Path, procedure: Any, params: Any, bench: SerialBench = SIX) -> Path:
-    plan = procedure.plan(bench, params)
+async def measured(
+    room: Room, folder: Path, procedure: Any, params: Any, bench: SerialBench | None = None
+) -> Path:
+    plan = procedure.plan(bench or SIX, params)
     meta = {"configuration": configuration(folder), "procedure": procedure.name}
     outcome = await carried_out(room, procedure, plan, meta=meta)
     assert (outcome.status, outcome.text) == ("complete", "")
@@ -177,6 +180,39 @@ async def test_a_run_is_exported_calibrated_and_validated(tmp_path: Path) -> Non
     # The scripted arm is as it is drawn.
     assert found["n"] == 8
     assert found["calibrated"]["max_mm"] < 1e-6
+
+
+async def test_poses_of_a_run_and_of_a_table_stay_apart(tmp_path: Path) -> None:
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    params = CalibrationParams(count=14, candidates=300, model="geometric", settle_s=0.2)
+    first = await measured(Room(runs), tmp_path, TrackerCalibration(), params)
+    # A table names its poses P0001 ... as the run does, and has measured others.
+    table, result = tmp_path / "poses.csv", tmp_path / "arm.json"
+    drawn = ValidationParams(count=8, settle_s=0.2, seed=7)
+    other = await measured(Room(runs), tmp_path, TrackerValidation(), drawn)
+    table.write_text(pose_export(RunReader(other)).csv, encoding="utf-8")
+    words = ["--runs", str(runs), "--model", "frames", "-o", str(result)]
+    done = CliRunner().invoke(cli, ["calibrate", first.name, "--poses", str(table), *words])
+    assert done.exit_code == 0, done.output
+    poses = json.loads(result.read_text(encoding="utf-8"))["errors"]["pose"]
+    assert len(set(poses)) == 14 + 8
+    assert "P0001" in poses
+    assert f"{first.name}/P0001" in poses
+
+
+async def test_a_measurement_given_twice_is_refused(tmp_path: Path) -> None:
+    reader = RunReader(await validated(tmp_path))
+    table = tmp_path / "poses.csv"
+    table.write_text(pose_export(reader).csv, encoding="utf-8")
+    words = ["--arm", "irb120", "--runs", str(tmp_path / "runs"), "-o", str(tmp_path / "arm.json")]
+    for given in (
+        [reader.path.name] * 2,
+        ["--poses", str(table), "--poses", f"{tmp_path}/runs/../poses.csv"],
+    ):
+        done = CliRunner().invoke(cli, ["calibrate", *given, *words])
+        assert isinstance(done.exception, UsageError)
+        assert "is given twice" in str(done.exception)
 
 
 def test_nothing_to_calibrate_with_is_refused(tmp_path: Path) -> None:
