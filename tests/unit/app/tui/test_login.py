@@ -82,6 +82,17 @@ async def test_nobody_is_asked_for_what_is_known(
     assert shown.count == 0
 
 
+async def test_a_tunnel_to_a_real_controller_wants_a_password(tmp_path: Path) -> None:
+    path = cell(tmp_path, "tcp://127.0.0.1:8080")
+    lines = path.read_text(encoding="utf-8").splitlines()
+    # Nothing in the cell file says that the bench is emulated.
+    path.write_text("\n".join(one for one in lines if not one.startswith("control =")), encoding="utf-8")
+    login, shown = Login({}), Shown(None)
+    login.show = shown
+    await login.before_engine(path)
+    assert shown.count == 1
+
+
 class Empty(App[None]):
     """Shows the dialog only."""
 
