@@ -69,7 +69,9 @@ def motion_between(first: Mapping[str, Floats], later: Mapping[str, Floats]) -> 
 def frame_nests(places: Mapping[str, Floats]) -> tuple[str, ...] | None:
     """Return the names of the first three nests that make a frame; None where all lie on a line, or are fewer."""
     threes = combinations(places, FEWEST)
-    return next((names for names in threes if not on_a_line(*(places[name] for name in names))), None)
+    return next(
+        (names for names in threes if not on_a_line(*(places[name].tolist() for name in names))), None
+    )
 
 
 def world_frame(origin: Floats, along: Floats, aside: Floats) -> Floats:
