@@ -58,3 +58,13 @@ def test_covariances_that_are_not_whole_are_refused(
 ) -> None:
     with pytest.raises(UsageError, match=why):
         read(tmp_path, columns, values)
+
+
+def test_a_missing_column_names_one_of_another_unit(tmp_path: Path) -> None:
+    path = tmp_path / "poses.csv"
+    path.write_text(f"pose,{JOINTS},target,x_m,Y_MM,z_mm\n", encoding="utf-8")
+    description = arm_description("irb120")
+    with pytest.raises(
+        UsageError, match=r"column x_mm, y_mm is missing \(the file has x_m, Y_MM: another spelling"
+    ):
+        read_measured_poses([path], description, serial_arm_of(description, None), {})
