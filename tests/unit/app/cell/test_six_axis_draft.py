@@ -68,7 +68,7 @@ def test_a_fault_stands_beside_its_nest_behind_an_unanswered_one() -> None:
     assert "tracker.nest.1" not in found
 
 
-def test_a_nest_that_is_added_has_a_name_of_its_own() -> None:
+def test_an_added_nest_has_a_name_of_its_own() -> None:
     # The second of three was left unanswered before.
     text = TEMPLATES[SIX_AXIS].text
     head, *nests = text.partition("[ballbar]")[0].split("[[tracker.nest]]")

@@ -202,7 +202,7 @@ def test_from_any_other_pose_the_way_leads_over_rest() -> None:
             assert way_refusal((other.pose, *way, planned.pose), SIX) is None
 
 
-def test_given_rows_of_a_pose_say_how_many_targets_it_has() -> None:
+def test_given_rows_of_a_pose_count_its_targets() -> None:
     # All nests look the same way.
     alike = tuple(replace(one, normal=SIX.targets[0].normal) for one in SIX.targets)
     bench = replace(SIX, targets=alike)
