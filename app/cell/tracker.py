@@ -1,6 +1,5 @@
 """[tracker] and [ballbar] of the cell file: instruments that say where the targets of an arm's tool are."""
 
-import math
 from typing import Annotated, Any, Final, Self
 
 from pydantic import Field, field_validator, model_validator
@@ -8,12 +7,10 @@ from pydantic import Field, field_validator, model_validator
 from catseye.app.cell.arm import Triple
 from catseye.app.cell.endpoints import checked_endpoint
 from catseye.app.cell.section import Finite, Name, NotNegative, Positive, Section, require_own_names
+from catseye.drivers.roles.tracker import on_a_line
 
 _FRAME: Final = 3
 """Nests that make the world frame."""
-
-_LEAST_SINE: Final = 0.05
-"""Of the angle at the first nest: three degrees; flatter, the frame turns with the noise."""
 
 Degrees = Annotated[float, Field(gt=0.0, le=90.0, allow_inf_nan=False)]
 
@@ -63,10 +60,8 @@ class Tracker(Section):
     @model_validator(mode="after")
     def _nests_span_a_frame(self) -> Self:
         if len(self.nest) >= _FRAME:
-            first, *others = [(nest.x_mm, nest.y_mm, nest.z_mm) for nest in self.nest[:_FRAME]]
-            one, other = ([b - a for a, b in zip(first, place, strict=True)] for place in others)
-            across = math.hypot(*(one[k - 2] * other[k - 1] - one[k - 1] * other[k - 2] for k in range(3)))
-            if across <= _LEAST_SINE * math.hypot(*one) * math.hypot(*other):
+            first, second, third = [(nest.x_mm, nest.y_mm, nest.z_mm) for nest in self.nest[:_FRAME]]
+            if on_a_line(first, second, third):
                 names = ", ".join(nest.name for nest in self.nest[:_FRAME])
                 raise ValueError(
                     f"the nests {names} lie on a line and make no frame; state where they are, or put one aside"

@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,13 +11,10 @@ from catseye.app.cli.output import note, warn, write_json, write_line
 from catseye.app.engine.instruments import device_builder
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.files.flat import flattened
-from catseye.drivers.links.endpoint import TcpEndpoint, parse_endpoint
 from catseye.drivers.roles.clock import SystemClock
 
 if TYPE_CHECKING:
     from catseye.app.cell.model import Cell
-
-_LOOPBACK: Final = {"127.0.0.1", "localhost", "::1"}
 
 config = typer.Typer(
     help="Check and show cell files.", no_args_is_help=True, add_completion=False, rich_markup_mode=None
@@ -79,9 +76,8 @@ def schema(
 
 
 def _no_door(cell: "Cell") -> list[str]:
-    """Return that no door is watched, unless the robot's endpoint is of this machine as an emulator's is."""
+    """Return that no door is watched, unless the cell says that its robot is emulated."""
+    from catseye.app.cell.hands import robot_is_emulated
     from catseye.app.engine.interlock import NO_DOOR
 
-    endpoint = parse_endpoint(cell.robot.endpoint)
-    emulated = isinstance(endpoint, TcpEndpoint) and endpoint.host in _LOOPBACK
-    return [] if emulated or cell.io is not None else [NO_DOOR]
+    return [] if robot_is_emulated(cell) or cell.io is not None else [NO_DOOR]

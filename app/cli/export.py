@@ -99,7 +99,7 @@ def _of_result(file: Path) -> "Export":
 
 def _of_run(name: str, runs: Path | None, *, unverified: bool) -> "Export":
     from catseye.app.results.scara.export import run_export
-    from catseye.app.results.serial_arm.run_poses import frame_note, has_targets, pose_export
+    from catseye.app.results.serial_arm.run_poses import has_targets, pose_export, pose_notes
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
     from catseye.app.store.unverified import taken_as_it_is
@@ -110,7 +110,7 @@ def _of_run(name: str, runs: Path | None, *, unverified: bool) -> "Export":
     with taken_as_it_is(reader):
         if not has_targets(reader):
             return run_export(reader)
-        if text := frame_note(reader):
+        for text in pose_notes(reader):
             warn(text)
         return pose_export(reader)
 

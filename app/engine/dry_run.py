@@ -56,7 +56,7 @@ class DryStep:
         step_id: stable name within the run.
         title: what it does.
         moves: how many motions.
-        measurements: how many distances.
+        measurements: how many distances, or measurements of targets and nests.
         duration_s: expected time, s.
         end: pose at its end.
         speeds: the fastest that it drives.

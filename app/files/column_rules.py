@@ -66,7 +66,8 @@ def header_fault(table: TableRule, header: Sequence[str]) -> str:
     form = form_of(table, header)
     missing = [column for column in form if not column.optional and column.name not in header]
     if missing:
-        return f"column {', '.join(column.name for column in missing)} is missing{_remedy(table, missing)}"
+        names = [column.name for column in missing]
+        return f"column {', '.join(names)} is missing{_alike(names, header)}{_remedy(table, missing)}"
     if fault := doubled_fault(form if table.source else None, header):
         return f"{fault}; allowed are {forms_text(table)}"
     if table.source:
@@ -86,6 +87,13 @@ def doubled_fault(form: Form | None, header: Sequence[str]) -> str:
     wanted = set(header) if form is None else {column.name for column in form}
     doubled = sorted(name for name in wanted if header.count(name) > 1)
     return f"column {', '.join(doubled)} stands twice" if doubled else ""
+
+
+def _alike(missing: Sequence[str], header: Sequence[str]) -> str:
+    """Return which columns are called almost like missing ones, in other letters or with another unit."""
+    stems = {name.lower().rpartition("_")[0] for name in missing} - {""}
+    alike = [name for name in header if name.lower() in missing or name.lower().rpartition("_")[0] in stems]
+    return f" (the file has {', '.join(alike)}: another spelling or unit)" if alike else ""
 
 
 def _remedy(table: TableRule, missing: Sequence[ColumnRule]) -> str:

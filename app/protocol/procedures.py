@@ -2,6 +2,7 @@
 
 import difflib
 from collections.abc import Collection
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any, Protocol, cast
@@ -106,6 +107,14 @@ def bases(bench: Bench) -> list[Basis]:
 def declared_by(name: str) -> Procedure | None:
     """Return the procedure of a run; None where it is not installed, or the run is none of a procedure."""
     return load_procedure(name) if name in procedure_names() else None
+
+
+@cache
+def point_name(procedure: str) -> str:
+    """Return what one of the things is called that a procedure measures."""
+    declared = declared_by(procedure)
+    points = [] if declared is None else [each for each in declared.records if each.is_point]
+    return points[0].point_name if points else Record.point_name
 
 
 def load_procedure(name: str) -> Procedure:

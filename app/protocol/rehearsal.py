@@ -26,7 +26,7 @@ class RehearsedStep(BaseModel):
         step: stable name within the run.
         title: what it does.
         moves: how many motions.
-        measurements: how many distances.
+        measurements: how many distances, or measurements of targets and nests.
         duration_s: expected time.
         end: pose at its end, in the units of the joints.
         joint_deg_s: the fastest joint.

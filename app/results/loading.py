@@ -18,7 +18,6 @@ from catseye.app.results.serial_arm.identified_arm import IdentifiedArm, identif
 from catseye.app.results.serial_arm.result import SERIAL_ARM_FORMAT, SerialArmResult, read_serial_arm
 from catseye.app.store.reader import RunReader, accept
 from catseye.calibration.core.types import Floats
-from catseye.calibration.serial_arm.compensation import compensate
 from catseye.calibration.serial_arm.geometry import Commands
 
 _SCARA_FORMAT = "catseye-result/1"
@@ -37,7 +36,7 @@ class CalibratedArm:
     @property
     def targets(self) -> tuple[str, ...]:
         """Names of the targets on its tool."""
-        return tuple(target.name for target in self._found.arm.targets)
+        return self._found.target_names
 
     def value(self, name: str) -> tuple[float, float]:
         """Return a parameter and its standard uncertainty (k = 1), in the unit that its name ends with.
@@ -63,10 +62,12 @@ class CalibratedArm:
         Raises:
             UsageError: the tool has no such target, or the joints have another shape.
         """
-        return self._found.places_mm(self._commands(joints), self._number(target))
+        return self._found.places_mm(self._commands(joints), self._found.number_of(target))
 
     def compensated(self, joints: Floats, target: str) -> Floats:
-        """Return the joints that bring a target to where the nominal arm would have it.
+        """Return the joints that bring a target to where the nominal arm would have it, as `catseye compensate` does.
+
+        The target is where it was identified on the flange.
 
         Args:
             joints: of the nominal arm, deg, or mm of a prismatic joint, shape (n, joints).
@@ -79,12 +80,7 @@ class CalibratedArm:
             UsageError: the tool has no such target, or the joints have another shape.
         """
         self._commands(joints)
-        tool = np.eye(4)
-        tool[:3, 3] = self._found.arm.targets[self._number(target)].place_mm
-        found = compensate(self._found.geometry, np.asarray(joints, dtype=np.float64), tool)
-        made = np.array(found.joints)
-        made[[one.row for one in found.refused]] = np.nan
-        return made
+        return self._found.compensated(np.asarray(joints, dtype=np.float64), target).joints
 
     @cached_property
     def _found(self) -> IdentifiedArm:
@@ -95,11 +91,6 @@ class CalibratedArm:
         if given.ndim != 2 or given.shape[1] != count:  # rows and columns
             raise UsageError(f"joints have the shape {given.shape}: give (n, {count}), one row a pose")
         return Commands.of(self._found.arm, given)
-
-    def _number(self, target: str) -> int:
-        if target not in self.targets:
-            raise UsageError(f"the tool has no target {target!r}; it has {', '.join(self.targets)}")
-        return self.targets.index(target)
 
 
 Loaded: TypeAlias = RunReader | Cell | Result | CalibratedArm | ResolutionResult | PredictedResolution

@@ -2,10 +2,12 @@
 
 from typing import TYPE_CHECKING
 
+from catseye.app.protocol.procedures import point_name
 from catseye.app.results.model import Column, Report, Sign, Statement, Table, section
 from catseye.app.results.numbers import COUNT, DURATION, counted, duration_text, fixed, listed
 from catseye.app.results.origin import origin_now
 from catseye.drivers.roles.pose import SYMBOLS
+from catseye.procedures.kit.records import Record
 
 if TYPE_CHECKING:
     from catseye.app.protocol.rehearsal import Rehearsal, RehearsedQuestion
@@ -30,7 +32,9 @@ def totals_text(rehearsal: "Rehearsal") -> str:
     """Return how much it is, how long it takes and how fast it goes."""
     moves = sum(step.moves for step in rehearsal.steps)
     measurements = sum(step.measurements for step in rehearsal.steps)
-    distances = f"{measurements} distances, " if measurements else ""
+    # Of other instruments fixed nests count, too, which are none of the points of a run.
+    what = "distance" if point_name(rehearsal.procedure) == Record.point_name else "measurement"
+    measured = f"{counted(measurements, what)}, " if measurements else ""
     led = "" if rehearsal.led_deg_s is None else f", led at {rehearsal.led_deg_s:g} deg/s at most"
     miss_mm = rehearsal.miss_mm
     miss = "" if miss_mm is None else f"; the beam misses by {miss_mm:.3f} mm at most where it is kept"
@@ -40,7 +44,7 @@ def totals_text(rehearsal: "Rehearsal") -> str:
         else "every limit of the cell file holds"
     )
     return (
-        f"{len(rehearsal.steps)} steps, {moves} moves, {distances}"
+        f"{len(rehearsal.steps)} steps, {moves} moves, {measured}"
         f"about {duration_text(rehearsal.total_s, whole=True)} at {rehearsal.override_percent:g} % override{led}; "
         f"fastest joint {rehearsal.joint_deg_s:.1f} deg/s, tool {rehearsal.tool_mm_s:.0f} mm/s{miss}; "
         f"{limits}; nothing was moved"

@@ -8,16 +8,16 @@ from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO, cast
+from typing import Any, BinaryIO
 
 from catseye.app.cell.axes import robot_driver
+from catseye.app.cell.hands import hands_endpoint, tracker_driver
 from catseye.app.cell.model import Cell, Interferometer
 from catseye.app.cell.tracker import Tracker
 from catseye.app.errors import ConfigError, LinkFailedError
 from catseye.drivers.counter.profile import load_profile
 from catseye.drivers.roles.errors import ProfileError
 from catseye.drivers.roles.registry import driver_names, load_driver
-from catseye.drivers.roles.tracker import Tracker as TrackerDriver
 from catseye.simulators.config import (
     EmulatedDevice,
     Option,
@@ -68,30 +68,11 @@ def control_endpoint(cell: Cell) -> str:
     return hands_endpoint(cell) or "tcp://127.0.0.1:0"
 
 
-def hands_endpoint(cell: Cell) -> str | None:
-    """Return where the hands of an emulated operator reach the bench; None where the cell does not say.
-
-    Raises:
-        ConfigError: the tracker's driver is not installed.
-    """
-    tracker = cell.tracker
-    if tracker is None:
-        return None
-    return tracker.endpoint if _tracker_driver(tracker.driver).has_hands else tracker.control
-
-
 def _tracker(tracker: Tracker) -> list[EmulatedDevice]:
     """Return the emulated tracker; none where the control port is one, or a file that somebody else writes."""
-    if _tracker_driver(tracker.driver).protocols is not None:
+    if tracker_driver(tracker.driver).protocols is not None:
         return []
     return [_device("tracker", tracker.driver, tracker.endpoint, tracker.settings)]
-
-
-def _tracker_driver(name: str) -> type[TrackerDriver]:
-    try:
-        return cast("type[TrackerDriver]", load_driver(name, "tracker"))
-    except LookupError as error:
-        raise ConfigError(f"[tracker] driver: {error.args[0]}") from error
 
 
 def _speaker(key: str) -> tuple[str, str]:

@@ -11,6 +11,7 @@ from typing import Any, Literal
 from pydantic import BaseModel
 
 from catseye.app.cell.bench import bench_for, system_of
+from catseye.app.cell.hands import hands_endpoint
 from catseye.app.cell.load import LoadedCell
 from catseye.app.cell.model import Cell
 from catseye.app.engine.announcer import Publish
@@ -29,7 +30,6 @@ from catseye.app.engine.walked.tube import Leg
 from catseye.app.errors import ConfigError
 from catseye.app.files.documents import read_toml
 from catseye.app.protocol.procedures import Runnable
-from catseye.app.service.emulation import hands_endpoint
 from catseye.app.service.plan_digest import plan_digest
 from catseye.app.service.walk.fed_robot import fed
 from catseye.app.service.walk.walk import Walk

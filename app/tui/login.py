@@ -4,12 +4,10 @@ They stand in the environment of this process, which the engine inherits: in no 
 """
 
 import asyncio
-import ipaddress
 import os
 from collections.abc import Awaitable, Callable, MutableMapping
 from pathlib import Path
 from typing import Final
-from urllib.parse import urlsplit
 
 from catseye.app.errors import ConfigError, UsageError
 from catseye.app.tui.dialogs.form_dialog import Answers, Field, FormDialog
@@ -77,25 +75,19 @@ def _dialog(driver: str, endpoint: str, user: str) -> FormDialog:
 def _wanted(cell: Path) -> tuple[str, str, str, str, str] | None:
     """Return driver, endpoint, variables and the factory's user of a controller that asks; None where none does.
 
-    Emulators on this machine take the factory's, so nobody is asked for them.
+    Emulators take the factory's, so nobody is asked for them.
     """
+    from catseye.app.cell.hands import robot_is_emulated
     from catseye.app.cell.load import load_cell
     from catseye.drivers.roles.registry import load_driver
 
     try:
-        robot = load_cell(cell).cell.robot
+        known = load_cell(cell).cell
+        robot, emulated = known.robot, robot_is_emulated(known)
         variables = load_driver(robot.driver).login_variables
     except (ConfigError, UsageError, LookupError):
         # The engine says what is wrong.
         return None
-    if variables is None or _is_here(robot.endpoint):
+    if variables is None or emulated:
         return None
     return robot.driver, robot.endpoint, variables.user, variables.password, variables.factory_user
-
-
-def _is_here(endpoint: str) -> bool:
-    host = urlsplit(endpoint).hostname or ""
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"

@@ -13,7 +13,7 @@ from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.serial_arm.arm import SerialArm
 from catseye.calibration.serial_arm.base_drift import Drift
 from catseye.calibration.serial_arm.carried_models import carried_models
-from catseye.calibration.serial_arm.fitted import identified, with_shared, without_wrong_poses
+from catseye.calibration.serial_arm.fitted import Fitted, identified, with_shared, without_wrong_poses
 from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.held_out import HeldOut, RejectedPose
 from catseye.calibration.serial_arm.identification import MODELS, Calibration, ModelName
@@ -58,10 +58,10 @@ class Chosen:
     Attributes:
         calibration: of the best model.
         frames: base and tool alone, with the same poses.
-        rejected: poses that contradict all others.
+        rejected: poses that contradict all others and were left out.
         joints: what the poses are taken to be.
-        drift: of the base; None where none is seen.
-        scatter_mm: by which each pose is off as a whole, a coordinate; None where it is not seen.
+        drift: of the base that the estimate reckons with; None where none is seen, or a robust loss takes its place.
+        scatter_mm: by which each pose is off as a whole, a coordinate; None likewise.
         candidates: models that were tried.
         held_out: errors of the best model on poses left out.
     """
@@ -91,8 +91,8 @@ def choose(
     Args:
         read_back: joints as the controller said them at the poses, shape (n, joints).
         name: model; the best one is found if nothing is said.
-        loss: robust loss of the rows of the model that is found, with all poses; without one poses that contradict
-            all others are left out.
+        loss: robust loss of the rows of the model that is found, with all poses, which are taken for independent;
+            without one poses that contradict all others are left out. Models are compared without it.
 
     Raises:
         CalibrationError: no model can be identified; the text says why.
@@ -100,21 +100,30 @@ def choose(
     names = MODELS if name == "auto" else (name,)
     best = _best_trial(arm, measurements, read_back, names)
     clean, rejected = without_wrong_poses(arm, best.rows, best.name)
-    found, cleaned = with_shared(clean), clean.model.measurements
-    calibration, frames = found.calibration, identified(arm, cleaned, "frames")
-    if loss is not None:
-        calibration, rejected = _robust(arm, best.rows, calibration, loss), ()
+    frames = identified(arm, clean.model.measurements, "frames")
+    if loss is None:
+        found = with_shared(clean)
+    else:
+        found = Fitted(_robust(arm, best.rows, clean, loss), None, None)
+        frames, rejected = _robust(arm, best.rows, frames, loss), ()
     pose = pose_of_errors(best.rows)
-    kept = np.isin(pose, cleaned.poses)
+    kept = np.isin(pose, found.calibration.model.measurements.poses)
     held_out = HeldOut(best.errors_mm[kept], pose[kept])
     return Chosen(
-        calibration, frames, rejected, best.joints, found.drift, found.scatter_mm, best.candidates, held_out
+        found.calibration,
+        frames,
+        rejected,
+        best.joints,
+        found.drift,
+        found.scatter_mm,
+        best.candidates,
+        held_out,
     )
 
 
 def _robust(arm: SerialArm, rows: Measurements, clean: Calibration, loss: Loss) -> Calibration:
     """Return the parameters of a model from all rows, by a loss that wrong ones hardly move."""
-    model = replace(clean.model, arm=arm, measurements=rows, common=())
+    model = replace(clean.model, arm=arm, measurements=rows)
     begun = replace(clean.estimate, residuals_mm=model.residuals(clean.estimate.values))
     found = robust_estimate(model, begun, loss)
     return replace(clean, model=model, estimate=found.estimate)

@@ -32,6 +32,15 @@ _EXACT_MM = 1e-6
 _SMALL_SHARE = 0.02
 """Of the usual distance from the instrument: a place nearer than this may be in another unit."""
 
+_TURN_RAD = 2.0 * np.pi
+"""Angles of joints that are no larger may be in rad."""
+
+_OTHER_ZEROS = (-90.0, 90.0, 180.0)
+"""deg by which conventions put the zero of a joint elsewhere."""
+
+_FEW_WRONG = 0.05
+"""Share of the poses that may be so wrong that they hide how well the others fit."""
+
 _MOST_TARGETS = 4
 """All orders of more targets are too many to try."""
 
@@ -55,7 +64,11 @@ def require_plausible(arm: SerialArm, measurements: Measurements) -> None:
         ImplausibleError: the likely mistake, with the misfit before and after.
     """
     _require_no_copies(measurements)
+    _require_other_joints(measurements)
     misfit, limit = _misfit_mm(arm, measurements), _SOUND_SHARE * _reach_mm(arm)
+    if misfit == np.inf:
+        # So few rows contradict nothing; identification says how many it wants.
+        return
     if misfit < limit:
         _require_names(arm, measurements, misfit)
         if text := orientation_mistake(arm, measurements):
@@ -102,10 +115,21 @@ def _require_no_copies(rows: Measurements) -> None:
         )
 
 
+def _require_other_joints(rows: Measurements) -> None:
+    """Refuse poses of which all have the same joints."""
+    joints = rows.commands.joints
+    if len(joints) > 1 and not np.ptp(joints, axis=0).any():
+        raise ImplausibleError(
+            f"all {len(joints)} poses have the same joints: look whether each row has the joints of its own pose"
+        )
+
+
 def _mistakes(arm: SerialArm, rows: Measurements) -> Iterator[_Mistake]:
     joints = rows.commands.joints
-    if np.abs(joints).max() <= 2.0 * np.pi:
-        yield _Mistake("the joints are in rad, not in deg", _moved(arm, rows, np.rad2deg(joints)))
+    if np.abs(joints).max() <= _TURN_RAD:
+        turned = _moved(arm, rows, np.rad2deg(joints))
+        yield _Mistake("the joints are in rad, not in deg", turned)
+        yield _Mistake("the joints are in rad and the coordinates in m", _scaled(turned, 1000.0))
     else:
         yield from _mixed_angles(arm, rows)
     yield _Mistake("the coordinates are in m, not in mm", _scaled(rows, 1000.0))
@@ -126,17 +150,59 @@ def _mistakes(arm: SerialArm, rows: Measurements) -> Iterator[_Mistake]:
         yield _Mistake(f"{names[i]} has the opposite sign", _moved(arm, rows, joints * signs))
     yield _Mistake("the rows are one pose late", _moved(arm, rows, np.roll(joints, 1, axis=0)))
     yield _Mistake("the rows are one pose early", _moved(arm, rows, np.roll(joints, -1, axis=0)))
+    for i in range(count):
+        for zero in _OTHER_ZEROS if arm.chain.joints[i].kind == "revolute" else ():
+            shift = np.where(np.arange(count) == i, zero, 0.0)
+            yield _Mistake(
+                f"{names[i]} counts from a zero {zero:g} deg away", _moved(arm, rows, joints + shift)
+            )
     yield from _renamed(arm, rows)
+    yield from _without_wrong(arm, rows)
 
 
 def _mixed_angles(arm: SerialArm, rows: Measurements) -> Iterator[_Mistake]:
-    """Give each joint that may be the only one in rad."""
+    """Give each joint that may be the only one in rad, and the poses that may be while the others are in deg."""
     joints = rows.commands.joints
-    for number, name in enumerate(arm.joint_names):
-        if arm.chain.joints[number].kind == "revolute" and np.abs(joints[:, number]).max() <= 2.0 * np.pi:
-            turned = joints.copy()
-            turned[:, number] = np.rad2deg(joints[:, number])
-            yield _Mistake(f"{name} is in rad, not in deg", _moved(arm, rows, turned))
+    turns = np.array([one.kind == "revolute" for one in arm.chain.joints])
+    small = turns & (np.abs(joints) <= _TURN_RAD)
+    for number in np.flatnonzero(small.all(axis=0)):
+        turned = np.where(np.arange(len(turns)) == number, np.rad2deg(joints), joints)
+        yield _Mistake(f"{arm.joint_names[number]} is in rad, not in deg", _moved(arm, rows, turned))
+    poses = small[:, turns].all(axis=1)
+    if poses.any():
+        first, turned = rows.names[int(np.argmax(poses))], joints.copy()
+        turned[np.ix_(poses, turns)] = np.rad2deg(joints[np.ix_(poses, turns)])
+        yield _Mistake(
+            f"the joints of {np.count_nonzero(poses)} poses are in rad, not in deg (the first: pose {first!r})",
+            _moved(arm, rows, turned),
+        )
+
+
+def _without_wrong(arm: SerialArm, rows: Measurements) -> Iterator[_Mistake]:
+    """Leave out the pose that is missed most, again and again, while few are gone."""
+    numbers = np.unique(rows.points.pose)
+    kept = np.ones(len(rows.commands), dtype=np.bool_)
+    for _ in range(int(_FEW_WRONG * len(numbers))):
+        found = _missed_mm(arm, rows.at(kept))
+        if found is None:
+            return
+        kept[max(found, key=lambda pose: found[pose])] = False
+        if _misfit_mm(arm, rows.at(kept)) < _SOUND_SHARE * _reach_mm(arm):
+            left_out = ", ".join(repr(rows.names[k]) for k in np.flatnonzero(~kept))
+            yield _Mistake(f"{left_out} {'is' if (~kept).sum() == 1 else 'are'} left out", rows.at(kept))
+            return
+
+
+def _missed_mm(arm: SerialArm, rows: Measurements) -> dict[int, float] | None:
+    """Return by how much the nominal arm misses the places of each pose; None where nothing is found from them."""
+    residuals = _residuals_mm(*places_only(arm, rows))
+    if residuals is None:
+        return None
+    sizes = np.linalg.norm(residuals[: 3 * len(rows.points.pose)].reshape(-1, 3), axis=1)
+    found: dict[int, float] = {}
+    for pose, size in zip(rows.points.pose.tolist(), sizes.tolist(), strict=True):
+        found[pose] = max(size, found.get(pose, 0.0))
+    return found
 
 
 def _mixed_lengths(rows: Measurements) -> Iterator[_Mistake]:
@@ -198,13 +264,18 @@ def _misfit_mm(arm: SerialArm, rows: Measurements) -> float:
     """Return how far the nominal arm is off, with base, unknown targets and anchors in closed form, rms."""
     if len(rows.points.pose):
         arm, rows = places_only(arm, rows)
+    residuals = _residuals_mm(arm, rows)
+    return np.inf if residuals is None else float(np.sqrt(np.mean(np.square(residuals))))
+
+
+def _residuals_mm(arm: SerialArm, rows: Measurements) -> Floats | None:
+    """Return the residuals of the nominal arm; None where the rows do not put it anywhere."""
     try:
         start = closed_form(arm, rows)
     except CalibrationError:
-        return np.inf
+        return None
     model = ArmModel(arm, start.frame, parameters_of(arm, rows, "frames"), rows)
-    residuals = model.residuals(model.start_values(start))[: model.measured_rows]
-    return float(np.sqrt(np.mean(np.square(residuals))))
+    return model.residuals(model.start_values(start))[: model.measured_rows]
 
 
 def _reach_mm(arm: SerialArm) -> float:

@@ -31,6 +31,7 @@ class Command(IntEnum):
     CHANGE_FACE = 53
     GO_POSITION = 55
     FIND_REFLECTOR = 63
+    SET_STATISTIC = 80
     FACE = 98
     TRACKER_INFO = 132
     SOFTWARE_VERSION = 142
@@ -38,6 +39,7 @@ class Command(IntEnum):
 
 OK: Final = 0
 BUSY: Final = 1
+NOT_IMPLEMENTED: Final = 2
 
 INITIALISED: Final = 5
 """State of the tracker's processor."""
@@ -60,6 +62,9 @@ UNITS: Final = (1, 1, 0, 1, 0)
 
 RIGHT_HANDED: Final = 0
 """Rectangular right-handed coordinates."""
+
+EXTENDED: Final = 1
+"""Results with covariances."""
 
 STATIONARY: Final = 0
 """Mode of measuring: a target that stands still."""

@@ -1,7 +1,9 @@
 """The result of a stationary measurement, and the decoder that waits for it. Pure."""
 
 import math
+import operator
 import struct
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -14,11 +16,12 @@ _HEAD: Final = struct.Struct("<iii")
 _UNKNOWN_COMMAND: Final = 64
 """What an error that belongs to no command may name instead of one."""
 
-_PLAIN: Final = {
-    Kind.SINGLE: (struct.Struct("<17d"), 10),
-    Kind.SINGLE_WITH_COVARIANCE: (struct.Struct("<23d"), 13),
-}
-"""Doubles of a result, and which of them is the first a-priori standard deviation."""
+_PLAIN: Final = {Kind.SINGLE: struct.Struct("<17d"), Kind.SINGLE_WITH_COVARIANCE: struct.Struct("<23d")}
+"""Doubles of a result."""
+
+_PLACE, _SCATTER, _A_PRIORI = slice(0, 3), slice(3, 6), slice(10, 13)
+_COVARIANCES, _A_PRIORI_BEHIND, _A_PRIORI_COVARIANCES = slice(7, 10), slice(13, 16), slice(17, 20)
+"""Where they stand; the three below in a result with covariances (xy, xz, yz), whose a-priori values stand later."""
 
 
 @dataclass(frozen=True)
@@ -30,16 +33,18 @@ class StationaryResult:
         place_mm: x, y, z, mm.
         scatter_mm: standard deviations of the readings of this measurement, mm.
         a_priori_mm: standard deviations that the maker expects of the instrument there, mm.
+        covariance_mm2: of x with y, x with z and y with z: both contributions; None where the server states none.
     """
 
     status: int
     place_mm: Place = (0.0, 0.0, 0.0)
     scatter_mm: Place = (0.0, 0.0, 0.0)
     a_priori_mm: Place = (0.0, 0.0, 0.0)
+    covariance_mm2: Place | None = None
 
     @property
     def u_mm(self) -> Place:
-        """Standard uncertainties of x, y and z, mm: both contributions, as if they were independent."""
+        """Standard uncertainties of x, y and z, mm: both contributions, which are independent of each other."""
         x, y, z = map(math.hypot, self.scatter_mm, self.a_priori_mm)
         return x, y, z
 
@@ -55,12 +60,22 @@ def parse(packet: Packet) -> StationaryResult:
         return StationaryResult(status)
     if mode != STATIONARY:
         raise ProtocolError(f"a result of the mode {mode} came")
-    layout, a_priori = _PLAIN[packet.kind]
-    values = layout.unpack_from(packet.body, _HEAD.size)
-    parts = (values[0:3], values[3:6], values[a_priori : a_priori + 3])
-    if not all(math.isfinite(value) for part in parts for value in part) or min(parts[1] + parts[2]) < 0.0:
-        raise ProtocolError(f"a result with the values {values[:13]}")
-    return StationaryResult(0, *((x, y, z) for x, y, z in parts))
+    values = _PLAIN[packet.kind].unpack_from(packet.body, _HEAD.size)
+    extended = packet.kind is Kind.SINGLE_WITH_COVARIANCE
+    place, scatter = values[_PLACE], values[_SCATTER]
+    a_priori = values[_A_PRIORI_BEHIND if extended else _A_PRIORI]
+    covariance = _sum(values[_COVARIANCES], values[_A_PRIORI_COVARIANCES]) if extended else None
+    if (
+        not all(map(math.isfinite, place + scatter + a_priori + (covariance or ())))
+        or min(scatter + a_priori) < 0.0
+    ):
+        raise ProtocolError(f"a result with the values {values}")
+    return StationaryResult(0, place, scatter, a_priori, covariance)
+
+
+def _sum(one: Sequence[float], other: Sequence[float]) -> Place:
+    x, y, z = map(operator.add, one, other)
+    return x, y, z
 
 
 class ResultDecoder(PacketDecoder[StationaryResult]):

@@ -5,6 +5,8 @@ from typing import Protocol, TypeVar
 
 from catseye.drivers.leica import codec
 from catseye.drivers.leica.commands import (
+    EXTENDED,
+    NOT_IMPLEMENTED,
     OK,
     RIGHT_HANDED,
     STATIONARY,
@@ -72,6 +74,7 @@ async def set_up(ask: Ask, where: str, settings: LeicaSettings, reflector: int |
     await require(ask, where, Command.SET_UNITS, "5i", *UNITS)
     await require(ask, where, Command.SET_COORDINATES, "i", RIGHT_HANDED)
     await require(ask, where, Command.SET_MODE, "i", STATIONARY)
+    await _ask_for_covariances(ask, where)
     timeout_ms = round(1e3 * settings.search_timeout_s)
     await require(ask, where, Command.SET_SEARCH, "di", settings.search_radius_mm, timeout_ms)
     if settings.air is not None:
@@ -117,6 +120,13 @@ async def _system_settings(ask: Ask, where: str) -> None:
     wanted = tuple(0 if place in _OFF else value for place, value in enumerate(found))
     if wanted != found:
         await require(ask, where, Command.SET_SETTINGS, "9i", *wanted)
+
+
+async def _ask_for_covariances(ask: Ask, where: str) -> None:
+    """Have results state covariances; those of an older server, which cannot, go without."""
+    reply = await reply_to(ask, Command.SET_STATISTIC, "2i", EXTENDED, EXTENDED)
+    if reply.status not in (OK, NOT_IMPLEMENTED):
+        raise refused(where, Command.SET_STATISTIC, reply.status)
 
 
 async def reflectors(ask: Ask, where: str) -> dict[str, tuple[int, float]]:

@@ -139,7 +139,7 @@ class LeicaEmscon(LinkDriver, Tracker):
             await self._check_setup()
             await self._require_face(face)
         self._check_place(target, result.place_mm, near_mm)
-        return TargetPoint(result.place_mm, result.u_mm)
+        return TargetPoint(result.place_mm, result.u_mm, result.covariance_mm2)
 
     async def examine(self) -> Examination:
         """Ask for the state of laser, distance meter and target, the face, the reflector and the air."""

@@ -2,14 +2,18 @@
 
 import math
 from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import ClassVar, Literal, Protocol
+from typing import ClassVar, Final, Literal, Protocol
 
 from catseye.drivers.roles.device import Device, DriverClass, Role
 from catseye.drivers.roles.errors import HiddenTargetError, RefusedError
 
 Place = tuple[float, float, float]
 """x, y, z, mm."""
+
+_LEAST_SINE: Final = 0.05
+"""Of the angle at the first of three places that make a frame: three degrees."""
 
 Face = Literal[1, 2]
 """Of a tracker: turned about its standing axis by half a turn and over, its face errors change their sign."""
@@ -37,10 +41,12 @@ class TargetPoint:
     Attributes:
         place_mm: x, y, z.
         u_mm: standard uncertainty of x, y and z, as the instrument states or scatters it; None where it says nothing.
+        covariance_mm2: of x with y, x with z and y with z; None where it states none, which does not mean zero.
     """
 
     place_mm: Place
     u_mm: Place | None = None
+    covariance_mm2: Place | None = None
 
 
 @dataclass(frozen=True)
@@ -84,6 +90,15 @@ def require_near(where: str, target: str, place_mm: Place, near_mm: Place, radiu
 def place_text(place_mm: Place) -> str:
     """Return a place for a text."""
     return ", ".join(f"{value:.2f}" for value in place_mm)
+
+
+def on_a_line(one: Sequence[float], other: Sequence[float], third: Sequence[float]) -> bool:
+    """Return whether three places make no frame, or one that turns with the noise."""
+    sides = [[b - a for a, b in zip(one, place, strict=True)] for place in (other, third)]
+    across = math.hypot(
+        *(sides[0][k - 2] * sides[1][k - 1] - sides[0][k - 1] * sides[1][k - 2] for k in range(3))
+    )
+    return across <= _LEAST_SINE * math.hypot(*sides[0]) * math.hypot(*sides[1])
 
 
 @dataclass(frozen=True)

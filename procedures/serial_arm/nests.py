@@ -1,12 +1,14 @@
 """The world frame of three fixed nests, measured again through the day, and how far the instrument has drifted."""
 
 from collections.abc import Mapping, Sequence
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from catseye.calibration.serial_arm.closed_form import rigid_motion
 from catseye.drivers.roles.errors import HiddenTargetError
+from catseye.drivers.roles.tracker import on_a_line
 from catseye.procedures.kit.context import Context
 from catseye.procedures.kit.records import Json, Row
 from catseye.procedures.serial_arm.bench import FixedNest
@@ -56,20 +58,30 @@ def motion_between(first: Mapping[str, Floats], later: Mapping[str, Floats]) -> 
     """Return what brings places of a later measurement back into the frame of the first, shape (4, 4).
 
     Returns:
-        None where the two have fewer than three nests in common.
+        None where the two have no three nests in common that make a frame.
     """
     names = sorted(first.keys() & later.keys())
-    if len(names) < FEWEST:
+    if frame_nests({name: first[name] for name in names}) is None:
         return None
     return rigid_motion(np.array([later[name] for name in names]), np.array([first[name] for name in names]))
 
 
-def world_frame(places: Mapping[str, Floats]) -> Floats:
+def frame_nests(places: Mapping[str, Floats]) -> tuple[str, ...] | None:
+    """Return the names of the first three nests that make a frame; None where all lie on a line, or are fewer."""
+    threes = combinations(places, FEWEST)
+    return next(
+        (names for names in threes if not on_a_line(*(places[name].tolist() for name in names))), None
+    )
+
+
+def world_frame(origin: Floats, along: Floats, aside: Floats) -> Floats:
     """Return what turns places in the instrument's frame into the world's, shape (4, 4).
 
-    The first nest is the origin, the second lies on x, the third in the plane of x and y, y towards it.
+    Args:
+        origin: the first nest.
+        along: the second, which lies on x.
+        aside: the third, in the plane of x and y, y towards it.
     """
-    origin, along, aside = (places[name] for name in list(places)[:FEWEST])
     x = (along - origin) / np.linalg.norm(along - origin)
     z = np.cross(x, aside - origin)
     z = z / np.linalg.norm(z)

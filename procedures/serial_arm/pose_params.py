@@ -1,5 +1,6 @@
 """What may be chosen for measuring targets at poses, and the plan that follows from it."""
 
+from itertools import groupby
 from typing import Annotated, Final
 
 import numpy as np
@@ -37,8 +38,12 @@ class PoseParams(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
     targets: list[str] = Field([], description="names of the tool's targets; all when empty")
-    targets_per_pose: int = Field(
-        1, ge=1, le=20, description="targets measured at a pose, those first that look at the instrument"
+    targets_per_pose: int | None = Field(
+        None,
+        ge=1,
+        le=20,
+        description="targets measured at a pose, those first that look at the instrument; by default as many as a "
+        "pose has rows in a given CSV, else 1",
     )
     measured: Measured | None = Field(
         None, description="points of a tracker or poses of an optical CMM; by default what the driver can do"
@@ -55,6 +60,13 @@ class PoseParams(BaseModel):
         10, ge=0, le=10_000, description="the fixed nests are measured again after so many poses; 0 never"
     )
     drift_limit_mm: float = Field(0.05, gt=0.0, le=10.0, description="drift of a nest that is warned of, mm")
+    read_back_limit: float = Field(
+        0.1,
+        gt=0.0,
+        le=5.0,
+        description="joints read back farther from their commands mean that somebody moved the arm, deg or mm; "
+        "controllers of arms that stand still read back up to 0.05 deg off",
+    )
     frames: bool = Field(False, description="find base and tool by turning axes beforehand")
     marks_of_tool: int = Field(
         9, ge=0, le=1000, description="fewest marks that an optical CMM sees of the tool"
@@ -106,8 +118,13 @@ def measured_of(bench: SerialBench, params: PoseParams) -> Measured:
     return wanted
 
 
-def pose_plan(bench: SerialBench, params: PoseParams, named: list[tuple[str, Pose]]) -> PosePlan:
+def pose_plan(
+    bench: SerialBench, params: PoseParams, named: list[tuple[str, Pose]], rows: list[list[float]]
+) -> PosePlan:
     """Return the plan of poses that can all be measured.
+
+    Args:
+        rows: of a given CSV, one a target; none where the poses were chosen.
 
     Raises:
         PlanError: frames are asked for and cannot be found by turning axes.
@@ -124,14 +141,20 @@ def pose_plan(bench: SerialBench, params: PoseParams, named: list[tuple[str, Pos
         bench=bench,
         measured=measured,
         rest=rest,
-        poses=finder.linked(named, params.targets_per_pose),
+        poses=finder.linked(named, most_targets(params, rows)),
         frames=frames,
         settle_s=params.settle_s,
         dwell_s=params.dwell_s,
         nests_every=params.nests_every,
         drift_limit_mm=params.drift_limit_mm,
         marks=params.marks_of_tool,
+        read_back_limit=params.read_back_limit,
     )
+
+
+def most_targets(params: PoseParams, rows: list[list[float]]) -> int:
+    """Return how many targets are measured at a pose: as asked for, else as many as a given pose has rows."""
+    return params.targets_per_pose or max((len(list(same)) for _, same in groupby(rows)), default=1)
 
 
 def given_poses(bench: SerialBench, rows: list[list[float]]) -> list[tuple[str, Pose]]:
@@ -142,15 +165,11 @@ def given_poses(bench: SerialBench, rows: list[list[float]]) -> list[tuple[str, 
     """
     try:
         return [
-            (name_of(number), pose_of(bench.arm.axes, row)) for number, row in enumerate(_each_once(rows), 1)
+            (name_of(number), pose_of(bench.arm.axes, row))
+            for number, (row, _) in enumerate(groupby(rows), 1)
         ]
     except ValueError as error:
         raise PlanError(f"poses: {error}; give one value for each axis") from error
-
-
-def _each_once(rows: list[list[float]]) -> list[list[float]]:
-    """Return rows without those that repeat the one before."""
-    return [row for row, before in zip(rows, [None, *rows], strict=False) if row != before]
 
 
 def name_of(number: int) -> str:

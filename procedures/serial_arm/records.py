@@ -26,6 +26,9 @@ class MeasuredTarget(Record):
         u_x_mm: standard uncertainty as the instrument states it; None where it says nothing.
         u_y_mm: likewise.
         u_z_mm: likewise.
+        cov_xy_mm2: covariance as the instrument states it; None where it states none, which does not mean zero.
+        cov_xz_mm2: likewise.
+        cov_yz_mm2: likewise.
         rx_deg: of a frame, R = Rz · Ry · Rx; None of a point.
         ry_deg: likewise.
         rz_deg: likewise.
@@ -46,6 +49,9 @@ class MeasuredTarget(Record):
     u_x_mm: float | None = None
     u_y_mm: float | None = None
     u_z_mm: float | None = None
+    cov_xy_mm2: float | None = None
+    cov_xz_mm2: float | None = None
+    cov_yz_mm2: float | None = None
     rx_deg: float | None = None
     ry_deg: float | None = None
     rz_deg: float | None = None
@@ -99,13 +105,15 @@ def target_record(
         joints: commanded and read back.
     """
     extra: dict[str, Json] = {"q": list(joints[0]), "q_read": list(joints[1])}
-    turned: Values = {}
+    more: Values = {}
     visible = None
     if isinstance(found, TargetPose):
-        turned = dict(zip(("rx_deg", "ry_deg", "rz_deg"), found.turn_deg, strict=True))
-        turned["u_deg"] = None if found.u_deg is None else max(found.u_deg)
+        more = dict(zip(("rx_deg", "ry_deg", "rz_deg"), found.turn_deg, strict=True))
+        more["u_deg"] = None if found.u_deg is None else max(found.u_deg)
         visible = found.visible
-    values = coordinates(found.place_mm, found.u_mm) | turned
+    elif found.covariance_mm2 is not None:
+        more = dict(zip(("cov_xy_mm2", "cov_xz_mm2", "cov_yz_mm2"), found.covariance_mm2, strict=True))
+    values = coordinates(found.place_mm, found.u_mm) | more
     return MeasuredTarget(
         pose=pose,
         target=target,

@@ -29,6 +29,7 @@ from catseye.procedures.serial_arm.pose_params import (
     finder_of,
     given_poses,
     measured_of,
+    most_targets,
     name_of,
     pose_plan,
 )
@@ -84,7 +85,7 @@ class TrackerCalibration(Procedure):
         else:
             chosen = chosen_poses(bench, params, finder)
             named = [(name_of(number), pose) for number, pose in enumerate(chosen, 1)]
-        return pose_plan(bench, params, named)
+        return pose_plan(bench, params, named, params.poses)
 
     async def run(self, ctx: Context, plan: PosePlan) -> None:
         """Measure; see `PoseRun`."""
@@ -110,7 +111,11 @@ def chosen_poses(bench: SerialBench, params: CalibrationParams, finder: PoseFind
     try:
         frames = measured_of(bench, params) == "poses"
         shown = pose_rows(
-            arm, poses, finder.all_seen(poses, params.targets_per_pose), params.model, frames=frames
+            arm,
+            poses,
+            finder.all_seen(poses, most_targets(params, params.poses)),
+            params.model,
+            frames=frames,
         )
         for _ in range(_ROUNDS):
             left = np.flatnonzero(reachable)

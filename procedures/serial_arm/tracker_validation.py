@@ -73,7 +73,7 @@ class TrackerValidation(Procedure):
             finder.require(named)
         else:
             named = reachable(finder, params.count, params.seed)
-        return pose_plan(bench, params, named)
+        return pose_plan(bench, params, named, params.poses)
 
     async def run(self, ctx: Context, plan: PosePlan) -> None:
         """Measure; see `PoseRun`."""

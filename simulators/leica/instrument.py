@@ -14,6 +14,7 @@ from catseye.simulators.survey import Place
 from catseye.simulators.world.air_probe import AirProbe
 from catseye.simulators.world.serial.tracker import LaserTracker
 from catseye.simulators.world.timed_bench import TimedBench
+from catseye.simulators.world.types import Floats
 
 _HOME_MM: Place = (140.0, 0.0, -80.0)
 """The bird bath, in the instrument's frame."""
@@ -115,12 +116,12 @@ class Instrument:
     def measure(self, duration_s: float) -> PointValues | None:
         """Return the point measured over the last seconds, in the units of clients; None: the beam was broken."""
         if self._tracker.parked:
-            return self._shown(_HOME_MM, (0.005, 0.005, 0.005))
+            return self._shown(_HOME_MM, np.diag([2.5e-5, 2.5e-5, 2.5e-5]))
         seen = self._tracker.measure(duration_s)
         if seen is None:
             return None
         # Half of what the tracker states of itself shows in the readings, half is expected beforehand.
-        part = tuple(u * 0.5**0.5 for u in seen.u_mm)
+        part = 0.5 * seen.covariance_mm2
         self.last_mm = self._scaled(seen.place_mm)
         return self._shown(self.last_mm, part)
 
@@ -155,7 +156,7 @@ class Instrument:
         x, y, z = (scale * value for value in place_mm)
         return x, y, z
 
-    def _shown(self, place_mm: Place, u_mm: Sequence[float]) -> PointValues:
+    def _shown(self, place_mm: Place, covariance_mm2: Floats) -> PointValues:
         units = self.units
-        covariance = units.covariance(place_mm, np.diag(np.square(u_mm)))
+        covariance = units.covariance(place_mm, covariance_mm2)
         return PointValues(units.place(place_mm), covariance, covariance)

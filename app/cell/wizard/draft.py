@@ -1,6 +1,7 @@
 """A cell file in the making: typed answers over the values that it began with."""
 
 import copy
+import itertools
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Final
@@ -188,7 +189,7 @@ class Draft:
         except ValidationError as error:
             # What follows from an answer that is missing itself is no fault of its own.
             faults = [fault for fault in error.errors() if fault["type"] != "default_factory_not_called"]
-            found = {_dotted(fault["loc"]): cell_fault_text(fault) for fault in reversed(faults)}
+            found = {self._asked_at(fault["loc"]): cell_fault_text(fault) for fault in reversed(faults)}
             return found | self._nest_faults()
         try:
             require_drivers(cell)
@@ -269,21 +270,38 @@ class Draft:
 
     def _put_nests(self, data: Data) -> None:
         """Write the lines of the nests on the table, as the answers have them."""
-        if not any(key.startswith(NEST) for key in self._typed):
-            return
-        known = _tables(data["tracker"], "nest") if isinstance(data.get("tracker"), dict) else []
-        nests = []
+        if self._nests_typed:
+            data.setdefault("tracker", {})["nest"] = [one for _, one in self._nests()]
+
+    @property
+    def _nests_typed(self) -> bool:
+        return any(key.startswith(NEST) for key in self._typed)
+
+    def _nests(self) -> list[tuple[int, Data]]:
+        """Return the nests on the table that have an answer, each with the number of its question."""
+        known = _tables(_get(self._base, "tracker") or {}, "nest")
+        taken = {one.get("name") for one in known}
+        found = []
         for number in range(max(FEWEST_NESTS, len(known))):
-            one = dict(known[number]) if number < len(known) else {"name": f"W{number + 1}"}
             typed = self._typed.get(f"{NEST}{number}")
-            if typed is None and number >= len(known):
+            if typed == "" or (typed is None and number >= len(known)):
                 continue
+            new = next(name for k in itertools.count(number + 1) if (name := f"W{k}") not in taken)
+            one = dict(known[number]) if number < len(known) else {"name": new}
             if typed is not None:
                 # The model refuses a text, and so the file.
                 one |= _place_of(typed) or {_PLACE[0]: typed}
-            if typed != "":
-                nests.append(one)
-        data.setdefault("tracker", {})["nest"] = nests
+            taken.add(one.get("name"))
+            found.append((number, one))
+        return found
+
+    def _asked_at(self, place: tuple[int | str, ...]) -> str:
+        """Return the key of a fault of the file; the nests that have no answer are questions, too."""
+        key = _dotted(place)
+        if not (self._nests_typed and key.startswith(NEST)):
+            return key
+        index, dot, rest = key.removeprefix(NEST).partition(".")
+        return f"{NEST}{self._nests()[int(index)][0]}{dot}{rest}"
 
     def _nest_faults(self) -> dict[str, str]:
         """Return which nests were typed without exactly three numbers."""

@@ -101,7 +101,7 @@ def calibrate(
         MonteCarlo(draws, seed) if uncertainty == "monte-carlo" else None,
         accept_implausible,
     )
-    with measured_runs(run or (), runs, unverified=unverified) as given:
+    with measured_runs(run or (), runs, unverified=unverified, beside=bool(tables)) as given:
         name, description, carried = given.subject(arm, None if tool is None else read_tool(tool))
         sources = Sources([*given.tables, *tables], anchors, priors)
         result = calibrate_tables(Subject(name, description, carried), sources, method)

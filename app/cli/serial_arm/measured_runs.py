@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -71,15 +72,18 @@ class MeasuredRuns:
 
 @contextmanager
 def measured_runs(
-    names: Sequence[str], folder: Path | None, *, unverified: bool = False
+    names: Sequence[str], folder: Path | None, *, unverified: bool = False, beside: bool = False
 ) -> Iterator[MeasuredRuns]:
     """Give runs by their names, with their poses as tables.
+
+    Args:
+        beside: other tables are read with them.
 
     Raises:
         UsageError: there is no such run, or it has measured no targets.
         StorageError: it is damaged or was changed.
     """
-    from catseye.app.results.serial_arm.run_poses import as_tables, frame_note
+    from catseye.app.results.serial_arm.run_poses import as_tables, pose_notes
     from catseye.app.store.catalog import resolve_run
     from catseye.app.store.reader import RunReader, accept
     from catseye.app.store.runs_folder import runs_folder
@@ -87,7 +91,7 @@ def measured_runs(
     readers = [
         RunReader(resolve_run(runs_folder(folder), name), accept(unverified=unverified)) for name in names
     ]
-    for text in filter(None, map(frame_note, readers)):
+    for text in chain.from_iterable(map(pose_notes, readers)):
         warn(text)
-    with as_tables(readers) as tables:
+    with as_tables(readers, beside=beside) as tables:
         yield MeasuredRuns(readers, tables)

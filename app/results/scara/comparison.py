@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from catseye.app.errors import UsageError
+from catseye.app.results.difference import Difference
 from catseye.app.results.numbers import EXPANDED, MDEG_PER_RAD
 from catseye.app.results.scara.identified_arm import arm_of, unverified_texts
 from catseye.app.results.scara.result import Estimate, MapTable, Result
@@ -16,35 +17,6 @@ from catseye.calibration.scara.identification import IdentifiedArm
 
 _RANGE_DEG = 1e-6
 """Nodes that rounding puts beyond the end of a map belong to it."""
-
-
-@dataclass(frozen=True)
-class Difference:
-    """One quantity in both results.
-
-    Attributes:
-        name: of the quantity.
-        unit: of all values.
-        first: value of the first result.
-        second: value of the second result.
-        u: combined standard uncertainty of the difference; both results count as independent.
-    """
-
-    name: str
-    unit: Literal["mm", "mdeg"]
-    first: float
-    second: float
-    u: float
-
-    @property
-    def difference(self) -> float:
-        """Second minus first."""
-        return self.second - self.first
-
-    @property
-    def normalised(self) -> float | None:
-        """Difference in combined standard uncertainties; None where none is stated."""
-        return self.difference / self.u if self.u > 0.0 else None
 
 
 @dataclass(frozen=True)

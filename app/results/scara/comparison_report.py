@@ -1,9 +1,10 @@
 """What two results of one arm differ by: statements, one table of all quantities, the differences of the maps."""
 
+from catseye.app.results.difference import Difference, difference_statement
 from catseye.app.results.figures import Axis, Figure, Level, Panel, Points, Role
 from catseye.app.results.model import Cell, Column, Origin, Quantity, Report, Sign, Statement, Table, section
-from catseye.app.results.numbers import EXPANDED, OF_UNIT, SHARE_EXPECTED, Format, fixed, number
-from catseye.app.results.scara.comparison import Difference, MapDifference, ResultComparison
+from catseye.app.results.numbers import EXPANDED, OF_UNIT, Format, fixed, number
+from catseye.app.results.scara.comparison import MapDifference, ResultComparison
 from catseye.app.results.scara.names import node_name
 
 _ANGLE = fixed(2, signed=True)
@@ -49,13 +50,7 @@ def comparison_statement(comparison: ResultComparison) -> Statement:
     if not count:
         text = "No uncertainty is stated that the differences could be compared with."
         return Statement(Sign.NEUTRAL, text)
-    name, size = _largest(comparison)
-    share = within / count
-    return Statement(
-        Sign.GOOD if share >= SHARE_EXPECTED else Sign.BAD,
-        f"{within} of {count} differences lie within {EXPANDED:g} combined standard uncertainties "
-        f"({100.0 * share:.0f} %, 95 % expected); the largest is {number(size, fixed(1, signed=True))} u, {name}.",
-    )
+    return difference_statement(within, count, "differences", _largest(comparison))
 
 
 def _largest(comparison: ResultComparison) -> tuple[str, float]:

@@ -75,6 +75,10 @@ def calibration_report(heading: str, result: SerialArmResult) -> Report:
     return Report(heading, origin_now(simulated=simulated, unverified=()), sections)
 
 
+_FAR_TOO_LARGE = 10.0
+"""Uncertainties of so many times the residuals are a mistake, not caution."""
+
+
 def _verdict(result: SerialArmResult) -> list[Block]:
     held = result.cross_validation
     frames = result.frames
@@ -92,6 +96,15 @@ def _verdict(result: SerialArmResult) -> list[Block]:
                 Sign.ATTENTION,
                 "The stated uncertainties do not explain the residuals: the arm does what the model lacks, or they "
                 "are too small. The uncertainties of the parameters are widened by that.",
+            )
+        )
+    chi2 = result.fit.chi2_reduced
+    if chi2 is not None and chi2 < _FAR_TOO_LARGE**-2:
+        said.append(
+            Statement(
+                Sign.ATTENTION,
+                f"The stated uncertainties are {chi2**-0.5:.0f} times what the residuals show, and those of the "
+                "parameters are too large by as much: look whether u_mm is in mm, not in µm.",
             )
         )
     if result.left_mm is not None:

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from catseye.app.errors import UsageError
+from catseye.app.results.difference import Difference, difference_statement
 from catseye.app.results.figures import Axis, Bars, Figure, Level, Panel, Points, Role
 from catseye.app.results.model import Block, Cell, Column, Quantity, Report, Sign, Statement, Table, section
-from catseye.app.results.numbers import EXPANDED, SHARE_EXPECTED, THREE_DIGITS, fixed, number
+from catseye.app.results.numbers import EXPANDED, THREE_DIGITS, fixed, number
 from catseye.app.results.origin import origin_now
 from catseye.app.results.serial_arm.figures import by_name
 from catseye.app.results.serial_arm.identified_arm import identified_arm
@@ -28,33 +29,6 @@ _SIGNED = fixed(1, signed=True)
 
 
 @dataclass(frozen=True)
-class ParameterDifference:
-    """A parameter that both results identified.
-
-    Attributes:
-        u: combined standard uncertainty of the difference; both results count as independent.
-        of_base: it says where the arm stands, not what it is.
-    """
-
-    name: str
-    unit: str
-    first: float
-    second: float
-    u: float
-    of_base: bool
-
-    @property
-    def difference(self) -> float:
-        """Second minus first."""
-        return self.second - self.first
-
-    @property
-    def normalised(self) -> float | None:
-        """Difference in combined standard uncertainties; None where none is stated."""
-        return self.difference / self.u if self.u > 0.0 else None
-
-
-@dataclass(frozen=True)
 class ArmComparison:
     """Two results.
 
@@ -65,18 +39,18 @@ class ArmComparison:
         apart_mm: distances of its places at random poses, the frames brought together, shape (poses,).
     """
 
-    parameters: tuple[ParameterDifference, ...]
+    parameters: tuple[Difference, ...]
     only: tuple[str, ...]
     target: str
     apart_mm: Floats
 
     @property
     def judged(self) -> list[tuple[str, float]]:
-        """Names and normalised differences of the arm's own parameters."""
+        """Names and normalised differences of the arm's own parameters; the base says where it stands."""
         return [
             (one.name, one.normalised)
             for one in self.parameters
-            if one.normalised is not None and not one.of_base
+            if one.normalised is not None and not one.name.startswith("base.")
         ]
 
     @property
@@ -121,13 +95,12 @@ def compare_arms(first: SerialArmResult, second: SerialArmResult) -> ArmComparis
     known = [{one.name: one for one in each.parameters if one.identified} for each in (first, second)]
     both = [name for name in known[0] if name in known[1]]
     differences = tuple(
-        ParameterDifference(
+        Difference(
             name,
             known[0][name].unit,
             known[0][name].value,
             known[1][name].value,
             math.hypot(known[0][name].u, known[1][name].u),
-            name.startswith("base."),
         )
         for name in both
     )
@@ -182,13 +155,8 @@ def _statements(found: ArmComparison) -> list[Statement]:
     if largest is None:
         return [Statement(Sign.NEUTRAL, "No parameter of the arm has an uncertainty in both results."), *said]
     within = sum(abs(size) <= EXPANDED for _, size in found.judged)
-    share = within / len(found.judged)
-    verdict = (
-        f"{within} of {len(found.judged)} parameters of the arm differ by less than {EXPANDED:g} combined standard "
-        f"uncertainties ({100.0 * share:.0f} %, 95 % expected); the largest difference is "
-        f"{number(largest[1], _SIGNED)} u, {largest[0]}."
-    )
-    return [Statement(Sign.GOOD if share >= SHARE_EXPECTED else Sign.BAD, verdict), *said]
+    verdict = difference_statement(within, len(found.judged), "parameters of the arm", largest)
+    return [verdict, *said]
 
 
 def _table(found: ArmComparison) -> Table:
@@ -204,7 +172,7 @@ def _table(found: ArmComparison) -> Table:
     return Table("differences", "Second minus first result", columns, tuple(map(_row, found.parameters)))
 
 
-def _row(one: ParameterDifference) -> tuple[Cell, ...]:
+def _row(one: Difference) -> tuple[Cell, ...]:
     form = {"mm": fixed(4), "deg": fixed(5)}.get(one.unit, THREE_DIGITS)
     return (
         one.name,

@@ -13,7 +13,7 @@ from catseye.app.files.csv_text import csv_text
 from catseye.app.files.poses import NamedPoses, read_poses
 from catseye.app.results.serial_arm.identified_arm import IdentifiedArm
 from catseye.calibration.core.types import Floats
-from catseye.calibration.serial_arm.compensation import Compensated, compensate
+from catseye.calibration.serial_arm.compensation import Compensated
 
 Form: TypeAlias = Literal["csv", "rapid", "krl"]
 
@@ -59,7 +59,7 @@ def compensate_poses(arm: IdentifiedArm, path: Path, target: str | None) -> Comp
     """
     chain = arm.arm.chain
     poses = read_poses(path, ["deg" if joint.kind == "revolute" else "mm" for joint in chain.joints])
-    found = CompensatedPoses(poses, compensate(arm.geometry, poses.joints, _tool(arm, target)))
+    found = CompensatedPoses(poses, arm.compensated(poses.joints, target))
     if not found.kept:
         raise MeasurementRejectedError(f"{path}: no pose can be compensated: {found.refusals()[0]}")
     return found
@@ -81,15 +81,6 @@ def compensated_text(compensated: CompensatedPoses, form: Form, header: Iterable
     names = _names(compensated)
     joints = compensated.found.joints[compensated.kept]
     return (_rapid if form == "rapid" else _krl)(names, joints, list(header))
-
-
-def _tool(arm: IdentifiedArm, target: str | None) -> Floats | None:
-    if target is None:
-        return None
-    names = [one.name for one in arm.arm.targets]
-    if target not in names:
-        raise UsageError(f"the calibrated arm has no target {target!r}; it has {', '.join(names) or 'none'}")
-    return np.asarray(arm.geometry.tools[names.index(target)])
 
 
 def _csv(compensated: CompensatedPoses) -> str:

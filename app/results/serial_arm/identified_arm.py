@@ -14,6 +14,7 @@ from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.serial_arm.absolute import base_rates
 from catseye.calibration.serial_arm.arm import SerialArm
+from catseye.calibration.serial_arm.compensation import Compensated, compensate
 from catseye.calibration.serial_arm.geometry import Commands, Geometry
 from catseye.calibration.serial_arm.named_values import geometry_of
 from catseye.calibration.serial_arm.parameters import FRAME_PARTS, BaseFrame, TargetPlace
@@ -43,6 +44,35 @@ class IdentifiedArm:
     def arm(self) -> SerialArm:
         """The nominal arm with the targets of the result."""
         return self.geometry.arm
+
+    @property
+    def target_names(self) -> tuple[str, ...]:
+        """Names of the targets of the tool, and of the flange."""
+        return tuple(one.name for one in self.arm.targets)
+
+    def number_of(self, target: str) -> int:
+        """Return the number of a target.
+
+        Raises:
+            UsageError: there is none of this name.
+        """
+        names = self.target_names
+        if target not in names:
+            raise UsageError(f"the calibrated arm has no target {target!r}; it has {', '.join(names)}")
+        return names.index(target)
+
+    def compensated(self, poses: Floats, target: str | None) -> Compensated:
+        """Return the commands that bring a target, where it was identified on the flange, to poses of a program.
+
+        Args:
+            poses: joints of the nominal arm, deg or mm, shape (n, joints).
+            target: its name; the flange without one.
+
+        Raises:
+            UsageError: there is no such target.
+        """
+        tool = None if target is None else self.geometry.tools[self.number_of(target)]
+        return compensate(self.geometry, poses, tool)
 
     def places_mm(self, commands: Commands, target: int) -> tuple[Floats, Floats]:
         """Return where a target is at poses, in the frame of the instrument, mm, (n, 3), and the covariance, mm²."""

@@ -32,8 +32,8 @@ from catseye.procedures.kit.columns import ColumnRule, Columns, TableRule
 _PLACE: Final = ("x_mm", "y_mm", "z_mm")
 _ANGLES: Final = ("rx_deg", "ry_deg", "rz_deg")
 _U_EACH: Final = ("u_x_mm", "u_y_mm", "u_z_mm")
-_STATED: Final = ("u_mm", *_U_EACH, "u_deg")
 _COVARIANCES: Final = {"cov_xy_mm2": (0, 1), "cov_xz_mm2": (0, 2), "cov_yz_mm2": (1, 2)}
+_STATED: Final = ("u_mm", *_U_EACH, *_COVARIANCES, "u_deg")
 
 
 _READ_ALIKE: Final = 0.01
@@ -65,9 +65,12 @@ def read_measured_poses(
         anchors: known beforehand, by name.
 
     Raises:
-        UsageError: a file is missing, a column is missing, a value is wrong, a name is unknown, or rows of one pose
-            have other joints; names file and line.
+        UsageError: a file is missing or given twice, a column is missing, a value is wrong, a name is unknown, or
+            rows of one pose have other joints; names file and line.
     """
+    places = [path.resolve() for path in paths]
+    if twice := [path for path, place in zip(paths, places, strict=True) if places.count(place) > 1]:
+        raise UsageError(f"{twice[0]} is given twice: its rows would count as two measurements; give it once")
     units = [joint.unit for joint in description.joint]
     tables = [_Table.read(path, units) for path in paths]
     poses = _Poses.of(tables)
@@ -115,6 +118,7 @@ class _Table:
         read = _all_or_none(
             path, columns, [f"q{k}_read_{unit}" for k, unit in enumerate(units, 1)], "read-back joints"
         )
+        _all_or_none(path, columns, list(_COVARIANCES), "covariances")
         sides = _all_or_none(path, columns, _directions(len(units)), "directions of approach")
         return cls(rows, columns, joints, read, np.ones_like(joints) if sides is None else sides)
 

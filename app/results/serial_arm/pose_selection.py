@@ -61,6 +61,7 @@ class ChosenPoses:
             candidates=self.asked.candidates,
             drawn=self.drawn,
             exchanges=self.selection.exchanges,
+            starts=self.asked.starts,
             model=self.asked.model,
             parameters=self.parameters,
             index_of_count=tuple(

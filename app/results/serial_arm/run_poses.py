@@ -19,7 +19,7 @@ from catseye.app.store.reader import RunReader
 from catseye.calibration.core.types import Floats
 from catseye.calibration.kinematics.rotations import angles_of, rotation_of
 from catseye.procedures.kit.stored import integer, number_of
-from catseye.procedures.serial_arm.nests import FEWEST, motion_between, world_frame
+from catseye.procedures.serial_arm.nests import FEWEST, frame_nests, motion_between, world_frame
 from catseye.procedures.serial_arm.records import VISITS, MeasuredNest, MeasuredTarget
 
 _PLACE: Final = ("x_mm", "y_mm", "z_mm")
@@ -70,8 +70,10 @@ def pose_rows(reader: RunReader) -> list[Row]:
     units = [joint.unit for joint in arm_description(cell_of_run(reader).robot.arm).joint]
     world = _world(reader)
     stated = all(row[name] is not None for row in stored for name in _U)
+    correlated = bool(world.motions) or not _without_covariances(stored)
     turned = all(row[name] is not None for row in stored for name in _ANGLES)
-    return [_pose_row(row, units, world, stated=stated, turned=turned) for row in stored]
+    names = (*(_U if stated else ()), *(_COVARIANCES if stated and correlated else ()))
+    return [_pose_row(row, units, world, names, turned=turned) for row in stored]
 
 
 def pose_export(reader: RunReader) -> Export:
@@ -82,17 +84,26 @@ def pose_export(reader: RunReader) -> Export:
 
 
 @contextmanager
-def as_tables(readers: Sequence[RunReader]) -> Iterator[list[Path]]:
+def as_tables(readers: Sequence[RunReader], *, beside: bool = False) -> Iterator[list[Path]]:
     """Give the poses of runs as CSV files of their names, as whoever reads measured poses takes them.
 
-    Poses of several runs have the same names, and stand behind that of their run.
+    Names of several runs, and of tables beside them, are alike: each pose stands behind the name of its run.
+
+    Args:
+        beside: other tables are read with them.
+
+    Raises:
+        UsageError: a run is given twice.
     """
+    names = [reader.path.name for reader in readers]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise UsageError(f"{twice[0]} is given twice: it would count as two measurements; name it once")
     with TemporaryDirectory(prefix="catseye-poses-") as folder:
         paths = []
         for reader in readers:
             path = Path(folder) / f"{reader.path.name}.csv"
             rows = pose_rows(reader)
-            if len(readers) > 1:
+            if len(readers) > 1 or beside:
                 rows = [{**row, "pose": f"{reader.path.name}/{row['pose']}"} for row in rows]
             path.write_text(table_csv(rows), encoding="utf-8")
             paths.append(path)
@@ -103,8 +114,8 @@ def _pose_row(
     row: Mapping[str, Any],
     units: Sequence[str],
     world: "_World",
+    stated: Sequence[str],
     *,
-    stated: bool,
     turned: bool,
 ) -> Row:
     motion = world.motion(row["nests_round"])
@@ -118,15 +129,35 @@ def _pose_row(
     }
     values |= {"target": row["target"], **dict(zip(_PLACE, place.tolist(), strict=True))}
     if stated:
-        covariance = motion[:3, :3] @ np.diag([row[name] ** 2 for name in _U]) @ motion[:3, :3].T
-        values |= dict(zip(_U, np.sqrt(np.diag(covariance)).tolist(), strict=True))
-        values |= {name: float(covariance[i, j]) for name, (i, j) in _COVARIANCES.items()}
+        covariance = motion[:3, :3] @ _covariance(row) @ motion[:3, :3].T
+        known = dict(zip(_U, np.sqrt(np.diag(covariance)).tolist(), strict=True))
+        known |= {name: float(covariance[i, j]) for name, (i, j) in _COVARIANCES.items()}
+        values |= {name: known[name] for name in stated}
     if turned:
         rotation = motion[:3, :3] @ rotation_of(np.array([row[name] for name in _ANGLES]))
         values |= dict(zip(_ANGLES, angles_of(rotation).tolist(), strict=True))
         if row["u_deg"] is not None:
             values["u_deg"] = row["u_deg"]
     return values
+
+
+def _covariance(row: Mapping[str, Any]) -> Floats:
+    """Return the covariance of a place in the instrument's frame, mm²; what it does not state counts as none."""
+    found = np.diag([row[name] ** 2 for name in _U])
+    for name, (i, j) in _COVARIANCES.items():
+        found[i, j] = found[j, i] = row.get(name) or 0.0
+    return found
+
+
+def _without_covariances(stored: Sequence[Mapping[str, Any]]) -> int:
+    """Return how many targets have uncertainties of which nobody states whether they are correlated.
+
+    One uncertainty of all coordinates is the same along any axes.
+    """
+    return sum(
+        len({row[name] for name in _U} - {None}) > 1 and any(row.get(name) is None for name in _COVARIANCES)
+        for row in stored
+    )
 
 
 @dataclass(frozen=True)
@@ -148,14 +179,22 @@ class _World:
         return self.motions[_nearest(number or 0, self.motions)]
 
 
-def frame_note(reader: RunReader) -> str:
-    """Return what is wrong with the world frame of a run and what follows; empty when nothing is."""
-    note = _world(reader).note
-    return f"{reader.path.name}: {note}" if note else ""
+def pose_notes(reader: RunReader) -> list[str]:
+    """Return what whoever uses the places of a run has to know of its world frame and of their uncertainties."""
+    stored = _pose_targets(reader)
+    alone = _without_covariances(stored)
+    notes = [
+        _world(reader).note,
+        f"the instrument states no covariances for {alone} of {len(stored)} places: errors of their coordinates are "
+        "taken as independent along its axes"
+        if alone
+        else "",
+    ]
+    return [f"{reader.path.name}: {note}" for note in notes if note]
 
 
 def _world(reader: RunReader) -> _World:
-    """Return the world frame of the first three nests of the cell that were seen."""
+    """Return the world frame of the first three nests of the cell that were seen and do not lie on a line."""
     rounds, u_mm = _rounds(reader)
     tried = {row["nests_round"] for row in _pose_targets(reader)} - {None}
     names = _nest_names(reader, rounds, measured=bool(tried))
@@ -165,14 +204,16 @@ def _world(reader: RunReader) -> _World:
     drifted = {number for number, places in rounds.items() if _has_moved(first, places, u_mm)}
     known = _known_places(names, rounds, drifted)
     hidden = ", ".join(name for name in names if name not in known)
-    if len(known) < FEWEST:
+    frame = frame_nests(known)
+    if frame is None:
+        left = f", and {', '.join(known)} lie on a line" if len(known) >= FEWEST else ""
         return _World(
             {},
-            f"no world frame: of the fixed nests {hidden} was hidden in every measurement, so places are in the "
-            "instrument's frame and a drift stays in them; use this run without others, and clear the line of "
-            "sight for the next",
+            f"no world frame: of the fixed nests {hidden or 'none'} was hidden in every measurement{left}, so places "
+            "are in the instrument's frame and a drift stays in them; use this run without others, and clear the "
+            "line of sight for the next",
         )
-    world = world_frame(known)
+    world = world_frame(*(known[name] for name in frame))
     motions: dict[int, Floats] = dict.fromkeys(rounds, world)
     notes = [
         f"measurement {number} of the nests saw none of them: places after it stand in the world frame by "
@@ -185,9 +226,9 @@ def _world(reader: RunReader) -> _World:
             notes.append(f"measurement {number} of the nests saw too few of them to take the drift since out")
         else:
             motions[number] = world @ back
-    if list(known)[:FEWEST] != list(names)[:FEWEST]:
+    if hidden and frame != tuple(names[:FEWEST]):
         notes.append(
-            f"the world frame lies on {', '.join(list(known)[:FEWEST])}, since {hidden} was hidden in every "
+            f"the world frame lies on {', '.join(frame)}, since {hidden} was hidden in every "
             "measurement: it is another one than that of runs that saw it, so do not calibrate them together"
         )
     return _World(motions, "; ".join(notes))

@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING, Final
 
 from pydantic import BaseModel
 
+from catseye.app.results.numbers import counted
+
 if TYPE_CHECKING:
     # Mathematics are imported with the first figure, not with the first screen.
     from catseye.app.results.figures import Figure
@@ -31,7 +33,8 @@ class SelectionDocument(BaseModel):
         measurements: of targets at them.
         candidates: that the poses were chosen from.
         drawn: random poses, of which the candidates keep the rules.
-        exchanges: after which no other one raised the index.
+        exchanges: of the best start, after which no other one raised the index.
+        starts: of the search, the best of which was taken.
         model: whose parameters the poses are to show.
         parameters: that they show.
         index_of_count: what other numbers of poses reach, one start each.
@@ -45,6 +48,7 @@ class SelectionDocument(BaseModel):
     candidates: int
     drawn: int
     exchanges: int
+    starts: int
     model: str
     parameters: tuple[str, ...]
     index_of_count: tuple[IndexOfCount, ...]
@@ -57,7 +61,8 @@ class SelectionDocument(BaseModel):
         )
         return (
             f"{self.count} poses{several} of {self.candidates} candidates, {self.index} {self.value:.4g} after "
-            f"{self.exchanges} exchanges; they show {len(self.parameters)} parameters of the model {self.model}."
+            f"{self.exchanges} exchanges in the best of {counted(self.starts, 'start')}; they show "
+            f"{len(self.parameters)} parameters of the model {self.model}."
         )
 
     def figure(self) -> "Figure":

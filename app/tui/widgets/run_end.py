@@ -1,7 +1,6 @@
 """How a run ended, and what is sensible now."""
 
 from collections.abc import Sequence
-from functools import cache
 from typing import Final
 
 from textual.app import ComposeResult
@@ -60,19 +59,11 @@ def _outcome(run: RunState) -> Content:
     if run.ended is None:
         return Content("it ended while nobody here was connected: Runs (F7) has its record")
     status, text = run.ended.status, run.ended.text
+    # The first screen is painted before procedures are imported.
+    from catseye.app.protocol.procedures import point_name
+
     done = sum(step.status == "done" for step in run.steps.values())
-    measured = f", {counted(run.points_seen, _point_name(run.procedure))}" if run.points_seen else ""
+    measured = f", {counted(run.points_seen, point_name(run.procedure))}" if run.points_seen else ""
     facts = f"  {counted(done, 'step')}{measured}"
     style = "bold $success" if status == "complete" else "bold $error"
     return Content.assemble((status.upper(), style), facts + (f": {text}" if text else ""))
-
-
-@cache
-def _point_name(procedure: str) -> str:
-    """Return what one of the things is called that a procedure measures."""
-    # The first screen is painted before procedures are imported.
-    from catseye.app.protocol.procedures import declared_by
-
-    declared = declared_by(procedure)
-    points = [] if declared is None else [each for each in declared.records if each.is_point]
-    return points[0].point_name if points else "distance"

@@ -66,13 +66,13 @@ class Sighting:
     Attributes:
         target: the nest in which it really sits; no wire carries that.
         place_mm: measured place, in the tracker's frame.
-        u_mm: standard deviation of x, y and z that the instrument states: of its noise, nothing of what it does not
-            know of itself.
+        covariance_mm2: of x, y and z that the instrument states, shape (3, 3): of its noise, nothing of what it does
+            not know of itself.
     """
 
     target: str
     place_mm: Place
-    u_mm: Place
+    covariance_mm2: Floats
 
 
 class LaserTracker:
@@ -224,8 +224,7 @@ class LaserTracker:
         stated = np.sqrt(0.5 + 0.5 / max(duration_s, 1e-3)) * np.array([along, across, across])
         axes = np.column_stack([mean_mm / range_mm, u, v])
         x, y, z = place.tolist()
-        ux, uy, uz = np.sqrt((axes**2) @ stated**2).tolist()
-        return Sighting(name, (x, y, z), (ux, uy, uz))
+        return Sighting(name, (x, y, z), np.asarray((axes * stated**2) @ axes.T))
 
     def _sigmas_mm(self, range_mm: float) -> tuple[float, float]:
         survey, range_m = self._survey, _M_PER_MM * range_mm

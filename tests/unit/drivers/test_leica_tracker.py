@@ -127,6 +127,20 @@ async def test_uncertainties_are_those_of_the_instrument() -> None:
         assert all(0.005 < u < 0.03 for u in found.u_mm)
 
 
+async def test_covariances_have_the_beam_as_an_axis() -> None:
+    async with rig(survey=exact_but(range_um=2.0, angle_um=20.0)) as one:
+        found = await one.point("nest1", 1.0)
+        assert found.u_mm is not None
+        assert found.covariance_mm2 is not None
+        xy, xz, yz = found.covariance_mm2
+        known = np.array([[0.0, xy, xz], [xy, 0.0, yz], [xz, yz, 0.0]]) + np.diag(np.square(found.u_mm))
+        along = np.array(found.place_mm) / np.linalg.norm(found.place_mm)
+        variances, axes = np.linalg.eigh(known)
+        # 2 um along the beam, 20 um across it, in both directions.
+        assert abs(axes[:, 0] @ along) == pytest.approx(1.0, abs=1e-4)
+        assert np.sqrt(variances[1:] / variances[0]) == pytest.approx([10.0, 10.0], rel=1e-3)
+
+
 async def test_a_tracker_is_initialised_before_the_first_point() -> None:
     async with rig({"initialised": False}) as one:
         assert one.asked(7) == 0

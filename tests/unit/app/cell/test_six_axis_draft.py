@@ -60,6 +60,24 @@ def test_faults_stand_beside_the_nest() -> None:
     assert "tracker.nest.1" in draft.page_faults(page, faults(draft))
 
 
+def test_a_fault_stands_beside_its_nest_behind_an_unanswered_one() -> None:
+    draft = filled(**{"tracker.nest.1": "", "tracker.nest.2": "-2200, far, -400"})
+    page = next(page for page in draft.pages if page.name == "tracker")
+    found = draft.page_faults(page, faults(draft))
+    assert "tracker.nest.2" in found
+    assert "tracker.nest.1" not in found
+
+
+def test_an_added_nest_has_a_name_of_its_own() -> None:
+    # The second of three was left unanswered before.
+    text = TEMPLATES[SIX_AXIS].text
+    head, *nests = text.partition("[ballbar]")[0].split("[[tracker.nest]]")
+    draft = Draft.of_text("[[tracker.nest]]".join([head, nests[0], nests[2]]))
+    draft.give("tracker.nest.2", "-1450, 650, -330")
+    assert faults(draft) == {}
+    assert len({nest["name"] for nest in draft.data()["tracker"]["nest"]}) == 3
+
+
 @pytest.mark.parametrize("typed", ["-1450, 655", "-1450, 655, -330, 7", "here"])
 def test_a_nest_wants_three_numbers(typed: str) -> None:
     draft = Draft.of_text(TEMPLATES[SIX_AXIS].text)

@@ -10,15 +10,17 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
+import catseye
 from catseye.app.cli import cli
 from catseye.app.errors import MeasurementRejectedError, UsageError
+from catseye.app.results.loading import CalibratedArm
 from catseye.app.results.serial_arm.identified_arm import identified_arm
 from catseye.app.results.serial_arm.result import read_serial_arm
 from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.serial_arm.geometry import Commands
 from catseye.calibration.serial_arm.plausibility import ImplausibleError
 from tests.unit.app.results.serial_arm.tables import arm_file, poses_file, some_poses, tool_file
-from tests.unit.calibration.serial_arm.true_arm import BASE, DRAWN, FOUND, TrueArm
+from tests.unit.calibration.serial_arm.true_arm import BASE, DRAWN, FOUND, NESTS, TrueArm
 
 
 def called(folder: Path, poses: Path, *words: str) -> Result:
@@ -213,6 +215,19 @@ def test_compensated_commands_bring_the_true_arm_near(calibrated: Path) -> None:
     assert len(kept) >= 9
     assert missed.mean() < 0.12
     assert float(rows[kept[0]]["uncorrected_mm"]) > 0.5
+
+
+def test_the_library_compensates_as_the_command_does(tmp_path: Path) -> None:
+    # Without a tool the places of its targets are identified.
+    done = called(tmp_path, poses_file(tmp_path, some_poses()), "--model", "geometric")
+    assert done.exit_code == 0, done.output
+    rows = list(csv.DictReader(compensated(tmp_path, "csv").splitlines()))
+    said = np.array([[float(row[f"q{j}_deg"] or "nan") for j in range(1, 7)] for row in rows])
+    assert np.isfinite(said).all(axis=1).sum() >= 9
+    loaded = catseye.load(tmp_path / "arm.json")
+    assert isinstance(loaded, CalibratedArm)
+    assert loaded.value("nest2.x_mm")[0] == pytest.approx(NESTS[1, 0], abs=1.0)
+    np.testing.assert_allclose(loaded.compensated(some_poses(12, 80), "nest2"), said, atol=1e-6)
 
 
 def test_rapid_module_drives_to_the_compensated_joints(calibrated: Path) -> None:

@@ -1,5 +1,6 @@
 """A cell whose door nobody watches gets a warning before anything is driven."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -15,8 +16,10 @@ _REAL = TEMPLATE.replace("tcp://127.0.0.1:10001", "tcp://192.168.0.20:10001")
     [
         (TEMPLATE, False),
         (_REAL, True),
+        (re.sub(r"\[tracker\][^\[]*", "", TEMPLATE), True),
         (_REAL.replace("[tracker]", '[io]\nendpoint = "tcp://192.168.0.30:502"\n\n[tracker]'), False),
     ],
+    ids=["emulated", "real", "tunnel", "door"],
 )
 def test_a_real_cell_without_a_door_is_warned(
     text: str, warned: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -47,7 +47,7 @@ def test_joints_of_another_arm_and_unknown_targets_are_refused(arm: CalibratedAr
     arm = CalibratedArm(arm.result.model_copy(update={"parameters": parts}))
     with pytest.raises(UsageError, match=r"shape \(1, 4\): give \(n, 6\)"):
         arm.places_mm(np.zeros((1, 4)), "flange")
-    with pytest.raises(UsageError, match="no target 'N1'"):
+    with pytest.raises(UsageError, match="the calibrated arm has no target 'N1'"):
         arm.places_mm(np.zeros((1, 6)), "N1")
 
 

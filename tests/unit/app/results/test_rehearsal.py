@@ -74,10 +74,16 @@ async def test_the_table_has_a_line_for_each_step(tmp_path: Path) -> None:
     assert near.split()[4:6] == ["100.0", "0.227"]
     # 90 deg at 20 % of 420 deg/s.
     assert away.split()[4:8] == ["–", "–", "84.0", "806"]
-    assert "2 steps, 2 moves, 1 distances" in said
+    assert "2 steps, 2 moves, 1 distance, about" in said
     assert "fastest joint 84.0 deg/s, tool 806 mm/s; the beam misses by 0.227 mm at most" in said
     assert "warning: the screw is stiff" in said
     assert said.endswith("1 question: stage/1 after 2 s")
+
+
+async def test_what_a_tracker_measures_is_no_distance(tmp_path: Path) -> None:
+    rehearsal = rehearsal_of(planned(tmp_path), await rehearsed())
+    of_tracker = rehearsal.model_copy(update={"procedure": "tracker-calibration"})
+    assert "2 moves, 1 measurement, about" in "\n".join(statement_lines(rehearsal_report(of_tracker)))
 
 
 async def test_data_have_the_same_figures(tmp_path: Path) -> None:

@@ -4,10 +4,11 @@ import tomllib
 
 import pytest
 
+from catseye.app.cell.hands import hands_endpoint
 from catseye.app.cell.model import Cell
 from catseye.app.cell.scara.template import TEMPLATE
 from catseye.app.errors import ConfigError
-from catseye.app.service.emulation import emulated_devices, hands_endpoint
+from catseye.app.service.emulation import emulated_devices
 from catseye.app.service.scara.emulation import emulation_config
 
 

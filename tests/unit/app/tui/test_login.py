@@ -100,6 +100,17 @@ async def test_the_dialog_as_it_is_seen(tmp_path: Path, size: tuple[int, int]) -
     await login.before_engine(cell(tmp_path))
 
 
+async def test_a_tunnel_to_a_real_controller_wants_a_password(tmp_path: Path) -> None:
+    path = cell(tmp_path, "tcp://127.0.0.1:8080")
+    lines = path.read_text(encoding="utf-8").splitlines()
+    # Nothing in the cell file says that the bench is emulated.
+    path.write_text("\n".join(one for one in lines if not one.startswith("control =")), encoding="utf-8")
+    login, shown = Login({}), Shown(None)
+    login.show = shown
+    await login.before_engine(path)
+    assert shown.count == 1
+
+
 class Empty(App[None]):
     """Shows the dialog only."""
 

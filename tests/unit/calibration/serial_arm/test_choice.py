@@ -94,6 +94,19 @@ def test_poses_that_scatter_as_a_whole_are_kept_and_weighed() -> None:
     assert found.scatter_mm == pytest.approx(float(np.sqrt(np.mean(apart**2))), rel=0.5)
 
 
+def test_a_robust_loss_states_nothing_that_it_did_not_use() -> None:
+    poses = random_poses(60, 1)
+    rows = of_all_nests(poses, poses + 0.015 * np.random.default_rng(1).standard_normal(poses.shape), 1)
+    aside = np.zeros((len(rows.points.pose), 3))
+    aside[rows.points.pose == 7] = 0.0, 3.0, 4.0
+    rows = replace(rows, points=replace(rows.points, place_mm=rows.points.place_mm + aside))
+    found = choose(irb120(), rows, name="geometric", loss="huber")
+    assert (found.rejected, found.drift, found.scatter_mm) == ((), None, None)
+    for used in (found.calibration, found.frames):
+        assert np.unique(used.model.measurements.poses).size == 60
+    assert np.unique(found.held_out.pose).size == 60
+
+
 def test_poses_at_one_command_are_left_out_together() -> None:
     poses = np.repeat(random_poses(POSES // 2, 10), 2, axis=0)
     rows = measured(poses, 10)

@@ -46,6 +46,17 @@ def renamed(rows: Measurements) -> Measurements:
         (places(lambda x: x / 25.4), "in inches, not in mm"),
         (places(lambda x: x * np.array([1.0, -1.0, 1.0])), "left-handed"),
         (renamed, "nest2 is nest3"),
+        (
+            joints(lambda q: np.where(np.arange(len(q))[:, None] % 2, np.deg2rad(q), q)),
+            r"the joints of 20 poses are in rad, not in deg \(the first: pose",
+        ),
+        (
+            lambda rows: places(lambda x: x / 1000.0)(joints(np.deg2rad)(rows)),
+            "the joints are in rad and the coordinates in m",
+        ),
+        (joints(lambda q: q + 90.0 * (np.arange(6) == 1)), "J2 counts from a zero -90 deg away"),
+        (places(lambda x: np.where(np.arange(len(x))[:, None] == 7, 0.0, x)), "if 'pose 8' is left out"),
+        (joints(lambda q: 0.0 * q + q[0]), "all 40 poses have the same joints"),
     ],
 )
 def test_mistake_is_named(change: Change, named: str) -> None:

@@ -78,6 +78,7 @@ class ScriptedTracker(Tracker):
     hidden: dict[str, int] = field(default_factory=dict)
     drift_mm: dict[int, float] = field(default_factory=dict)
     face_mm: float = 0.0
+    covariance_mm2: Place | None = (0.0, 0.0, 0.0)
     marks: int = 30
     asked: list[tuple[str, Face]] = field(default_factory=list)
     near: list[tuple[str, Place | None]] = field(default_factory=list)
@@ -104,7 +105,7 @@ class ScriptedTracker(Tracker):
         place = self.place_mm(target)
         shift = sum(by for after, by in self.drift_mm.items() if len(self.asked) > after)
         place = place + np.array([shift, self.face_mm * (1.0 if face == 1 else -1.0), 0.0])
-        return TargetPoint(_triple(place), (0.02, 0.03, 0.04))
+        return TargetPoint(_triple(place), (0.02, 0.03, 0.04), self.covariance_mm2)
 
     async def pose(self, target: str, dwell_s: float) -> TargetPose:
         assert dwell_s > 0.0

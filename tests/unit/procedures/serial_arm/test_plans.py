@@ -225,3 +225,15 @@ def test_turns_over_many_poses_are_those_of_each() -> None:
         poses = np.array([turn.pose(value) for value in turn.values_deg])
         assert seen(SIX, poses, SIX.target(turn.target)).all()
         assert all(SIX.arm.axes[5].allows(value - 5.0) for value in turn.values_deg)
+
+
+def test_given_rows_of_a_pose_count_its_targets() -> None:
+    # All nests look the same way.
+    alike = tuple(replace(one, normal=SIX.targets[0].normal) for one in SIX.targets)
+    bench = replace(SIX, targets=alike)
+    chosen = TrackerValidation().plan(bench, SMALL.model_copy(update={"targets_per_pose": 3})).poses
+    assert max(len(one.targets) for one in chosen) == 3
+    rows = [list(one.pose) for one in chosen for _ in one.targets]
+    assert TrackerCalibration().plan(bench, CalibrationParams(poses=rows)).poses == chosen
+    alone = TrackerCalibration().plan(bench, CalibrationParams(poses=rows, targets_per_pose=1)).poses
+    assert [one.targets for one in alone] == [one.targets[:1] for one in chosen]

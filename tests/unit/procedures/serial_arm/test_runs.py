@@ -158,7 +158,8 @@ async def test_a_no_leaves_the_axes_alone(tmp_path: Path) -> None:
     assert "move" not in room.robot.calls
 
 
-async def test_an_arm_that_is_moved_is_measured_again(tmp_path: Path) -> None:
+@pytest.mark.parametrize("push_deg", [1.0, 0.06], ids=["hit", "brushed"])
+async def test_an_arm_that_is_moved_is_measured_again(tmp_path: Path, push_deg: float) -> None:
     room, plan = Room(tmp_path), plan_of()
     measure = room.tracker.point
     pushed: list[object] = []
@@ -167,7 +168,7 @@ async def test_an_arm_that_is_moved_is_measured_again(tmp_path: Path) -> None:
         found = await measure(*args, **kwargs)  # type: ignore[arg-type]  # passed on as they come
         if args[0] not in NESTS and not pushed:
             pushed.append(args[0])
-            room.robot.pose = tuple(value + 1.0 for value in room.robot.pose)
+            room.robot.pose = tuple(value + push_deg for value in room.robot.pose)
         return found
 
     room.tracker.point = pushing  # type: ignore[method-assign,assignment]  # pushes once
@@ -176,6 +177,23 @@ async def test_an_arm_that_is_moved_is_measured_again(tmp_path: Path) -> None:
     rows = RunReader(outcome.path).rows("targets")
     assert [row["pose"] for row in rows] == [one.name for one in plan.poses]
     assert any("somebody has moved it" in str(one["text"]) for one in room.said("warning"))
+
+
+@pytest.mark.parametrize(("off", "status"), [(0.05, "complete"), (0.2, "failed")])
+async def test_a_read_back_beside_the_command_is_no_push(tmp_path: Path, off: float, status: str) -> None:
+    room = Room(tmp_path)
+    joints = room.robot.joints
+
+    async def beside() -> tuple[float, ...]:
+        first, *rest = await joints()
+        return (first + off, *rest)
+
+    room.robot.joints = beside  # type: ignore[method-assign]  # an encoder that is off by so much
+    outcome = await carried_out(room, TrackerValidation(), plan_of())
+    assert outcome.status == status
+    if status == "failed":
+        assert "more than 0.1 deg off" in outcome.text
+        assert "--param read_back_limit" in outcome.text
 
 
 async def test_frames_of_an_optical_cmm_carry_their_orientation(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ import struct
 from itertools import pairwise
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -62,3 +63,15 @@ def test_the_driver_reads_results(
     assert result.place_mm == place
     np.testing.assert_allclose(result.scatter_mm, deviations[:3], atol=1e-7)
     np.testing.assert_allclose(result.a_priori_mm, deviations[3:], atol=1e-7)
+    assert result.covariance_mm2 == ((0.0, 0.0, 0.0) if extended else None)
+
+
+def test_the_driver_reads_both_covariances() -> None:
+    scatter = np.array([[4.0, 1.0, -2.0], [1.0, 9.0, 3.0], [-2.0, 3.0, 16.0]])
+    expected = np.array([[5.0, 0.5, 0.25], [0.5, 6.0, -1.0], [0.25, -1.0, 7.0]])
+    point = PointValues((1.0, 2.0, 3.0), scatter, expected)
+    said = packets.reply(49, 0) + packets.single(0, point, (20.0, 1013.0, 50.0), extended=True)
+    result = ResultDecoder().feed(said)
+    assert result is not None
+    assert result.covariance_mm2 == (1.5, -1.75, 2.0)
+    assert result.u_mm == pytest.approx((3.0, 15.0**0.5, 23.0**0.5))

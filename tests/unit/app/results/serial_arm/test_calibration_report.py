@@ -6,6 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from catseye.app.cli import cli
+from catseye.app.render.text import statement_lines
 from catseye.app.results.figures import Bars
 from catseye.app.results.model import Report
 from catseye.app.results.serial_arm.calibration_report import calibration_report
@@ -86,3 +87,13 @@ def test_page_of_a_choice_shows_the_index(tmp_path: Path) -> None:
     done = CliRunner().invoke(cli, ["select-poses", *words, "--report", str(tmp_path / "chosen.html")])
     assert done.exit_code == 0, done.output
     assert "Index against the number of poses" in (tmp_path / "chosen.html").read_text("utf-8")
+
+
+def test_uncertainties_far_beyond_the_residuals_are_named(result: SerialArmResult) -> None:
+    # u_mm in µm: a thousandfold.
+    fit = result.fit.model_copy(update={"chi2_reduced": 1e-6})
+    said = statement_lines(calibration_report("Calibration", result.model_copy(update={"fit": fit})))
+    assert any("are 1000 times what the residuals show" in line for line in said)
+    assert not any(
+        "times what the residuals show" in line for line in statement_lines(calibration_report("", result))
+    )

@@ -1,18 +1,20 @@
 """The world frame of a run some of whose nests were hidden."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from catseye.app.results.serial_arm.run_poses import frame_note, pose_rows
+from catseye.app.results.serial_arm.run_poses import pose_notes, pose_rows
 from catseye.app.store.reader import RunReader
+from catseye.procedures.serial_arm.bench import FixedNest, SerialBench
 from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
 from tests.unit.app.results.serial_arm import test_run_poses
 from tests.unit.app.results.serial_arm.test_run_poses import in_world, measured, place_of
-from tests.unit.procedures.serial_arm.benches import NESTS, Room
+from tests.unit.procedures.serial_arm.benches import NESTS, SIX, Room
 
 PARAMS = ValidationParams(count=8, nests_every=4, settle_s=0.2)
 
@@ -32,12 +34,12 @@ def cell_with_nests(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(test_run_poses, "configuration", configuration)
 
 
-async def run(tmp_path: Path, hidden: Mapping[str, int]) -> RunReader:
+async def run(tmp_path: Path, hidden: Mapping[str, int], bench: SerialBench = SIX) -> RunReader:
     runs = tmp_path / "runs"
     runs.mkdir(exist_ok=True)
     room = Room(runs)
     room.tracker.hidden = dict(hidden)
-    return RunReader(await measured(room, tmp_path, TrackerValidation(), PARAMS))
+    return RunReader(await measured(room, tmp_path, TrackerValidation(), PARAMS, bench))
 
 
 @pytest.mark.parametrize("name", ["W1", "W2", "W3"])
@@ -45,12 +47,12 @@ async def test_a_nest_hidden_once_changes_no_frame(tmp_path: Path, name: str) ->
     reader = await run(tmp_path, {name: 1})
     for row, stored in zip(pose_rows(reader), reader.rows("targets"), strict=True):
         assert place_of(row) == pytest.approx(in_world(place_of(stored)), abs=1e-9)
-    assert frame_note(reader) == ""
+    assert not pose_notes(reader)
 
 
 async def test_a_nest_never_seen_is_reported(tmp_path: Path) -> None:
     reader = await run(tmp_path, {"W2": 99})
-    assert "no world frame: of the fixed nests W2 was hidden in every measurement" in frame_note(reader)
+    assert "no world frame: of the fixed nests W2 was hidden in every measurement" in pose_notes(reader)[0]
     for row, stored in zip(pose_rows(reader), reader.rows("targets"), strict=True):
         assert np.array_equal(place_of(row), place_of(stored))
 
@@ -64,10 +66,24 @@ async def test_a_round_that_saw_no_nest_takes_the_nearest(tmp_path: Path) -> Non
         assert place_of(row) == pytest.approx(in_world(place_of(one)), abs=1e-9)
     assert (
         "measurement 0 of the nests saw none of them: places after it stand in the world frame by measurement 1"
-        in (frame_note(reader))
+        in pose_notes(reader)[0]
     )
 
 
 async def test_nests_that_no_round_saw_are_reported(tmp_path: Path) -> None:
     reader = await run(tmp_path, dict.fromkeys(NESTS, 99))
-    assert "of the fixed nests W1, W2, W3 was hidden in every measurement" in frame_note(reader)
+    assert "of the fixed nests W1, W2, W3 was hidden in every measurement" in pose_notes(reader)[0]
+
+
+async def test_nests_left_on_a_line_make_no_frame(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Beside the line of the first two, W3 alone makes a frame; the tracker cannot see it.
+    w1, w2 = np.array(NESTS["W1"]), np.array(NESTS["W2"])
+    x, y, z = (w1 + 2.0 * (w2 - w1)).tolist()
+    monkeypatch.setitem(NESTS, "W4", (x, y, z))
+    nests = tuple(FixedNest(name, place) for name, place in NESTS.items())
+    bench = replace(SIX, instrument=replace(SIX.instrument, nests=nests))
+    reader = await run(tmp_path, {"W3": 99}, bench)
+    (note,) = pose_notes(reader)
+    assert "W3 was hidden in every measurement, and W1, W2, W4 lie on a line" in note
+    for row, stored in zip(pose_rows(reader), reader.rows("targets"), strict=True):
+        assert np.array_equal(place_of(row), place_of(stored))

@@ -39,3 +39,32 @@ def test_read_back_joints_of_another_pose_are_refused(tmp_path: Path) -> None:
 def test_other_sides_of_approach_are_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"csv:3: pose 'p1' was approached from other sides in .*csv:2"):
         read(tmp_path, SIDES, "1,1,1,1,1,1", "1,1,-1,1,1,1")
+
+
+@pytest.mark.parametrize(
+    ("columns", "values", "why"),
+    [
+        ("u_x_mm,u_y_mm,u_z_mm,cov_xy_mm2", "0.1,0.1,0.1,0.001", "column cov_xz_mm2 is missing: covariances"),
+        ("cov_xy_mm2,cov_xz_mm2,cov_yz_mm2", "0,0,0", "uncertainties are stated for some rows only"),
+        (
+            "u_mm,cov_xy_mm2,cov_xz_mm2,cov_yz_mm2",
+            "0.1,0.02,0,0",
+            "csv:2: uncertainties and covariances do not",
+        ),
+    ],
+)
+def test_covariances_that_are_not_whole_are_refused(
+    tmp_path: Path, columns: str, values: str, why: str
+) -> None:
+    with pytest.raises(UsageError, match=why):
+        read(tmp_path, columns, values)
+
+
+def test_a_missing_column_names_one_of_another_unit(tmp_path: Path) -> None:
+    path = tmp_path / "poses.csv"
+    path.write_text(f"pose,{JOINTS},target,x_m,Y_MM,z_mm\n", encoding="utf-8")
+    description = arm_description("irb120")
+    with pytest.raises(
+        UsageError, match=r"column x_mm, y_mm is missing \(the file has x_m, Y_MM: another spelling"
+    ):
+        read_measured_poses([path], description, serial_arm_of(description, None), {})

@@ -10,10 +10,12 @@ from typer.testing import CliRunner
 
 from catseye.app.cell.model import Cell
 from catseye.app.cli import cli
+from catseye.app.errors import UsageError
 from catseye.app.results.runs.summary import summary
-from catseye.app.results.serial_arm.run_poses import pose_rows
+from catseye.app.results.serial_arm.run_poses import pose_export, pose_notes, pose_rows
 from catseye.app.store.reader import RunReader
 from catseye.procedures.serial_arm.ballbar import BallbarTest
+from catseye.procedures.serial_arm.bench import SerialBench
 from catseye.procedures.serial_arm.tracker_calibration import CalibrationParams, TrackerCalibration
 from catseye.procedures.serial_arm.tracker_validation import TrackerValidation, ValidationParams
 from tests.unit.procedures.serial_arm.benches import NESTS, SIX, TARGETS, Room, carried_out
@@ -50,8 +52,10 @@ def configuration(folder: Path) -> Any:
     return Cell.model_validate(cell).model_dump(mode="json")
 
 
-async def measured(room: Room, folder: Path, procedure: Any, params: Any) -> Path:
-    plan = procedure.plan(SIX, params)
+async def measured(
+    room: Room, folder: Path, procedure: Any, params: Any, bench: SerialBench | None = None
+) -> Path:
+    plan = procedure.plan(bench or SIX, params)
     meta = {"configuration": configuration(folder), "procedure": procedure.name}
     outcome = await carried_out(room, procedure, plan, meta=meta)
     assert (outcome.status, outcome.text) == ("complete", "")
@@ -88,6 +92,44 @@ async def test_places_stand_in_the_world_frame(tmp_path: Path) -> None:
         assert [row[f"q{k}_read_deg"] for k in range(1, 7)] == stored["q_read"]
     # Axes of the world are those of the tracker, exchanged: variances go along.
     assert [rows[0][name] for name in ("u_x_mm", "u_y_mm", "u_z_mm")] == pytest.approx([0.03, 0.02, 0.04])
+
+
+async def test_stated_covariances_turn_into_the_world_frame(tmp_path: Path) -> None:
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    room = Room(runs)
+    room.tracker.covariance_mm2 = (1e-4, -2e-4, 3e-4)
+    reader = RunReader(await validated(tmp_path, room))
+    stated = np.array([[4e-4, 1e-4, -2e-4], [1e-4, 9e-4, 3e-4], [-2e-4, 3e-4, 16e-4]])
+    # Three places in the world whose differences are the axes of the tracker.
+    axes = np.array([in_world(one) - in_world(np.zeros(3)) for one in np.eye(3)]).T
+    wanted = axes @ stated @ axes.T
+    for row in pose_rows(reader):
+        names = (("u_x_mm", 0), ("u_y_mm", 1), ("u_z_mm", 2))
+        assert [row[name] for name, _ in names] == pytest.approx([wanted[k, k] ** 0.5 for _, k in names])
+        found = [row[name] for name in ("cov_xy_mm2", "cov_xz_mm2", "cov_yz_mm2")]
+        assert found == pytest.approx([wanted[0, 1], wanted[0, 2], wanted[1, 2]])
+    assert not pose_notes(reader)
+
+
+async def test_covariances_that_nobody_states_are_named(tmp_path: Path) -> None:
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    room = Room(runs)
+    room.tracker.covariance_mm2 = None
+    (note,) = pose_notes(RunReader(await validated(tmp_path, room)))
+    assert "states no covariances for 8 of 8 places" in note
+
+
+async def test_unstated_covariances_are_no_columns(tmp_path: Path) -> None:
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    room = Room(runs)
+    room.tracker.covariance_mm2, room.tracker.hidden = None, {"W2": 99}
+    row = pose_rows(RunReader(await validated(tmp_path, room)))[0]
+    # In the instrument's frame nothing turns them.
+    assert [row[name] for name in ("u_x_mm", "u_y_mm", "u_z_mm")] == [0.02, 0.03, 0.04]
+    assert "cov_xy_mm2" not in row
 
 
 async def test_a_drift_of_the_instrument_is_taken_out(tmp_path: Path) -> None:
@@ -153,6 +195,39 @@ async def test_a_summary_names_results_and_leaves_out_the_aim(tmp_path: Path) ->
     assert shown["params"] == '{"result": "catseye-serial-arm/1", "nests": []}'
     # Nothing aims a beam on this bench.
     assert "aim" not in shown
+
+
+async def test_poses_of_a_run_and_of_a_table_stay_apart(tmp_path: Path) -> None:
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    params = CalibrationParams(count=14, candidates=300, model="geometric", settle_s=0.2)
+    first = await measured(Room(runs), tmp_path, TrackerCalibration(), params)
+    # A table names its poses P0001 ... as the run does, and has measured others.
+    table, result = tmp_path / "poses.csv", tmp_path / "arm.json"
+    drawn = ValidationParams(count=8, settle_s=0.2, seed=7)
+    other = await measured(Room(runs), tmp_path, TrackerValidation(), drawn)
+    table.write_text(pose_export(RunReader(other)).csv, encoding="utf-8")
+    words = ["--runs", str(runs), "--model", "frames", "-o", str(result)]
+    done = CliRunner().invoke(cli, ["calibrate", first.name, "--poses", str(table), *words])
+    assert done.exit_code == 0, done.output
+    poses = json.loads(result.read_text(encoding="utf-8"))["errors"]["pose"]
+    assert len(set(poses)) == 14 + 8
+    assert "P0001" in poses
+    assert f"{first.name}/P0001" in poses
+
+
+async def test_a_measurement_given_twice_is_refused(tmp_path: Path) -> None:
+    reader = RunReader(await validated(tmp_path))
+    table = tmp_path / "poses.csv"
+    table.write_text(pose_export(reader).csv, encoding="utf-8")
+    words = ["--arm", "irb120", "--runs", str(tmp_path / "runs"), "-o", str(tmp_path / "arm.json")]
+    for given in (
+        [reader.path.name] * 2,
+        ["--poses", str(table), "--poses", f"{tmp_path}/runs/../poses.csv"],
+    ):
+        done = CliRunner().invoke(cli, ["calibrate", *given, *words])
+        assert isinstance(done.exception, UsageError)
+        assert "is given twice" in str(done.exception)
 
 
 def test_nothing_to_calibrate_with_is_refused(tmp_path: Path) -> None:

@@ -37,6 +37,7 @@ CHOSEN = {
     "candidates": 5000,
     "drawn": 61000,
     "exchanges": 151,
+    "starts": 4,
     "model": "geometric+compliance",
     "parameters": [f"p{k}" for k in range(33)],
     "index_of_count": [{"count": count, "value": value} for count, value in GROWTH],

@@ -135,7 +135,7 @@ def test_noise_is_as_large_as_the_tracker_states() -> None:
         seen = bench.tracker.point_at(near(bench, "nest1"), 1.0)
         assert seen is not None
         errors.append(np.array(seen.place_mm) - true)
-        stated.append(seen.u_mm)
+        stated.append(np.sqrt(np.diag(seen.covariance_mm2)))
     found, said = np.std(errors, axis=0), np.mean(stated, axis=0)
     # Turbulence of periods up to 20 s is averaged a little within the second; 100 draws know a deviation to 7 %.
     assert np.all(found < 1.25 * said)
