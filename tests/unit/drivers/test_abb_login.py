@@ -81,7 +81,8 @@ async def test_neither_proofs_nor_sessions_are_in_the_transcript() -> None:
 
 
 async def test_no_error_text_holds_a_proof() -> None:
-    async with rig(answer_timeout_s=0.05, stop_timeout_s=0.3) as one:
+    # Long enough for a busy machine to answer while the driver connects.
+    async with rig(answer_timeout_s=0.25, stop_timeout_s=1.5) as one:
         for port in one.bench.reach.ports_of("robot"):
             port.muted = True
         with pytest.raises(LinkError) as asked:
