@@ -149,11 +149,14 @@ def effective_dof(parts: Floats, dof: Floats, correlations: Floats | None = None
     parts, dof = np.asarray(parts, dtype=np.float64), np.asarray(dof, dtype=np.float64)
     require_shape(dof, parts.shape, "dof")
     require_positive(dof, "dof", infinite=True)
-    between = np.eye(parts.size) if correlations is None else correlations
-    require_shape(between, (parts.size, parts.size), "correlations")
-    together = csgraph.connected_components(between != 0.0, directed=False)[1].astype(np.int64)
-    _require_one_dof(dof, together)
-    variances = np.bincount(together, parts * (between @ parts))
+    if correlations is None:
+        together, joined = np.arange(parts.size), parts
+    else:
+        require_shape(correlations, (parts.size, parts.size), "correlations")
+        together = csgraph.connected_components(correlations != 0.0, directed=False)[1].astype(np.int64)
+        _require_one_dof(dof, together)
+        joined = correlations @ parts
+    variances = np.bincount(together, parts * joined)
     total = float(variances.sum())
     if total <= 0.0:
         return math.inf
