@@ -1,5 +1,6 @@
 """Blocks of a report as markup, by their type."""
 
+from collections.abc import Iterator
 from functools import singledispatch
 from itertools import groupby
 
@@ -37,7 +38,8 @@ def _(block: Table) -> Html:
 
 
 @html_of.register
-def _(block: Figure) -> Html:
+def figure_html(block: Figure) -> Html:
+    """Return a figure, drawn; a third of a second."""
     picture = element("div", Html(svg(drawn(block), block.key, block.label)), class_="scroll")
     return element("figure", picture, element("figcaption", block.caption), id_=f"figure-{block.key}")
 
@@ -64,10 +66,14 @@ def _(block: Entries) -> Html:
     return element("dl", *(part for pair in pairs for part in pair))
 
 
-def section_html(section: Section) -> Html:
-    """Return a section, empty without blocks; neighbouring statements share a list."""
+def section_html(section: Section, figures: Iterator[Html]) -> Html:
+    """Return a section, empty without blocks; neighbouring statements share a list.
+
+    Args:
+        figures: of this section and those behind it, drawn.
+    """
     parts: list[Html] = []
     for listed, blocks in groupby(section.blocks, key=lambda block: isinstance(block, Statement)):
-        inner = [html_of(block) for block in blocks]
+        inner = [next(figures) if isinstance(block, Figure) else html_of(block) for block in blocks]
         parts.append(element("ul", *inner, class_="verdict") if listed else join(inner))
     return html_section(section.key, section.title, *parts)

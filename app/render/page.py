@@ -1,16 +1,20 @@
 """The whole page of a report."""
 
 from pathlib import Path
+from typing import Final
 
+from catseye.app.cluster.share import InThisProcess, Share
 from catseye.app.errors import UsageError
 from catseye.app.files.atomic import write_atomically
 from catseye.app.protocol.banners import SIMULATION, UNVERIFIED
-from catseye.app.render.html import section_html
+from catseye.app.render.html import figure_html, section_html
 from catseye.app.render.markup import Html, element
 from catseye.app.render.palette import GREEN, RED
+from catseye.app.results.figures import Figure
 from catseye.app.results.model import Origin, Report
 
 _STYLE = Path(__file__).with_name("report.css")
+_HERE: Final = InThisProcess()
 
 
 def require_html(path: Path) -> None:
@@ -23,20 +27,30 @@ def require_html(path: Path) -> None:
         raise UsageError(f"{path}: a report is an HTML page; write -o {path.with_suffix('.html')}")
 
 
-def write_page(report: Report, path: Path) -> None:
-    """Write a report as a page."""
-    write_atomically(path, page_html(report))
+def write_page(report: Report, path: Path, share: Share = _HERE) -> None:
+    """Write a report as a page.
+
+    Args:
+        share: draws the figures, which take a third of a second each.
+    """
+    write_atomically(path, page_html(report, share))
 
 
-def page_html(report: Report) -> str:
-    """Return one self-contained page: style and figures inside, no script, nothing loaded."""
+def page_html(report: Report, share: Share = _HERE) -> str:
+    """Return one self-contained page: style and figures inside, no script, nothing loaded.
+
+    Args:
+        share: draws the figures.
+    """
     head = element(
         "head",
         Html('<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'),
         element("title", report.title),
         element("style", Html(_style() + _page_margins(report))),
     )
-    main = element("main", *map(section_html, report.sections))
+    blocks = [block for part in report.sections for block in part.blocks]
+    figures = iter(share.map(figure_html, [block for block in blocks if isinstance(block, Figure)]))
+    main = element("main", *(section_html(part, figures) for part in report.sections))
     page = element("html", head, element("body", _heading(report), main), lang="en")
     return f"<!DOCTYPE html>\n{page}\n"
 

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from catseye.calibration.core.arguments import require_count, require_positive
-from catseye.calibration.core.types import Floats
+from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.flags import Flag, flag_moves, listed
 from catseye.calibration.resolution.least_step import WINDOW, moving_mean, moving_spread, steps_within
@@ -28,6 +28,12 @@ _TAIL = 0.025
 
 _HALF = WINDOW // 2
 _FAR_PERCENT = 50.0
+
+_STILL_PERCENT: Final = 50.0
+"""A step that is made to less than this, either way, is hardly made."""
+
+_FEWEST_STILL: Final = 3
+"""Steps at the end of a series that are hardly made before the joint counts as having stopped following."""
 
 _MISTAKES: Final = {
     2.0: "the stated spacing is half of the real one, or each count stands for half the displacement",
@@ -113,14 +119,35 @@ def decaying_test(
     known = steps.judged[:judged]
     rng = np.random.default_rng(seed)
     scales = 1.0 + steps.u_scale * rng.standard_normal(draws)
-    curves = draw_mean_curves(np.log(size[:judged][known]), error[:judged][known], draws, rng)
-    drawn = np.full((draws, judged), np.nan)
-    drawn[:, known] = (100.0 + curves) * scales[:, None] - 100.0
+    followed = _followed(error[:judged], known)
+    curves = draw_mean_curves(np.log(size[:judged][followed]), error[:judged][followed], draws, rng)
+    drawn = np.tile(error[:judged], (draws, 1))
+    drawn[:, followed] = (100.0 + curves) * scales[:, None] - 100.0
     counts = steps_within(moving_mean(drawn), threshold_percent)
     least = _least_step(size[:judged], counts + rng.uniform(-0.5, 0.5, draws))
     by_rule = float(size[within - 1]) if within else None
     flags = (*steps.flags, *_flags(steps, judged, least, size))
     return DecayingTest(steps, error, mean, spread, threshold_percent, by_rule, least, flags)
+
+
+def _followed(error: Floats, known: Bools) -> Bools:
+    """Return which of the judged steps come before the joint stops following: a smooth mean makes no such jump.
+
+    Smaller steps than a controller passes on are not made at all, nor those after a program has ended. A joint that
+    hardly follows from the beginning is left as it is.
+
+    Args:
+        error: E_s, NaN where a step is not judged, shape (n,).
+        known: which steps are judged, shape (n,).
+    """
+    judged = np.flatnonzero(known)
+    moved = np.flatnonzero(np.abs(error[judged] + 100.0) >= _STILL_PERCENT)
+    count = int(moved[-1]) + 1 if moved.size else 0
+    if count < WINDOW or judged.size - count < _FEWEST_STILL:
+        return known
+    followed = known.copy()
+    followed[judged[count:]] = False
+    return followed
 
 
 def _sizes(steps: Steps) -> Floats:

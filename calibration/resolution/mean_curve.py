@@ -1,36 +1,40 @@
 """The mean of the step errors as a function of the step, from one series: a Gaussian process with growing scatter.
 
-Errors of small steps scatter more than those of large ones, and neighbours may be correlated. The mean is smooth over
-the logarithm of the step (Matérn 5/2), and what it may reach grows with the scatter: an error that is the same in
-degrees for all steps is a growing share of them. How smooth and how large it is, and what neighbours share, are
-integrated over, not picked. Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters
-2 and 5; the variance of the scatter by a gamma model, as Davidian and Carroll, JASA 82 (1987) 1079.
+Errors of small steps scatter more than those of large ones, and neighbours may be correlated. The mean is the sum of
+what is the same share of every step, of what is the same angle at every step, such as an overshoot, and of what is
+smooth over the logarithm of the step (Matérn 5/2) and grows with the scatter. How smooth and how large the latter is,
+and what neighbours share, are integrated over, not picked. Source: Rasmussen and Williams, Gaussian Processes for
+Machine Learning (2006), chapters 2 and 5; the variance of the scatter by a gamma model, as Davidian and Carroll, JASA
+82 (1987) 1079.
 """
 
-import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+from scipy.linalg import solve_triangular
 
 from catseye.calibration.core.types import Floats
 
-_AMPLITUDES: Final = (1.5, 5.0, 15.0, 50.0)
-"""Of the mean, over the scatter of a step."""
+_AMPLITUDES: Final = (0.1, 1.0, 10.0, 100.0)
+"""Of the smooth part of the mean, over the scatter of a step."""
 
-_LENGTHS: Final = (0.8, 1.6, 3.2, 6.4, 12.8)
+_LENGTHS: Final = (0.8, 2.4, 7.2)
 """Of the kernel, in e-folds of the step; the paper's window of 11 steps is 0.77 wide."""
 
-_CORRELATIONS: Final = {-0.5: 0.135, -0.25: 0.607, 0.0: 1.0, 0.25: 0.607, 0.5: 0.135}
-"""Of neighbours, each with its prior weight: normal with a standard deviation of 0.25.
+_CORRELATIONS: Final = {-0.25: 0.044, 0.0: 1.0, 0.25: 0.044}
+"""Of neighbours, each with its prior weight: normal with a standard deviation of 0.1.
 
 A step starts from where the joint was measured to stand, so what the last one missed by is not in it: correlation is
-possible, but none is expected.
+possible, but hardly any is expected.
 """
 
 _LEVEL_PERCENT: Final = 10.0
 """Prior standard deviation of what all steps share."""
+
+_OFFSET: Final = 100.0
+"""Prior standard deviation of an error of the same size at every step, over the scatter, rms: hardly any prior."""
 
 _SCALE_DOF: Final = 4.0
 """Of the prior of the scatter's scale: weak beside some hundred steps."""
@@ -41,18 +45,20 @@ _LEAST_PERCENT: Final = 1e-3
 
 
 @dataclass(frozen=True)
-class _Models:
-    """Covariances over that of the scatter's scale, for every point of the grid, in units of the scatter.
+class _Model:
+    """A point of the grid; covariances are over that of the scatter's scale, in units of the scatter.
 
     Attributes:
-        mean: of the mean curve, shape (k, n, n).
-        noise: of the step errors about it, shape (k, n, n).
-        prior: weights before the series is seen, shape (k,).
+        mean: covariance of the mean curve, shape (n, n).
+        root: Cholesky factor of that of the step errors, shape (n, n).
+        whitened: step errors over the root, shape (n,).
+        log_weight: logarithm of its probability, but for a constant.
     """
 
     mean: Floats
-    noise: Floats
-    prior: Floats
+    root: Floats
+    whitened: Floats
+    log_weight: float
 
 
 def draw_mean_curves(log_step: Floats, error_percent: Floats, draws: int, rng: np.random.Generator) -> Floats:
@@ -66,14 +72,10 @@ def draw_mean_curves(log_step: Floats, error_percent: Floats, draws: int, rng: n
         Means at the steps, %, shape (draws, n).
     """
     scatter = scatter_percent(log_step, error_percent)
-    values = error_percent / scatter
-    models = _models(log_step, scatter)
-    likely, squares = _posterior(models, values)
-    counts = rng.multinomial(draws, likely)
-    curves = [
-        _draws(models.mean[k], models.noise[k], values, float(squares[k]), int(counts[k]), rng)
-        for k in np.flatnonzero(counts)
-    ]
+    models = _models(log_step, scatter, error_percent / scatter)
+    weights = np.exp([model.log_weight for model in models])
+    counts = rng.multinomial(draws, weights / weights.sum())
+    curves = [_draws(models[k], int(counts[k]), rng) for k in np.flatnonzero(counts)]
     return np.asarray(np.concatenate(curves) * scatter)
 
 
@@ -100,18 +102,28 @@ def scatter_percent(log_step: Floats, error_percent: Floats) -> Floats:
     return np.asarray(np.maximum(np.exp(0.5 * powers @ coefficients), _LEAST_PERCENT))
 
 
-def _models(log_step: Floats, scatter: Floats) -> _Models:
+def _models(log_step: Floats, scatter: Floats, values: Floats) -> list[_Model]:
     places = np.arange(scatter.size, dtype=np.float64)
     between, apart = np.abs(places[:, None] - places), np.abs(log_step[:, None] - log_step)
-    level = (_LEVEL_PERCENT / scatter[:, None]) * (_LEVEL_PERCENT / scatter)
-    smooth = [_matern(apart / length) for length in _LENGTHS]
+    level = _LEVEL_PERCENT / scatter
+    offset = np.exp(log_step.mean() - log_step) / scatter
+    offset *= _OFFSET / np.sqrt(np.mean(offset**2))
+    large = np.outer(level, level) + np.outer(offset, offset)
+    smooth = [
+        large + amplitude**2 * _matern(apart / length) for amplitude in _AMPLITUDES for length in _LENGTHS
+    ]
     shared = [(_shared(between, correlation), weight) for correlation, weight in _CORRELATIONS.items()]
-    grid = list(itertools.product(_AMPLITUDES, smooth, shared))
-    return _Models(
-        np.stack([level + amplitude**2 * kernel for amplitude, kernel, _ in grid]),
-        np.stack([noise for _, _, (noise, _) in grid]),
-        np.array([weight for _, _, (_, weight) in grid]),
-    )
+    models = [_model(mean, noise, weight, values) for mean in smooth for noise, weight in shared]
+    most = max(model.log_weight for model in models)
+    return [replace(model, log_weight=model.log_weight - most) for model in models]
+
+
+def _model(mean: Floats, noise: Floats, prior: float, values: Floats) -> _Model:
+    """Return a model with its probability; the scale of the scatter is integrated over."""
+    root: Floats = np.linalg.cholesky(mean + noise)
+    whitened = solve_triangular(root, values, lower=True, check_finite=False)
+    likely = -0.5 * (_SCALE_DOF + values.size) * math.log(_SCALE_DOF + whitened @ whitened)
+    return _Model(mean, root, whitened, math.log(prior) - float(np.log(np.diagonal(root)).sum()) + likely)
 
 
 def _matern(apart: Floats) -> Floats:
@@ -126,23 +138,13 @@ def _shared(between: Floats, correlation: float) -> Floats:
     return np.asarray(grown * sign * np.abs(correlation) ** between)
 
 
-def _posterior(models: _Models, values: Floats) -> tuple[Floats, Floats]:
-    """Return the probability of each model and its sum of squares, shape (k,) each; the scale is integrated over."""
-    roots = np.linalg.cholesky(models.mean + models.noise)
-    squares = np.sum(np.linalg.solve(roots, values[:, None])[..., 0] ** 2, axis=1)
-    halves = np.log(np.diagonal(roots, axis1=1, axis2=2)).sum(axis=1)
-    logs = np.log(models.prior) - halves - 0.5 * (_SCALE_DOF + values.size) * np.log(_SCALE_DOF + squares)
-    weights = np.exp(logs - logs.max())
-    return np.asarray(weights / weights.sum()), squares
-
-
-def _draws(
-    mean: Floats, noise: Floats, values: Floats, square: float, count: int, rng: np.random.Generator
-) -> Floats:
-    gain = np.linalg.solve(mean + noise, mean).T
-    left = mean - gain @ mean
+def _draws(model: _Model, count: int, rng: np.random.Generator) -> Floats:
+    """Return mean curves of one model, shape (count, n): draws of the prior, conditioned on the series."""
+    gain = solve_triangular(model.root, model.mean, lower=True, check_finite=False)
+    left = model.mean - gain.T @ gain
     variances, directions = np.linalg.eigh(0.5 * (left + left.T))
     root = directions * np.sqrt(np.maximum(variances, 0.0))
-    scale = np.sqrt((_SCALE_DOF + square) / rng.chisquare(_SCALE_DOF + values.size, count))
-    normal: Floats = rng.standard_normal((count, values.size)) @ root.T
-    return np.asarray(gain @ values + scale[:, None] * normal)
+    dof = _SCALE_DOF + model.whitened.size
+    scale = np.sqrt((_SCALE_DOF + model.whitened @ model.whitened) / rng.chisquare(dof, count))
+    normal: Floats = rng.standard_normal((count, model.whitened.size)) @ root.T
+    return np.asarray(gain.T @ model.whitened + scale[:, None] * normal)

@@ -20,6 +20,7 @@ from catseye.app.cli.report_output import note_statements, write_tables
 from catseye.app.cli.resolution.demo_cell import ARM, CELL, emulator_cell
 from catseye.app.cli.resolution.demo_prediction import predict_tool
 from catseye.app.cli.resolution.demo_truth import TrueLeastStep, compare_with_truth, truth_section
+from catseye.app.cluster.sharing import sharing
 from catseye.app.engine.signals import SignalInstaller
 from catseye.app.errors import UsageError
 from catseye.app.protocol.procedures import load_procedure
@@ -39,6 +40,9 @@ from catseye.app.service.emulated_arm import emulation_config
 from catseye.app.store.reader import RunReader
 from catseye.calibration.resolution.decaying import THRESHOLD_PERCENT
 from catseye.calibration.resolution.errors import MovesError
+
+_ONE_A_CORE: Final = 0
+"""Processes that models and figures are shared between: nothing else is left to do meanwhile."""
 
 _TIMES: Final = ("standstill_s=15", "dwell_s=1.5")
 
@@ -71,12 +75,14 @@ def demonstrate_resolution(given: Demonstration, *, as_json: bool) -> None:
     runs = asyncio.run(measure(given))
     note("evaluating the recordings")
     result = evaluate(given, runs)
-    note("predicting the steps of the tool from those of the joints")
-    predicted = predict_tool(given.folder, ARM, POSE_DEG, [result, other_cells(result)])
-    note("repeating the steps on the emulated arm without an interferometer")
-    truth = compared_with_truth(given, runs, result)
-    report, page = report_of(given, truth, predicted), given.folder / "report.html"
-    write_page(report, page)
+    with sharing(_ONE_A_CORE, None) as share:
+        note("predicting the steps of the tool from those of the joints")
+        predicted = predict_tool(given.folder, ARM, POSE_DEG, [result, other_cells(result)], share)
+        note("repeating the steps on the emulated arm without an interferometer")
+        truth = compared_with_truth(given, runs, result)
+        note("drawing the figures of the report")
+        report, page = report_of(given, truth, predicted), given.folder / "report.html"
+        write_page(report, page, share)
     if as_json:
         write_json(_document(given, runs, result, truth, page))
         return

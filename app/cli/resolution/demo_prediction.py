@@ -5,8 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from catseye.app.cell.arm import arm_description
-from catseye.app.cluster.share import InThisProcess
-from catseye.app.cluster.sharing import sharing
+from catseye.app.cluster.share import InThisProcess, Share
 from catseye.app.files.atomic import write_atomically
 from catseye.app.results.resolution.cartesian_prediction import Prediction, predicted_resolution
 from catseye.app.results.resolution.joint_tables import write_joint_tables
@@ -16,14 +15,11 @@ from catseye.app.results.resolution.result import AnyTest, ResolutionResult, wri
 from catseye.calibration.resolution.cartesian_steps import StepSeries
 from catseye.calibration.resolution.predictor import PredictionMethod
 
-_ONE_A_CORE: Final = 0
-"""Processes that the joints' models are shared between: nothing else is left to do meanwhile."""
-
 _METHOD: Final = PredictionMethod(series=StepSeries(largest_mm=0.1))
 
 
 def predict_tool(
-    folder: Path, arm: str, pose_deg: Sequence[float], results: Sequence[ResolutionResult]
+    folder: Path, arm: str, pose_deg: Sequence[float], results: Sequence[ResolutionResult], share: Share
 ) -> list[Path]:
     """Model the joints around a pose and predict the steps of the tool there; return prediction and tables.
 
@@ -32,13 +28,13 @@ def predict_tool(
         arm: name of the arm's description.
         pose_deg: of the Cartesian test, shape (n,).
         results: tests of all joints.
+        share: fits the joints' models.
     """
     tables, poses, predicted = (folder / name for name in ("tables.csv", "poses.csv", "predicted.json"))
     modelled = folder / "modelled.json"
     tests = around([test for result in results for test in result.tests])
     write_resolution(results[0].model_copy(update={"tests": tests}), modelled)
-    with sharing(_ONE_A_CORE, None) as share:
-        models = model_arm([modelled], share)
+    models = model_arm([modelled], share)
     write_joint_tables(models.tables, tables, simulated=models.simulated)
     description = arm_description(arm)
     head = ",".join(["pose", *(f"q{number}_deg" for number in range(1, len(pose_deg) + 1))])

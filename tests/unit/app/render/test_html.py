@@ -1,5 +1,6 @@
 """Reports as pages."""
 
+from catseye.app.cluster.processes import processes
 from catseye.app.render.page import page_html
 from tests.unit.app.render.page_reader import read_page
 from tests.unit.app.render.reports import REPORT
@@ -15,6 +16,11 @@ def test_every_block_stands_on_the_page() -> None:
     assert '<span class="default">a = 1</span>\nb &lt; 2' in html
     for text in ("Text & text", "Left out", "What marks look like.", "Only on the page."):
         assert text in page.text
+
+
+def test_figures_drawn_by_other_processes_are_the_same() -> None:
+    with processes(2) as share:
+        assert page_html(REPORT, share) == page_html(REPORT)
 
 
 def test_statements_carry_their_sign_as_a_class() -> None:

@@ -45,7 +45,7 @@ def rows() -> list[list[str]]:
         cells_of(row)
         for row in re.findall(
             r"<tr>(.*?)</tr>",
-            section_html(uncertainty_section(result().uncertainty, cell().uncertainty.contributor)),
+            section_html(uncertainty_section(result().uncertainty, cell().uncertainty.contributor), iter(())),
         )
     ]
 

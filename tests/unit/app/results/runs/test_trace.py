@@ -30,7 +30,7 @@ SHEET = replace(
 def trace(sheet: sample.Sheet) -> str:
     software = (result.provenance.software for result in sheet.findings.results)
     section = trace_section(sheet.origin.software, sheet.sources, sheet.measurement.runs, software)
-    return section_html(section)
+    return section_html(section, iter(()))
 
 
 def test_runs_are_traced_with_programs_operator_digests_and_command() -> None:

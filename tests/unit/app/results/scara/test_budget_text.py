@@ -48,7 +48,7 @@ def test_what_a_budget_leaves_open_is_in_the_verdict(part: BudgetPart, remark: s
 def test_a_result_page_lists_the_budget_that_it_stands_on() -> None:
     result = sample.hand_made().model_copy(update={"budget": STATED})
     (found,) = (one for one in sample.bare(result).report.sections if one.title == "Uncertainty")
-    text = section_html(found)
+    text = section_html(found, iter(()))
     assert "that of the table points.csv" in text
     assert "radial error motion of J4" in text
 
