@@ -120,7 +120,7 @@ def _models(log_step: Floats, scatter: Floats, values: Floats) -> list[_Model]:
 
 def _model(mean: Floats, noise: Floats, prior: float, values: Floats) -> _Model:
     """Return a model with its probability; the scale of the scatter is integrated over."""
-    root: Floats = np.linalg.cholesky(mean + noise)
+    root = np.asarray(np.linalg.cholesky(mean + noise), dtype=np.float64)
     whitened = solve_triangular(root, values, lower=True, check_finite=False)
     likely = -0.5 * (_SCALE_DOF + values.size) * math.log(_SCALE_DOF + whitened @ whitened)
     return _Model(mean, root, whitened, math.log(prior) - float(np.log(np.diagonal(root)).sum()) + likely)
