@@ -167,6 +167,20 @@ def test_other_series_are_refused(command: Floats, text: str) -> None:
         decaying_test(decaying_steps(command, np.zeros(command.size)))
 
 
+def test_sizes_that_a_controller_rounds_may_repeat() -> None:
+    multiples = np.r_[100, 93, 87, 81, 76, 71, 66, 61, 57, 53, 50, 46, 43, np.arange(40.0, 0.0, -1.0)]
+    # Added to positions between its multiples, two steps of it may become one size, by a last digit apart.
+    rounded = np.where(multiples == 5.0, 4.5 + 1e-12, np.where(multiples == 4.0, 4.5 + 3e-12, multiples))
+    least = decaying_test(decaying_steps(1e-3 * DEG * rounded, np.full(rounded.size, 1.0))).least_step
+    assert least is not None
+    assert least.value == pytest.approx(1e-3 * DEG)
+
+
+def test_steps_of_one_size_are_no_decreasing_ones() -> None:
+    with pytest.raises(MovesError, match=r"move 2 is .* no smaller than the one before"):
+        decaying_test(decaying_steps(np.full(30, 0.1 * DEG), np.zeros(30)))
+
+
 def test_a_threshold_has_to_be_positive() -> None:
     with pytest.raises(ArgumentError, match="threshold_percent"):
         evaluated(overtravel(1e-4, 1e-4, 1), 0.0)
