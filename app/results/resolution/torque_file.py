@@ -11,6 +11,7 @@ from catseye.app.errors import UsageError
 from catseye.app.files.columns import read_table
 from catseye.app.files.diadem import Channel, read_trace
 from catseye.app.files.foreign_csv import first_lines, found_dialect, read_numbers
+from catseye.app.results.resolution.last_line import require_whole
 from catseye.app.results.resolution.tables import TORQUE
 from catseye.calibration.core.types import Floats
 from catseye.drivers.roles.text_table import codec_of
@@ -42,9 +43,10 @@ def read_torque(path: Path, channel: str | None = None) -> Columns:
         )
     if path.suffix.lower() == ".dat":
         return _of_channels(path, read_trace(path), channel)
-    if channel is None and (path.suffix == ".parquet" or _has_own_header(path)):
-        return read_table(path, TORQUE)
-    return _of_channels(path, _csv_channels(path), channel)
+    own = channel is None and (path.suffix == ".parquet" or _has_own_header(path))
+    torque = read_table(path, TORQUE) if own else _of_channels(path, _csv_channels(path), channel)
+    require_whole(path)
+    return torque
 
 
 def _has_own_header(path: Path) -> bool:

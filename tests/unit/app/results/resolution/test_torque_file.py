@@ -49,3 +49,9 @@ def test_an_unknown_channel_is_refused(tmp_path: Path) -> None:
 def test_a_trace_without_times_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="no channel holds times; there are Pos_A1"):
         read_torque(_file(tmp_path, "Pos_A1(deg),Torque_A1(Nm)\n0,1\n1,2\n2,3\n"))
+
+
+@pytest.mark.parametrize("header", ["t_s,torque_nm", "time(s),Torque_A1(Nm)"])
+def test_a_torque_that_was_cut_is_refused(tmp_path: Path, header: str) -> None:
+    with pytest.raises(UsageError, match=r"torque\.csv:4: the last line has no end"):
+        read_torque(_file(tmp_path, f"{header}\n0,1\n1,2\n2,35.2"[:-2]))
