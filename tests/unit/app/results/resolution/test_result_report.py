@@ -13,8 +13,9 @@ from catseye.app.results.resolution.certificate import certificate
 from catseye.app.results.resolution.figures.least_steps import least_step_figure
 from catseye.app.results.resolution.figures.staircase import staircase_figure
 from catseye.app.results.resolution.figures.step_errors import step_error_figure
-from catseye.app.results.resolution.result import MeasuredRun, write_resolution
+from catseye.app.results.resolution.result import MeasuredRun, Reversal, write_resolution
 from catseye.app.results.resolution.result_report import resolution_files_report
+from catseye.app.results.resolution.verdict import verdict
 from catseye.app.results.runs.records import Sources
 from tests.unit.app.results.resolution.sample import sample_result
 
@@ -82,9 +83,34 @@ def test_many_tests_of_a_joint_are_said_together(report: Report) -> None:
         "0.00019°), A1 at 175°, −",
         "A1, ISO 230, 5 tests: least steps from 0.0030° (0.0024° … 0.0045°), A1 at −175°, to 0.0030° (0.0024° … "
         "0.0045°), A1 at 175°",
-        "A1: reversal errors 0.0040° … 0.0060° at 5 positions, where the torque changes its sign: they are lost "
-        "motion",
+        "A1: reversal errors 0.0040° … 0.0060° (u = 0.000020° or less) at 5 positions, where the torque changes its "
+        "sign: they are lost motion",
     ]
+
+
+@pytest.mark.parametrize(
+    ("value", "sign", "said"),
+    [
+        (0.005, Sign.NEUTRAL, "0.0050° (u = 0.000047°); the torque changes its sign: it is lost motion"),
+        (0.00009, Sign.NEUTRAL, "0.000090° (u = 0.000047°): not distinguishable from none"),
+        (-0.000023, Sign.NEUTRAL, "−0.000023° (u = 0.000047°): not distinguishable from none"),
+        (-0.005, Sign.ATTENTION, "−0.0050° (u = 0.000047°): the joint went too far, which is no lost motion"),
+    ],
+)
+def test_a_reversal_error_is_said_with_its_uncertainty(value: float, sign: Sign, said: str) -> None:
+    found = Reversal(value=value, u=4.7e-5, valid=True)
+    (test,) = [one for one in sample_result().tests if one.test == "backlash" and one.position == 0.0][:1]
+    assert verdict([test.model_copy(update={"reversal": found})]) == [
+        Statement(sign, f"A1 at 0°: reversal error {said}")
+    ]
+
+
+def test_reversal_errors_that_may_be_none_are_said_apart() -> None:
+    tests = [one for one in sample_result().tests if one.test == "backlash" and one.joint == "A1"]
+    tests[2] = tests[2].model_copy(update={"reversal": Reversal(value=1e-5, u=4.7e-5, valid=True)})
+    many, one = (block.text for block in verdict(tests) if isinstance(block, Statement))
+    assert "at 4 positions" in many
+    assert one == "A1 at 0°: reversal error 0.000010° (u = 0.000047°): not distinguishable from none"
 
 
 def test_the_certificate_names_who_measured_with_what() -> None:
