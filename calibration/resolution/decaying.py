@@ -66,6 +66,19 @@ class LeastStep:
 
 
 @dataclass(frozen=True)
+class Mistake:
+    """What may have made all steps of a series longer.
+
+    Attributes:
+        factor: by which it makes them longer.
+        text: what it is.
+    """
+
+    factor: float
+    text: str
+
+
+@dataclass(frozen=True)
 class DecayingTest:
     """Result of a series of decreasing steps in one direction.
 
@@ -77,6 +90,7 @@ class DecayingTest:
         threshold_percent: largest mean error of a step that counts as made.
         by_rule: least step by the paper's rule from this series as it is, None where not even the largest is within.
         least_step: None where the largest steps are not within the threshold with enough certainty.
+        mistake: what may be the reason for that; None for nothing known, and where a least step is stated.
         flags: of the steps and of the result.
     """
 
@@ -87,6 +101,7 @@ class DecayingTest:
     threshold_percent: float
     by_rule: float | None
     least_step: LeastStep | None
+    mistake: Mistake | None
     flags: tuple[Flag, ...]
 
 
@@ -123,7 +138,8 @@ def decaying_test(
     least = _least_step(size[:judged], counts + rng.uniform(-0.5, 0.5, draws))
     by_rule = float(size[within - 1]) if within else None
     flags = (*steps.flags, *_flags(steps, judged, least, size))
-    return DecayingTest(steps, error, mean, spread, threshold_percent, by_rule, least, flags)
+    mistake = likely_mistake(_ratio(steps)) if least is None else None
+    return DecayingTest(steps, error, mean, spread, threshold_percent, by_rule, least, mistake, flags)
 
 
 def _sizes(steps: Steps) -> Floats:
@@ -204,22 +220,25 @@ def _flags(steps: Steps, judged: int, least: LeastStep | None, size: Floats) -> 
     return flags
 
 
-def likely_mistake(ratio: float) -> str:
-    """Return what makes the largest steps this many times as long as they were commanded; empty for nothing known."""
-    near = (text for factor, text in _MISTAKES.items() if abs(ratio / factor - 1.0) <= _NEAR)
-    if not (text := next(near, "")):
-        return ""
-    return (
-        f"the largest steps are {ratio:.3g} times those commanded: {text}; correct it and evaluate again. No least "
-        "step is stated"
-    )
+def likely_mistake(ratio: float) -> Mistake | None:
+    """Return what makes the largest steps this many times as long as they were commanded; None for nothing known."""
+    near = (Mistake(factor, text) for factor, text in _MISTAKES.items() if abs(ratio / factor - 1.0) <= _NEAR)
+    return next(near, None)
+
+
+def _ratio(steps: Steps) -> float:
+    """Return how many times as long as commanded the largest steps are, in the median."""
+    return 1.0 + float(np.nanmedian(steps.error_percent[:WINDOW])) / 100.0
 
 
 def _why_none(steps: Steps, size: Floats) -> str:
     """Return why no least step is stated, with the steps among the largest that hardly are what was commanded."""
     error = steps.error_percent[:WINDOW]
-    if mistake := likely_mistake(1.0 + float(np.nanmedian(error)) / 100.0):
-        return mistake
+    if mistake := likely_mistake(_ratio(steps)):
+        return (
+            f"the largest steps are {_ratio(steps):.3g} times those commanded: {mistake.text}; correct it and "
+            "evaluate again. No least step is stated"
+        )
     largest, mean = shown(float(size[0]), steps.moves.unit), float(np.nanmean(error))
     far = [number + steps.moves.first for number in np.flatnonzero(np.abs(error) > _FAR_PERCENT).tolist()]
     if 0 < len(far) <= _HALF:

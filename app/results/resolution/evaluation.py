@@ -11,6 +11,7 @@ from catseye.app.results.resolution.result import (
     AngularTest,
     AnyTest,
     LeastStep,
+    LikelyMistake,
     LinearTest,
     Reversal,
     Test,
@@ -130,6 +131,9 @@ def _decaying(asked: Asked, series: Series, found: Steps) -> AnyTest:
         direction=int(found.moves.directions[0]),
         moves=rows,
         lis=lis,
+        likely_mistake=None
+        if (mistake := judged.mistake) is None
+        else LikelyMistake(factor=mistake.factor, text=mistake.text),
         staircase=staircase(series.recording, found),
         duration_s=duration_s(found),
         flags=_texts(judged.flags),

@@ -200,6 +200,18 @@ class Clocks(ResultPart):
     peaks: int
 
 
+class LikelyMistake(ResultPart):
+    """What may have made all steps of a test longer.
+
+    Attributes:
+        factor: by which it makes them longer.
+        text: what it is.
+    """
+
+    factor: Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+    text: str
+
+
 class _Test(ResultPart):
     """One test of a joint at one position, or of a Cartesian direction.
 
@@ -211,6 +223,7 @@ class _Test(ResultPart):
         direction: of its steps; None of a test in both directions.
         threshold_percent: largest error of a step that counts as made.
         lis: None where the test gives none, and the flags say why.
+        likely_mistake: why no least step is stated, where the size of all steps gives it away; else None.
         reversal: None of a test that gives none.
         flags: what speaks against the data or the result.
         pose: name of the pose of a Cartesian test.
@@ -227,6 +240,7 @@ class _Test(ResultPart):
     direction: Direction | None = None
     threshold_percent: Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
     lis: LeastStep | None = None
+    likely_mistake: LikelyMistake | None = None
     reversal: Reversal | None = None
     flags: list[str] = Field(default_factory=list)
     pose: str | None = None

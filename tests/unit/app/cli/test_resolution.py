@@ -106,6 +106,16 @@ def test_the_least_step_is_where_the_errors_begin(tmp_path: Path) -> None:
     assert test.lis.high < command[50]
 
 
+def test_a_wrong_spacing_stands_in_the_result(tmp_path: Path) -> None:
+    command = decaying_commands(40)
+    files = write_test(tmp_path, command.tolist(), (1.01 * command).tolist())
+    test = _run(tmp_path, files, "--test", "decaying", "--spacing-mm", "60").tests[0]
+    assert test.lis is None
+    assert test.likely_mistake is not None
+    assert test.likely_mistake.factor == 0.5
+    assert test.likely_mistake.text.startswith("the stated spacing is twice the real one")
+
+
 def test_two_clocks_are_aligned_and_reported(tmp_path: Path) -> None:
     command = decaying_commands(40)
     files = write_test(tmp_path, command.tolist(), command.tolist(), ahead_s=1234.5)
