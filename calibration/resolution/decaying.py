@@ -88,7 +88,8 @@ class DecayingTest:
         mean_percent: their 11-point moving mean; at the ends, of the steps that are there, shape (n,).
         spread_percent: standard deviation of the errors about their moving mean in the same window, shape (n,).
         threshold_percent: largest mean error of a step that counts as made.
-        by_rule: least step by the paper's rule from this series as it is, None where not even the largest is within.
+        by_rule: least step by the paper's rule from this series as it is, one that was judged; None where not even
+            the largest is within.
         least_step: None where the largest steps are not within the threshold with enough certainty.
         mistake: what may be the reason for that; None for nothing known, and where a least step is stated.
         flags: of the steps and of the result.
@@ -125,9 +126,10 @@ def decaying_test(
     error = np.where(steps.judged, steps.error_percent, np.nan)
     mean = moving_mean(error)
     spread = moving_spread(error, mean)
-    within = int(steps_within(mean, threshold_percent))
     # A gap of the recording leaves steps out on the way to the smallest one that is judged.
     judged = int(np.flatnonzero(steps.judged)[-1]) + 1
+    # Below the last of them, the moving mean is that of steps above.
+    within = int(steps_within(mean[:judged], threshold_percent))
     known = steps.judged[:judged]
     rng = np.random.default_rng(seed)
     scales = 1.0 + steps.u_scale * rng.standard_normal(draws)

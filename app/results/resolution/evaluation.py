@@ -131,6 +131,7 @@ def _decaying(asked: Asked, series: Series, found: Steps) -> AnyTest:
         direction=int(found.moves.directions[0]),
         moves=rows,
         lis=lis,
+        by_rule=None if judged.by_rule is None else scale * judged.by_rule,
         likely_mistake=None
         if (mistake := judged.mistake) is None
         else LikelyMistake(factor=mistake.factor, text=mistake.text),

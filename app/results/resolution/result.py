@@ -22,7 +22,9 @@ Unit: TypeAlias = Literal["deg", "mm"]
 
 RESOLUTION_FORMAT: Final = "catseye-resolution/1"
 
-_WITH_UNIT: Final = frozenset({"position", "command", "measured", "u", "lis", "reversal", "plateau"})
+_WITH_UNIT: Final = frozenset(
+    {"position", "command", "measured", "u", "lis", "by_rule", "reversal", "plateau"}
+)
 
 
 def _keys_in(unit: Unit) -> Callable[[str], str]:
@@ -223,6 +225,7 @@ class _Test(ResultPart):
         direction: of its steps; None of a test in both directions.
         threshold_percent: largest error of a step that counts as made.
         lis: None where the test gives none, and the flags say why.
+        by_rule: least step by the paper's rule on this series alone; None of other tests, and where there is none.
         likely_mistake: why no least step is stated, where the size of all steps gives it away; else None.
         reversal: None of a test that gives none.
         flags: what speaks against the data or the result.
@@ -240,6 +243,7 @@ class _Test(ResultPart):
     direction: Direction | None = None
     threshold_percent: Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
     lis: LeastStep | None = None
+    by_rule: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] | None = None
     likely_mistake: LikelyMistake | None = None
     reversal: Reversal | None = None
     flags: list[str] = Field(default_factory=list)

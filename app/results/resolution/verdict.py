@@ -48,7 +48,10 @@ def _step_said(test: AnyTest) -> Statement:
     if test.lis is None:
         why = f": {test.flags[-1]}" if test.flags else ""
         return Statement(Sign.ATTENTION, f"{name}: no least step can be stated{why}")
-    return Statement(Sign.NEUTRAL, f"{name}: least step {least_step_text(test)}")
+    by_rule = (
+        "" if test.by_rule is None else f"; by the rule on this series {with_unit(test.by_rule, test.unit)}"
+    )
+    return Statement(Sign.NEUTRAL, f"{name}: least step {least_step_text(test)}{by_rule}")
 
 
 def _steps_said(tests: Sequence[AnyTest]) -> list[Statement]:

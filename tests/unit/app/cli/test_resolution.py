@@ -104,6 +104,7 @@ def test_the_least_step_is_where_the_errors_begin(tmp_path: Path) -> None:
     assert test.lis is not None
     assert test.lis.low <= command[55] <= test.lis.high
     assert test.lis.high < command[50]
+    assert test.by_rule == pytest.approx(command[55])
 
 
 def test_a_wrong_spacing_stands_in_the_result(tmp_path: Path) -> None:

@@ -81,6 +81,11 @@ def test_steps_below_the_instrument_take_no_part() -> None:
     assert "least-step-open" in kinds(found)
 
 
+def test_the_rule_ends_at_the_smallest_judged_step() -> None:
+    found = evaluated(overtravel(1e-6, 1e-6, 1), u_step_deg=1e-4)
+    assert found.by_rule == pytest.approx(STEPS_DEG[STEPS_DEG >= 3e-4].min() * DEG)
+
+
 def test_a_joint_beyond_the_threshold_everywhere_has_none() -> None:
     found = evaluated(20.0 + overtravel(0.0, 1e-5, 1))
     assert (found.least_step, found.by_rule) == (None, None)

@@ -15,6 +15,7 @@ from catseye.app.results.resolution.figures.staircase import staircase_figure
 from catseye.app.results.resolution.figures.step_errors import step_error_figure
 from catseye.app.results.resolution.result import MeasuredRun, Reversal, write_resolution
 from catseye.app.results.resolution.result_report import resolution_files_report
+from catseye.app.results.resolution.tables_of_tests import least_step_table
 from catseye.app.results.resolution.verdict import verdict
 from catseye.app.results.runs.records import Sources
 from tests.unit.app.results.resolution.sample import sample_result
@@ -47,6 +48,18 @@ def test_least_steps_stand_by_joint_and_position(report: Report) -> None:
         "0.00015° (0.00013° … 0.00019°)",
     )
     assert len(rows) == 8
+
+
+def test_the_rule_on_a_series_stands_beside_its_least_step() -> None:
+    tests = [one for one in sample_result().tests if one.joint == "A1" and one.position == 0.0]
+    tests = [
+        one.model_copy(update={"by_rule": 1.2e-4} if one.direction == 1 else {}) for one in tests if one.lis
+    ]
+    table = least_step_table(tests, [])
+    assert table is not None
+    assert table.rows[0][-1] == "0.00012°, –"
+    (said,) = [one.text for one in verdict(tests) if isinstance(one, Statement) and "A1 at 0°, +" in one.text]
+    assert said.endswith("least step 0.00015° (0.00013° … 0.00019°); by the rule on this series 0.00012°")
 
 
 def test_a_reversal_without_a_change_of_sign_is_not_valid(report: Report) -> None:
