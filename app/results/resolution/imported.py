@@ -23,10 +23,15 @@ from catseye.app.store.software import SOFTWARE
 from catseye.calibration.resolution.alignment import ClockAlignment, align
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.moves import Moves
-from catseye.calibration.resolution.optics import LinearOptics
+from catseye.calibration.resolution.optics import LinearOptics, Optics
 from catseye.calibration.resolution.recording import Recording
 
 _AXES = ("X", "Y", "Z")
+_NO_OPTICS = (
+    "u without the instrument: the recording holds angles, and nobody states how accurate they are; u is noise and "
+    "drift alone, and the interval of the least step knows no error of scale: state --accuracy-percent and "
+    "--accuracy-urad, or --spacing-mm of angular optics"
+)
 
 
 @dataclass(frozen=True)
@@ -144,7 +149,16 @@ def imported_test(given: Import) -> AnyTest:
 
 
 def _evaluated(given: Import, recording: Recording, moves: Moves) -> AnyTest:
-    optics = LinearOptics() if recording.unit == "mm" else given.recording.optics
+    optics = _optics(given.recording, recording)
+    test = _by_clocks(given, recording, moves, optics)
+    return test if optics is not None else test.model_copy(update={"flags": [_NO_OPTICS, *test.flags]})
+
+
+def _optics(file: RecordingFile, recording: Recording) -> Optics | None:
+    return LinearOptics() if recording.unit == "mm" else file.accuracy or file.optics
+
+
+def _by_clocks(given: Import, recording: Recording, moves: Moves, optics: Optics | None) -> AnyTest:
     series = Series(recording, moves, optics)
     if given.joint_torque is not None:
         torque = read_torque(given.joint_torque, given.torque_channel)

@@ -15,7 +15,7 @@ from catseye.app.results.resolution.tables import MOVES, RECORDING
 from catseye.calibration.resolution.errors import MovesError, RecordingError
 from catseye.calibration.resolution.frozen_signal import frozen_stretch, require_unsaturated
 from catseye.calibration.resolution.moves import Moves, moves_of
-from catseye.calibration.resolution.optics import AngularOptics
+from catseye.calibration.resolution.optics import AngleAccuracy, AngularOptics
 from catseye.calibration.resolution.recording import Recording, recording_of
 from catseye.calibration.resolution.sampling import require_stated_rate, require_steady_rate
 from catseye.procedures.kit.columns import Columns
@@ -43,12 +43,14 @@ class RecordingFile:
         mapping: of a file that another program wrote; None for one with the names of this program.
         optics: that turn displacements into angles; None where displacements are what is judged.
         rate_hz: that somebody states beside the file, held against its times; None where nobody does.
+        accuracy: of an instrument whose recording holds angles; None where nobody states it.
     """
 
     path: Path
     mapping: CsvMapping | None = None
     optics: AngularOptics | None = None
     rate_hz: float | None = None
+    accuracy: AngleAccuracy | None = None
 
     @property
     def stated_rate_hz(self) -> float | None:
@@ -96,6 +98,11 @@ def read_recording(file: RecordingFile) -> Recording:
             be, or the signal is saturated; names line and remedy.
     """
     columns = recording_columns(file)
+    if file.accuracy is not None and "angle_deg" not in columns:
+        raise UsageError(
+            f"{file.path}: holds displacements, whose accuracy is that of their optics: leave out --accuracy-urad "
+            "and --accuracy-percent, and state --spacing-mm of angular optics"
+        )
     try:
         recording = _recording_of(columns, file.optics)
         require_steady_rate(columns["t_s"])

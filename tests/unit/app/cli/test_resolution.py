@@ -1,6 +1,7 @@
 """`catseye resolution` on recordings made from geometry: S · sin θ of a joint whose steps are known."""
 
 import json
+import math
 import struct
 from pathlib import Path
 from typing import Any
@@ -77,6 +78,35 @@ def test_what_the_arm_does_not_have_is_refused(
     with pytest.raises(UsageError, match=complaint):
         _run(tmp_path, decaying, *more)
     assert not (tmp_path / "result.json").exists()
+
+
+def _as_angles(files: Files) -> Files:
+    """Rewrite a recording of displacements as one of angles."""
+    recording = np.loadtxt(files.recording, delimiter=",", skiprows=1)
+    recording[:, 1] = np.degrees(np.arcsin(recording[:, 1] / 30.0))
+    np.savetxt(files.recording, recording, delimiter=",", header="t_s,angle_deg", comments="")
+    return files
+
+
+def test_angles_without_an_accuracy_are_flagged(tmp_path: Path, decaying: Files) -> None:
+    output = tmp_path / "result.json"
+    given = ("--recording", _as_angles(decaying).recording, "--moves", decaying.moves, "-o", output)
+    said(*given, *_A1[:-2], "--test", "decaying")
+    (silent,) = read_resolution(output).tests
+    assert silent.flags[0].startswith("u without the instrument")
+    said(*given, *_A1[:-2], "--test", "decaying", "--accuracy-urad", "1", "--accuracy-percent", "0.5")
+    (stated,) = read_resolution(output).tests
+    assert not [flag for flag in stated.flags if "without the instrument" in flag]
+    u, unknown = stated.moves[0].u, silent.moves[0].u
+    assert u is not None
+    assert unknown is not None
+    # 0.5 µrad and 0.25 % of 0.102°, each half of what is stated.
+    assert math.sqrt(u**2 - unknown**2) == pytest.approx(math.degrees(0.5e-6) + 0.0025 * 0.102, rel=0.01)
+
+
+def test_an_accuracy_of_angles_is_none_of_displacements(tmp_path: Path, decaying: Files) -> None:
+    with pytest.raises(UsageError, match="holds displacements, whose accuracy is that of their optics"):
+        _run(tmp_path, decaying, "--test", "decaying", "--accuracy-urad", "1")
 
 
 def test_lengths_of_a_joint_that_turns_are_refused(tmp_path: Path, decaying: Files) -> None:
