@@ -27,6 +27,11 @@ from catseye.calibration.resolution.optics import LinearOptics, Optics
 from catseye.calibration.resolution.recording import Recording
 
 _AXES = ("X", "Y", "Z")
+_OF_TARGETS = "from deviations at targets: nothing is known of single steps and of the motor's torque"
+_ONE_PAIR = (
+    "a direction has one run: nothing was repeated, so u of the reversal error is not known; measure two pairs of "
+    "runs or more, the standard test has five"
+)
 _NO_OPTICS = (
     "u without the instrument: the recording holds angles, and nobody states how accurate they are; u is noise and "
     "drift alone, and the interval of the least step knows no error of scale: state --accuracy-percent and "
@@ -203,8 +208,6 @@ def _of_targets(given: Import) -> AnyTest:
             "moves": [],
             "reversal": reversal,
             "targets": targets,
-            "flags": [
-                "from deviations at targets: nothing is known of single steps and of the motor's torque"
-            ],
+            "flags": [_OF_TARGETS, *((_ONE_PAIR,) if reversal.u is None else ())],
         }
     )

@@ -56,12 +56,12 @@ class Reversal(ResultPart):
 
     Attributes:
         value: in the test's unit.
-        u: standard uncertainty.
+        u: standard uncertainty; None where nothing was repeated.
         valid: the motor torque changed its sign between the directions; None where no torque was recorded.
     """
 
     value: Finite
-    u: Uncertainty
+    u: Uncertainty | None
     valid: bool | None
 
 

@@ -146,7 +146,7 @@ def _reversal_row(test: AnyTest) -> tuple[Cell, ...]:
     position = f"{with_unit(test.position, test.unit, POSITION)}{shipped_mark([test])}"
     if found is None:
         return (test.joint, position, None, None, None, None)
-    decimals = fixed(decimals_for([found.u]))
+    decimals = STEP if found.u is None else fixed(decimals_for([found.u]))
     valid = {True: "yes: valid", False: "no: not valid", None: "no torque recorded: not valid"}[found.valid]
     measured = (
         None

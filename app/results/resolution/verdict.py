@@ -74,11 +74,14 @@ def _reversal_said(test: AnyTest) -> Statement:
     found = test.reversal
     if found is None:
         return Statement(Sign.ATTENTION, f"{place(test)}: no reversal error can be stated")
-    value, u = with_unit(found.value, test.unit), with_unit(found.u, test.unit)
-    said = f"{place(test)}: reversal error {value} (u = {u})"
+    value = with_unit(found.value, test.unit)
+    u = "u not known" if found.u is None else f"u = {with_unit(found.u, test.unit)}"
+    said = f"{place(test)}: reversal error {value} ({u})"
     if not found.valid:
         why = "no torque was recorded" if found.valid is None else "the torque keeps its sign"
         return Statement(Sign.ATTENTION, f"{said}; {why}: it says nothing certain about play")
+    if found.u is None:
+        return Statement(Sign.ATTENTION, f"{said}: whether it differs from none nobody knows")
     if abs(found.value) < _CLEAR * found.u:
         return Statement(Sign.NEUTRAL, f"{said}: not distinguishable from none")
     if found.value < 0.0:
@@ -88,16 +91,19 @@ def _reversal_said(test: AnyTest) -> Statement:
 
 def _is_lost_motion(test: AnyTest) -> bool:
     found = test.reversal
-    return found is not None and bool(found.valid) and found.value >= _CLEAR * found.u
+    if found is None or not found.valid or found.u is None:
+        return False
+    return found.value >= _CLEAR * found.u
 
 
 def _reversals_said(tests: Sequence[AnyTest]) -> list[Statement]:
     clear = [test for test in tests if _is_lost_motion(test)]
     said = [_reversal_said(test) for test in tests if test not in clear]
     if clear:
-        found = sorted((one.value, one.u) for one in (test.reversal for test in clear) if one is not None)
-        smallest, largest = (with_unit(value, clear[0].unit) for value, _ in (found[0], found[-1]))
-        u = with_unit(max(u for _, u in found), clear[0].unit)
+        found = [test.reversal for test in clear if test.reversal is not None]
+        ends = min(one.value for one in found), max(one.value for one in found)
+        smallest, largest = (with_unit(value, clear[0].unit) for value in ends)
+        u = with_unit(max(one.u or 0.0 for one in found), clear[0].unit)
         text = (
             f"{clear[0].joint}: reversal errors {smallest} … {largest} (u = {u} or less) at "
             f"{counted(len(clear), 'position')}, where the torque changes its sign: they are lost motion"

@@ -15,7 +15,7 @@ from catseye.app.results.resolution.figures.staircase import staircase_figure
 from catseye.app.results.resolution.figures.step_errors import step_error_figure
 from catseye.app.results.resolution.result import MeasuredRun, Reversal, write_resolution
 from catseye.app.results.resolution.result_report import resolution_files_report
-from catseye.app.results.resolution.tables_of_tests import least_step_table
+from catseye.app.results.resolution.tables_of_tests import least_step_table, reversal_table
 from catseye.app.results.resolution.verdict import verdict
 from catseye.app.results.runs.records import Sources
 from tests.unit.app.results.resolution.sample import sample_result
@@ -116,6 +116,16 @@ def test_a_reversal_error_is_said_with_its_uncertainty(value: float, sign: Sign,
     assert verdict([test.model_copy(update={"reversal": found})]) == [
         Statement(sign, f"A1 at 0°: reversal error {said}")
     ]
+
+
+def test_a_reversal_error_without_u_says_so() -> None:
+    (test,) = [one for one in sample_result().tests if one.test == "backlash" and one.position == 0.0][:1]
+    test = test.model_copy(update={"reversal": Reversal(value=0.005, u=None, valid=None)})
+    (said,) = (block.text for block in verdict([test]) if isinstance(block, Statement))
+    assert said.startswith("A1 at 0°: reversal error 0.0050° (u not known); no torque was recorded")
+    table = reversal_table([test])
+    assert table is not None
+    assert table.rows[0][2:4] == ("0.0050°", "–")
 
 
 def test_reversal_errors_that_may_be_none_are_said_apart() -> None:
