@@ -53,7 +53,7 @@ class Asked:
         position: of the joint, deg or mm; None where nobody says.
         pose: name of the pose of a Cartesian test.
         threshold_percent: largest step error of a step that counts.
-        position_name: what the run called the position; None where nobody named it.
+        position_name: what the run or the arm's description calls the position; None where nobody named it.
     """
 
     test: Test

@@ -1,5 +1,6 @@
 """Tests that another program recorded, from their files to a result."""
 
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -93,6 +94,15 @@ def _require_in_range(arm: ArmDescription, asked: Asked) -> None:
         )
 
 
+def _place_name(arm: ArmDescription, asked: Asked) -> str | None:
+    """Return what the arm's description calls the position, K1 … K5; None where it is none of its test places."""
+    of = next((joint for joint in arm.joint if joint.name == asked.joint), None)
+    if of is None or of.type != "revolute" or asked.position is None:
+        return None
+    places = enumerate(of.test_places_deg or (), 1)
+    return next((f"K{number}" for number, at in places if math.isclose(at, asked.position)), None)
+
+
 def _require_unit(arm: ArmDescription, given: Import, unit: str) -> None:
     """Refuse lengths of a joint that turns, and angles of what slides: no reader of the result would take them."""
     asked = given.asked
@@ -122,7 +132,8 @@ def imported_result(given: Import, arm: str) -> ResolutionResult:
         CalibrationError: recording and moves do not fit.
     """
     description = named_arm(arm, given.asked)
-    test = imported_test(given)
+    asked = replace(given.asked, position_name=_place_name(description, given.asked))
+    test = imported_test(replace(given, asked=asked))
     _require_unit(description, given, test.unit)
     return ResolutionResult(
         arm=description.name,
@@ -204,6 +215,7 @@ def _of_targets(given: Import) -> AnyTest:
             "test": asked.test,
             "joint": asked.joint,
             "position": asked.position,
+            "position_name": asked.position_name,
             "threshold_percent": asked.threshold_percent,
             "moves": [],
             "reversal": reversal,

@@ -221,7 +221,7 @@ class _Test(ResultPart):
         test: which one.
         joint: name of the axis in the arm's description; X, Y or Z of a Cartesian test.
         position: of the joint, where the test was made; None where none was stated.
-        position_name: what the run called it, K1 … K5; None where nobody named it.
+        position_name: what the run or the arm's description calls it, K1 … K5; None where nobody named it.
         direction: of its steps; None of a test in both directions.
         threshold_percent: largest error of a step that counts as made.
         lis: None where the test gives none, and the flags say why.

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 from catseye.app.cli import cli
 from catseye.app.errors import UsageError
+from catseye.app.results.resolution.naming import named_positions
 from catseye.app.results.resolution.result import ResolutionResult, read_resolution
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.errors import MovesError
@@ -57,6 +58,15 @@ def test_steps_are_measured_as_they_were_made(tmp_path: Path, decaying: Files) -
     assert errors == pytest.approx([2.0] * 66, abs=0.2)
     assert test.staircase is not None
     assert len(test.staircase.plateau) == 67
+
+
+@pytest.mark.parametrize(("position", "name"), [("0", "K3 = 0°"), ("-90", "K2 = −90°")])
+def test_a_position_has_the_name_of_the_arms_place(
+    tmp_path: Path, decaying: Files, position: str, name: str
+) -> None:
+    """A1 is tested at −175, −90, 0, 90 and 175° (the paper, Table 2)."""
+    tests = _run(tmp_path, decaying, "--test", "decaying", "--position-deg", position).tests
+    assert named_positions(tests, "A1") == [(name, float(position))]
 
 
 def test_a_test_downwards_states_its_direction(tmp_path: Path) -> None:
