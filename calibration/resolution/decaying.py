@@ -14,7 +14,13 @@ from catseye.calibration.core.arguments import require_count, require_positive
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.flags import Flag, flag_moves, listed
-from catseye.calibration.resolution.least_step import WINDOW, moving_mean, moving_spread, steps_within
+from catseye.calibration.resolution.least_step import (
+    WINDOW,
+    first_grown,
+    moving_mean,
+    moving_spread,
+    steps_within,
+)
 from catseye.calibration.resolution.mean_curve import draw_mean_curves
 from catseye.calibration.resolution.steps import Steps
 from catseye.calibration.resolution.units import shown
@@ -25,9 +31,6 @@ THRESHOLD_PERCENT = 10.0
 _DRAWS = 1000
 _TAIL = 0.025
 """What lies beyond either end of a 95 % interval."""
-
-_EQUAL = 1e-6
-"""Sizes that differ by this share are one size."""
 
 _HALF = WINDOW // 2
 _FAR_PERCENT = 50.0
@@ -155,15 +158,12 @@ def _sizes(steps: Steps) -> Floats:
             "direction by itself, or state which test it was",
             int(turned[0]) + 1,
         )
-    # What a controller rounds may repeat a size; the step after that falls by at least what it resolves.
-    grown = np.diff(size) > _EQUAL * size[1:]
-    grown[:-1] |= size[2:] > (1.0 - _EQUAL) * size[:-2]
-    if grown.any():
-        number = int(np.argmax(grown)) + 2
+    grown = first_grown(size)
+    if grown is not None:
         raise MovesError(
-            f"move {number} is {shown(float(size[number - 1]), steps.moves.unit)} and no smaller than "
+            f"move {grown + 1} is {shown(float(size[grown]), steps.moves.unit)} and no smaller than "
             "the one before: the steps of this test decrease; check the moves, or state which test it was",
-            number,
+            grown + 1,
         )
     judged = int(np.count_nonzero(steps.judged))
     if judged < WINDOW:
