@@ -14,7 +14,13 @@ from catseye.calibration.core.arguments import require_count, require_positive
 from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.flags import Flag, flag_moves, listed
-from catseye.calibration.resolution.least_step import WINDOW, moving_mean, moving_spread, steps_within
+from catseye.calibration.resolution.least_step import (
+    WINDOW,
+    first_grown,
+    moving_mean,
+    moving_spread,
+    steps_within,
+)
 from catseye.calibration.resolution.mean_curve import draw_mean_curves
 from catseye.calibration.resolution.steps import Steps
 from catseye.calibration.resolution.units import shown
@@ -69,6 +75,19 @@ class LeastStep:
 
 
 @dataclass(frozen=True)
+class Mistake:
+    """What may have made all steps of a series longer.
+
+    Attributes:
+        factor: by which it makes them longer.
+        text: what it is.
+    """
+
+    factor: float
+    text: str
+
+
+@dataclass(frozen=True)
 class DecayingTest:
     """Result of a series of decreasing steps in one direction.
 
@@ -78,8 +97,10 @@ class DecayingTest:
         mean_percent: their 11-point moving mean; at the ends, of the steps that are there, shape (n,).
         spread_percent: standard deviation of the errors about their moving mean in the same window, shape (n,).
         threshold_percent: largest mean error of a step that counts as made.
-        by_rule: least step by the paper's rule from this series as it is, None where not even the largest is within.
+        by_rule: least step by the paper's rule from this series as it is, one that was judged; None where not even
+            the largest is within.
         least_step: None where the largest steps are not within the threshold with enough certainty.
+        mistake: what may be the reason for that; None for nothing known, and where a least step is stated.
         flags: of the steps and of the result.
     """
 
@@ -90,6 +111,7 @@ class DecayingTest:
     threshold_percent: float
     by_rule: float | None
     least_step: LeastStep | None
+    mistake: Mistake | None
     flags: tuple[Flag, ...]
 
 
@@ -113,9 +135,10 @@ def decaying_test(
     error = np.where(steps.judged, steps.error_percent, np.nan)
     mean = moving_mean(error)
     spread = moving_spread(error, mean)
-    within = int(steps_within(mean, threshold_percent))
     # A gap of the recording leaves steps out on the way to the smallest one that is judged.
     judged = int(np.flatnonzero(steps.judged)[-1]) + 1
+    # Below the last of them, the moving mean is that of steps above.
+    within = int(steps_within(mean[:judged], threshold_percent))
     known = steps.judged[:judged]
     rng = np.random.default_rng(seed)
     scales = 1.0 + steps.u_scale * rng.standard_normal(draws)
@@ -127,7 +150,8 @@ def decaying_test(
     least = _least_step(size[:judged], counts + rng.uniform(-0.5, 0.5, draws))
     by_rule = float(size[within - 1]) if within else None
     flags = (*steps.flags, *_flags(steps, judged, least, size))
-    return DecayingTest(steps, error, mean, spread, threshold_percent, by_rule, least, flags)
+    mistake = likely_mistake(_ratio(steps)) if least is None else None
+    return DecayingTest(steps, error, mean, spread, threshold_percent, by_rule, least, mistake, flags)
 
 
 def _followed(error: Floats, known: Bools) -> Bools:
@@ -161,12 +185,12 @@ def _sizes(steps: Steps) -> Floats:
             "direction by itself, or state which test it was",
             int(turned[0]) + 1,
         )
-    grown = np.flatnonzero(np.diff(size) >= 0.0)
-    if grown.size:
+    grown = first_grown(size)
+    if grown is not None:
         raise MovesError(
-            f"move {grown[0] + 2} is {shown(float(size[grown[0] + 1]), steps.moves.unit)} and no smaller than "
+            f"move {grown + 1} is {shown(float(size[grown]), steps.moves.unit)} and no smaller than "
             "the one before: the steps of this test decrease; check the moves, or state which test it was",
-            int(grown[0]) + 2,
+            grown + 1,
         )
     judged = int(np.count_nonzero(steps.judged))
     if judged < WINDOW:
@@ -225,22 +249,25 @@ def _flags(steps: Steps, judged: int, least: LeastStep | None, size: Floats) -> 
     return flags
 
 
-def likely_mistake(ratio: float) -> str:
-    """Return what makes the largest steps this many times as long as they were commanded; empty for nothing known."""
-    near = (text for factor, text in _MISTAKES.items() if abs(ratio / factor - 1.0) <= _NEAR)
-    if not (text := next(near, "")):
-        return ""
-    return (
-        f"the largest steps are {ratio:.3g} times those commanded: {text}; correct it and evaluate again. No least "
-        "step is stated"
-    )
+def likely_mistake(ratio: float) -> Mistake | None:
+    """Return what makes the largest steps this many times as long as they were commanded; None for nothing known."""
+    near = (Mistake(factor, text) for factor, text in _MISTAKES.items() if abs(ratio / factor - 1.0) <= _NEAR)
+    return next(near, None)
+
+
+def _ratio(steps: Steps) -> float:
+    """Return how many times as long as commanded the largest steps are, in the median."""
+    return 1.0 + float(np.nanmedian(steps.error_percent[:WINDOW])) / 100.0
 
 
 def _why_none(steps: Steps, size: Floats) -> str:
     """Return why no least step is stated, with the steps among the largest that hardly are what was commanded."""
     error = steps.error_percent[:WINDOW]
-    if mistake := likely_mistake(1.0 + float(np.nanmedian(error)) / 100.0):
-        return mistake
+    if mistake := likely_mistake(_ratio(steps)):
+        return (
+            f"the largest steps are {_ratio(steps):.3g} times those commanded: {mistake.text}; correct it and "
+            "evaluate again. No least step is stated"
+        )
     largest, mean = shown(float(size[0]), steps.moves.unit), float(np.nanmean(error))
     far = [number + steps.moves.first for number in np.flatnonzero(np.abs(error) > _FAR_PERCENT).tolist()]
     if 0 < len(far) <= _HALF:

@@ -13,6 +13,7 @@ FlagKind = Literal[
     "frozen-signal",
     "drift",
     "no-standstill",
+    "quantised",
     "below-instrument",
     "no-motion",
     "merged",

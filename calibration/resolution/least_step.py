@@ -7,6 +7,23 @@ from catseye.calibration.core.types import Bools, Floats, Ints
 WINDOW = 11
 """Steps of the moving mean."""
 
+_EQUAL = 1e-6
+"""Sizes that differ by this share are one size."""
+
+
+def first_grown(size: Floats) -> int | None:
+    """Return the place, from 0, of the first step that is no smaller than the one before; None where they decrease.
+
+    What a controller rounds may repeat a size; the step after that falls by at least what it resolves.
+
+    Args:
+        size: two or more, shape (n,).
+    """
+    grown = np.diff(size) > _EQUAL * size[1:]
+    grown[:-1] |= size[2:] > (1.0 - _EQUAL) * size[:-2]
+    grown[-1] |= size[-1] > (1.0 - _EQUAL) * size[0]
+    return int(np.argmax(grown)) + 1 if grown.any() else None
+
 
 def moving_mean(errors: Floats) -> Floats:
     """Return the mean over the step itself and five neighbours on either side.

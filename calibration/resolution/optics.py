@@ -103,6 +103,35 @@ class AngularOptics:
 
 
 @dataclass(frozen=True)
+class AngleAccuracy:
+    """An instrument that gives angles itself, ± (constant + share · Δθ) between two readings.
+
+    Attributes:
+        constant_urad: constant part, µrad.
+        share: of the angle.
+        coverage_factor: k of the accuracy.
+    """
+
+    constant_urad: float = 0.0
+    share: float = 0.0
+    coverage_factor: float = _MAKERS_K
+
+    def __post_init__(self) -> None:
+        require_positive(self.coverage_factor, "coverage_factor")
+        require_not_negative([self.constant_urad, self.share], "constant_urad, share")
+
+    @property
+    def u_scale(self) -> float:
+        """Relative standard uncertainty that all angles of a recording share."""
+        return self.share / self.coverage_factor
+
+    def u_step(self, step: ArrayLike) -> Floats:
+        """Return the standard uncertainty of an angle between two readings, rad, any shape."""
+        size = np.abs(np.asarray(step, dtype=np.float64))
+        return np.asarray((self.constant_urad * _URAD + self.share * size) / self.coverage_factor)
+
+
+@dataclass(frozen=True)
 class LinearOptics:
     """Linear optics: the displacement itself, ± accuracy · Δd.
 

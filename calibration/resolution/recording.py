@@ -9,6 +9,7 @@ from catseye.calibration.core.types import Bools, Floats
 from catseye.calibration.resolution.errors import RecordingError
 from catseye.calibration.resolution.flags import Flag
 from catseye.calibration.resolution.frozen_signal import frozen_flags, frozen_stretch
+from catseye.calibration.resolution.quantum import quantum
 from catseye.calibration.resolution.sampling import gridded
 from catseye.calibration.resolution.units import Unit
 
@@ -24,6 +25,7 @@ class Recording:
         unit: of the position.
         flags: what was noticed about the samples.
         missing: where none was recorded, shape (n,); None where nothing is missing.
+        quantum: step of the counter, in the unit of the position; 0 where readings show none.
     """
 
     start_s: float
@@ -32,6 +34,7 @@ class Recording:
     unit: Unit
     flags: tuple[Flag, ...] = ()
     missing: Bools | None = None
+    quantum: float = 0.0
 
     @property
     def end_s(self) -> float:
@@ -85,7 +88,8 @@ def recording_of(time_s: Floats, position: Floats, unit: Unit) -> Recording:
     grid = gridded(time_s, np.asarray(position, dtype=np.float64))
     rate_hz = 1.0 / grid.interval_s
     frozen = frozen_flags(frozen_stretch(time_s, rate_hz, position))
-    return Recording(float(time_s[0]), rate_hz, grid.position, unit, (*grid.flags, *frozen), grid.missing)
+    flags = (*grid.flags, *frozen)
+    return Recording(float(time_s[0]), rate_hz, grid.position, unit, flags, grid.missing, quantum(position))
 
 
 def _require_numbers(values: Floats, what: str) -> None:

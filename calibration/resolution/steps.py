@@ -24,6 +24,7 @@ from catseye.calibration.resolution.noise import (
 )
 from catseye.calibration.resolution.optics import Optics
 from catseye.calibration.resolution.plateaus import GUARD_S, Plateaus, plateaus
+from catseye.calibration.resolution.quantum import DIFFERENCE, DITHERED
 from catseye.calibration.resolution.recording import Recording
 from catseye.calibration.resolution.speed import speed_of
 from catseye.calibration.resolution.standstill import Standstill
@@ -208,11 +209,32 @@ def _noise(
     clip: Recording, speed: Floats, rests: Plateaus, moves: Moves, still: Standstill | None
 ) -> StepNoise:
     if still is not None:
-        return noise_of_standstill(still, clip, rests.length_s, moves.dwell_s)
+        return _with_quantum(noise_of_standstill(still, clip, rests.length_s, moves.dwell_s), clip, rests)
     resting = [
         speed[clip.index(start) : clip.index(start + rests.length_s) - 1] for start in rests.start_s.tolist()
     ]
-    return noise_of_plateaus(rests.half_difference, np.concatenate(resting))
+    return _with_quantum(noise_of_plateaus(rests.half_difference, np.concatenate(resting)), clip, rests)
+
+
+def _with_quantum(noise: StepNoise, clip: Recording, rests: Plateaus) -> StepNoise:
+    """Return noise with what rounding leaves unknown, where the readings scatter too little to average it out."""
+    least = DIFFERENCE * clip.quantum
+    if noise.step >= least:
+        return noise
+    resting = (clip.between(start, start + rests.length_s) for start in rests.start_s.tolist())
+    if float(np.median([part.std() for part in resting if part.size])) > DITHERED * clip.quantum:
+        return noise
+    text = (
+        f"the counter's step is {shown(clip.quantum, clip.unit)}, and readings scatter by less than half of it: "
+        f"a mean is no better than one reading, so u of a step is {shown(least, clip.unit)} or more; record with "
+        "a finer resolution"
+    )
+    return replace(
+        noise,
+        step=least,
+        half_plateau=max(noise.half_plateau, least),
+        flags=(*noise.flags, Flag("quantised", text)),
+    )
 
 
 def _peaks(clip: Recording, speed: Floats, moves: Moves, noise: float) -> tuple[Floats, Bools]:

@@ -8,7 +8,7 @@ import numpy as np
 from catseye.calibration.core.arguments import require_finite, require_shape
 from catseye.calibration.core.significance import SIGNIFICANCE
 from catseye.calibration.core.types import Bools, Floats
-from catseye.calibration.resolution.errors import MovesError
+from catseye.calibration.resolution.errors import MovesError, RecordingError
 from catseye.calibration.resolution.moves import Moves
 
 _FEWEST = 2
@@ -44,6 +44,25 @@ class TorqueSigns:
         return clear and self.forward_nm * self.backward_nm < 0.0
 
 
+def require_increasing(time_s: Floats) -> None:
+    """Refuse times of a torque that do not increase.
+
+    Args:
+        time_s: s, shape (k,).
+
+    Raises:
+        RecordingError: names the times; its row is the place of the first one that does not follow.
+    """
+    late = np.flatnonzero(~(np.diff(time_s) > 0.0))
+    if late.size:
+        row = int(late[0]) + 2
+        raise RecordingError(
+            f"the torque at {time_s[row - 1]:g} s does not follow the one at {time_s[row - 2]:g} s: times have to "
+            "increase; check whether the columns are swapped or two traces stand in one file",
+            row,
+        )
+
+
 def torque_signs(moves: Moves, counted: Bools, time_s: Floats, torque_nm: Floats) -> TorqueSigns:
     """Return the mean torque in both directions.
 
@@ -55,10 +74,12 @@ def torque_signs(moves: Moves, counted: Bools, time_s: Floats, torque_nm: Floats
 
     Raises:
         MovesError: the torque does not cover the moves, or there are fewer than two sequences in a direction.
+        RecordingError: the times do not increase.
         ArgumentError: torque and times are of different length, or a torque is not finite.
     """
     require_shape(torque_nm, time_s.shape, "torque_nm")
     require_finite(torque_nm, "torque_nm")
+    require_increasing(time_s)
     ends = np.append(moves.time_s[1:], moves.time_s[-1] + moves.dwell_s)
     first, end = np.searchsorted(time_s, moves.time_s), np.searchsorted(time_s, ends)
     without = np.flatnonzero(counted & (end <= first))

@@ -43,11 +43,11 @@ MM_PER_COUNT = 632.9908e-6 / 2.0
 
 
 @contextmanager
-def bench(folder: Path, rate_hz: float) -> Iterator[Emulated]:
-    """Emulate a KUKA and a uMD display that sends so many samples in a real second."""
+def bench(folder: Path, rate_hz: float, speed: float = SPEED, arm: str = "kr210-r2700") -> Iterator[Emulated]:
+    """Emulate an arm and a uMD display that sends so many samples in a real second."""
     display = f'driver = "umd"\nsettings = {{ rate_hz = {rate_hz} }}\n'
-    with own_runtime(), emulated(folder, text=BY_ARM["kr210-r2700"], edit={COUNTER: display}) as running:
-        running.ask(op="speed", value=SPEED)
+    with own_runtime(), emulated(folder, text=BY_ARM[arm], edit={COUNTER: display}) as running:
+        running.ask(op="speed", value=speed)
         # Only the emulator knows this setting.
         cell = running.cell.read_text("utf-8")
         running.cell.write_text(cell.replace(f"settings = {{ rate_hz = {rate_hz} }}\n", ""), "utf-8")

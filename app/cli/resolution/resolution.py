@@ -16,6 +16,7 @@ from catseye.app.files.atomic import require_output
 if TYPE_CHECKING:
     from catseye.app.results.resolution.input_files import RecordingFile
     from catseye.app.results.resolution.result import ResolutionResult
+    from catseye.calibration.resolution.optics import AngleAccuracy
 
 GivenT = TypeVar("GivenT")
 
@@ -36,6 +37,16 @@ Pose = Annotated[str | None, typer.Option(help="name of the pose of a Cartesian 
 ArmOption = Annotated[str | None, typer.Option(help="name of a shipped arm, or path of a description")]
 Spacing = Annotated[
     float | None, typer.Option(min=1.0, help="S of angular optics, of a recording of displacements")
+]
+AccuracyUrad = Annotated[
+    float | None,
+    typer.Option(min=0.0, help="constant part of the accuracy (k = 2), of a recording of angles"),
+]
+AccuracyPercent = Annotated[
+    float | None,
+    typer.Option(
+        min=0.0, max=100.0, help="part of the angle in the accuracy (k = 2), of a recording of angles"
+    ),
 ]
 JointTorque = Annotated[
     Path | None,
@@ -76,6 +87,8 @@ def resolution(
     pose: Pose = None,
     arm: ArmOption = None,
     spacing_mm: Spacing = None,
+    accuracy_urad: AccuracyUrad = None,
+    accuracy_percent: AccuracyPercent = None,
     joint_torque: JointTorque = None,
     torque_channel: TorqueChannel = None,
     deviation_unit: DeviationUnit = None,
@@ -106,7 +119,10 @@ def resolution(
         from catseye.app.results.resolution.evaluation import Asked
         from catseye.app.results.resolution.imported import Import, imported_result
 
-        source = _recording_file(_given(recording, "RUN or --recording"), mapping, spacing_mm, rate_hz)
+        accuracy = _accuracy(accuracy_urad, accuracy_percent)
+        source = _recording_file(
+            _given(recording, "RUN or --recording"), mapping, spacing_mm, rate_hz, accuracy
+        )
         asked = Asked(_given(test, "--test"), _given(joint, "--joint"), position_deg, pose, threshold)
         files = Import(source, asked, moves, joint_torque, torque_channel, align == "auto", deviation_unit)
         result = imported_result(files, _given(arm, "--arm"))
@@ -114,7 +130,11 @@ def resolution(
 
 
 def _recording_file(
-    source: Path, mapping: Path | None, spacing_mm: float | None, rate_hz: float | None
+    source: Path,
+    mapping: Path | None,
+    spacing_mm: float | None,
+    rate_hz: float | None,
+    accuracy: "AngleAccuracy | None",
 ) -> "RecordingFile":
     from catseye.app.results.resolution.csv_mapping import read_mapping
     from catseye.app.results.resolution.input_files import RecordingFile
@@ -125,7 +145,16 @@ def _recording_file(
         None if mapping is None else read_mapping(mapping),
         None if spacing_mm is None else AngularOptics(spacing_mm),
         rate_hz,
+        accuracy,
     )
+
+
+def _accuracy(constant_urad: float | None, percent: float | None) -> "AngleAccuracy | None":
+    from catseye.calibration.resolution.optics import AngleAccuracy
+
+    if constant_urad is None and percent is None:
+        return None
+    return AngleAccuracy(constant_urad or 0.0, (percent or 0.0) / 100.0)
 
 
 def _given(value: GivenT | None, option: str) -> GivenT:

@@ -11,6 +11,7 @@ from catseye.app.results.resolution.result import (
     AngularTest,
     AnyTest,
     LeastStep,
+    LikelyMistake,
     LinearTest,
     Reversal,
     Test,
@@ -52,7 +53,7 @@ class Asked:
         position: of the joint, deg or mm; None where nobody says.
         pose: name of the pose of a Cartesian test.
         threshold_percent: largest step error of a step that counts.
-        position_name: what the run called the position; None where nobody named it.
+        position_name: what the run or the arm's description calls the position; None where nobody named it.
     """
 
     test: Test
@@ -130,6 +131,10 @@ def _decaying(asked: Asked, series: Series, found: Steps) -> AnyTest:
         direction=int(found.moves.directions[0]),
         moves=rows,
         lis=lis,
+        by_rule=None if judged.by_rule is None else scale * judged.by_rule,
+        likely_mistake=None
+        if (mistake := judged.mistake) is None
+        else LikelyMistake(factor=mistake.factor, text=mistake.text),
         staircase=staircase(series.recording, found),
         duration_s=duration_s(found),
         flags=_texts(judged.flags),

@@ -1,5 +1,6 @@
 """Tests that another program recorded, from their files to a result."""
 
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -23,10 +24,20 @@ from catseye.app.store.software import SOFTWARE
 from catseye.calibration.resolution.alignment import ClockAlignment, align
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.moves import Moves
-from catseye.calibration.resolution.optics import LinearOptics
+from catseye.calibration.resolution.optics import LinearOptics, Optics
 from catseye.calibration.resolution.recording import Recording
 
 _AXES = ("X", "Y", "Z")
+_OF_TARGETS = "from deviations at targets: nothing is known of single steps and of the motor's torque"
+_ONE_PAIR = (
+    "a direction has one run: nothing was repeated, so u of the reversal error is not known; measure two pairs of "
+    "runs or more, the standard test has five"
+)
+_NO_OPTICS = (
+    "u without the instrument: the recording holds angles, and nobody states how accurate they are; u is noise and "
+    "drift alone, and the interval of the least step knows no error of scale: state --accuracy-percent and "
+    "--accuracy-urad, or --spacing-mm of angular optics"
+)
 
 
 @dataclass(frozen=True)
@@ -83,6 +94,15 @@ def _require_in_range(arm: ArmDescription, asked: Asked) -> None:
         )
 
 
+def _place_name(arm: ArmDescription, asked: Asked) -> str | None:
+    """Return what the arm's description calls the position, K1 … K5; None where it is none of its test places."""
+    of = next((joint for joint in arm.joint if joint.name == asked.joint), None)
+    if of is None or of.type != "revolute" or asked.position is None:
+        return None
+    places = enumerate(of.test_places_deg or (), 1)
+    return next((f"K{number}" for number, at in places if math.isclose(at, asked.position)), None)
+
+
 def _require_unit(arm: ArmDescription, given: Import, unit: str) -> None:
     """Refuse lengths of a joint that turns, and angles of what slides: no reader of the result would take them."""
     asked = given.asked
@@ -112,7 +132,8 @@ def imported_result(given: Import, arm: str) -> ResolutionResult:
         CalibrationError: recording and moves do not fit.
     """
     description = named_arm(arm, given.asked)
-    test = imported_test(given)
+    asked = replace(given.asked, position_name=_place_name(description, given.asked))
+    test = imported_test(replace(given, asked=asked))
     _require_unit(description, given, test.unit)
     return ResolutionResult(
         arm=description.name,
@@ -144,7 +165,16 @@ def imported_test(given: Import) -> AnyTest:
 
 
 def _evaluated(given: Import, recording: Recording, moves: Moves) -> AnyTest:
-    optics = LinearOptics() if recording.unit == "mm" else given.recording.optics
+    optics = _optics(given.recording, recording)
+    test = _by_clocks(given, recording, moves, optics)
+    return test if optics is not None else test.model_copy(update={"flags": [_NO_OPTICS, *test.flags]})
+
+
+def _optics(file: RecordingFile, recording: Recording) -> Optics | None:
+    return LinearOptics() if recording.unit == "mm" else file.accuracy or file.optics
+
+
+def _by_clocks(given: Import, recording: Recording, moves: Moves, optics: Optics | None) -> AnyTest:
     series = Series(recording, moves, optics)
     if given.joint_torque is not None:
         torque = read_torque(given.joint_torque, given.torque_channel)
@@ -185,12 +215,11 @@ def _of_targets(given: Import) -> AnyTest:
             "test": asked.test,
             "joint": asked.joint,
             "position": asked.position,
+            "position_name": asked.position_name,
             "threshold_percent": asked.threshold_percent,
             "moves": [],
             "reversal": reversal,
             "targets": targets,
-            "flags": [
-                "from deviations at targets: nothing is known of single steps and of the motor's torque"
-            ],
+            "flags": [_OF_TARGETS, *((_ONE_PAIR,) if reversal.u is None else ())],
         }
     )

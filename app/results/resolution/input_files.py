@@ -1,6 +1,5 @@
 """Files of a test that another program recorded: recording and moves, for the evaluation in rad or mm."""
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -11,11 +10,12 @@ from numpy.typing import NDArray
 from catseye.app.errors import UsageError
 from catseye.app.files.columns import read_table
 from catseye.app.results.resolution.csv_mapping import CsvMapping, read_mapped
+from catseye.app.results.resolution.last_line import is_whole, require_whole
 from catseye.app.results.resolution.tables import MOVES, RECORDING
 from catseye.calibration.resolution.errors import MovesError, RecordingError
 from catseye.calibration.resolution.frozen_signal import frozen_stretch, require_unsaturated
 from catseye.calibration.resolution.moves import Moves, moves_of
-from catseye.calibration.resolution.optics import AngularOptics
+from catseye.calibration.resolution.optics import AngleAccuracy, AngularOptics
 from catseye.calibration.resolution.recording import Recording, recording_of
 from catseye.calibration.resolution.sampling import require_stated_rate, require_steady_rate
 from catseye.procedures.kit.columns import Columns
@@ -43,12 +43,14 @@ class RecordingFile:
         mapping: of a file that another program wrote; None for one with the names of this program.
         optics: that turn displacements into angles; None where displacements are what is judged.
         rate_hz: that somebody states beside the file, held against its times; None where nobody does.
+        accuracy: of an instrument whose recording holds angles; None where nobody states it.
     """
 
     path: Path
     mapping: CsvMapping | None = None
     optics: AngularOptics | None = None
     rate_hz: float | None = None
+    accuracy: AngleAccuracy | None = None
 
     @property
     def stated_rate_hz(self) -> float | None:
@@ -85,16 +87,7 @@ def recording_columns(file: RecordingFile) -> Columns:
         raise UsageError(f"{file.path}: {refusal}")
     mapping = file.mapping
     columns = read_table(file.path, RECORDING) if mapping is None else read_mapped(file.path, mapping)
-    return columns if _is_whole(file.path) else columns.first(len(columns) - 1)
-
-
-def _is_whole(path: Path) -> bool:
-    """Return whether the last line has an end; one without may have been cut in the midst of a number."""
-    if path.suffix.lower() == ".parquet":
-        return True
-    with path.open("rb") as file:
-        file.seek(-1, os.SEEK_END)
-        return file.read() in {b"\n", b"\r"}
+    return columns if is_whole(file.path) else columns.first(len(columns) - 1)
 
 
 def read_recording(file: RecordingFile) -> Recording:
@@ -105,6 +98,11 @@ def read_recording(file: RecordingFile) -> Recording:
             be, or the signal is saturated; names line and remedy.
     """
     columns = recording_columns(file)
+    if file.accuracy is not None and "angle_deg" not in columns:
+        raise UsageError(
+            f"{file.path}: holds displacements, whose accuracy is that of their optics: leave out --accuracy-urad "
+            "and --accuracy-percent, and state --spacing-mm of angular optics"
+        )
     try:
         recording = _recording_of(columns, file.optics)
         require_steady_rate(columns["t_s"])
@@ -139,6 +137,7 @@ def read_moves(path: Path, *, there_and_back: bool = False) -> MovesFile:
         UsageError: the file cannot be used; names line and remedy.
     """
     columns = read_table(path, MOVES)
+    require_whole(path)
     sequence = columns.get("sequence")
     counted = slice(None) if sequence is None or not there_and_back else sequence > 0.0
     time_s, lines = columns["t_s"][counted], columns.lines[counted]

@@ -7,7 +7,7 @@ import numpy as np
 
 from catseye.app.protocol.run_events import LiveStepData
 from catseye.calibration.core.types import Bools, Floats
-from catseye.calibration.resolution.least_step import moving_mean, moving_spread, steps_within
+from catseye.calibration.resolution.least_step import first_grown, moving_mean, moving_spread, steps_within
 
 
 @dataclass(frozen=True)
@@ -33,12 +33,11 @@ class LiveErrors:
 
 
 def live_errors(steps: Sequence[LiveStepData]) -> LiveErrors:
-    """Return the errors of the steps that were seen, with their moving mean where each is smaller than the last."""
+    """Return the errors of the steps that were seen, with their moving mean where they decrease."""
     command = np.array([step.command for step in steps])
     error = np.array([step.error_percent for step in steps])
     below = np.array([step.below for step in steps], dtype=np.bool_)
-    decreasing = bool(np.all(np.abs(command[1:]) < np.abs(command[:-1])))
-    if len(steps) < 2 or not decreasing or np.ptp(np.sign(command)) > 0.0:
+    if len(steps) < 2 or np.ptp(np.sign(command)) > 0.0 or first_grown(np.abs(command)) is not None:
         return LiveErrors(command, error, below)
     judged = np.where(below, np.nan, error)
     mean = np.where(below, np.nan, moving_mean(judged))

@@ -12,6 +12,7 @@ from catseye.app.results.document import Document
 from catseye.app.results.model import Column, Report, Sign, Statement, Table, section
 from catseye.app.results.numbers import COUNT, Format, counted, listed
 from catseye.app.results.origin import origin_now
+from catseye.app.results.resolution.naming import title
 from catseye.app.results.resolution.result import AnyTest, ResolutionResult, read_resolution
 from catseye.calibration.resolution.joint_model import FEWEST, JointModel, MeasuredSteps, table_of
 from catseye.calibration.resolution.tables import JointTable
@@ -60,7 +61,8 @@ def model_arm(
         done: is called with the number of finished models and of all.
 
     Raises:
-        UsageError: a file is no result, they are of several arms, or a test does not say where it was made.
+        UsageError: a file is no result, they are of several arms, a test does not say where it was made, or all its
+            steps are longer by a mistake that its evaluation names.
         MeasurementRejectedError: no joint has enough steps.
     """
     results = [(path, read_resolution(path)) for path in paths]
@@ -78,7 +80,7 @@ def model_arm(
         tuple(enough),
         tuple(tables),
         any(result.provenance is not None and result.provenance.simulated for _, result in results),
-        (*_shipped(results), *_warnings(few, tables)),
+        (*_shipped(results), *_without_least_step(results), *_warnings(few, tables)),
     )
 
 
@@ -102,6 +104,7 @@ def _joint_data(results: Sequence[tuple[Path, ResolutionResult]]) -> list[JointD
     reversals: dict[str, dict[float, list[float]]] = {}
     for path, test in ((path, test) for path, result in results for test in result.tests):
         if test.test == "decaying":
+            _require_scale(path, test)
             direction, position = test.direction, _position(path, test)
             if direction is None:
                 raise UsageError(f"{path}: a decaying test of {test.joint} states no direction: 1 or -1")
@@ -128,6 +131,30 @@ def _position(path: Path, test: AnyTest) -> float:
             f"{path}: a {test.test} test of {test.joint} states no position: evaluate it again with --position-deg"
         )
     return test.position
+
+
+def _require_scale(path: Path, test: AnyTest) -> None:
+    if test.likely_mistake is not None:
+        raise UsageError(
+            f"{path}: {title(test)}: all steps are about {test.likely_mistake.factor:.3g} times those commanded, "
+            f"likely because {test.likely_mistake.text}: correct it and evaluate the recording again, or leave this "
+            "result out"
+        )
+
+
+def _without_least_step(results: Sequence[tuple[Path, ResolutionResult]]) -> list[str]:
+    without = [
+        title(test)
+        for _, result in results
+        for test in result.tests
+        if test.test == "decaying" and test.lis is None
+    ]
+    if not without:
+        return []
+    return [
+        f"{counted(len(without), 'test')} without a least step, whose errors may not be those of the joint: "
+        f"{listed(without, 6)}; see what their results say, and leave them out if it is the measurement"
+    ]
 
 
 def _shipped(results: Sequence[tuple[Path, ResolutionResult]]) -> list[str]:

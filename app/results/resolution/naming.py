@@ -82,7 +82,8 @@ def joints_of(tests: Sequence[AnyTest]) -> list[str]:
 def named_positions(tests: Sequence[AnyTest], joint: str) -> list[tuple[str, float | None]]:
     """Return where a joint was tested, upwards, with names: `K1 = −175°`; without a name where nothing is stated.
 
-    Names are those of the runs. Where they do not contradict it, positions are counted upwards.
+    Names are those of the runs and of the arm's description. Where they do not contradict it, positions are counted
+    upwards.
     """
     own = [test for test in tests if test.joint == joint]
     stated = sorted({test.position for test in own if test.position is not None})

@@ -22,7 +22,9 @@ Unit: TypeAlias = Literal["deg", "mm"]
 
 RESOLUTION_FORMAT: Final = "catseye-resolution/1"
 
-_WITH_UNIT: Final = frozenset({"position", "command", "measured", "u", "lis", "reversal", "plateau"})
+_WITH_UNIT: Final = frozenset(
+    {"position", "command", "measured", "u", "lis", "by_rule", "reversal", "plateau"}
+)
 
 
 def _keys_in(unit: Unit) -> Callable[[str], str]:
@@ -54,12 +56,12 @@ class Reversal(ResultPart):
 
     Attributes:
         value: in the test's unit.
-        u: standard uncertainty.
+        u: standard uncertainty; None where nothing was repeated.
         valid: the motor torque changed its sign between the directions; None where no torque was recorded.
     """
 
     value: Finite
-    u: Uncertainty
+    u: Uncertainty | None
     valid: bool | None
 
 
@@ -200,6 +202,18 @@ class Clocks(ResultPart):
     peaks: int
 
 
+class LikelyMistake(ResultPart):
+    """What may have made all steps of a test longer.
+
+    Attributes:
+        factor: by which it makes them longer.
+        text: what it is.
+    """
+
+    factor: Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+    text: str
+
+
 class _Test(ResultPart):
     """One test of a joint at one position, or of a Cartesian direction.
 
@@ -207,10 +221,12 @@ class _Test(ResultPart):
         test: which one.
         joint: name of the axis in the arm's description; X, Y or Z of a Cartesian test.
         position: of the joint, where the test was made; None where none was stated.
-        position_name: what the run called it, K1 … K5; None where nobody named it.
+        position_name: what the run or the arm's description calls it, K1 … K5; None where nobody named it.
         direction: of its steps; None of a test in both directions.
         threshold_percent: largest error of a step that counts as made.
         lis: None where the test gives none, and the flags say why.
+        by_rule: least step by the paper's rule on this series alone; None of other tests, and where there is none.
+        likely_mistake: why no least step is stated, where the size of all steps gives it away; else None.
         reversal: None of a test that gives none.
         flags: what speaks against the data or the result.
         pose: name of the pose of a Cartesian test.
@@ -227,6 +243,8 @@ class _Test(ResultPart):
     direction: Direction | None = None
     threshold_percent: Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
     lis: LeastStep | None = None
+    by_rule: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] | None = None
+    likely_mistake: LikelyMistake | None = None
     reversal: Reversal | None = None
     flags: list[str] = Field(default_factory=list)
     pose: str | None = None

@@ -46,6 +46,8 @@ _CONVENTIONS = (
     "Step error: measured minus commanded step, in percent of the commanded one.",
     "Least increment step (LIS): the smallest commanded step from which on the moving mean of the step error, over "
     "11 steps, keeps within the threshold, for it and every larger step.",
+    "A least step is that of the mean error, what the rule gives in the mean of many series; beside it stands what "
+    "the rule gives on the one series that there is, which another series would leave some steps earlier or later.",
     "Low and high of a least step are its 95 % interval; other uncertainties are standard uncertainties (k = 1).",
     "Reversal error: mean position reached forwards against that reached backwards at the positions between the "
     "ends; lost motion is positive. It is play only where the motor torque changes its sign between the directions.",

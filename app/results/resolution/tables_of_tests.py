@@ -74,6 +74,7 @@ def least_step_table(tests: Sequence[AnyTest], actuation: Sequence[Actuation]) -
     if not shown:
         return None
     ideal = {one.joint: one.ideal_lis_deg for one in actuation}
+    with_rule = any(test.by_rule is not None for test in shown)
     columns = (
         Column("joint", "joint"),
         Column("position", "position"),
@@ -81,6 +82,7 @@ def least_step_table(tests: Sequence[AnyTest], actuation: Sequence[Actuation]) -
         Column("iso", "ISO 230"),
         Column("positive", "decaying steps, +"),
         Column("negative", "decaying steps, −"),
+        *((Column("by_rule", "rule on the series, +, −"),) if with_rule else ()),
     )
     rows = [
         (
@@ -88,6 +90,7 @@ def least_step_table(tests: Sequence[AnyTest], actuation: Sequence[Actuation]) -
             name,
             ideal.get(joint),
             *_least_steps([test for test in shown if test.joint == joint], position),
+            *((_by_rule([test for test in shown if test.joint == joint], position),) if with_rule else ()),
         )
         for joint in joints_of(shown)
         for name, position in named_positions(shown, joint)
@@ -102,6 +105,18 @@ def _least_steps(tests: Sequence[AnyTest], position: float | None) -> tuple[Cell
         _joined([test for test in here if test.test == "iso"]),
         _joined([test for test in decaying if test.direction == 1]),
         _joined([test for test in decaying if test.direction == -1]),
+    )
+
+
+def _by_rule(tests: Sequence[AnyTest], position: float | None) -> str:
+    """Return the least steps by the rule on one series, forwards and backwards."""
+    here = [test for test in tests if test.position == position]
+    return ", ".join(
+        "; ".join(
+            with_unit(test.by_rule, test.unit) for test in here if test.by_rule and test.direction == way
+        )
+        or NOTHING
+        for way in (1, -1)
     )
 
 
@@ -131,7 +146,7 @@ def _reversal_row(test: AnyTest) -> tuple[Cell, ...]:
     position = f"{with_unit(test.position, test.unit, POSITION)}{shipped_mark([test])}"
     if found is None:
         return (test.joint, position, None, None, None, None)
-    decimals = fixed(decimals_for([found.u]))
+    decimals = STEP if found.u is None else fixed(decimals_for([found.u]))
     valid = {True: "yes: valid", False: "no: not valid", None: "no torque recorded: not valid"}[found.valid]
     measured = (
         None

@@ -7,11 +7,9 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 
 from catseye.app.errors import UsageError
-from catseye.app.files.target_deviations import TargetDeviations, read_target_deviations
+from catseye.app.files.target_deviations import read_target_deviations
 from catseye.app.results.resolution.result import Reversal, Unit
-from catseye.calibration.core.errors import CalibrationError
 from catseye.calibration.core.types import Floats
-from catseye.calibration.standards.iso230_2 import Positioning, positioning
 
 DeviationUnit: TypeAlias = Literal["um", "mrad", "urad", "arcsec", "mdeg"]
 
@@ -23,6 +21,9 @@ _WORTH: Final[dict[DeviationUnit, float]] = {
     "mdeg": 1e-3,
 }
 _UM: Final = 1e-3
+
+_FEWEST: Final = 2
+"""Runs in a direction that show how they scatter."""
 
 
 def is_target_file(path: Path) -> bool:
@@ -54,16 +55,31 @@ def reversal_of_targets(
         raise UsageError(
             f"{path}: {found.target.size} targets have none between their ends: measure three or more"
         )
-    sides = _positioning(path, found, worth, inner)
+    forward, backward = worth * found.forward.T[inner], worth * found.backward.T[inner]
+    if not backward.size:
+        raise UsageError(
+            f"{path}: its only run goes one way: a reversal error needs runs forwards and backwards"
+        )
     # Odd runs go from the first target to the last one, which may be downwards.
-    upwards = _sense(path, found.target)
-    repeats = len(found.forward), len(found.backward)
-    variance = sides.s_up**2 / repeats[0] + sides.s_down**2 / repeats[1]
-    u = float(np.sqrt(variance.sum())) / variance.size
-    places = zip(found.target[inner].tolist(), (-upwards * sides.reversal).tolist(), strict=True)
-    targets = [{"position": place, "reversal": lost} for place, lost in places]
-    value = -upwards * float(sides.reversal.mean())
-    return "mm" if linear else "deg", Reversal(value=value, u=u, valid=None), targets
+    lost = _sense(path, found.target) * (backward.mean(axis=1) - forward.mean(axis=1))
+    targets = [
+        {"position": place, "reversal": one}
+        for place, one in zip(found.target[inner].tolist(), lost.tolist(), strict=True)
+    ]
+    reversal = Reversal(value=float(lost.mean()), u=_u_of_mean(forward, backward), valid=None)
+    return "mm" if linear else "deg", reversal, targets
+
+
+def _u_of_mean(*sides: Floats) -> float | None:
+    """Return the standard uncertainty of the mean reversal error from the repeats; None without any on a side.
+
+    Args:
+        sides: deviations of the targets, a column a run, shape (m, n) each.
+    """
+    if min(side.shape[1] for side in sides) < _FEWEST:
+        return None
+    variance = sum(float((side.var(axis=1, ddof=1) / side.shape[1]).sum()) for side in sides)
+    return math.sqrt(variance) / len(sides[0])
 
 
 def _sense(path: Path, targets: Floats) -> float:
@@ -84,10 +100,3 @@ def _worth(path: Path, unit: DeviationUnit | None) -> float:
             f"--deviation-unit {'|'.join(_WORTH)}"
         )
     return _WORTH[unit]
-
-
-def _positioning(path: Path, found: TargetDeviations, worth: float, inner: slice) -> Positioning:
-    try:
-        return positioning(worth * found.forward.T[inner], worth * found.backward.T[inner])
-    except CalibrationError as error:
-        raise UsageError(f"{path}: {error}") from error

@@ -11,8 +11,11 @@ from catseye.app.errors import UsageError
 from catseye.app.files.columns import read_table
 from catseye.app.files.diadem import Channel, read_trace
 from catseye.app.files.foreign_csv import first_lines, found_dialect, read_numbers
+from catseye.app.results.resolution.last_line import require_whole
 from catseye.app.results.resolution.tables import TORQUE
-from catseye.calibration.core.types import Floats
+from catseye.calibration.core.types import Floats, Ints
+from catseye.calibration.resolution.errors import RecordingError
+from catseye.calibration.resolution.torque import require_increasing
 from catseye.drivers.roles.text_table import codec_of
 from catseye.procedures.kit.columns import Columns
 
@@ -33,18 +36,32 @@ def read_torque(path: Path, channel: str | None = None) -> Columns:
         Columns t_s and torque_nm.
 
     Raises:
-        UsageError: the file cannot be used, or which channel is meant is not clear; names what there is.
+        UsageError: the file cannot be used, its times do not increase, or which channel is meant is not clear; names
+            the line, or what there is.
     """
     if path.suffix.lower() == ".r64":
         raise UsageError(
             f"{path}: holds the values of a KUKA trace and not what they are: state the .dat of the same name, with "
             "this file beside it"
         )
+    torque = _read(path, channel)
+    try:
+        require_increasing(torque["t_s"])
+    except RecordingError as error:
+        line = torque.lines[(error.row or 1) - 1]
+        place = f"{path}, row {line}" if path.suffix.lower() == ".dat" else f"{path}:{line}"
+        raise UsageError(f"{place}: {error}") from error
+    return torque
+
+
+def _read(path: Path, channel: str | None) -> Columns:
     if path.suffix.lower() == ".dat":
-        return _of_channels(path, read_trace(path), channel)
-    if channel is None and (path.suffix == ".parquet" or _has_own_header(path)):
-        return read_table(path, TORQUE)
-    return _of_channels(path, _csv_channels(path), channel)
+        channels = read_trace(path)
+        return _of_channels(path, channels, 1 + np.arange(channels[0].values.size), channel)
+    own = channel is None and (path.suffix == ".parquet" or _has_own_header(path))
+    torque = read_table(path, TORQUE) if own else _of_channels(path, *_csv_channels(path), channel)
+    require_whole(path)
+    return torque
 
 
 def _has_own_header(path: Path) -> bool:
@@ -52,15 +69,15 @@ def _has_own_header(path: Path) -> bool:
     return any("torque_nm" in line for line in lines if not line.startswith("#"))
 
 
-def _csv_channels(path: Path) -> list[Channel]:
-    """Return the channels of a trace as CSV, whose headings are `name(unit)`."""
+def _csv_channels(path: Path) -> tuple[list[Channel], Ints]:
+    """Return the channels of a trace as CSV, whose headings are `name(unit)`, and the line of each row."""
     dialect = found_dialect(path)
     above = first_lines(path, dialect.codec, dialect.header_lines)
     headings = next((dialect.cells(line) for line in reversed(above) if line.strip()), [])
     if not headings:
         raise UsageError(f"{path}: no line above the numbers names the columns; t_s,torque_nm is wanted")
-    columns, _ = read_numbers(path, dialect, range(len(headings)))
-    return [_headed(heading, values) for heading, values in zip(headings, columns, strict=True)]
+    columns, lines = read_numbers(path, dialect, range(len(headings)))
+    return [_headed(heading, values) for heading, values in zip(headings, columns, strict=True)], lines
 
 
 def _headed(heading: str, values: Floats) -> Channel:
@@ -68,7 +85,7 @@ def _headed(heading: str, values: Floats) -> Channel:
     return Channel(heading, "", values) if found is None else Channel(found[1], found[2].strip(), values)
 
 
-def _of_channels(path: Path, channels: Sequence[Channel], name: str | None) -> Columns:
+def _of_channels(path: Path, channels: Sequence[Channel], lines: Ints, name: str | None) -> Columns:
     time = _time_channel(path, channels)
     torque = _torque_channel(path, channels, name)
     if torque.values.size != time.values.size:
@@ -83,7 +100,7 @@ def _of_channels(path: Path, channels: Sequence[Channel], name: str | None) -> C
         )
     return Columns(
         {"t_s": time.values * _TIME_UNITS[time.unit.lower() or "s"], "torque_nm": torque.values},
-        np.arange(1, torque.values.size + 1),
+        lines,
     )
 
 

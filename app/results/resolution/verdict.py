@@ -11,6 +11,9 @@ from catseye.app.results.resolution.result import AnyTest
 _MOST_APART: Final = 4
 """More tests of one kind and joint are said in one statement."""
 
+_CLEAR: Final = 2.0
+"""A reversal error of fewer standard uncertainties may be none."""
+
 
 def verdict(tests: Sequence[AnyTest], refused: Sequence[str] = ()) -> list[Block]:
     """Return what the tests come to.
@@ -45,7 +48,10 @@ def _step_said(test: AnyTest) -> Statement:
     if test.lis is None:
         why = f": {test.flags[-1]}" if test.flags else ""
         return Statement(Sign.ATTENTION, f"{name}: no least step can be stated{why}")
-    return Statement(Sign.NEUTRAL, f"{name}: least step {least_step_text(test)}")
+    by_rule = (
+        "" if test.by_rule is None else f"; by the rule on this series {with_unit(test.by_rule, test.unit)}"
+    )
+    return Statement(Sign.NEUTRAL, f"{name}: least step {least_step_text(test)}{by_rule}")
 
 
 def _steps_said(tests: Sequence[AnyTest]) -> list[Statement]:
@@ -65,24 +71,42 @@ def _steps_said(tests: Sequence[AnyTest]) -> list[Statement]:
 
 
 def _reversal_said(test: AnyTest) -> Statement:
-    if test.reversal is None:
+    found = test.reversal
+    if found is None:
         return Statement(Sign.ATTENTION, f"{place(test)}: no reversal error can be stated")
-    said = f"{place(test)}: reversal error {with_unit(test.reversal.value, test.unit)}"
-    if test.reversal.valid:
-        return Statement(Sign.NEUTRAL, f"{said}; the torque changes its sign: it is lost motion")
-    why = "no torque was recorded" if test.reversal.valid is None else "the torque keeps its sign"
-    return Statement(Sign.ATTENTION, f"{said}; {why}: it says nothing certain about play")
+    value = with_unit(found.value, test.unit)
+    u = "u not known" if found.u is None else f"u = {with_unit(found.u, test.unit)}"
+    said = f"{place(test)}: reversal error {value} ({u})"
+    if not found.valid:
+        why = "no torque was recorded" if found.valid is None else "the torque keeps its sign"
+        return Statement(Sign.ATTENTION, f"{said}; {why}: it says nothing certain about play")
+    if found.u is None:
+        return Statement(Sign.ATTENTION, f"{said}: whether it differs from none nobody knows")
+    if abs(found.value) < _CLEAR * found.u:
+        return Statement(Sign.NEUTRAL, f"{said}: not distinguishable from none")
+    if found.value < 0.0:
+        return Statement(Sign.ATTENTION, f"{said}: the joint went too far, which is no lost motion")
+    return Statement(Sign.NEUTRAL, f"{said}; the torque changes its sign: it is lost motion")
+
+
+def _is_lost_motion(test: AnyTest) -> bool:
+    found = test.reversal
+    if found is None or not found.valid or found.u is None:
+        return False
+    return found.value >= _CLEAR * found.u
 
 
 def _reversals_said(tests: Sequence[AnyTest]) -> list[Statement]:
-    valid = [test for test in tests if test.reversal is not None and test.reversal.valid]
-    said = [_reversal_said(test) for test in tests if test not in valid]
-    if valid:
-        ends = sorted(test.reversal.value for test in valid if test.reversal is not None)
-        smallest, largest = (with_unit(end, valid[0].unit) for end in (ends[0], ends[-1]))
+    clear = [test for test in tests if _is_lost_motion(test)]
+    said = [_reversal_said(test) for test in tests if test not in clear]
+    if clear:
+        found = [test.reversal for test in clear if test.reversal is not None]
+        ends = min(one.value for one in found), max(one.value for one in found)
+        smallest, largest = (with_unit(value, clear[0].unit) for value in ends)
+        u = with_unit(max(one.u or 0.0 for one in found), clear[0].unit)
         text = (
-            f"{valid[0].joint}: reversal errors {smallest} … {largest} at {counted(len(valid), 'position')}, where "
-            "the torque changes its sign: they are lost motion"
+            f"{clear[0].joint}: reversal errors {smallest} … {largest} (u = {u} or less) at "
+            f"{counted(len(clear), 'position')}, where the torque changes its sign: they are lost motion"
         )
         said.insert(0, Statement(Sign.NEUTRAL, text))
     return said

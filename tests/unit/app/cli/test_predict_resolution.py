@@ -255,3 +255,21 @@ def test_too_few_steps_reject_the_results(tmp_path: Path) -> None:
     error = failure("resolution-model", result_file(tmp_path, "a.json", [one]), "-o", str(tmp_path / "t.csv"))
     assert isinstance(error, MeasurementRejectedError)
     assert "no joint has 20 steps with an error" in str(error)
+
+
+def test_a_test_in_a_wrong_scale_makes_no_table(tmp_path: Path) -> None:
+    wrong = {"factor": 0.5, "text": "the stated spacing is twice the real one"}
+    one = decaying(0, 1, -50.0) | {"likely_mistake": wrong}
+    error = failure("resolution-model", result_file(tmp_path, "a.json", [one]), "-o", str(tmp_path / "t.csv"))
+    assert isinstance(error, UsageError)
+    assert "a.json: A1 at −50°, +: all steps are about 0.5 times those commanded" in str(error)
+    assert "the stated spacing is twice the real one" in str(error)
+
+
+def test_tests_without_a_least_step_are_named(tmp_path: Path) -> None:
+    stated = {"value": 1e-4, "u": 1e-5, "low": 8e-5, "high": 2e-4}
+    tests = [decaying(0, 1, -50.0), decaying(0, 1, 0.0) | {"lis_deg": stated}]
+    done = called("resolution-model", result_file(tmp_path, "a.json", tests), "-o", str(tmp_path / "t.csv"))
+    assert done.exit_code == 0, done.output
+    said = " ".join(done.stderr.split())
+    assert "1 test without a least step, whose errors may not be those of the joint: A1 at −50°, +;" in said

@@ -1,6 +1,7 @@
 """`catseye resolution` on recordings made from geometry: S · sin θ of a joint whose steps are known."""
 
 import json
+import math
 import struct
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from typer.testing import CliRunner
 
 from catseye.app.cli import cli
 from catseye.app.errors import UsageError
+from catseye.app.results.resolution.naming import named_positions
 from catseye.app.results.resolution.result import ResolutionResult, read_resolution
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.errors import MovesError
@@ -58,6 +60,15 @@ def test_steps_are_measured_as_they_were_made(tmp_path: Path, decaying: Files) -
     assert len(test.staircase.plateau) == 67
 
 
+@pytest.mark.parametrize(("position", "name"), [("0", "K3 = 0°"), ("-90", "K2 = −90°")])
+def test_a_position_has_the_name_of_the_arms_place(
+    tmp_path: Path, decaying: Files, position: str, name: str
+) -> None:
+    """A1 is tested at −175, −90, 0, 90 and 175° (the paper, Table 2)."""
+    tests = _run(tmp_path, decaying, "--test", "decaying", "--position-deg", position).tests
+    assert named_positions(tests, "A1") == [(name, float(position))]
+
+
 def test_a_test_downwards_states_its_direction(tmp_path: Path) -> None:
     command = decaying_commands(20, -1)
     files = write_test(tmp_path, command.tolist(), command.tolist())
@@ -77,6 +88,35 @@ def test_what_the_arm_does_not_have_is_refused(
     with pytest.raises(UsageError, match=complaint):
         _run(tmp_path, decaying, *more)
     assert not (tmp_path / "result.json").exists()
+
+
+def _as_angles(files: Files) -> Files:
+    """Rewrite a recording of displacements as one of angles."""
+    recording = np.loadtxt(files.recording, delimiter=",", skiprows=1)
+    recording[:, 1] = np.degrees(np.arcsin(recording[:, 1] / 30.0))
+    np.savetxt(files.recording, recording, delimiter=",", header="t_s,angle_deg", comments="")
+    return files
+
+
+def test_angles_without_an_accuracy_are_flagged(tmp_path: Path, decaying: Files) -> None:
+    output = tmp_path / "result.json"
+    given = ("--recording", _as_angles(decaying).recording, "--moves", decaying.moves, "-o", output)
+    said(*given, *_A1[:-2], "--test", "decaying")
+    (silent,) = read_resolution(output).tests
+    assert silent.flags[0].startswith("u without the instrument")
+    said(*given, *_A1[:-2], "--test", "decaying", "--accuracy-urad", "1", "--accuracy-percent", "0.5")
+    (stated,) = read_resolution(output).tests
+    assert not [flag for flag in stated.flags if "without the instrument" in flag]
+    u, unknown = stated.moves[0].u, silent.moves[0].u
+    assert u is not None
+    assert unknown is not None
+    # 0.5 µrad and 0.25 % of 0.102°, each half of what is stated.
+    assert math.sqrt(u**2 - unknown**2) == pytest.approx(math.degrees(0.5e-6) + 0.0025 * 0.102, rel=0.01)
+
+
+def test_an_accuracy_of_angles_is_none_of_displacements(tmp_path: Path, decaying: Files) -> None:
+    with pytest.raises(UsageError, match="holds displacements, whose accuracy is that of their optics"):
+        _run(tmp_path, decaying, "--test", "decaying", "--accuracy-urad", "1")
 
 
 def test_lengths_of_a_joint_that_turns_are_refused(tmp_path: Path, decaying: Files) -> None:
@@ -104,6 +144,17 @@ def test_the_least_step_is_where_the_errors_begin(tmp_path: Path) -> None:
     assert test.lis is not None
     assert test.lis.low <= command[55] <= test.lis.high
     assert test.lis.high < command[50]
+    assert test.by_rule == pytest.approx(command[55])
+
+
+def test_a_wrong_spacing_stands_in_the_result(tmp_path: Path) -> None:
+    command = decaying_commands(40)
+    files = write_test(tmp_path, command.tolist(), (1.01 * command).tolist())
+    test = _run(tmp_path, files, "--test", "decaying", "--spacing-mm", "60").tests[0]
+    assert test.lis is None
+    assert test.likely_mistake is not None
+    assert test.likely_mistake.factor == 0.5
+    assert test.likely_mistake.text.startswith("the stated spacing is twice the real one")
 
 
 def test_two_clocks_are_aligned_and_reported(tmp_path: Path) -> None:

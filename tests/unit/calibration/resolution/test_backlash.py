@@ -6,7 +6,7 @@ import pytest
 from catseye.calibration.core.errors import ArgumentError
 from catseye.calibration.core.types import Floats
 from catseye.calibration.resolution.backlash import Backlash, backlash
-from catseye.calibration.resolution.errors import MovesError
+from catseye.calibration.resolution.errors import MovesError, RecordingError
 from tests.unit.calibration.resolution.measured import DWELL_S, measured_steps
 
 STEP = 1.7e-3
@@ -136,3 +136,10 @@ def test_steps_that_were_not_driven_are_refused() -> None:
     done[91:] = done[90]
     with pytest.raises(MovesError, match=r"moves 91, 92, .* and 2 more of 100 .* fewer steps were driven"):
         backlash(measured_steps(COMMAND, done, NOISE))
+
+
+def test_torques_out_of_their_order_are_refused() -> None:
+    time_s, torque_nm = traced(20.0, -15.0, 1.0)
+    twice = np.concatenate([time_s, time_s]), np.concatenate([torque_nm, torque_nm])
+    with pytest.raises(RecordingError, match="times have to increase"):
+        found(torque=twice)

@@ -97,6 +97,11 @@ def test_steps_below_the_instrument_take_no_part() -> None:
     assert "least-step-open" in kinds(found)
 
 
+def test_the_rule_ends_at_the_smallest_judged_step() -> None:
+    found = evaluated(overtravel(1e-6, 1e-6, 1), u_step_deg=1e-4)
+    assert found.by_rule == pytest.approx(STEPS_DEG[STEPS_DEG >= 3e-4].min() * DEG)
+
+
 def test_a_joint_beyond_the_threshold_everywhere_has_none() -> None:
     found = evaluated(20.0 + overtravel(0.0, 1e-5, 1))
     assert (found.least_step, found.by_rule) == (None, None)
@@ -181,6 +186,20 @@ def test_the_same_seed_gives_the_same_interval() -> None:
 def test_other_series_are_refused(command: Floats, text: str) -> None:
     with pytest.raises(MovesError, match=text):
         decaying_test(decaying_steps(command, np.zeros(command.size)))
+
+
+def test_sizes_that_a_controller_rounds_may_repeat() -> None:
+    multiples = np.r_[100, 93, 87, 81, 76, 71, 66, 61, 57, 53, 50, 46, 43, np.arange(40.0, 0.0, -1.0)]
+    # Added to positions between its multiples, two steps of it may become one size, by a last digit apart.
+    rounded = np.where(multiples == 5.0, 4.5 + 1e-12, np.where(multiples == 4.0, 4.5 + 3e-12, multiples))
+    least = decaying_test(decaying_steps(1e-3 * DEG * rounded, np.full(rounded.size, 1.0))).least_step
+    assert least is not None
+    assert least.value == pytest.approx(1e-3 * DEG)
+
+
+def test_steps_of_one_size_are_no_decreasing_ones() -> None:
+    with pytest.raises(MovesError, match=r"move 2 is .* no smaller than the one before"):
+        decaying_test(decaying_steps(np.full(30, 0.1 * DEG), np.zeros(30)))
 
 
 def test_a_threshold_has_to_be_positive() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from catseye.calibration.resolution.errors import RecordingError
-from catseye.calibration.resolution.optics import AngularOptics, LinearOptics
+from catseye.calibration.resolution.optics import AngleAccuracy, AngularOptics, LinearOptics
 
 
 def test_five_degrees_come_back_to_the_last_digit() -> None:
@@ -39,3 +39,10 @@ def test_linear_optics_are_good_to_a_share_of_the_step() -> None:
     # 0.5 µm/m over 1 mm is 0.5 nm, for k = 2.
     assert LinearOptics().u_step(-1.0) == pytest.approx(0.25e-6)
     assert LinearOptics().u_scale == pytest.approx(0.25e-6)
+
+
+def test_a_stated_accuracy_counts_as_twice_the_uncertainty() -> None:
+    stated = AngleAccuracy(constant_urad=0.4, share=0.01)
+    # 1 mrad: 0.4 µrad + 10 µrad, for k = 2.
+    assert stated.u_step(-1e-3) == pytest.approx(5.2e-6)
+    assert stated.u_scale == pytest.approx(0.005)

@@ -58,9 +58,22 @@ def test_a_singular_pose_is_refused_before_its_wrist_whirls() -> None:
 
 def test_a_series_ends_at_what_the_controller_can_command() -> None:
     sizes = decaying(0.1, 109, 0.001)
-    assert sizes[-1] >= 0.001 > sizes[-1] / 1.072267
-    # ln 100 / ln 1.072267 = 65.9998
-    assert len(sizes) == 67
+    assert sizes[0] == pytest.approx(0.1)
+    assert sizes[-1] == pytest.approx(0.001)
+
+
+@given(resolution=st.sampled_from([0.001, 0.01]), first=st.floats(0.02, 1.0))
+def test_steps_are_distinct_multiples_of_what_is_commanded(resolution: float, first: float) -> None:
+    multiples = np.array(decaying(first, 400, resolution)) / resolution
+    assert multiples == pytest.approx(np.round(multiples), abs=1e-6)
+    assert np.diff(multiples).max(initial=-1.0) <= -1.0 + 1e-6
+    # Each lies as near to the series as a multiple can.
+    series = first / 1.072267 ** np.arange(400.0) / resolution
+    assert np.abs(series[:, None] - multiples).min(axis=0).max() <= 0.5 + 1e-6
+
+
+def test_rounded_steps_are_as_many_as_were_asked() -> None:
+    assert len(decaying(0.1, 30, 0.001)) == 30
 
 
 @given(
@@ -188,8 +201,8 @@ def test_unknown_names_are_refused(changes: dict[str, list[str]], said: str) -> 
 def test_a_series_that_the_controller_ends_says_why() -> None:
     bench = replace(SIX, arm=replace(SIX.arm, command_resolution={"deg": 0.001}))
     plan = Resolution().plan(bench, ResolutionParams(joints=["A1"], positions=["K3"]))
-    # 0.1° / 1.072267^66 = 0.001001°.
-    assert len(plan.places[0].series[0].orders) == 67
+    # Down to 0.014° the paper's 29 sizes stay apart when they are rounded to 0.001°; 13 multiples are left.
+    assert len(plan.places[0].series[0].orders) == 42
     assert "the series end at 0.001°" in ended_early(plan)
 
 

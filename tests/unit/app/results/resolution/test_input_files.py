@@ -191,3 +191,10 @@ def test_a_preview_shows_rate_and_first_rows(tmp_path: Path) -> None:
     assert list(report.table("rows").rows[0]) == pytest.approx([2, 0.0, 5e-4])
     assert len(report.table("rows").rows) == 10
     assert preview(path).rate_hz == pytest.approx(100.0)
+
+
+@pytest.mark.parametrize("cut", [1, 2, 3])
+def test_moves_that_were_cut_are_refused(tmp_path: Path, cut: int) -> None:
+    path = _file(tmp_path, "t_s,command_deg\n1,0.5\n6,0.4123\n"[:-cut], "moves.csv")
+    with pytest.raises(UsageError, match=r"moves\.csv:3: the last line has no end"):
+        read_moves(path)

@@ -13,8 +13,10 @@ from catseye.app.results.resolution.certificate import certificate
 from catseye.app.results.resolution.figures.least_steps import least_step_figure
 from catseye.app.results.resolution.figures.staircase import staircase_figure
 from catseye.app.results.resolution.figures.step_errors import step_error_figure
-from catseye.app.results.resolution.result import MeasuredRun, write_resolution
+from catseye.app.results.resolution.result import MeasuredRun, Reversal, write_resolution
 from catseye.app.results.resolution.result_report import resolution_files_report
+from catseye.app.results.resolution.tables_of_tests import least_step_table, reversal_table
+from catseye.app.results.resolution.verdict import verdict
 from catseye.app.results.runs.records import Sources
 from tests.unit.app.results.resolution.sample import sample_result
 
@@ -46,6 +48,18 @@ def test_least_steps_stand_by_joint_and_position(report: Report) -> None:
         "0.00015° (0.00013° … 0.00019°)",
     )
     assert len(rows) == 8
+
+
+def test_the_rule_on_a_series_stands_beside_its_least_step() -> None:
+    tests = [one for one in sample_result().tests if one.joint == "A1" and one.position == 0.0]
+    tests = [
+        one.model_copy(update={"by_rule": 1.2e-4} if one.direction == 1 else {}) for one in tests if one.lis
+    ]
+    table = least_step_table(tests, [])
+    assert table is not None
+    assert table.rows[0][-1] == "0.00012°, –"
+    (said,) = [one.text for one in verdict(tests) if isinstance(one, Statement) and "A1 at 0°, +" in one.text]
+    assert said.endswith("least step 0.00015° (0.00013° … 0.00019°); by the rule on this series 0.00012°")
 
 
 def test_a_reversal_without_a_change_of_sign_is_not_valid(report: Report) -> None:
@@ -82,9 +96,44 @@ def test_many_tests_of_a_joint_are_said_together(report: Report) -> None:
         "0.00019°), A1 at 175°, −",
         "A1, ISO 230, 5 tests: least steps from 0.0030° (0.0024° … 0.0045°), A1 at −175°, to 0.0030° (0.0024° … "
         "0.0045°), A1 at 175°",
-        "A1: reversal errors 0.0040° … 0.0060° at 5 positions, where the torque changes its sign: they are lost "
-        "motion",
+        "A1: reversal errors 0.0040° … 0.0060° (u = 0.000020° or less) at 5 positions, where the torque changes its "
+        "sign: they are lost motion",
     ]
+
+
+@pytest.mark.parametrize(
+    ("value", "sign", "said"),
+    [
+        (0.005, Sign.NEUTRAL, "0.0050° (u = 0.000047°); the torque changes its sign: it is lost motion"),
+        (0.00009, Sign.NEUTRAL, "0.000090° (u = 0.000047°): not distinguishable from none"),
+        (-0.000023, Sign.NEUTRAL, "−0.000023° (u = 0.000047°): not distinguishable from none"),
+        (-0.005, Sign.ATTENTION, "−0.0050° (u = 0.000047°): the joint went too far, which is no lost motion"),
+    ],
+)
+def test_a_reversal_error_is_said_with_its_uncertainty(value: float, sign: Sign, said: str) -> None:
+    found = Reversal(value=value, u=4.7e-5, valid=True)
+    (test,) = [one for one in sample_result().tests if one.test == "backlash" and one.position == 0.0][:1]
+    assert verdict([test.model_copy(update={"reversal": found})]) == [
+        Statement(sign, f"A1 at 0°: reversal error {said}")
+    ]
+
+
+def test_a_reversal_error_without_u_says_so() -> None:
+    (test,) = [one for one in sample_result().tests if one.test == "backlash" and one.position == 0.0][:1]
+    test = test.model_copy(update={"reversal": Reversal(value=0.005, u=None, valid=None)})
+    (said,) = (block.text for block in verdict([test]) if isinstance(block, Statement))
+    assert said.startswith("A1 at 0°: reversal error 0.0050° (u not known); no torque was recorded")
+    table = reversal_table([test])
+    assert table is not None
+    assert table.rows[0][2:4] == ("0.0050°", "–")
+
+
+def test_reversal_errors_that_may_be_none_are_said_apart() -> None:
+    tests = [one for one in sample_result().tests if one.test == "backlash" and one.joint == "A1"]
+    tests[2] = tests[2].model_copy(update={"reversal": Reversal(value=1e-5, u=4.7e-5, valid=True)})
+    many, one = (block.text for block in verdict(tests) if isinstance(block, Statement))
+    assert "at 4 positions" in many
+    assert one == "A1 at 0°: reversal error 0.000010° (u = 0.000047°): not distinguishable from none"
 
 
 def test_the_certificate_names_who_measured_with_what() -> None:

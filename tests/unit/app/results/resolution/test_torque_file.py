@@ -49,3 +49,18 @@ def test_an_unknown_channel_is_refused(tmp_path: Path) -> None:
 def test_a_trace_without_times_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="no channel holds times; there are Pos_A1"):
         read_torque(_file(tmp_path, "Pos_A1(deg),Torque_A1(Nm)\n0,1\n1,2\n2,3\n"))
+
+
+@pytest.mark.parametrize("header", ["t_s,torque_nm", "time(s),Torque_A1(Nm)"])
+def test_a_torque_that_was_cut_is_refused(tmp_path: Path, header: str) -> None:
+    with pytest.raises(UsageError, match=r"torque\.csv:4: the last line has no end"):
+        read_torque(_file(tmp_path, f"{header}\n0,1\n1,2\n2,35.2"[:-2]))
+
+
+@pytest.mark.parametrize("header", ["t_s,torque_nm", "time(s),Torque_A1(Nm)"])
+def test_times_that_fall_back_name_their_line(tmp_path: Path, header: str) -> None:
+    text = f"{header}\n0,1\n1,2\n2,3\n1.5,4\n3,5\n"
+    with pytest.raises(
+        UsageError, match=r"torque\.csv:5: the torque at 1\.5 s does not follow the one at 2 s"
+    ):
+        read_torque(_file(tmp_path, text))
