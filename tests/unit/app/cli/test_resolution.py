@@ -111,9 +111,9 @@ def test_two_clocks_are_aligned_and_reported(tmp_path: Path) -> None:
     files = write_test(tmp_path, command.tolist(), command.tolist(), ahead_s=1234.5)
     test = _run(tmp_path, files, "--test", "decaying", "--align", "auto").tests[0]
     assert test.clocks is not None
-    # A move is fastest 0.2 s after its command, which no recording can tell from a clock that is ahead.
-    assert test.clocks.offset_s == pytest.approx(1234.7, abs=0.05)
+    assert test.clocks.offset_s == pytest.approx(1234.5, abs=0.1)
     assert test.flags[0].startswith("the recording's clock is 1234.")
+    assert not any("nothing was recorded" in text for text in test.flags)
     assert [move.error_percent for move in test.moves] == pytest.approx([0.0] * 40, abs=0.2)
 
 
