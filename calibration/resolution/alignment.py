@@ -19,11 +19,8 @@ from catseye.calibration.resolution.recording import Recording
 from catseye.calibration.resolution.speed import speed_of
 
 _GRID_S = 0.05
-_SAME_CELL = 0.9
-"""Offsets nearer than so many dwells may show the same steps: all but the time that a motion takes."""
-
-_OTHER_CELL = 0.1
-"""Offsets nearer than so many dwells to a whole number of dwells from the best one are those of other steps."""
+_NEAR = 0.05
+"""What a joint does within so much of a dwell about either end is motion, where it should rest."""
 
 _EXPLAINED = 0.5
 """Share of the commands' sum of squares that no offset may leave unexplained."""
@@ -126,43 +123,52 @@ def _coarse_offset(recording: Recording, moves: Moves) -> float:
     offsets = np.arange(first_s, last_s + _GRID_S, _GRID_S)
     misfit = _misfits(recording, moves, offsets, half_s)
     best = int(np.argmin(misfit))
-    # The middle of the offsets that fit as well: a step fits wherever its motion lies within the dwell.
-    dwells = (offsets - offsets[best]) / moves.dwell_s
-    _require_clear(misfit, best, dwells, offsets, moves)
-    scatter = misfit[best] / max(len(moves) - 1, 1)
-    fitting = offsets[(np.abs(dwells) < _SAME_CELL) & (misfit <= misfit[best] + _CLEAR * scatter)]
-    return float(fitting.mean())
+    _require_explained(float(misfit[best]), moves)
+    fitting = offsets[misfit <= misfit[best] * (1.0 + _CLEAR / max(len(moves) - 1, 1))]
+    _require_clear(fitting, moves.dwell_s)
+    # A step fits wherever its motion lies within the dwell: the middle of those offsets stands for them.
+    return 0.5 * float(fitting[0] + fitting[-1])
 
 
 def _misfits(recording: Recording, moves: Moves, offsets: Floats, half_s: float) -> Floats:
-    """Return for each offset the sum of squares of what the position does about each move minus the command."""
+    """Return for each offset the sum of squares of what the position does about each move minus the command.
+
+    What it does at either end of a dwell adds to it: between two steps of one size, half of each would fit as well.
+    """
     time_s, position = recording.time_s(), lowess(recording.position, half_window(recording.rate_hz))
-    total = np.zeros(offsets.size)
+    total, near_s = np.zeros(offsets.size), _NEAR * moves.dwell_s
     for at_s, command in zip(moves.time_s.tolist(), moves.command.tolist(), strict=True):
-        behind = np.interp(at_s + offsets + half_s, time_s, position)
-        ahead = np.interp(at_s + offsets - half_s, time_s, position)
-        total += (behind - ahead - command) ** 2
+        (behind, left), (right, ahead) = (
+            [np.interp(at_s + offsets + side_s + more_s, time_s, position) for more_s in (-near_s, near_s)]
+            for side_s in (-half_s, half_s)
+        )
+        total += (0.5 * (right + ahead - behind - left) - command) ** 2
+        total += (left - behind) ** 2 + (ahead - right) ** 2
     return total
 
 
-def _require_clear(misfit: Floats, best: int, dwells: Floats, offsets: Floats, moves: Moves) -> None:
+def _require_explained(misfit: float, moves: Moves) -> None:
     whole = float(moves.command @ moves.command)
-    if misfit[best] > _EXPLAINED * whole:
+    if misfit > _EXPLAINED * whole:
         raise ClockError(
             f"at no offset of the clocks does the recording show the moves (the best one leaves "
-            f"{100.0 * misfit[best] / whole:.0f} % of them): these are moves of another run or joint, or sign, "
+            f"{100.0 * misfit / whole:.0f} % of them): these are moves of another run or joint, or sign, "
             "spacing or unit are wrong"
         )
-    whole_dwells = np.round(dwells)
-    other = (whole_dwells != 0.0) & (np.abs(dwells - whole_dwells) < _OTHER_CELL)
-    others = np.where(other, misfit, np.inf)
-    second = int(np.argmin(others))
-    if others[second] - misfit[best] > _CLEAR * misfit[best] / max(len(moves) - 1, 1):
+
+
+def _require_clear(fitting: Floats, dwell_s: float) -> None:
+    """Refuse offsets that differ by a dwell: those at which the same steps fit all lie nearer together."""
+    others = fitting[fitting - fitting[0] >= dwell_s - 2.0 * _GRID_S]
+    if not others.size:
         return
+    one_s = float(fitting[: -others.size].mean())
+    other_s = float(others[others - others[0] < dwell_s].mean())
+    number = max(1, round((other_s - one_s) / dwell_s))
     raise ClockError(
-        f"the moves fit the recording at an offset of {offsets[best]:.2f} s and as well at "
-        f"{offsets[second]:.2f} s, {abs(dwells[second]):.1f} dwells away: the offset is ambiguous; record from the "
-        "standstill before the first move until after the last one, or correct the times of the moves"
+        f"the moves fit the recording at an offset of {one_s:.1f} s and as well at {other_s:.1f} s, {number} "
+        f"dwell{'s' if number > 1 else ''} away: the offset is ambiguous; record from the standstill before the "
+        "first move until after the last one, or correct the times of the moves"
     )
 
 
