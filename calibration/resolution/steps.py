@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from catseye.calibration.core.types import Bools, Floats, Ints
 from catseye.calibration.resolution.errors import MovesError
 from catseye.calibration.resolution.flags import Flag, FlagKind, flag_moves
+from catseye.calibration.resolution.frozen_signal import frozen_flags, frozen_stretch, require_unsaturated
 from catseye.calibration.resolution.lowess import half_window
 from catseye.calibration.resolution.moves import Moves
 from catseye.calibration.resolution.noise import (
@@ -117,6 +118,7 @@ def steps(
 
     Raises:
         MovesError: the recording does not cover the moves, or the units differ.
+        RecordingError: its signal is saturated.
     """
     if recording.unit != moves.unit:
         raise MovesError(
@@ -124,6 +126,8 @@ def steps(
             "angular optics, or use the moves of this recording"
         )
     rests = plateaus(recording, moves)
+    frozen = frozen_stretch(recording, moves)
+    require_unsaturated(frozen)
     # The guard on either side is what the smoothing takes from the ends.
     clip = recording.clipped(
         float(rests.start_s[0]) - GUARD_S,
@@ -142,7 +146,7 @@ def steps(
     judged = (np.abs(moves.command) >= BELOW_INSTRUMENT * noise.step) & np.isfinite(measured)
     judged &= ~_with_others(moves, measured, noise.step)
     found = Steps(moves, measured, u, peak_s, judged, rests, noise, seen_by.u_scale, ())
-    flags = (*recording.flags, *noise.flags, *_flags(found, hidden))
+    flags = (*recording.flags, *frozen_flags(frozen), *noise.flags, *_flags(found, hidden))
     return replace(found, flags=flags)
 
 

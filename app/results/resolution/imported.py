@@ -9,7 +9,12 @@ from catseye.app.results.origin import now_utc
 from catseye.app.results.provenance import Provenance
 from catseye.app.results.resolution.actuation import actuation_of
 from catseye.app.results.resolution.evaluation import Asked, Series, evaluated
-from catseye.app.results.resolution.input_files import RecordingFile, read_moves, read_recording
+from catseye.app.results.resolution.input_files import (
+    RecordingFile,
+    read_moves,
+    read_recording,
+    refused_recording,
+)
 from catseye.app.results.resolution.result import (
     AngularTest,
     AnyTest,
@@ -21,7 +26,7 @@ from catseye.app.results.resolution.target_reversal import DeviationUnit, is_tar
 from catseye.app.results.resolution.torque_file import read_torque
 from catseye.app.store.software import SOFTWARE
 from catseye.calibration.resolution.alignment import ClockAlignment, align
-from catseye.calibration.resolution.errors import MovesError
+from catseye.calibration.resolution.errors import MovesError, RecordingError
 from catseye.calibration.resolution.moves import Moves
 from catseye.calibration.resolution.optics import LinearOptics
 from catseye.calibration.resolution.recording import Recording
@@ -141,6 +146,8 @@ def imported_test(given: Import) -> AnyTest:
         return _evaluated(given, recording, file.moves)
     except MovesError as error:
         raise MovesError(f"{file.place(error.row)}: {error}", error.row) from error
+    except RecordingError as error:
+        raise refused_recording(given.recording, error) from error
 
 
 def _evaluated(given: Import, recording: Recording, moves: Moves) -> AnyTest:

@@ -13,7 +13,6 @@ from catseye.app.files.columns import read_table
 from catseye.app.results.resolution.csv_mapping import CsvMapping, read_mapped
 from catseye.app.results.resolution.tables import MOVES, RECORDING
 from catseye.calibration.resolution.errors import MovesError, RecordingError
-from catseye.calibration.resolution.frozen_signal import frozen_stretch, require_unsaturated
 from catseye.calibration.resolution.moves import Moves, moves_of
 from catseye.calibration.resolution.optics import AngularOptics
 from catseye.calibration.resolution.recording import Recording, recording_of
@@ -101,8 +100,8 @@ def read_recording(file: RecordingFile) -> Recording:
     """Read a recording, of a joint in rad, of a slide or of the tool in mm.
 
     Raises:
-        UsageError: the file cannot be used, its rate changes or is not the one that is stated, times or signal cannot
-            be, or the signal is saturated; names line and remedy.
+        UsageError: the file cannot be used, its rate changes or is not the one that is stated, or times or signal
+            cannot be; names line and remedy.
     """
     columns = recording_columns(file)
     try:
@@ -110,12 +109,19 @@ def read_recording(file: RecordingFile) -> Recording:
         require_steady_rate(columns["t_s"])
         if file.stated_rate_hz is not None:
             require_stated_rate(columns["t_s"], file.stated_rate_hz)
-        value = next(columns[name] for name in columns.values if name != "t_s")
-        require_unsaturated(frozen_stretch(columns["t_s"], recording.rate_hz, value))
     except RecordingError as error:
-        place = "" if error.row is None else f":{columns.lines[error.row - 1]}"
-        raise UsageError(f"{file.path}{place}: {error}") from error
+        raise _at_line(file, columns, error) from error
     return recording
+
+
+def refused_recording(file: RecordingFile, error: RecordingError) -> UsageError:
+    """Return what is wrong with a recording that was read, with the line of its sample."""
+    return _at_line(file, recording_columns(file), error)
+
+
+def _at_line(file: RecordingFile, columns: Columns, error: RecordingError) -> UsageError:
+    place = "" if error.row is None else f":{columns.lines[error.row - 1]}"
+    return UsageError(f"{file.path}{place}: {error}")
 
 
 def _recording_of(columns: Columns, optics: AngularOptics | None) -> Recording:

@@ -273,6 +273,25 @@ def test_moves_that_do_not_fit_name_their_line(tmp_path: Path, decaying: Files) 
         said(*given, "--test", "decaying")
 
 
+def test_a_saturated_recording_names_its_line(tmp_path: Path, decaying: Files) -> None:
+    t_s, displacement_mm = np.loadtxt(decaying.recording, delimiter=",", skiprows=1).T
+    # At 50 Hz, the sample at 200 s is the 10001st, in line 10002.
+    displacement_mm[10_000:] = displacement_mm[:10_000].max()
+    rows = (f"{t:.6f},{x:.12g}" for t, x in zip(t_s, displacement_mm, strict=True))
+    decaying.recording.write_text("\n".join(["t_s,displacement_mm", *rows]) + "\n", "utf-8")
+    with pytest.raises(UsageError, match=r"recording.csv:10002: from 200.00 s .*saturated.*measure again"):
+        _run(tmp_path, decaying, "--test", "decaying")
+
+
+def test_a_coarse_recording_at_rest_is_evaluated(tmp_path: Path, decaying: Files) -> None:
+    t_s, displacement_mm = np.loadtxt(decaying.recording, delimiter=",", skiprows=1).T
+    rows = (f"{t:.6f},{x:.5f}" for t, x in zip(t_s, displacement_mm, strict=True))
+    decaying.recording.write_text("\n".join(["t_s,displacement_mm", *rows]) + "\n", "utf-8")
+    test = _run(tmp_path, decaying, "--test", "decaying").tests[0]
+    assert [move.error_percent for move in test.moves] == pytest.approx([2.0] * 66, abs=3.0)
+    assert not any("last digit" in text for text in test.flags)
+
+
 def test_a_recording_with_gaps_is_evaluated_with_flags(tmp_path: Path) -> None:
     command = decaying_commands(40).tolist()
     files = write_test(tmp_path, command, command)
