@@ -12,6 +12,7 @@ from catseye.app.errors import UsageError
 from catseye.app.files.columns import read_table
 from catseye.app.results.resolution.csv_mapping import CsvMapping, read_mapped
 from catseye.app.results.resolution.tables import MOVES, RECORDING
+from catseye.calibration.core.types import Bools
 from catseye.calibration.resolution.errors import MovesError, RecordingError
 from catseye.calibration.resolution.moves import Moves, moves_of
 from catseye.calibration.resolution.optics import AngularOptics
@@ -63,11 +64,13 @@ class MovesFile:
         path: of the file.
         moves: that count.
         lines: of each of them, shape (n,).
+        all_moves: those as well that only lead to the beginning of the test.
     """
 
     path: Path
     moves: Moves
     lines: NDArray[np.int64]
+    all_moves: Moves
 
     def place(self, number: int | None) -> str:
         """Return file and line of a move by its number from 1, the file alone without one."""
@@ -139,22 +142,24 @@ def read_moves(path: Path, *, there_and_back: bool = False) -> MovesFile:
 
     Args:
         path: of the file.
-        there_and_back: moves whose `sequence` is 0 only lead to the beginning of such a test, and are left out.
+        there_and_back: moves whose `sequence` is 0 only lead to the beginning of such a test, and do not count.
 
     Raises:
         UsageError: the file cannot be used; names line and remedy.
     """
     columns = read_table(path, MOVES)
-    sequence = columns.get("sequence")
-    counted = slice(None) if sequence is None or not there_and_back else sequence > 0.0
-    time_s, lines = columns["t_s"][counted], columns.lines[counted]
-    angular = columns.get("command_deg")
+    sequence, every = columns.get("sequence"), np.ones(len(columns), dtype=np.bool_)
+    counted = every if sequence is None or not there_and_back else sequence > 0.0
+    all_moves = _moves_of(path, columns, every)
+    return MovesFile(path, _moves_of(path, columns, counted), columns.lines[counted], all_moves)
+
+
+def _moves_of(path: Path, columns: Columns, wanted: Bools) -> Moves:
+    time_s, angular = columns["t_s"][wanted], columns.get("command_deg")
     try:
         if angular is not None:
-            moves = moves_of(time_s, np.radians(angular[counted]), "rad")
-        else:
-            moves = moves_of(time_s, columns["command_mm"][counted], "mm")
+            return moves_of(time_s, np.radians(angular[wanted]), "rad")
+        return moves_of(time_s, columns["command_mm"][wanted], "mm")
     except MovesError as error:
-        place = "" if error.row is None else f":{lines[error.row - 1]}"
+        place = "" if error.row is None else f":{columns.lines[wanted][error.row - 1]}"
         raise UsageError(f"{path}{place}: {error}") from error
-    return MovesFile(path, moves, lines)
