@@ -173,6 +173,7 @@ def _clocks(found: ClockAlignment) -> Clocks:
     return Clocks(
         offset_s=found.offset_s,
         u_offset_s=found.u_offset_s,
+        about_s=found.about_s,
         drift_ppm=1e6 * found.drift,
         u_drift_ppm=1e6 * found.u_drift,
         peaks=found.peaks,
@@ -181,9 +182,10 @@ def _clocks(found: ClockAlignment) -> Clocks:
 
 def _clocks_text(clocks: Clocks) -> str:
     return (
-        f"the recording's clock is {clocks.offset_s:.3f} s ± {clocks.u_offset_s:.3f} s ahead of that of the moves "
-        f"and gains {clocks.drift_ppm:.0f} ppm ± {clocks.u_drift_ppm:.0f} ppm (from {clocks.peaks} steps): the moves "
-        "were aligned to it"
+        f"the recording's clock is {clocks.offset_s:.2f} s ± {clocks.u_offset_s:.2f} s ahead of that of the moves at "
+        f"{clocks.about_s:.0f} s of theirs, the delay between command and motion included, and gains "
+        f"{clocks.drift_ppm:.0f} ppm ± {clocks.u_drift_ppm:.0f} ppm (from {clocks.peaks} steps): the moves were "
+        "aligned to it"
     )
 
 

@@ -112,7 +112,10 @@ def test_two_clocks_are_aligned_and_reported(tmp_path: Path) -> None:
     test = _run(tmp_path, files, "--test", "decaying", "--align", "auto").tests[0]
     assert test.clocks is not None
     assert test.clocks.offset_s == pytest.approx(1234.5, abs=0.1)
+    assert abs(test.clocks.offset_s - 1234.5) < 2.0 * test.clocks.u_offset_s < 0.3
+    assert test.clocks.about_s == pytest.approx(STILL_S + 0.5 * 39 * DWELL_S)
     assert test.flags[0].startswith("the recording's clock is 1234.")
+    assert "at 158 s of theirs, the delay between command and motion included" in test.flags[0]
     assert not any("nothing was recorded" in text for text in test.flags)
     assert [move.error_percent for move in test.moves] == pytest.approx([0.0] * 40, abs=0.2)
 
